@@ -1,0 +1,1 @@
+"""Drill strings in deviated wells: the application built on Tautline's solver."""

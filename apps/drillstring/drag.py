@@ -1,0 +1,52 @@
+"""Quadratic drag of the mud on lateral motion (Morison)."""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.kernels.dofs import add_entry
+from tautline.kernels.groups import register
+from tautline.kernels.jit import kernel
+from tautline.lumped.curve import PER_BODY
+
+
+class Drag(NamedTuple):
+    """Drag of n lumps: ``coefficient`` (n,) is rho_m C_d d l / 2, N s^2/m^2, of the lump of that index."""
+
+    coefficient: np.ndarray
+
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    for i in range(g.coefficient.size):
+        o = PER_BODY * i
+        drag = g.coefficient[i] * hypot(v[o + 1], v[o + 2])
+        r[o + 1] += drag * v[o + 1]
+        r[o + 2] += drag * v[o + 2]
+
+
+@kernel
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    for i in range(g.coefficient.size):
+        o = PER_BODY * i
+        x, y = v[o + 1], v[o + 2]
+        speed = hypot(x, y)
+        if speed > 0.0:
+            c = cc * g.coefficient[i]
+            add_entry(matrix, dofs, o + 1, o + 1, c * (speed + x * x / speed))
+            add_entry(matrix, dofs, o + 2, o + 2, c * (speed + y * y / speed))
+            add_entry(matrix, dofs, o + 1, o + 2, c * x * y / speed)
+            add_entry(matrix, dofs, o + 2, o + 1, c * x * y / speed)
+
+
+@kernel
+def _dissipation(g, t, q, v, p):
+    for i in range(g.coefficient.size):
+        o = PER_BODY * i
+        p[0] += g.coefficient[i] * hypot(v[o + 1], v[o + 2]) ** 3
+
+
+register(Drag, residual=_residual, tangent=_tangent, dissipation=_dissipation)

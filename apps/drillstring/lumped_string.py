@@ -1,0 +1,188 @@
+"""From lumps and a wellbore to the groups of the lumped model: which physics a scene has, and its numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from drillstring.contact import SPRING, WallContact
+from drillstring.drag import Drag
+from drillstring.friction import BANDED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
+from drillstring.string import Lumps
+from drillstring.wellbore import Wellbore
+from tautline.lumped.bend import Bends, bend_slopes
+from tautline.lumped.body import LUMP, Bodies, EccentricBodies
+from tautline.lumped.curve import ARC, SEAT, Curve, records
+from tautline.lumped.link import SPRING as STRING_SPRING
+from tautline.lumped.link import Links, link_slopes
+
+
+def curve_of(well: Wellbore, measured_depth: np.ndarray) -> Curve:
+    """The wellbore as the kernels read it, with the straight piece above the rotary table as its first arc."""
+    arcs = records(well.k1.size + 1, ARC)
+    table = dict(start=well.md, k1=well.k1, k2=well.k2, turn1=well.phi1, turn2=well.phi2, depth=well.positions[:, 2])
+    table |= dict(g1=well.m1s[:, 2], g2=well.m2s[:, 2], g3=well.tangents[:, 2])
+    for name, values in table.items():
+        arcs[name][1:] = values[: well.k1.size]
+    for name in ("g1", "g2", "g3"):
+        arcs[name][0] = arcs[name][1]
+    return Curve(arcs, records(measured_depth.size, SEAT, place=measured_depth))
+
+
+@dataclass(frozen=True)
+class Fluid:
+    """Mud around and inside the string; densities kg/m^3.
+
+    ``added_mass`` (n,) is the coefficient C_a of each lump; ``inside`` 0 where the pipe is empty of what moves with it.
+    """
+
+    density: float = 0.0
+    inside_density: float = 0.0
+    added_mass: float | str = 0.0
+    drag: float = 0.0
+
+
+def buoyed_weight(lumps: Lumps, fluid: Fluid, gravity: float) -> np.ndarray:
+    """Weight of each lump in the mud, N: steel, plus the mud inside it, minus the mud that both displace.
+
+    With the same mud inside and outside it is ``m g (1 - rho_m / rho_s)``; a section's mass per length that is not
+    that of its round tube (tool joints) displaces in proportion.
+    """
+
+    def per_length(tube: Any) -> float:
+        steel_area = tube.mass_per_length / tube.density
+        bore = pi / 4.0 * tube.id**2
+        outer = steel_area + bore
+        return gravity * (tube.mass_per_length + fluid.inside_density * bore - fluid.density * outer)
+
+    return lumps.of_lumps(per_length)
+
+
+def lateral_mass(lumps: Lumps, fluid: Fluid, hole_diameter: float | None, carries_inside: bool) -> np.ndarray:
+    """Mass that follows lateral motion beside the steel, kg: added mass of the mud outside, and the mud inside."""
+
+    def per_length(tube: Any) -> float:
+        if fluid.added_mass == "annular":
+            if hole_diameter is None:
+                raise ValueError("annular added mass needs the hole's diameter")
+            coefficient = (hole_diameter**2 + tube.od**2) / (hole_diameter**2 - tube.od**2)
+        else:
+            coefficient = float(fluid.added_mass)
+        inside = fluid.inside_density * tube.id**2 if carries_inside else 0.0
+        return pi / 4.0 * (coefficient * fluid.density * tube.od**2 + inside)
+
+    return lumps.of_lumps(per_length)
+
+
+def bodies_of(
+    lumps: Lumps, curve: Curve, weight: np.ndarray, lateral: np.ndarray, damping: Any, scaled: np.ndarray
+) -> Bodies | EccentricBodies:
+    """Group of all lumps; eccentric only where a section says so.
+
+    The transverse inertia is that of the cross-section alone: every metre of pipe moves along its own tangent of the
+    arc, so the lump's m s'^2 / 2 is the whole kinetic energy and a rod's m l^2 / 12 would count it twice.
+    """
+    mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
+    polar = lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)
+    e1, e2 = (
+        lumps.of_lumps(lambda tube, k=k: tube.mass_per_length * tube.eccentricity[k]) / mass for k in (0, 1)
+    )
+    rows = records(
+        mass.size, LUMP, mass=mass, polar=polar, transverse=0.5 * polar, lateral_mass=lateral, weight=weight, e1=e1, e2=e2,
+        damping_along=damping.translation * scaled + damping.mass_proportional * mass,
+        damping_across=damping.translation * scaled + damping.mass_proportional * (mass + lateral),
+        damping_about=damping.rotation * scaled + damping.mass_proportional * polar,
+    )  # fmt: skip
+    kind = EccentricBodies if np.any(e1) or np.any(e2) else Bodies
+    return kind(curve, rows, np.zeros((3, 4, 4)))
+
+
+def links_of(lumps: Lumps, curve: Curve, structural_damping: float) -> Links:
+    """Group of all axial and torsional springs."""
+    springs = records(
+        lumps.length.size,
+        STRING_SPRING,
+        length=lumps.length,
+        axial=lumps.of_links(lambda tube: tube.youngs_modulus * tube.area) / lumps.length,
+        torsional=lumps.of_links(lambda tube: tube.shear_modulus * tube.polar_moment) / lumps.length,
+    )
+    return Links(curve, springs, float(structural_damping), link_slopes(), np.zeros((13, 6)))
+
+
+def bends_of(lumps: Lumps, curve: Curve, stiff: bool) -> Bends:
+    """Group of all bends: EI of two links in series, weighted by their lengths, over their mean length."""
+    rigidity = lumps.of_links(lambda tube: tube.youngs_modulus * tube.second_moment)
+    a, b = lumps.length[:-1], lumps.length[1:]
+    series = (a + b) / (a / rigidity[:-1] + b / rigidity[1:])
+    return Bends(
+        curve=curve,
+        length=lumps.length,
+        stiffness=series / (0.5 * (a + b)),
+        stiff=1.0 if stiff else 0.0,
+        slopes=bend_slopes(),
+        scratch=np.zeros((9, 9)),
+    )
+
+
+def drag_of(lumps: Lumps, fluid: Fluid) -> Drag:
+    """Group of lateral drag."""
+    return Drag(0.5 * fluid.density * fluid.drag * lumps.of_lumps(lambda tube: tube.od))
+
+
+def contact_of(
+    lumps: Lumps,
+    curve: Curve,
+    links: Links,
+    lateral: np.ndarray,
+    hole_diameter: float,
+    wall: Any,
+    contact_rotation: float,
+    law: str,
+    moving: bool,
+) -> WallContact:
+    """Group of wall contacts of every lump below the top drive.
+
+    The wall's stiffness and damping are given for the largest tube in ``wall.lumps`` lumps; they scale with a lump's
+    diameter and tributary length, so that results do not depend on the number of lumps.
+    """
+    below = slice(1, None)
+    od = lumps.largest(lambda tube: tube.od)
+    contact_od = lumps.largest(lambda tube: tube.contact_od)
+    share = lumps.tributary / (lumps.total / wall.lumps)
+    scale = (od / od.max() * share)[below]
+    n = scale.size
+    mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
+    polar = lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)
+    radius = 0.5 * contact_od[below]
+    stiffness = np.append(links.springs.axial, 0.0) + np.append(0.0, links.springs.axial)
+    return WallContact(
+        curve=curve,
+        law=law_of(
+            wall.friction, law, n, mass[below], stiffness[below],
+            1.0 / (1.0 / (mass + lateral)[below] + radius**2 / polar[below]), moving,
+        ),
+        springs=records(
+            n, SPRING, body=np.arange(1, n + 1), stiffness=wall.stiffness * scale, damping=wall.damping * scale,
+            clearance=0.5 * (hole_diameter - contact_od[below]), radius=radius, viscous=contact_rotation * share[below],
+        ),
+        scratch=np.zeros((2, 4, 4)),
+    )  # fmt: skip
+
+
+def law_of(
+    friction: Any, law: str, n: int, along: np.ndarray, stiffness: np.ndarray, around: np.ndarray, moving: bool
+) -> Projection | Karnopp | Regularised:
+    """The law of friction of n contacts; ``moving`` says that the string starts in motion, hence slipping."""
+    static, kinetic = float(friction.static), float(friction.kinetic)
+    if law == "projection":
+        settled = SLIP if moving else STICK
+        return Projection(
+            records(n, PROJECTED, static=static, kinetic=kinetic, mass=along, links=stiffness, settled=settled, c=1.0)
+        )
+    if law == "karnopp":
+        rows = records(n, BANDED, static=static, kinetic=kinetic, mass_a=along, mass_c=around)
+        return Karnopp(rows, float(friction.slip_velocity))
+    return Regularised(static, kinetic, float(friction.slip_velocity), float(friction.decay_velocity))

@@ -1,0 +1,401 @@
+"""A drill string in a well, as it is written in a YAML file.
+
+The models below hold what the file says, in SI, validated; `Wellbore` and the builder compute with it.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from tautline.scene.errors import SceneError
+from tautline.scene.functions import Constant, FunctionOfTime, Position, time_function
+from tautline.scene.model import Branch, Model, OneOf, Scene, Switch, Whole, word
+from tautline.scene.quantity import quantity
+from tautline.scene.refusal import fault, refusal
+from tautline.scene.solver import Output, Solver, check_output
+
+MOST_ELEMENTS = 100_000
+STRING = "[{name: drill pipe, length: rest, od: 0.127, id: 0.1086}]"
+
+Length = Annotated[float, quantity("m", positive=True)]
+Distance = Annotated[float, quantity("m", nonnegative=True)]
+Angle = Annotated[float, quantity("rad")]
+Density = Annotated[float, quantity("kg/m^3", positive=True)]
+Modulus = Annotated[float, quantity("Pa", positive=True)]
+Speed = Annotated[float, quantity("m/s", positive=True)]
+Factor = Annotated[float, quantity("", nonnegative=True)]
+Inclination = Annotated[float, quantity("rad", nonnegative=True, at_most=3.1415926535897936)]
+
+
+class Hold(Model):
+    """A straight piece of the well."""
+
+    length: Distance
+
+
+class _Arc(Model):
+    """A piece of the well of constant curvature: `radius`, or `rate` in rad/m (``3 deg/30m``)."""
+
+    radius: Length | None = None
+    rate: Annotated[float, quantity("rad/m", positive=True)] | None = None
+
+    @model_validator(mode="after")
+    def _one_curvature(self) -> Self:
+        if self.radius is None and self.rate is None:
+            raise fault("radius", "is missing", "give `radius: 1000 m`, or `rate: 3 deg/30m`")
+        if self.radius is not None and self.rate is not None:
+            raise fault("rate", "is given together with `radius`", "keep one of the two")
+        return self
+
+    @property
+    def curvature(self) -> float:
+        """Curvature, 1/m."""
+        return self.rate if self.rate is not None else 1.0 / self.radius if self.radius else 0.0
+
+    @property
+    def bend_radius(self) -> float:
+        """Radius of the arc, m, whichever of the two was given."""
+        return 1.0 / self.curvature
+
+
+class Build(_Arc):
+    """An arc to another inclination (rad), and to another azimuth where one is given."""
+
+    to: Inclination
+    azimuth: Angle | None = None
+
+
+class Turn(_Arc):
+    """An arc to another azimuth (rad) at the same inclination."""
+
+    to: Angle
+
+
+class Survey(Model):
+    """A survey file: `md`, `inc`, `azi` are units for its columns, where its header does not state them."""
+
+    file: str
+    md: str | None = None
+    inc: str | None = None
+    azi: str | None = None
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units that were given, by column."""
+        return {key: unit for key, unit in (("md", self.md), ("inc", self.inc), ("azi", self.azi)) if unit is not None}
+
+
+LAW = word("projection", "karnopp", "regularised", aliases={"regularized": "regularised"})
+
+
+class Friction(Model):
+    """Coulomb friction of string on wall; speeds in m/s."""
+
+    static: Factor
+    kinetic: Factor
+    law: Annotated[Literal["projection", "karnopp", "regularised"], LAW] = "projection"
+    slip_velocity: Speed = 1.0e-5
+    decay_velocity: Speed = 1.0e-3
+
+    @model_validator(mode="after")
+    def _order(self) -> Friction:
+        if self.kinetic > self.static:
+            cause = f"larger than static = {self.static:g}"
+            raise fault("kinetic", cause, "friction of slip is at most that of rest: swap them, or give one number")
+        return self
+
+
+AnyFriction = OneOf(
+    "friction",
+    {},
+    plain=Branch(Factor, lambda value: Friction(static=value, kinetic=value)),
+    whole=Branch(Friction),
+    example="0.2 or {static: 0.3, kinetic: 0.2}",
+)
+
+
+class Wall(Model):
+    """The hole's wall: contact `stiffness` (N/m) and `damping` (N s/m) of one lump of the largest section.
+
+    They hold for a string of `lumps` lumps; the builder scales both by diameter and tributary length.
+    """
+
+    stiffness: Annotated[float, quantity("N/m", positive=True)]
+    damping: Annotated[float, quantity("N s/m", nonnegative=True)] = 0.0
+    lumps: Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS)] = 12
+    friction: Annotated[Friction, AnyFriction] = Friction(static=0.0, kinetic=0.0)
+
+
+def _no_wall(text: str) -> None:
+    if text.lower() != "none":
+        raise refusal("is not a wall", "write `none` for free space, or {stiffness: 1.0e9, friction: 0.2}")
+
+
+AnyWall = OneOf(
+    "a wall", {}, plain=Branch(str, _no_wall), whole=Branch(Wall), example="{stiffness: 1.0e9, friction: 0.2}, or none"
+)
+AnySurvey = OneOf(
+    "a survey", {}, plain=Branch(str, lambda file: Survey(file=file)), whole=Branch(Survey), example="survey.csv"
+)
+AnySection = OneOf(
+    "a section of the well",
+    {"hold": Branch(Distance, lambda length: Hold(length=length)), "build": Branch(Build), "turn": Branch(Turn)},
+    example="{hold: 2200 m} or {build: {radius: 1000 m, to: 90 deg}}",
+)
+
+
+class Well(Model):
+    """The hole, from the rotary table down; directions at the table in rad."""
+
+    inclination: Inclination = 0.0
+    azimuth: Angle = 0.0
+    sections: Annotated[tuple[Annotated[Hold | Build | Turn, AnySection], ...], Field(min_length=1)] | None = None
+    survey: Annotated[Survey | None, AnySurvey] = None
+    diameter: Length
+    wall: Annotated[Wall | None, AnyWall] = Field(examples=["none, or {stiffness: 1.0e9, friction: 0.2}"])
+
+    @model_validator(mode="after")
+    def _one_path(self) -> Well:
+        if self.sections is None and self.survey is None:
+            raise fault("sections", "is missing", "add `sections: [{hold: 2200 m}]`, or `survey: survey.csv`")
+        if self.sections is not None and self.survey is not None:
+            raise fault("survey", "is given together with `sections`", "keep one of the two")
+        return self
+
+
+class Section(Model):
+    """A piece of the string of one kind; `length` is a number or ``rest``, what the hole leaves for it."""
+
+    name: str = Field(examples=["drill pipe"])
+    length: Annotated[float | Literal["rest"], quantity("m", positive=True, words=("rest",))]
+    od: Length
+    id: Distance
+    tool_joint_od: Length | None = None
+    second_moment: Annotated[float, quantity("m^4", positive=True)] | None = None
+    mass_per_length: Annotated[float, quantity("kg/m", positive=True)] | None = None
+    eccentricity: tuple[Annotated[float, quantity("m")], Annotated[float, quantity("m")]] = (0.0, 0.0)
+    youngs_modulus: Modulus | None = None
+    shear_modulus: Modulus | None = None
+    density: Density | None = None
+    elements: Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS)] | None = None
+
+    @property
+    def contact_diameter(self) -> float:
+        """Diameter that touches the wall, m: the tool joint's where given."""
+        return self.od if self.tool_joint_od is None else self.tool_joint_od
+
+    @model_validator(mode="after")
+    def _pipe(self) -> Section:
+        if self.od <= self.id:
+            relation = "equal to" if self.od == self.id else "smaller than"
+            raise fault("od", f"{relation} id = {self.id:g}", "the outside is larger than the bore: swap od and id?")
+        if self.tool_joint_od is not None and self.tool_joint_od < self.od:
+            raise fault("tool_joint_od", f"smaller than od = {self.od:g}", "give at least od, or remove it")
+        return self
+
+
+class Material(Model):
+    """Of all sections that do not give their own."""
+
+    youngs_modulus: Modulus
+    shear_modulus: Modulus
+    density: Density
+
+
+class Mud(Model):
+    """The fluid in the hole, and in the string where `inside`; `added_mass` and `drag` are coefficients."""
+
+    density: Density
+    added_mass: Annotated[float | Literal["annular"], quantity("", nonnegative=True, words=("annular",))] = 1.0
+    drag: Factor = 1.0
+    inside: Switch = True
+    inside_density: Density | None = None
+
+
+class Damping(Model):
+    """Viscous coefficients of one lump (c_r, c_f2 and c_fc of Table 2.4), and of the steel itself.
+
+    `rotation` and `contact_rotation` in N m s/rad, `translation` in N s/m, `structural` in s (times stiffness),
+    `mass_proportional` in 1/s.
+    """
+
+    rotation: Annotated[float, quantity("N m s/rad", nonnegative=True)] = 0.0
+    translation: Annotated[float, quantity("N s/m", nonnegative=True)] = 0.0
+    contact_rotation: Annotated[float, quantity("N m s/rad", nonnegative=True)] = 0.0
+    structural: Annotated[float, quantity("s", nonnegative=True)] = 0.0
+    mass_proportional: Annotated[float, quantity("1/s", nonnegative=True)] = 0.0
+
+
+class Controller(Model):
+    """A top drive that holds its speed: proportional (N m s/rad) and integral (N m/rad) gains, inertia (kg m^2)."""
+
+    speed: Annotated[FunctionOfTime, time_function("rad/s")] = Field(examples=["120 rpm"])
+    proportional: Annotated[float, quantity("N m s/rad", nonnegative=True)]
+    integral: Annotated[float, quantity("N m/rad", nonnegative=True)] = 0.0
+    torque_limit: Annotated[float, quantity("N m", positive=True)] | None = None
+    inertia: Annotated[float, quantity("kg m^2", positive=True)]
+
+
+BLOCK = time_function("m", velocity="m/s")
+ROTATION = time_function("rad/s", controller=Branch(Controller))
+
+
+class Top(Model):
+    """The block's position (m, positive down the hole) and the rotary speed (rad/s), or the drive that makes it."""
+
+    block: Annotated[Position, BLOCK] = Field(Constant(value=0.0), examples=["{velocity: {ramp: {to: 0.5, over: 2}}}"])
+    rotation: Annotated[FunctionOfTime | Controller, ROTATION] = Field(Constant(value=0.0), examples=["60 rpm"])
+
+
+class Bit(Model):
+    """The lower end; `force` in N along the string, positive downhole."""
+
+    on_bottom: Switch = False
+    lateral: Annotated[Literal["free", "pinned"], word("free", "pinned")] = "free"
+    force: Annotated[float, quantity("N")] = 0.0
+
+    @model_validator(mode="after")
+    def _off(self) -> Bit:
+        if self.on_bottom:
+            raise fault(
+                "on_bottom", "drilling is not available yet", "set it to false; `force` can stand for bit weight"
+            )
+        return self
+
+
+class LumpedModel(Model):
+    """How the string is modelled: so many lumps, and which bending."""
+
+    kind: Annotated[Literal["lumped"], word("lumped")] = "lumped"
+    elements: Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS, examples=["12"])]
+    bending: Annotated[Literal["stiff", "soft", "none"], word("stiff", "soft", "none")] = "stiff"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _kind(cls, data: Any) -> Any:
+        if isinstance(data, dict) and str(data.get("kind")).lower().replace("_", "-") == "ale-ancf":
+            raise fault("kind", "the ALE-ANCF model of the string is not available yet", "use kind: lumped")
+        return data
+
+
+class DrillstringScene(Scene):
+    """A drill string in a well: all that a run needs to know.
+
+    Attributes
+    ----------
+    document : Document or None
+        The file it was read from.
+    """
+
+    title: str | None = None
+    gravity: Annotated[float, quantity("m/s^2", nonnegative=True)] = 9.81
+    well: Well = Field(examples=["{sections: [{hold: 2200 m}], diameter: 0.2032, wall: none}"])
+    string: Annotated[tuple[Section, ...], Field(min_length=1, examples=[STRING])]
+    material: Material = Field(examples=["{youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850}"])
+    mud: Mud | None = None
+    damping: Damping = Damping()
+    top: Top = Top()
+    bit: Bit = Bit()
+    model: LumpedModel = Field(examples=["{kind: lumped, elements: 12}"])
+    start: Annotated[Literal["static", "straight"], word("static", "straight")] = "static"
+    solver: Solver = Field(examples=["{method: generalized-alpha, step: 1 ms, end: 40 s}"])
+    output: Output = Field(examples=["{interval: 50 ms}"])
+
+    @model_validator(mode="after")
+    def _string(self) -> DrillstringScene:
+        rests = [i for i, section in enumerate(self.string) if section.length == "rest"]
+        if len(rests) > 1:
+            raise fault(("string", rests[1], "length"), "a second section is the rest", "give its length as a number")
+        return self
+
+    @model_validator(mode="after")
+    def _clearance(self) -> DrillstringScene:
+        hole = self.well.diameter
+        for i, section in enumerate(self.string):
+            key = "od" if section.tool_joint_od is None else "tool_joint_od"
+            if section.contact_diameter >= hole:
+                relation = "equal to" if section.contact_diameter == hole else "larger than"
+                cause = f"{relation} well.diameter = {hole:g}: it does not fit into the hole"
+                raise fault(("string", i, key), cause, f"widen well.diameter, or give a smaller {key}")
+        return self
+
+    @model_validator(mode="after")
+    def _buoyancy(self) -> DrillstringScene:
+        steel = min(section.density or self.material.density for section in self.string)
+        for key in ("density", "inside_density"):
+            density = None if self.mud is None else getattr(self.mud, key)
+            if density is not None and density >= steel:
+                cause = f"not less than the string's density, {steel:g} kg/m^3: the string would float"
+                raise fault(("mud", key), cause, "give the mud's density, such as 12.5 ppg")
+        return self
+
+    @model_validator(mode="after")
+    def _mesh(self) -> DrillstringScene:
+        if self.model.elements < len(self.string):
+            cause = f"fewer than the {len(self.string)} sections of the string"
+            raise fault(("model", "elements"), cause, f"give at least {len(self.string)}: one for each section")
+        asked = [section.elements or 0 for section in self.string]
+        left = sum(1 for n in asked if n == 0)
+        if sum(asked) + left > self.model.elements or (left == 0 and sum(asked) != self.model.elements):
+            at = next(i for i, n in enumerate(asked) if n)
+            cause = f"the sections ask for {sum(asked) + left} elements, and model.elements is {self.model.elements}"
+            raise fault(("string", at, "elements"), cause, "make the two agree, or remove the section's elements")
+        return self
+
+    @model_validator(mode="after")
+    def _frames(self) -> DrillstringScene:
+        check_output(self.solver, self.output)
+        return self
+
+
+def read(path: str | Path) -> DrillstringScene:
+    """Read and validate a scene file.
+
+    Raises
+    ------
+    SceneError
+        Listing every fault with its line, key and cure.
+    """
+    return DrillstringScene.read(path)
+
+
+def check_lengths(scene: DrillstringScene, well_length: float) -> tuple[float, ...]:
+    """Lengths of the sections from the rotary table down, with what is left of the hole for ``rest``.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+        The scene.
+    well_length : float
+        Measured depth of the hole, m.
+
+    Returns
+    -------
+    tuple of float
+        A length for each section, m.
+
+    Raises
+    ------
+    SceneError
+        If the string is longer than the hole, or nothing is left for ``rest``.
+    """
+    given = sum(section.length for section in scene.string if section.length != "rest")
+    rests = [i for i, section in enumerate(scene.string) if section.length == "rest"]
+    left = well_length - given
+    if rests and left <= 1e-9 * well_length:
+        cause = f"no room is left: the other sections are {given:g} m long, and the hole {well_length:g} m"
+        raise SceneError([scene.problem(("string", rests[0], "length"), cause, "shorten them, or deepen the well")])
+    if left < -1e-9 * well_length:
+        longest = max(range(len(scene.string)), key=lambda i: scene.string[i].length)
+        cause = f"the string is {given:g} m long, and the hole {well_length:g} m"
+        cure = "shorten the string (`length: rest` fills the hole), or deepen the well"
+        raise SceneError([scene.problem(("string", longest, "length"), cause, cure)])
+    return tuple(left if section.length == "rest" else section.length for section in scene.string)
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema of a drill-string scene."""
+    return DrillstringScene.model_json_schema()

@@ -1,0 +1,117 @@
+"""The string cut into lumps: masses at element ends, springs between them, a lump at every change of section."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Tube:
+    """One section of the string: dimensions in m, moduli in Pa, densities in kg/m^3."""
+
+    name: str
+    length: float
+    od: float
+    id: float
+    contact_od: float
+    youngs_modulus: float
+    shear_modulus: float
+    density: float
+    mass_per_length: float
+    second_moment: float
+    eccentricity: tuple[float, float] = (0.0, 0.0)
+    elements: int | None = None
+
+    @property
+    def area(self) -> float:
+        """Steel's cross-section, m^2."""
+        return pi / 4.0 * (self.od**2 - self.id**2)
+
+    @property
+    def polar_moment(self) -> float:
+        """Polar second moment of area of the round tube, m^4."""
+        return pi / 32.0 * (self.od**4 - self.id**4)
+
+
+def share_elements(tubes: list[Tube], total: int) -> list[int]:
+    """Elements of each section: in proportion to length, at least one each, ``total`` in all.
+
+    Sections that state their own number keep it; the remainder is shared among the others.
+
+    Raises
+    ------
+    ValueError
+        Where there are fewer elements than sections.
+    """
+    if total < len(tubes):
+        raise ValueError(f"{total} elements for {len(tubes)} sections: each section needs at least one")
+    counts = [tube.elements or 1 for tube in tubes]
+    open_ = [k for k, tube in enumerate(tubes) if tube.elements is None]
+    if not open_:
+        return counts
+    for _ in range(total - sum(counts)):
+        # The next element goes where elements are longest now.
+        k = max(open_, key=lambda j: tubes[j].length / counts[j])
+        counts[k] += 1
+    return counts
+
+
+@dataclass(frozen=True)
+class Lumps:
+    """A string as n + 1 lumps and n links; lump 0 hangs in the top drive. Arrays (n + 1,) or (n,), SI units.
+
+    ``halves`` (n + 1, sections) is how many metres of each section belong to a lump.
+    """
+
+    tubes: tuple[Tube, ...]
+    section: np.ndarray
+    length: np.ndarray
+    measured_depth: np.ndarray
+    halves: np.ndarray
+
+    def of_links(self, value) -> np.ndarray:
+        """A quantity of the section of each link, (n,)."""
+        return np.array([value(tube) for tube in self.tubes], dtype=float)[self.section]
+
+    def of_lumps(self, per_length) -> np.ndarray:
+        """A quantity per metre of section, summed over the metres that belong to each lump, (n + 1,)."""
+        return self.halves @ np.array([per_length(tube) for tube in self.tubes], dtype=float)
+
+    def largest(self, value) -> np.ndarray:
+        """Largest of a quantity among the sections that a lump belongs to, (n + 1,)."""
+        values = np.array([value(tube) for tube in self.tubes], dtype=float)
+        return np.where(self.halves > 0.0, values, -np.inf).max(axis=1)
+
+    @property
+    def tributary(self) -> np.ndarray:
+        """Length that belongs to each lump, (n + 1,) m."""
+        return self.halves.sum(axis=1)
+
+    @property
+    def total(self) -> float:
+        """Unstretched length of the string, m."""
+        return float(self.length.sum())
+
+
+def cut(tubes: list[Tube], elements: int) -> Lumps:
+    """Cut a string into lumps.
+
+    Parameters
+    ----------
+    tubes : list of Tube
+        From the rotary table down.
+    elements : int
+        Links in all.
+    """
+    counts = share_elements(tubes, elements)
+    section = np.repeat(np.arange(len(tubes)), counts)
+    length = np.array([tubes[k].length / counts[k] for k in section])
+    halves = np.zeros((length.size + 1, len(tubes)))
+    for i, k in enumerate(section):
+        halves[i, k] += 0.5 * length[i]
+        halves[i + 1, k] += 0.5 * length[i]
+    depth = np.concatenate([[0.0], np.cumsum(length)])
+    return Lumps(tuple(tubes), section, length, depth, halves)

@@ -1,0 +1,88 @@
+"""The top drive under a speed controller with a torque limit (DRILLSTRING.md section 8)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.kernels.dofs import add_entry
+from tautline.kernels.groups import register
+from tautline.kernels.jit import kernel
+from tautline.kernels.time_function import TimeFunctions, evaluate
+
+
+class TopDrive(NamedTuple):
+    """PI speed control at full degree of freedom ``place``: torque, limited, on the drive's own inertia kg m^2.
+
+    T = proportional (Omega - phi') + integral (int Omega dt - phi), |T| <= limit; the reference angle is function
+    ``angle`` of the scene. ``torque`` (1,) is that of the last accepted step.
+    """
+
+    functions: TimeFunctions
+    angle: int
+    place: int
+    inertia: float
+    proportional: float
+    integral: float
+    limit: float
+    torque: np.ndarray
+
+
+@kernel
+def _torque(g, t, q, v):
+    """Torque asked for, N m, and whether it is within the limit."""
+    angle, speed, _ = evaluate(g.functions, g.angle, t)
+    asked = g.proportional * (speed - v[g.place]) + g.integral * (angle - q[g.place])
+    if abs(asked) > g.limit:
+        return np.copysign(g.limit, asked), False
+    return asked, True
+
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    torque, _ = _torque(g, t, q, v)
+    r[g.place] += g.inertia * a[g.place] - torque
+
+
+@kernel
+def _mass(g, q, matrix, dofs):
+    add_entry(matrix, dofs, g.place, g.place, g.inertia)
+
+
+@kernel
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    _, within = _torque(g, t, q, v)
+    x = cm * g.inertia
+    if within:
+        x += cc * g.proportional + ck * g.integral
+    add_entry(matrix, dofs, g.place, g.place, x)
+
+
+@kernel
+def _energy(g, t, q, v, e):
+    e[0] += 0.5 * g.inertia * v[g.place] ** 2
+
+
+@kernel
+def _dissipation(g, t, q, v, p):
+    torque, _ = _torque(g, t, q, v)
+    p[1] += torque * v[g.place]
+
+
+@kernel
+def _commit(g, t, h, q, v, a):
+    torque, _ = _torque(g, t, q, v)
+    g.torque[0] = torque
+
+
+@kernel
+def _record(g, out, at):
+    out[at[0]] = g.torque[0]
+    at[0] += 1
+
+
+register(
+    TopDrive, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    commit=_commit, record=_record,
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""The verbs that every application shares, as a command line."""

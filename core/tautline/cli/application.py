@@ -1,0 +1,74 @@
+"""What an application offers to the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from tautline.results.result import Result
+    from tautline.scene.errors import Caution
+
+
+class Application(Protocol):
+    """One kind of scene. Making one must be cheap: everything heavy is imported by the methods that need it.
+
+    Attributes
+    ----------
+    name : str
+        Name of its console script: ``drillstring``.
+    title : str
+        One line for ``--help``.
+    """
+
+    name: str
+    title: str
+
+    @property
+    def templates(self) -> Mapping[str, str]:
+        """Name -> YAML text of the commented starter scenes; the first is the default of ``new``."""
+
+    def recognises(self, root: dict[str, Any]) -> bool:
+        """Whether a scene's mapping is of this kind."""
+
+    def read(self, path: Path) -> Any:
+        """Read and validate a scene; raises SceneError."""
+
+    def with_overrides(
+        self,
+        scene: Any,
+        method: str | None = None,
+        step: float | None = None,
+        end: float | None = None,
+        rho_inf: float | None = None,
+    ) -> Any:
+        """Copy of a scene with other solver settings; None keeps one; raises SceneError naming the option."""
+
+    def schema(self) -> dict[str, Any]:
+        """JSON schema of a scene."""
+
+    def cautions(self, scene: Any) -> list[Caution]:
+        """Say what is large compared with what, for ``check`` and before a run."""
+
+    def check_figures(self, scene: Any) -> dict[str, Any]:
+        """Extra keys of ``check --json``."""
+
+    def build(self, scene: Any) -> Any:
+        """Compile a scene into a Model; raises SceneError."""
+
+    def figures(
+        self, results: Sequence[Result], folder: Path, what: Sequence[str], formats: Sequence[str], stem: str | None
+    ) -> list[Path]:
+        """Draw results into files; raises ResultError for an unknown figure.
+
+        Parameters
+        ----------
+        what : sequence of str
+            Names of figures; empty for all of them.
+        formats : sequence of str
+            ``png``, ``svg``, ``pdf``.
+        stem : str or None
+            Beginning of the file names, and the whole name where there is one figure; None for the first result's
+            name followed by the figure's.
+        """

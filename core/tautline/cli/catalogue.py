@@ -1,0 +1,104 @@
+"""Which application a scene or a result belongs to."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from tautline.scene.errors import Problem, SceneError
+
+if TYPE_CHECKING:
+    from tautline.cli.application import Application
+    from tautline.results.result import Result
+
+GROUP = "tautline.applications"
+"""Entry points of this group name the classes of applications."""
+
+
+class Catalogue(Protocol):
+    """The applications that a command serves."""
+
+    name: str
+    title: str
+
+    def all(self) -> list[Application]:
+        """All of them, loaded."""
+
+    def for_scene(self, path: Path) -> Application:
+        """Find the one that a scene file belongs to; raises SceneError if there is none."""
+
+    def for_result(self, result: Result) -> Application:
+        """Find the one that a result belongs to; raises SceneError if there is none."""
+
+
+class Single:
+    """The catalogue of an application's own console script: it takes every scene as its own."""
+
+    def __init__(self, application: Application) -> None:
+        self.application = application
+        self.name, self.title = application.name, application.title
+
+    def all(self) -> list[Application]:
+        """List the one application."""
+        return [self.application]
+
+    def for_scene(self, path: Path) -> Application:
+        """Return the one application, whose own messages about a foreign scene say more than ours could."""
+        return self.application
+
+    def for_result(self, result: Result) -> Application:
+        """Return the one application."""
+        return self.application
+
+
+class Installed:
+    """All applications that are installed."""
+
+    name = "tautline"
+    title = "Slender things under tension: simulates any scene of any installed application."
+
+    def all(self) -> list[Application]:
+        """Load them all; those that cannot be loaded are left out, see `broken`."""
+        return list(self._loaded[0].values())
+
+    @property
+    def broken(self) -> dict[str, str]:
+        """Why an application could not be loaded, by name."""
+        return self._loaded[1]
+
+    @functools.cached_property
+    def _loaded(self) -> tuple[dict[str, Application], dict[str, str]]:
+        from importlib.metadata import entry_points
+
+        found: dict[str, Application] = {}
+        broken: dict[str, str] = {}
+        for point in entry_points(group=GROUP):
+            try:
+                found[point.name] = point.load()()
+            except Exception as error:  # one broken application must not keep the others from being used
+                broken[point.name] = f"{type(error).__name__}: {error}"
+        return found, broken
+
+    def for_scene(self, path: Path) -> Application:
+        """Ask each whether the scene is its own."""
+        from tautline.scene.document import Document
+
+        return self._recognising(Document.read(path).root, str(path))
+
+    def for_result(self, result: Result) -> Application:
+        """Ask each about the scene that a result carries."""
+        from tautline.scene.document import Document
+
+        path = str(result.path)
+        return self._recognising(Document.parse(str(result.attributes.get("scene", "")), path).root, path)
+
+    def _recognising(self, root: dict[str, Any], name: str) -> Application:
+        for application in self.all():
+            if application.recognises(root):
+                return application
+        known = ", ".join(application.name for application in self.all()) or "none"
+        cure = f"installed applications: {known}; `new --list` shows scenes of each"
+        for application_name, why in self.broken.items():
+            cure += f"; {application_name} could not be loaded ({why})"
+        raise SceneError([Problem(name, None, "", None, "no installed application knows this kind of scene", cure)])

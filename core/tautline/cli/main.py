@@ -1,0 +1,16 @@
+"""The console script ``tautline``: the same verbs for any scene of any installed application."""
+
+from __future__ import annotations
+
+from tautline.cli.catalogue import Installed
+from tautline.cli.run import run
+from tautline.cli.verbs import make_app
+
+
+def main() -> None:
+    """Run the command of the process's arguments; leaves through SystemExit."""
+    run(make_app(Installed()))
+
+
+if __name__ == "__main__":
+    main()

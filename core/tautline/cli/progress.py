@@ -1,0 +1,61 @@
+"""How far a run is: a bar on a terminal, nothing but a first line elsewhere."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from tautline.cli.console import console
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+
+class Bar:
+    """A progress bar as a context manager; call it with simulated and wall time, s.
+
+    Parameters
+    ----------
+    end : float or None
+        Simulated time at which the run ends, s; None if that is not known.
+    shown : bool
+        False for ``--quiet``; where there is no terminal nothing is drawn either.
+    """
+
+    def __init__(self, end: float | None, shown: bool = True) -> None:
+        self.end = end
+        self.progress: Progress | None = None
+        self.task: TaskID | None = None
+        if shown and console().is_terminal:
+            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+            self.progress = Progress(
+                TextColumn("{task.fields[reached]}", justify="right"),
+                BarColumn(bar_width=40),
+                TextColumn("{task.fields[rate]}"),
+                TimeRemainingColumn(compact=True),
+                console=console(),
+                transient=True,
+            )
+
+    def __enter__(self) -> Bar:
+        if self.progress is not None:
+            self.progress.start()
+            self.task = self.progress.add_task("", total=self.end, reached=self._reached(0.0), rate="starting")
+        return self
+
+    def __call__(self, simulated: float, wall: float) -> None:
+        """Show how far the run is."""
+        if self.progress is None or self.task is None:
+            return
+        rate = f"{simulated / wall:.3g} x real time" if wall > 0.0 else ""
+        self.progress.update(self.task, completed=simulated, reached=self._reached(simulated), rate=rate)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self.progress is not None:
+            self.progress.stop()
+
+    def _reached(self, simulated: float) -> str:
+        return f"{simulated:.1f} s" if self.end is None else f"{simulated:.1f} of {self.end:g} s"

@@ -1,0 +1,130 @@
+"""Running a command: what each outcome prints, and its exit code."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from tautline.cli.console import abandon_output, print_json, say
+from tautline.scene.errors import Problem, SceneError
+
+if TYPE_CHECKING:
+    import typer
+
+
+class ExitCode(IntEnum):
+    """How a command ended."""
+
+    DONE = 0
+    INTERNAL_ERROR = 1
+    BAD_INPUT = 2
+    STOPPED_EARLY = 3
+    INTERRUPTED = 130
+
+
+class Ended(Exception):
+    """A verb that has reported how it ended."""
+
+    def __init__(self, code: ExitCode) -> None:
+        self.code = code
+        super().__init__(code.name)
+
+
+def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run a command and leave the process with its exit code; there is never a traceback unless ``--debug`` is given.
+
+    Parameters
+    ----------
+    app : typer.Typer
+        From ``make_app``.
+    arguments : sequence of str, optional
+        Those of the process if None.
+
+    Raises
+    ------
+    SystemExit
+        Always.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    code = _outcome(app, given)
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        abandon_output()
+    sys.exit(int(code))
+
+
+def _outcome(app: typer.Typer, given: list[str]) -> int:
+    as_json, debug = "--json" in given, "--debug" in given
+    # `--debug` may stand anywhere, and not only before the verb, where typer would want it.
+    arguments = [argument for argument in given if argument != "--debug"]
+    try:
+        code = app(arguments, standalone_mode=False, prog_name=app.info.name)
+    except Ended as end:
+        return end.code
+    except BrokenPipeError:
+        abandon_output()
+        return ExitCode.DONE
+    except (KeyboardInterrupt, EOFError):
+        code = ExitCode.INTERRUPTED
+    except Exception as error:  # the last resort, where every error gets its line
+        if debug:
+            say(_traceback())
+        return _refused(error, app, as_json)
+    if code == ExitCode.INTERRUPTED:
+        say("\ninterrupted", "yellow")
+        if as_json:
+            print_json({"status": "interrupted"})
+    return code if isinstance(code, int) else ExitCode.DONE
+
+
+def _refused(error: Exception, app: typer.Typer, as_json: bool) -> ExitCode:
+    """Print an error and choose its exit code."""
+    code, status = ExitCode.BAD_INPUT, "bad input"
+    if type(error).__name__ == "NoArgsIsHelpError":
+        return code  # the help was printed and says it all
+    problems = _problems(error, app.info.name or "")
+    if problems is None:
+        if type(error).__name__ == "Abort":
+            return ExitCode.INTERRUPTED
+        code, status = ExitCode.INTERNAL_ERROR, "internal error"
+        problems = [_unexpected(error)]
+    elif type(error).__name__ == "WriteError":
+        code, status = ExitCode.STOPPED_EARLY, "stopped: the result could not be written"
+    say(str(SceneError(problems)), "red")
+    if as_json:
+        print_json({"status": status, "problems": [vars(problem) for problem in problems]})
+    return code
+
+
+def _problems(error: Exception, name: str) -> list[Problem] | None:
+    """Return the problems that an error stands for, None for an error that nobody foresaw."""
+    if isinstance(error, SceneError):
+        return error.problems
+    if hasattr(error, "cause") and hasattr(error, "cure") and hasattr(error, "path"):  # ResultError, not imported here
+        return [Problem(str(error.path), None, "", None, error.cause, error.cure)]
+    if hasattr(error, "format_message") and getattr(error, "exit_code", None) == ExitCode.BAD_INPUT:
+        # A usage error of click, which some versions of typer carry within them under another name.
+        verb = getattr(getattr(error, "ctx", None), "command_path", None) or name
+        cause = error.format_message().rstrip(".")
+        return [Problem(verb, None, "", None, cause, f"see `{verb} --help`")]
+    return None
+
+
+def _unexpected(error: Exception) -> Problem:
+    where: Any = error.__traceback__
+    while where is not None and where.tb_next is not None:
+        where = where.tb_next
+    place = f"{where.tb_frame.f_code.co_filename}:{where.tb_lineno}" if where else ""
+    text = " ".join(str(error).split())
+    cause = f"unexpected {type(error).__name__}: {text}" if text else f"unexpected {type(error).__name__}"
+    cure = "this is a fault of the program: report it with the scene and what the same command prints with --debug"
+    return Problem(place, None, "", None, cause, cure)
+
+
+def _traceback() -> str:
+    import traceback
+
+    return traceback.format_exc()

@@ -1,0 +1,127 @@
+"""The verbs ``check`` and ``simulate``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tautline.cli.catalogue import Catalogue
+from tautline.cli.console import console, print_json, say
+from tautline.cli.progress import Bar
+from tautline.cli.run import Ended, ExitCode
+from tautline.cli.summary import quantity, table
+
+if TYPE_CHECKING:
+    from tautline.results.result import Result
+    from tautline.scene.errors import Caution
+
+FIRST_RUN = "First run on this machine: compiling the solver for this kind of scene (about 15 s, once)"
+
+COPIED = ("method", "step", "steps", "newton_iterations", "wall_time", "real_time_factor", "energy_error")
+"""Keys of the report that are attributes of the result."""
+
+
+def check(catalogue: Catalogue, scene: Path, as_json: bool) -> None:
+    """Validate a scene and print its warnings."""
+    application = catalogue.for_scene(scene)
+    read = application.read(scene)
+    cautions = application.cautions(read)
+    figures = application.check_figures(read)
+    print_cautions(cautions)
+    count = len(cautions)
+    warned = f", {count} warning{'s' * (count > 1)}" if count else ""
+    say(f"{scene} can be run{warned}. Next: {catalogue.name} simulate {scene}", "green")
+    if as_json:
+        warnings = [{"where": caution.where, "text": caution.text} for caution in cautions]
+        print_json({"scene": str(scene), "status": "good", "warnings": warnings} | figures)
+
+
+def print_cautions(cautions: Iterable[Caution]) -> None:
+    """Print warnings, one to a line."""
+    for caution in cautions:
+        say(f"warning: {caution}", "yellow")
+
+
+def simulate(
+    catalogue: Catalogue, scene: Path, output: Path | None, overrides: dict[str, Any], as_json: bool, quiet: bool
+) -> None:
+    """Run a scene and report.
+
+    Parameters
+    ----------
+    output : Path or None
+        The result; by default the scene's name with ``.nc`` in the current folder.
+    overrides : dict
+        ``method``, ``step``, ``end``, ``rho_inf``; None keeps what the scene says.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For a scene that cannot be run or a result that cannot be written; nothing is written then.
+    Ended
+        If the run stopped early or was interrupted; that was reported and the result is kept.
+    """
+    from tautline.results.target import check_target
+
+    application = catalogue.for_scene(scene)
+    read = application.with_overrides(application.read(scene), **overrides)
+    target = check_target(output or Path(scene.name).with_suffix(".nc"))
+    print_cautions(application.cautions(read))
+
+    from tautline.kernels.jit import is_cold
+
+    if is_cold():
+        say(FIRST_RUN, "cyan")
+    model = application.build(read)
+
+    from tautline.integrators.status import Interrupted, StoppedEarly
+    from tautline.simulation import simulate as march
+
+    solver = getattr(model, "solver", None)
+    end = getattr(solver, "end", None)
+    if not quiet:
+        for note in getattr(model, "notes", ()):
+            say(f"note: {note}")
+        length = f", {quantity(end, 's')}" if end is not None else ""
+        say(f"simulating {scene}{length}")
+    try:
+        with Bar(end, shown=not quiet) as bar:
+            result = march(model, target, progress=bar)
+    except StoppedEarly as stop:
+        report = _report(scene, stop.result, end) | {
+            "status": stop.status.name.lower().replace("_", " "),
+            "stopped": {"time": stop.time, "part": stop.part, "sentence": stop.sentence},
+        }
+        _finish(catalogue, report, stop.result, as_json, quiet)
+        say(f"stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
+        raise Ended(ExitCode.STOPPED_EARLY) from None
+    except Interrupted as interruption:
+        report = _report(scene, interruption.result, end) | {"status": "interrupted"}
+        _finish(catalogue, report, interruption.result, as_json, quiet)
+        say(f"interrupted at t = {report['simulated_time'] or 0.0:.6g} s", "yellow")
+        raise Ended(ExitCode.INTERRUPTED) from None
+    _finish(catalogue, _report(scene, result, end) | {"status": "done"}, result, as_json, quiet)
+
+
+def _report(scene: Path, result: Result | None, end: float | None) -> dict[str, Any]:
+    """Keys of ``simulate --json``; null where a run that stopped has no number."""
+    attributes = result.attributes if result is not None else {}
+    times: Any = result["time"] if result is not None else []
+    stored = None if result is None else str(result.path)
+    report: dict[str, Any] = {"scene": str(scene), "result": stored, "status": None}
+    report |= {key: attributes.get(key) for key in COPIED}
+    report |= {"end": attributes.get("end", end), "frames": len(times)}
+    report["simulated_time"] = float(times[-1] - times[0]) if len(times) else None
+    figures = {name: figure.get("value") for name, figure in (result.headline if result is not None else {}).items()}
+    return report | {name: value for name, value in figures.items() if name not in report}
+
+
+def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None, as_json: bool, quiet: bool) -> None:
+    if result is None:
+        say("nothing was stored", "yellow")
+    elif not quiet:
+        console().print(table(report, result.attributes, result.headline))
+        say(f"wrote {result.path}: {report['frames']} frames. Next: {catalogue.name} plot {result.path}", "green")
+    if as_json:
+        print_json(report)

@@ -1,0 +1,96 @@
+"""The table at the end of a run, and numbers as people write them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+PREFIXED = {"N", "J", "W", "Pa", "N m", "N/m", "Hz"}
+"""Units that people write with k, M or G in front; a metre or a second stays what it is."""
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """Write a number to so many significant digits, without an exponent where it reads well."""
+    if value == 0.0:
+        return "0"
+    if not math.isfinite(value):
+        return "–"
+    size = math.floor(math.log10(abs(value)))
+    if -4 <= size < 7:
+        text = f"{value:.{max(0, digits - 1 - size)}f}"
+        return text.rstrip("0").rstrip(".") if "." in text else text
+    return f"{value:.{digits - 1}e}"
+
+
+def quantity(value: Any, unit: str) -> str:
+    """Write a figure with its unit: ``1.234 MN``."""
+    if value is None:
+        return "–"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(quantity(item, unit) for item in value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return f"{value} {unit}".strip()
+    if isinstance(value, int) and not unit:
+        return str(value)
+    prefix = ""
+    if unit in PREFIXED:
+        for factor, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+            if abs(value) >= factor:
+                value, prefix = value / factor, letter
+                break
+    return f"{significant(float(value))} {prefix}{unit}".strip()
+
+
+def speed(factor: float | None) -> str:
+    """Write a real-time factor, and what it means."""
+    if factor is None or not math.isfinite(factor) or factor <= 0.0:
+        return "–"
+    if factor <= 1.0:
+        return f"{significant(factor, 2)} ({significant(1.0 / factor, 2)} x faster than real time)"
+    return f"{significant(factor, 3)} ({significant(factor, 2)} x slower than real time)"
+
+
+def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str, dict[str, Any]]) -> Table:
+    """Lay out the summary.
+
+    Parameters
+    ----------
+    report : dict
+        The keys of ``simulate --json``.
+    attributes : dict
+        Attributes of the result.
+    headline : dict
+        The application's figures: name -> {value, unit, text}.
+    """
+    from rich.table import Table
+
+    rows: list[tuple[str, str]] = [
+        ("method", str(report["method"] or "–")),
+        ("step", quantity(report["step"], "s")),
+        ("simulated time", quantity(report["simulated_time"], "s")),
+        ("wall time", quantity(report["wall_time"], "s")),
+        ("real-time factor", speed(report["real_time_factor"])),
+        ("steps", quantity(report["steps"], "")),
+    ]
+    if report["newton_iterations"]:
+        iterations = report["newton_iterations"] / (report["steps"] or 1)
+        rows.append(("Newton iterations per step", significant(iterations, 3)))
+    if attributes.get("halvings") is not None:
+        rows.append(("step halvings", str(attributes["halvings"])))
+    if report["energy_error"] is not None:
+        rows.append(("energy balance, relative error", significant(report["energy_error"], 2)))
+    summary = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    summary.add_column(style="cyan")
+    summary.add_column()
+    for row in rows:
+        summary.add_row(*row)
+    if headline:
+        summary.add_section()
+        summary.add_row("", "")
+    for name, figure in headline.items():
+        label = str(figure.get("text") or name.replace("_", " "))
+        summary.add_row(label, quantity(figure.get("value"), str(figure.get("unit") or "")))
+    return summary

@@ -1,0 +1,149 @@
+"""The verbs as typer commands. Nothing heavy is imported here: ``--help`` must not wait."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import typer
+
+from tautline.cli.catalogue import Single
+
+if TYPE_CHECKING:
+    from tautline.cli.application import Application
+    from tautline.cli.catalogue import Catalogue
+
+Scene = Annotated[Path, typer.Argument(metavar="SCENE", help="A YAML file.", show_default=False)]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, SI units.")]
+ResultFile = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="RESULT", help="Result. [dim]\\[default: the scene's name with .nc][/]"),
+]
+Method = Annotated[str | None, typer.Option("--method", help="Integrator, instead of the scene's.")]
+Step = Annotated[float | None, typer.Option("--step", help="Time step in s, instead of the scene's.")]
+End = Annotated[float | None, typer.Option("--end", help="Simulated time in s, instead of the scene's.")]
+RhoInf = Annotated[
+    float | None, typer.Option("--rho-inf", help="Spectral radius of generalized-alpha at infinity, 0 to 1.")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors and warnings only.")]
+Results = Annotated[
+    list[Path], typer.Argument(metavar="RESULT...", help="Results; several are compared.", show_default=False)
+]
+FigurePlace = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="FILE_OR_FOLDER", help="Where to. [dim]\\[default: the current folder][/]"),
+]
+What = Annotated[
+    list[str] | None,
+    typer.Option("--what", metavar="NAME", help="A figure's name, repeatable. [dim]\\[default: all][/]"),
+]
+Format = Annotated[str | None, typer.Option("--format", metavar="png|svg|pdf", help="[dim]\\[default: png][/]")]
+Template = Annotated[
+    str | None, typer.Argument(metavar="[TEMPLATE]", help="Which one; see --list.", show_default=False)
+]
+TextFile = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="FILE", help="File to write, - for standard output.", show_default=False),
+]
+Listed = Annotated[bool, typer.Option("--list", help="List the templates and write nothing.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite a file that exists.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an unexpected error; may stand anywhere.")]
+Version = Annotated[bool, typer.Option("--version", help="Print the version and leave.")]
+
+
+def check(context: typer.Context, scene: Scene, as_json: Json = False) -> None:
+    """Validate a scene and warn, with cause and cure; runs nothing."""
+    from tautline.cli import simulate as verb
+
+    verb.check(context.obj, scene, as_json)
+
+
+def simulate(
+    context: typer.Context,
+    scene: Scene,
+    output: ResultFile = None,
+    method: Method = None,
+    step: Step = None,
+    end: End = None,
+    rho_inf: RhoInf = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scene, store the result, print a summary.
+
+    An earlier result of the same name is replaced once the run has begun. Ctrl-C keeps what there is.
+    """
+    from tautline.cli import simulate as verb
+
+    overrides: dict[str, Any] = {"method": method, "step": step, "end": end, "rho_inf": rho_inf}
+    verb.simulate(context.obj, scene, output, overrides, as_json, quiet)
+
+
+def plot(
+    context: typer.Context,
+    results: Results,
+    output: FigurePlace = None,
+    what: What = None,
+    form: Format = None,
+    as_json: Json = False,
+) -> None:
+    """Draw figures of one result, or of several to compare."""
+    from tautline.cli.plot import plot as draw
+
+    draw(context.obj, results, output, what or (), form, as_json)
+
+
+def new(
+    context: typer.Context,
+    template: Template = None,
+    output: TextFile = None,
+    listed: Listed = False,
+    force: Force = False,
+) -> None:
+    """Write a commented starter scene."""
+    from tautline.cli import starter
+
+    starter.new(context.obj, template, output, listed, force)
+
+
+def schema(context: typer.Context, output: TextFile = None) -> None:
+    """Print the JSON schema of a scene, for editors that complete and check."""
+    from tautline.cli import starter
+
+    starter.schema(context.obj, output)
+
+
+def make_app(application: Application | Catalogue) -> typer.Typer:
+    """Make the command of an application, or of a catalogue of them.
+
+    Parameters
+    ----------
+    application : Application or Catalogue
+
+    Returns
+    -------
+    typer.Typer
+        To be run by `tautline.cli.run.run`.
+    """
+    catalogue: Any = application if hasattr(application, "for_scene") else Single(cast("Application", application))
+    app = typer.Typer(
+        name=catalogue.name,
+        add_completion=False,
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+        rich_markup_mode="rich",
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+
+    @app.callback(invoke_without_command=True, help=catalogue.title)
+    def begin(context: typer.Context, debug: Debug = False, version: Version = False) -> None:
+        context.obj = catalogue
+        if version:
+            from importlib.metadata import version as installed
+
+            typer.echo(f"{catalogue.name} (tautline {installed('tautline')})")
+            raise typer.Exit
+
+    for verb in (check, simulate, plot, new, schema):
+        app.command()(verb)
+    return app

@@ -1,0 +1,1 @@
+"""Elements and loads that any scene may have."""

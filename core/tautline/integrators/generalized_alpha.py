@@ -1,0 +1,69 @@
+"""Generalized-alpha: algorithm 1 of Arnold and Bruels (2007) for a variable mass, eqs 2.79-2.89."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.integrators.newton import DONE, Corrector, correct
+from tautline.integrators.state import enter, keep, restore, supplied_power
+from tautline.kernels import groups as over
+from tautline.kernels.dofs import expand, prescribe
+from tautline.kernels.jit import kernel
+
+
+class GeneralizedAlpha(NamedTuple):
+    """Parameters of the method and its corrector; Newmark-beta is alpha_m = alpha_f = 0."""
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+    max_halvings: int
+    corrector: Corrector
+    power: np.ndarray
+
+
+def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
+    """beta and gamma of second-order accuracy, eqs 2.81-2.82."""
+    gamma = 0.5 - alpha_m + alpha_f
+    return 0.25 * (gamma + 0.5) ** 2, gamma
+
+
+def alphas(rho_inf: float) -> tuple[float, float]:
+    """alpha_m and alpha_f for a spectral radius rho_inf at infinite frequency, eqs 2.79-2.80."""
+    return (2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0)
+
+
+@kernel(inline="always")
+def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
+    """Advance the state from t by h; on failure it is left as it was. Returns a status."""
+    m = method
+    beta = (1.0 - m.alpha_m) / (m.beta * h * h * (1.0 - m.alpha_f))
+    gamma = m.gamma / (m.beta * h)
+    over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
+    keep(state)
+    for i in range(state.q.size):
+        # Predict with the last acceleration: a_(t+1) = a_t in eq. 2.86.
+        last = state.auxiliary[i]
+        new = (state.a[i] - m.alpha_m * last) / (1.0 - m.alpha_m)
+        state.q[i] += h * state.v[i] + h * h * ((0.5 - m.beta) * last + m.beta * new)
+        state.v[i] += h * ((1.0 - m.gamma) * last + m.gamma * new)
+        state.auxiliary[i] = new
+    prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
+    status = correct(m.corrector, groups, dofs, state, t + h, beta, gamma)
+    if status != DONE:
+        restore(state)
+        prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
+        expand(dofs, state.q, state.full_q)
+        expand(dofs, state.v, state.full_v)
+        expand(dofs, state.a, state.full_a)
+        return status
+    for i in range(state.q.size):
+        state.auxiliary[i] += (1.0 - m.alpha_f) / (1.0 - m.alpha_m) * (state.a[i] - state.keep[2, i])
+    over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
+    m.power.fill(0.0)
+    over.dissipation(groups, t + h, state.full_q, state.full_v, m.power)
+    enter(state.ledger, t + h, supplied_power(dofs, state) + m.power[1], m.power[0])
+    return DONE

@@ -1,0 +1,85 @@
+"""The scene evaluated at a state from Python: residual and tangent in one compiled function."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tautline.integrators.state import State
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.kernels import groups as over
+from tautline.kernels.dofs import expand, prescribe, reduce
+from tautline.kernels.jit import entry
+from tautline.kernels.lapack import band_of, factorise, solve
+from tautline.system.system import System
+
+
+@entry
+def evaluate_scene(groups, dofs, functions, state, t, at_rest, cm, cc, ck, band, residual):
+    """Reduced residual ``residual`` (n,) and ``band`` = cm M + cc C + ck K at the state's position, at time t.
+
+    ``at_rest`` leaves velocities and accelerations out; else velocities are the state's and accelerations are zero but
+    for those that are prescribed. Each group's step is begun, explicit, so that laws and arcs fit the state.
+    """
+    prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
+    if at_rest:
+        state.full_v.fill(0.0)
+        state.full_a.fill(0.0)
+    else:
+        for i in range(dofs.start.size - 1):
+            if dofs.start[i + 1] > dofs.start[i]:
+                state.full_a[i] = 0.0
+    over.begin(groups, t, 1.0, 0.0, 0.0, state.full_q, state.full_v, state.full_a)
+    state.residual.fill(0.0)
+    over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
+    reduce(dofs, state.residual, residual)
+    band.fill(0.0)
+    over.tangent(groups, t, state.full_q, state.full_v, state.full_a, cm, cc, ck, band, dofs)
+    expand(dofs, state.v, state.full_v)
+    expand(dofs, state.a, state.full_a)
+    prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
+
+
+def start_moving(system: System, state: State) -> None:
+    """Give the state the velocities of t = 0 and the accelerations that balance the forces there: M a = F.
+
+    Raises
+    ------
+    StoppedEarly
+        SINGULAR, naming the unknown that has no mass.
+    """
+    n, k = system.size, system.bandwidth
+    band, pivots, integers = band_of(n, k, k), np.zeros(n, np.int32), np.zeros(8, np.int32)
+    starts = system.dofs.start
+    for i in np.flatnonzero(np.diff(starts) == 1):
+        at = starts[i]
+        state.v[system.dofs.unknown[at]] = system.v[i] / system.dofs.factor[at]
+    acceleration = np.zeros(n)
+    groups, dofs, functions = system.groups, system.dofs, system.functions
+    evaluate_scene(groups, dofs, functions, state, 0.0, False, 1.0, 0.0, 0.0, band, acceleration)
+    row = factorise(band, pivots, n, k, k, integers)
+    if row:
+        raise StoppedEarly(Status.SINGULAR, 0.0, system.names[row - 1])
+    solve(band, pivots, n, k, k, integers, acceleration)
+    state.a[:] = -acceleration
+    state.auxiliary[:] = state.a
+    evaluate_scene(groups, dofs, functions, state, 0.0, False, 1.0, 0.0, 0.0, band, acceleration)
+
+
+def matrices(system: System, state: State, at_rest: bool = True) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mass, damping and stiffness matrices (n, n), dense, at a state: small vibrations about it.
+
+    ``at_rest`` leaves the velocities out.
+    """
+    n, k = system.size, system.bandwidth
+    dense = []
+    for part in np.eye(3):
+        band, residual = band_of(n, k, k), np.zeros(n)
+        evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, at_rest, *part, band, residual)
+        matrix = np.zeros((n, n))
+        for j in range(n):
+            first, last = max(0, j - k), min(n, j + k + 1)
+            matrix[first:last, j] = band[j, 2 * k + first - j : 2 * k + last - j]
+        dense.append(matrix)
+    return dense[0], dense[1], dense[2]

@@ -1,0 +1,149 @@
+"""The corrector of the implicit methods: Newton's method on the residual, eq. 2.87, one step at a time."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.integrators.state import FACTORISATIONS, ITERATIONS, WORST
+from tautline.integrators.status import Status
+from tautline.kernels import groups as over
+from tautline.kernels.dofs import expand, reduce
+from tautline.kernels.jit import kernel
+from tautline.kernels.lapack import band_of, factorise, solve
+from tautline.kernels.vector import copy
+from tautline.system.system import System
+
+DONE, NOT_CONVERGED, SINGULAR, NOT_FINITE = (
+    int(s) for s in (Status.DONE, Status.NOT_CONVERGED, Status.SINGULAR, Status.NOT_FINITE)
+)
+CONTRACTION = 0.1
+"""Old factors are kept while an iteration shrinks the residual to this fraction, else the tangent is made anew."""
+HALF_STEPS = (9, 12, 15)
+"""Iterations whose increment is halved where a law switches: two statuses may chase each other."""
+
+
+class Corrector(NamedTuple):
+    """Settings and scratch of the iteration.
+
+    ``tolerance``: with the energy criterion the bound of eq. 2.78 over the scene's own energy scale; with the force
+    criterion that of the largest residual over ``scale``. ``factored`` (2,) holds the beta' and gamma' that the
+    factors in ``band`` belong to, zeros where there are none.
+    """
+
+    tolerance: float
+    by_energy: bool
+    max_iterations: int
+    scale: np.ndarray
+    band: np.ndarray
+    pivots: np.ndarray
+    integers: np.ndarray
+    increment: np.ndarray
+    right_side: np.ndarray
+    factored: np.ndarray
+    changed: np.ndarray
+
+
+def corrector(system: System, tolerance: float, by_energy: bool, max_iterations: int) -> Corrector:
+    """Make the scratch of the iteration for a system."""
+    n = system.size
+    return Corrector(
+        float(tolerance), bool(by_energy), int(max_iterations), system.scale,
+        band_of(n, system.bandwidth, system.bandwidth), np.zeros(n, np.int32), np.zeros(8, np.int32),
+        np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(1, np.int64),
+    )  # fmt: skip
+
+
+@kernel(inline="always")
+def correct(corrector, groups, dofs, state, t, beta, gamma):
+    """Iterate position, velocity and acceleration at time t until the residual vanishes.
+
+    ``beta`` and ``gamma`` are beta' and gamma' of eqs 2.88-2.89: how acceleration and velocity follow position.
+    The factors of the tangent are used again, also across steps, while they still contract. Returns a status.
+    """
+    c = corrector
+    n = state.q.size
+    k = (c.band.shape[1] - 1) // 3
+    changed = c.changed
+    previous = np.inf
+    if c.factored[0] != beta or c.factored[1] != gamma:
+        c.factored[0] = 0.0
+    for iteration in range(c.max_iterations + 1):
+        expand(dofs, state.q, state.full_q)
+        expand(dofs, state.v, state.full_v)
+        expand(dofs, state.a, state.full_a)
+        changed[0] = 0
+        over.switch(groups, t, state.full_q, state.full_v, False, changed)
+        if changed[0] > 0:
+            c.factored[0] = 0.0
+            previous = np.inf
+        state.residual.fill(0.0)
+        over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
+        reduce(dofs, state.residual, c.increment)
+        size = _worst(c.increment, c.scale, state.counters)
+        if not np.isfinite(size):
+            return NOT_FINITE
+        if size <= c.tolerance and not c.by_energy:
+            changed[0] = 0
+            over.switch(groups, t, state.full_q, state.full_v, True, changed)
+            if changed[0] == 0:
+                return DONE
+            c.factored[0] = 0.0
+            previous = np.inf
+            continue
+        if iteration == c.max_iterations:
+            break
+        if size > CONTRACTION * previous:
+            c.factored[0] = 0.0
+        if c.factored[0] == 0.0:
+            c.band.fill(0.0)
+            over.tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, c.band, dofs)
+            state.counters[FACTORISATIONS] += 1
+            if factorise(c.band, c.pivots, n, k, k, c.integers) != 0:
+                return SINGULAR
+            c.factored[0] = beta
+            c.factored[1] = gamma
+        energy = _step(c, state, n, k, beta, gamma, 0.5 if iteration in HALF_STEPS else 1.0)
+        state.counters[ITERATIONS] += 1
+        previous = size
+        if c.by_energy and energy <= c.tolerance:
+            expand(dofs, state.q, state.full_q)
+            expand(dofs, state.v, state.full_v)
+            expand(dofs, state.a, state.full_a)
+            return DONE
+    return NOT_CONVERGED
+
+
+@kernel
+def _step(c, state, n, k, beta, gamma, fraction):
+    """Solve for the increment and add it; returns the energy error of eq. 2.78.
+
+    Eq. 2.78 is judged per unit of the scene's largest force scale, so that it is the square root of a length.
+    """
+    copy(c.increment, c.right_side)
+    solve(c.band, c.pivots, n, k, k, c.integers, c.increment)
+    energy = 0.0
+    unit = 0.0
+    for i in range(n):
+        step = -fraction * c.increment[i]
+        energy += c.right_side[i] * c.increment[i]
+        unit = max(unit, c.scale[i])
+        state.q[i] += step
+        state.v[i] += gamma * step
+        state.a[i] += beta * step
+    return np.sqrt(abs(energy) / unit)
+
+
+@kernel
+def _worst(residual, scale, counters):
+    """Largest residual over its scale; its row goes to the counters; NaN counts as infinite."""
+    worst = 0.0
+    for i in range(residual.size):
+        size = abs(residual[i]) / scale[i]
+        if not size <= worst:
+            worst = size
+            counters[WORST] = i
+            if not np.isfinite(size):
+                return np.inf
+    return worst

@@ -1,0 +1,123 @@
+"""The classical Runge-Kutta method of order four, eqs 2.113-2.115."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.integrators.newton import DONE, SINGULAR
+from tautline.integrators.state import FACTORISATIONS, WORST, enter, fill, keep, restore, supplied_power
+from tautline.integrators.status import Status
+from tautline.kernels import groups as over
+from tautline.kernels.dofs import reduce
+from tautline.kernels.jit import kernel
+from tautline.kernels.lapack import band_of, factorise, solve
+from tautline.system.system import System
+
+UNSTABLE = int(Status.UNSTABLE)
+SPEED_LIMIT = 1.0e4
+"""Speed (m/s or rad/s) beyond which an explicit run has plainly left physics: no slender thing moves twice as fast as
+sound in steel."""
+
+
+class RungeKutta4(NamedTuple):
+    """Scratch of the method. ``mass`` is (n,) where the mass matrix is diagonal, else a band."""
+
+    max_halvings: int
+    mass: np.ndarray
+    pivots: np.ndarray
+    integers: np.ndarray
+    zero: np.ndarray
+    slopes: np.ndarray
+    power: np.ndarray
+
+
+def runge_kutta_4(system: System) -> RungeKutta4:
+    """Make the scratch of the method for a system."""
+    n = system.size
+    mass = np.zeros(n) if system.mass_bandwidth == 0 else band_of(n, system.mass_bandwidth, system.mass_bandwidth)
+    return RungeKutta4(
+        0, mass, np.zeros(n, np.int32), np.zeros(8, np.int32), np.zeros(system.q.size), np.zeros((2, n)), np.zeros(2)
+    )
+
+
+@kernel
+def solve_mass(matrix, pivots, integers, groups, dofs, q, right_side):
+    """Solve M x = right_side for x, in place; returns 0 or the row whose mass is missing."""
+    n = right_side.size
+    matrix.fill(0.0)
+    over.mass(groups, q, matrix, dofs)
+    if matrix.ndim == 1:
+        for i in range(n):
+            if matrix[i] <= 0.0:
+                return i + 1
+            right_side[i] /= matrix[i]
+        return 0
+    k = (matrix.shape[1] - 1) // 3
+    row = factorise(matrix, pivots, n, k, k, integers)
+    if row == 0:
+        solve(matrix, pivots, n, k, k, integers, right_side)
+    return row
+
+
+@kernel
+def accelerate(method, groups, dofs, functions, t, state):
+    """Set the acceleration at time t from position and velocity: M a = F. Returns a status."""
+    fill(dofs, functions, t, state)
+    for i in range(dofs.start.size - 1):
+        if dofs.start[i + 1] > dofs.start[i]:
+            state.full_a[i] = 0.0
+    state.residual.fill(0.0)
+    over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
+    reduce(dofs, state.residual, state.a)
+    row = solve_mass(method.mass, method.pivots, method.integers, groups, dofs, state.full_q, state.a)
+    if row != 0:
+        state.counters[WORST] = row - 1
+        return SINGULAR
+    for i in range(state.a.size):
+        state.a[i] = -state.a[i]
+    return DONE
+
+
+@kernel
+def account(method, groups, dofs, t, state):
+    """Book work and losses at time t, with the residual that :func:`accelerate` left."""
+    method.power.fill(0.0)
+    over.dissipation(groups, t, state.full_q, state.full_v, method.power)
+    enter(state.ledger, t, supplied_power(dofs, state) + method.power[1], method.power[0])
+
+
+@kernel(inline="always")
+def rk4_step(method, groups, dofs, functions, state, t, h):
+    """Advance the state from t by h. Returns a status."""
+    over.begin(groups, t, h, 0.0, 0.0, state.full_q, state.full_v, state.full_a)
+    keep(state)
+    q, v = state.keep[0], state.keep[1]
+    sum_v, sum_a = method.slopes[0], method.slopes[1]
+    sum_v.fill(0.0)
+    sum_a.fill(0.0)
+    for stage in range(4):
+        status = accelerate(method, groups, dofs, functions, t + h * (0.0, 0.5, 0.5, 1.0)[stage], state)
+        if status != DONE:
+            restore(state)
+            return status
+        if stage == 0:
+            account(method, groups, dofs, t, state)
+        weight = (1.0, 2.0, 2.0, 1.0)[stage] / 6.0
+        ahead = (0.5, 0.5, 1.0, 0.0)[stage] * h
+        for i in range(q.size):
+            sum_v[i] += weight * state.v[i]
+            sum_a[i] += weight * state.a[i]
+            state.q[i] = q[i] + ahead * state.v[i]
+            state.v[i] = v[i] + ahead * state.a[i]
+    for i in range(q.size):
+        state.q[i] = q[i] + h * sum_v[i]
+        state.v[i] = v[i] + h * sum_a[i]
+        if not abs(state.v[i]) < SPEED_LIMIT:
+            state.counters[WORST] = i
+            restore(state)
+            return UNSTABLE
+    fill(dofs, functions, t + h, state)
+    over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
+    return DONE

@@ -1,0 +1,106 @@
+"""The state of a run: reduced and full vectors, what was spent, and the energy ledger."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.kernels.dofs import expand, prescribe
+from tautline.kernels.jit import kernel
+from tautline.system.system import System
+
+STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST = range(5)
+"""Places in ``counters``: steps taken, Newton iterations, factorisations, halvings, the worst reduced row."""
+
+TIME, POWER, LOSS, WORK, DISSIPATED, THROUGHPUT = range(6)
+"""Places in ``ledger``: time of the last entry (s), power supplied and lost then (W), work done on the system, energy
+lost, and work counted without its sign (J)."""
+
+
+class State(NamedTuple):
+    """Reduced position, velocity, acceleration and the auxiliary one of eq. 2.86 (n,); the same in full (n_full,).
+
+    ``residual`` is the full residual of the last accepted state: at held degrees of freedom it is the force that
+    holds them. ``keep`` (4, n) is the state at the start of the step, to go back to.
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    auxiliary: np.ndarray
+    full_q: np.ndarray
+    full_v: np.ndarray
+    full_a: np.ndarray
+    residual: np.ndarray
+    keep: np.ndarray
+    ledger: np.ndarray
+    counters: np.ndarray
+
+
+def new_state(system: System) -> State:
+    """State at t = 0 with zero acceleration; reduced unknowns are read off the free full ones."""
+    n, full = system.size, system.q.size
+    q, v = np.zeros(n), np.zeros(n)
+    dofs = system.dofs
+    single = np.diff(dofs.start) == 1
+    places = dofs.start[:-1][single]
+    q[dofs.unknown[places]] = system.q[single] / dofs.factor[places]
+    v[dofs.unknown[places]] = system.v[single] / dofs.factor[places]
+    return State(
+        q, v, np.zeros(n), np.zeros(n), system.q.copy(), system.v.copy(), np.zeros(full), np.zeros(full),
+        np.zeros((4, n)), np.zeros(6), np.zeros(5, dtype=np.int64),
+    )  # fmt: skip
+
+
+@kernel
+def fill(dofs, functions, t, state):
+    """Full vectors from the reduced ones and the motion of what is held, at time t."""
+    prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
+    expand(dofs, state.a, state.full_a)
+
+
+@kernel
+def keep(state):
+    """Remember the state, to go back to."""
+    for i in range(state.q.size):
+        state.keep[0, i] = state.q[i]
+        state.keep[1, i] = state.v[i]
+        state.keep[2, i] = state.a[i]
+        state.keep[3, i] = state.auxiliary[i]
+
+
+@kernel
+def restore(state):
+    """Go back to the state remembered."""
+    for i in range(state.q.size):
+        state.q[i] = state.keep[0, i]
+        state.v[i] = state.keep[1, i]
+        state.a[i] = state.keep[2, i]
+        state.auxiliary[i] = state.keep[3, i]
+
+
+@kernel
+def supplied_power(dofs, state):
+    """Power that the held degrees of freedom put into the system, W: the force that moves them times their speed."""
+    power = 0.0
+    for k in range(dofs.held.size):
+        if dofs.motion[k] >= 0:
+            i = dofs.held[k]
+            power += state.residual[i] * state.full_v[i]
+    return power
+
+
+@kernel
+def enter(ledger, t, power, loss):
+    """Book work and dissipation up to time t by the trapezoidal rule."""
+    h = t - ledger[TIME]
+    work = 0.5 * h * (power + ledger[POWER])
+    ledger[WORK] += work
+    ledger[THROUGHPUT] += abs(work)
+    ledger[DISSIPATED] += 0.5 * h * (loss + ledger[LOSS])
+    ledger[TIME] = t
+    ledger[POWER] = power
+    ledger[LOSS] = loss

@@ -1,0 +1,61 @@
+"""How a run can end, with a sentence for each."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Any
+
+
+class Status(IntEnum):
+    """What the compiled loop reports."""
+
+    DONE = 0
+    NOT_CONVERGED = 1
+    SINGULAR = 2
+    NOT_FINITE = 3
+    UNSTABLE = 4
+    NO_EQUILIBRIUM = 5
+
+
+SENTENCES = {
+    Status.DONE: "done",
+    Status.NOT_CONVERGED: (
+        "the iterations of a step did not converge, even with the step halved as far as solver.max_halvings allows; "
+        "try a smaller solver.step, or look at what changes abruptly at that time"
+    ),
+    Status.SINGULAR: "the tangent matrix is singular: a part is held by nothing, or two conditions hold the same thing",
+    Status.NOT_FINITE: "a number overflowed: the motion has become unphysical; try a smaller solver.step",
+    Status.UNSTABLE: (
+        "the explicit method is unstable at this step: it is longer than the critical step 2.8 / omega_max (eq. 2.170); "
+        "take a smaller solver.step or method: generalized-alpha"
+    ),
+    Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
+}
+
+
+class StoppedEarly(Exception):
+    """A run that ended before its time; what it had is kept.
+
+    Attributes
+    ----------
+    status : Status
+    time : float
+        Simulated time reached, s.
+    part : str
+        The unknown that was worst.
+    result : Result or None
+        What was stored until then.
+    """
+
+    def __init__(self, status: Status, time: float, part: str, result: Any = None) -> None:
+        self.status, self.time, self.part, self.result = status, time, part, result
+        self.sentence = SENTENCES[status]
+        super().__init__(f"{status.name} at t = {time:.6g} s, {part}: {self.sentence}")
+
+
+class Interrupted(Exception):
+    """A run that the user interrupted; ``result`` is what was stored until then, ``time`` how far it came."""
+
+    def __init__(self, time: float, result: Any = None) -> None:
+        self.time, self.result = time, result
+        super().__init__(f"interrupted at t = {time:.6g} s")

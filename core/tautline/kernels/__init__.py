@@ -1,0 +1,1 @@
+"""Compiled code: plain functions on floats and arrays."""

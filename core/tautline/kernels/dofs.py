@@ -1,0 +1,141 @@
+"""Full and reduced unknowns: what each degree of freedom of the scene depends on.
+
+Groups write into full vectors and know nothing of constraints. ``Dofs`` holds, for each full degree of freedom, the
+reduced unknowns it depends on and their factors: none where it is fixed or prescribed, one with factor 1 where it is
+free or shared, several where it is coupled.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba.core import types
+from numba.extending import overload
+
+from tautline.kernels.jit import kernel
+from tautline.kernels.time_function import evaluate
+
+
+HELD, TIED = -1, -2
+"""Marks in ``Dofs.number`` of degrees of freedom that are not simply one unknown."""
+
+
+class Dofs(NamedTuple):
+    """The map from n reduced unknowns to the full degrees of freedom.
+
+    ``unknown[start[i]:start[i + 1]]`` (n,) and ``factor[...]`` are the masters of full degree of freedom i;
+    ``number[i]`` is its only master where that has factor 1, ``HELD`` where it has none and ``TIED`` otherwise;
+    ``held`` lists those that are fixed (``motion`` -1) or follow a function of time, and ``offset`` is added to it.
+    """
+
+    start: np.ndarray
+    unknown: np.ndarray
+    factor: np.ndarray
+    number: np.ndarray
+    held: np.ndarray
+    motion: np.ndarray
+    offset: np.ndarray
+
+
+@kernel
+def prescribe(dofs, functions, t, q, v, a):
+    """Set the held degrees of freedom in the full vectors to their motion at time t."""
+    for k in range(dofs.held.size):
+        i = dofs.held[k]
+        if dofs.motion[k] >= 0:
+            value, rate, second = evaluate(functions, dofs.motion[k], t)
+            q[i] = dofs.offset[k] + value
+            v[i] = rate
+            a[i] = second
+        else:
+            q[i] = dofs.offset[k]
+            v[i] = 0.0
+            a[i] = 0.0
+
+
+@kernel
+def expand(dofs, reduced, full):
+    """Write reduced unknowns into the full vector; held degrees of freedom are left as they are."""
+    for i in range(dofs.start.size - 1):
+        first = dofs.start[i]
+        last = dofs.start[i + 1]
+        if last > first:
+            x = 0.0
+            for k in range(first, last):
+                x += dofs.factor[k] * reduced[dofs.unknown[k]]
+            full[i] = x
+
+
+@kernel
+def reduce(dofs, full, reduced):
+    """Sum full residuals into the reduced rows they belong to."""
+    reduced.fill(0.0)
+    for i in range(dofs.start.size - 1):
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            reduced[dofs.unknown[k]] += dofs.factor[k] * full[i]
+
+
+def add_entry(matrix, dofs, i, j, x):
+    """Add x at full row i, column j to a reduced matrix: banded (n, 3 k + 1), or diagonal (n,)."""
+    for k in range(dofs.start[i], dofs.start[i + 1]):
+        for l in range(dofs.start[j], dofs.start[j + 1]):
+            row, column, value = dofs.unknown[k], dofs.unknown[l], dofs.factor[k] * dofs.factor[l] * x
+            if matrix.ndim == 2:
+                matrix[column, centre_of(matrix) + row - column] += value
+            elif row == column:
+                matrix[row] += value
+
+
+@overload(add_entry)
+def _add_entry(matrix, dofs, i, j, x):
+    if isinstance(matrix, types.Array) and matrix.ndim == 1:
+
+        def diagonal(matrix, dofs, i, j, x):
+            if i == j:
+                for k in range(dofs.start[i], dofs.start[i + 1]):
+                    matrix[dofs.unknown[k]] += dofs.factor[k] * dofs.factor[k] * x
+
+        return diagonal
+
+    def banded(matrix, dofs, i, j, x):
+        centre = centre_of(matrix)
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            row = dofs.unknown[k]
+            y = dofs.factor[k] * x
+            for l in range(dofs.start[j], dofs.start[j + 1]):
+                column = dofs.unknown[l]
+                matrix[column, centre + row - column] += dofs.factor[l] * y
+
+    return banded
+
+
+@kernel
+def centre_of(matrix):
+    """Place of the diagonal in a row of a band (n, 3 k + 1): 2 k."""
+    return 2 * ((matrix.shape[1] - 1) // 3)
+
+
+@kernel
+def add_block(matrix, dofs, places, block):
+    """Add a dense block (k, k) to a band at the full degrees of freedom ``places``, a tuple of k."""
+    number = dofs.number
+    for i in range(len(places)):
+        if number[places[i]] == TIED:
+            _add_tied_block(matrix, dofs, places, block)
+            return
+    centre = centre_of(matrix)
+    for j in range(len(places)):
+        column = number[places[j]]
+        if column >= 0:
+            for i in range(len(places)):
+                row = number[places[i]]
+                if row >= 0:
+                    matrix[column, centre + row - column] += block[i, j]
+
+
+@kernel
+def _add_tied_block(matrix, dofs, places, block):
+    for i in range(len(places)):
+        for j in range(len(places)):
+            add_entry(matrix, dofs, places[i], places[j], block[i, j])

@@ -1,0 +1,83 @@
+"""The one decorator of compiled code, and the folder its cache lives in.
+
+Numba caches a compiled function under the time stamp of its own file only: an edited callee in another file
+leaves a stale caller behind (numba issue 1833). The cache folder is therefore named by a hash of all kernel
+sources, of the core and of every installed application: a changed kernel means a new folder, nobody ever has to
+delete one, and old ones are removed here.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import shutil
+import sys
+from importlib import metadata, util
+from pathlib import Path
+
+import numba
+from numba import njit
+
+FOLDERS_KEPT = 6
+"""Cache folders kept beside the one in use: other checkouts and versions that a user may go back to."""
+
+
+def kernel_sources() -> list[Path]:
+    """Files of the core and of the installed applications that hold compiled code."""
+    packages = {"tautline"} | {point.value.split(".")[0] for point in metadata.entry_points(group="tautline.applications")}
+    sources = []
+    for package in sorted(packages):
+        spec = util.find_spec(package)
+        for root in spec.submodule_search_locations if spec and spec.submodule_search_locations else []:
+            sources += [f for f in sorted(Path(root).rglob("*.py")) if b"kernel" in f.read_bytes()]
+    return sources
+
+
+@functools.cache
+def cache_folder() -> Path:
+    """Folder of this version's compiled kernels, created if it is not there."""
+    digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
+    for source in kernel_sources():
+        digest.update(str(source).encode() + source.read_bytes())
+    root = _cache_root()
+    folder = root / digest.hexdigest()[:16]
+    if not folder.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        _prune(root, keep=folder)
+    else:
+        os.utime(folder)
+    return folder
+
+
+def _cache_root() -> Path:
+    if "TAUTLINE_CACHE" in os.environ:
+        return Path(os.environ["TAUTLINE_CACHE"])
+    from platformdirs import user_cache_path
+
+    return user_cache_path("tautline", appauthor=False) / "kernels"
+
+
+def _prune(root: Path, keep: Path) -> None:
+    folders = sorted((f for f in root.iterdir() if f.is_dir() and f != keep), key=lambda f: f.stat().st_mtime)
+    for folder in folders[: max(0, len(folders) - FOLDERS_KEPT)]:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def is_cold() -> bool:
+    """Whether nothing was compiled into the cache folder yet: the first run has to wait."""
+    return not any(cache_folder().rglob("*.nbi"))
+
+
+numba.config.CACHE_DIR = str(cache_folder())
+
+entry = functools.partial(njit, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False)
+"""Decorator of compiled code that Python calls: cached across processes, releases the GIL.
+
+``_nrt=False`` takes numba's reference counts away: they are half of the time of a small kernel, and without them code
+that would allocate an array does not compile. The time loop allocates nothing, by construction.
+"""
+
+kernel = functools.partial(entry, no_cpython_wrapper=True)
+"""Decorator of compiled code that only compiled code calls: without the wrappers that unpack a scene's many arrays,
+which would take longer to compile than the kernel."""

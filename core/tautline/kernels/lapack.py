@@ -1,0 +1,80 @@
+"""LAPACK's banded LU, called from compiled code.
+
+The routines are those that SciPy ships (``scipy.linalg.cython_lapack``). Their addresses change from process to
+process, so the machine code refers to them by symbol and stays cacheable (a ctypes pointer would not).
+
+Band storage: ``band[j, kl + ku + i - j] = A[i, j]``, C-contiguous, shape (n, 2 kl + ku + 1): column j of the matrix
+is row j here, which is LAPACK's own layout; the first ``kl`` places of a row are room for the pivoting.
+"""
+
+from __future__ import annotations
+
+import llvmlite.binding
+import numpy as np
+from numba import types
+from numba.extending import get_cython_function_address
+
+from tautline.kernels.jit import entry
+
+
+def _routine(name: str, arguments: int) -> types.ExternalFunction:
+    symbol = f"tautline_{name}"
+    llvmlite.binding.add_symbol(symbol, get_cython_function_address("scipy.linalg.cython_lapack", name))
+    return types.ExternalFunction(symbol, types.void(*[types.uintp] * arguments))
+
+
+_dgbtrf = _routine("dgbtrf", 8)
+_dgbtrs = _routine("dgbtrs", 11)
+_NO_TRANSPOSE = ord("N")
+
+
+@entry
+def factorise(band, pivots, n, kl, ku, integers):
+    """Factorise a banded matrix in place (LU with partial pivoting).
+
+    Parameters
+    ----------
+    band : (n, 2 kl + ku + 1) float array
+        The matrix; its factors on return.
+    pivots : (n,) int32 array
+        Row interchanges, on return.
+    n, kl, ku : int
+        Size, sub- and superdiagonals.
+    integers : (8,) int32 array
+        Scratch through which the sizes are passed by reference.
+
+    Returns
+    -------
+    int
+        0; or k > 0 where the k-th pivot is exactly zero.
+    """
+    integers[0] = n
+    integers[1] = kl
+    integers[2] = ku
+    integers[3] = 2 * kl + ku + 1
+    integers[4] = 0
+    base = integers.ctypes.data
+    _dgbtrf(base, base, base + 4, base + 8, band.ctypes.data, base + 12, pivots.ctypes.data, base + 16)
+    return integers[4]
+
+
+@entry
+def solve(band, pivots, n, kl, ku, integers, x):
+    """Solve A x = b with the factors of :func:`factorise`; ``x`` (n,) holds b before and x after."""
+    integers[0] = n
+    integers[1] = kl
+    integers[2] = ku
+    integers[3] = 2 * kl + ku + 1
+    integers[4] = 0
+    integers[5] = 1
+    integers[6] = _NO_TRANSPOSE
+    base = integers.ctypes.data
+    _dgbtrs(
+        base + 24, base, base + 4, base + 8, base + 20, band.ctypes.data, base + 12, pivots.ctypes.data,
+        x.ctypes.data, base, base + 16,
+    )  # fmt: skip
+
+
+def band_of(n: int, kl: int, ku: int) -> np.ndarray:
+    """Zero band storage, shape (n, 2 kl + ku + 1)."""
+    return np.zeros((n, 2 * kl + ku + 1))

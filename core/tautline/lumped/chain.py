@@ -1,0 +1,110 @@
+"""From the vector between two neighbouring bodies to their coordinates: the chain rule of links and bends."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.kernels.jit import kernel
+from tautline.lumped import generated
+from tautline.lumped.curve import PER_BODY
+
+BOTH = 6
+"""Coordinates of a link: x, u, v of the body above, then of the one below."""
+
+
+@kernel
+def place(i, k):
+    """Full degree of freedom of coordinate k (x, u, v of body i, of body i + 1, ...) counted from body i."""
+    return PER_BODY * (i + k // 3) + k % 3
+
+
+@kernel
+def chord_of(curve, i, q):
+    """Chord of link i beyond its unstretched length, m, and its gradient (6,)."""
+    o, p = PER_BODY * i, PER_BODY * (i + 1)
+    above, below = curve.seats[i], curve.seats[i + 1]
+    return generated.chord_gradient(
+        q[o], q[o + 1], q[o + 2], q[p], q[p + 1], q[p + 2],
+        above.turn1 + above.k1 * q[o], above.turn2 + above.k2 * q[o], above.k1, above.k2,
+        below.turn1 + below.k1 * q[p], below.turn2 + below.k2 * q[p], below.k1, below.k2,
+    )  # fmt: skip
+
+
+@kernel
+def add_chord_hessian(curve, i, q, factor, corner, hessian):
+    """Add factor times the Hessian (6, 6) of the chord of link i to ``hessian`` from row and column ``corner`` on."""
+    o, p = PER_BODY * i, PER_BODY * (i + 1)
+    above, below = curve.seats[i], curve.seats[i + 1]
+    triangle = generated.chord_hessian(
+        q[o], q[o + 1], q[o + 2], q[p], q[p + 1], q[p + 2],
+        above.turn1 + above.k1 * q[o], above.turn2 + above.k2 * q[o], above.k1, above.k2,
+        below.turn1 + below.k1 * q[p], below.turn2 + below.k2 * q[p], below.k1, below.k2,
+    )  # fmt: skip
+    # Only a body's x with a body's offset have a second derivative: the turning is linear in x.
+    at = 0
+    for row in range(BOTH):
+        for column in range(row, BOTH):
+            if (row % 3 == 0) != (column % 3 == 0):
+                x = factor * triangle[at]
+                hessian[corner + row, corner + column] += x
+                hessian[corner + column, corner + row] += x
+            at += 1
+
+
+@kernel
+def across(i, q):
+    """Lateral components du, dv of link i, m."""
+    o, p = PER_BODY * i, PER_BODY * (i + 1)
+    return q[p + 1] - q[o + 1], q[p + 2] - q[o + 2]
+
+
+class Slopes(NamedTuple):
+    """How m inner quantities move with n coordinates: a sparse matrix by columns, its pattern fixed.
+
+    ``start`` (n + 1,), ``row`` (nnz,), ``value`` (nnz,); ``inner`` (m, m) and ``half`` (m, n) are scratch.
+    """
+
+    start: np.ndarray
+    row: np.ndarray
+    value: np.ndarray
+    inner: np.ndarray
+    half: np.ndarray
+
+
+def slopes(inner: int, columns: list[list[tuple[int, float]]]) -> Slopes:
+    """Sparse slopes from the (row, value) pairs of each column; values that vary are written over later."""
+    return Slopes(
+        np.cumsum([0] + [len(c) for c in columns]),
+        np.array([row for c in columns for row, _ in c]),
+        np.array([value for c in columns for _, value in c], dtype=float),
+        np.zeros((inner, inner)),
+        np.zeros((inner, len(columns))),
+    )
+
+
+@kernel
+def pull_back(triangle, slopes, hessian):
+    """hessian (n, n) = S^T H S, with H (m, m) given by its upper triangle and S the slopes."""
+    s = slopes
+    m, n = s.half.shape
+    at = 0
+    for i in range(m):
+        for j in range(i, m):
+            s.inner[i, j] = triangle[at]
+            s.inner[j, i] = triangle[at]
+            at += 1
+    for k in range(n):
+        for i in range(m):
+            x = 0.0
+            for p in range(s.start[k], s.start[k + 1]):
+                x += s.value[p] * s.inner[s.row[p], i]
+            s.half[i, k] = x
+    for k in range(n):
+        for l in range(k, n):
+            x = 0.0
+            for p in range(s.start[k], s.start[k + 1]):
+                x += s.value[p] * s.half[s.row[p], l]
+            hessian[k, l] = x
+            hessian[l, k] = x

@@ -1,0 +1,133 @@
+"""Groups of links: axial and torsional springs between neighbouring bodies."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.kernels.dofs import add_block, add_entry
+from tautline.kernels.groups import register
+from tautline.kernels.jit import kernel
+from tautline.lumped import generated
+from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_of, place, pull_back, slopes
+from tautline.lumped.curve import PER_BODY, Curve
+
+
+SPRING = np.dtype([(name, np.float64) for name in ("length", "axial", "torsional")])
+"""A link: unstretched length m; axial stiffness EA / l0 N/m; torsional stiffness GJ / l0 N m/rad."""
+
+
+class Links(NamedTuple):
+    """Link i of ``SPRING`` (n,) joins bodies i and i + 1.
+
+    ``damping`` is the Kelvin-Voigt time of both stiffnesses, s (0: none); ``scratch`` is zeros (13, 6).
+    """
+
+    curve: Curve
+    springs: np.recarray
+    damping: float
+    slopes: Slopes
+    scratch: np.ndarray
+
+
+@kernel
+def stretch_of(g, i, q):
+    """Stretch of link i, m, and its gradient (6,) by (x, u, v) of both bodies."""
+    a, slope = chord_of(g.curve, i, q)
+    du, dv = across(i, q)
+    stretch, d = generated.link_stretch_gradient(g.springs[i].length, a, du, dv)
+    return stretch, (
+        d[0] * slope[0], d[0] * slope[1] - d[1], d[0] * slope[2] - d[2],
+        d[0] * slope[3], d[0] * slope[4] + d[1], d[0] * slope[5] + d[2],
+    )  # fmt: skip
+
+
+@kernel
+def _rate(i, v, gradient):
+    rate = 0.0
+    for k in range(BOTH):
+        rate += gradient[k] * v[place(i, k)]
+    return rate
+
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    for i in range(g.springs.size):
+        stretch, gradient = stretch_of(g, i, q)
+        tension = g.springs[i].axial * stretch
+        twist = q[PER_BODY * (i + 1) + 3] - q[PER_BODY * i + 3]
+        if g.damping > 0.0:
+            tension += g.springs[i].axial * g.damping * _rate(i, v, gradient)
+            twist += g.damping * (v[PER_BODY * (i + 1) + 3] - v[PER_BODY * i + 3])
+        for k in range(BOTH):
+            r[place(i, k)] += tension * gradient[k]
+        r[PER_BODY * i + 3] -= g.springs[i].torsional * twist
+        r[PER_BODY * (i + 1) + 3] += g.springs[i].torsional * twist
+
+
+def link_slopes() -> Slopes:
+    """Pattern of (chord, du, dv) against (x, u, v) of both bodies; the chord's own slopes are written in later."""
+    return slopes(3, [[(0, 0.0)], [(0, 0.0), (1, -1.0)], [(0, 0.0), (2, -1.0)]] + [
+        [(0, 0.0)], [(0, 0.0), (1, 1.0)], [(0, 0.0), (2, 1.0)]
+    ])  # fmt: skip
+
+
+@kernel
+def _stretch_hessian(g, i, q, hessian):
+    """Hessian (6, 6) of the stretch of link i."""
+    a, slope = chord_of(g.curve, i, q)
+    du, dv = across(i, q)
+    _, d = generated.link_stretch_gradient(g.springs[i].length, a, du, dv)
+    for k in range(BOTH):
+        g.slopes.value[g.slopes.start[k]] = slope[k]
+    pull_back(generated.link_stretch_hessian(g.springs[i].length, a, du, dv), g.slopes, hessian)
+    add_chord_hessian(g.curve, i, q, d[0], 0, hessian)
+
+
+@kernel
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    hessian, turned, block = g.scratch[:6], g.scratch[6], g.scratch[7:13]
+    for i in range(g.springs.size):
+        spring = g.springs[i]
+        stretch, gradient = stretch_of(g, i, q)
+        tension = spring.axial * stretch
+        _stretch_hessian(g, i, q, hessian)
+        lag = spring.axial * g.damping
+        if g.damping > 0.0:
+            tension += lag * _rate(i, v, gradient)
+            for k in range(BOTH):
+                turned[k] = 0.0
+                for l in range(BOTH):
+                    turned[k] += hessian[k, l] * v[place(i, l)]
+        along = ck * spring.axial + cc * lag
+        for k in range(BOTH):
+            for l in range(BOTH):
+                block[k, l] = ck * tension * hessian[k, l] + gradient[k] * (along * gradient[l] + ck * lag * turned[l])
+        o, p = PER_BODY * i, PER_BODY * (i + 1)
+        add_block(matrix, dofs, (o, o + 1, o + 2, p, p + 1, p + 2), block)
+        x = (ck + cc * g.damping) * spring.torsional
+        add_entry(matrix, dofs, o + 3, o + 3, x)
+        add_entry(matrix, dofs, p + 3, p + 3, x)
+        add_entry(matrix, dofs, o + 3, p + 3, -x)
+        add_entry(matrix, dofs, p + 3, o + 3, -x)
+
+
+@kernel
+def _energy(g, t, q, v, e):
+    for i in range(g.springs.size):
+        stretch, _ = stretch_of(g, i, q)
+        e[1] += 0.5 * g.springs[i].axial * stretch**2
+        e[1] += 0.5 * g.springs[i].torsional * (q[PER_BODY * (i + 1) + 3] - q[PER_BODY * i + 3]) ** 2
+
+
+@kernel
+def _dissipation(g, t, q, v, p):
+    if g.damping > 0.0:
+        for i in range(g.springs.size):
+            _, gradient = stretch_of(g, i, q)
+            p[0] += g.damping * g.springs[i].axial * _rate(i, v, gradient) ** 2
+            p[0] += g.damping * g.springs[i].torsional * (v[PER_BODY * (i + 1) + 3] - v[PER_BODY * i + 3]) ** 2
+
+
+register(Links, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation)

@@ -1,0 +1,25 @@
+"""What can be wrong with a result file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class ResultError(Exception):
+    """A result that cannot be read or written.
+
+    Attributes
+    ----------
+    path : Path
+        The file, as it was named.
+    cause, cure : str
+        What is wrong and what to do. ``str()`` is all three.
+    """
+
+    def __init__(self, path: str | Path, cause: str, cure: str = "") -> None:
+        self.path, self.cause, self.cure = Path(path), cause, cure
+        super().__init__(f"{path}: {cause}; {cure}" if cure else f"{path}: {cause}")
+
+
+class WriteError(ResultError):
+    """Writing failed in mid-run, as on a full disk; what was written before is kept under the result's name."""

@@ -1,0 +1,197 @@
+"""Reading a result: quickly by name, or all of it as an xarray data set."""
+
+from __future__ import annotations
+
+import functools
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+
+from tautline.results.errors import ResultError
+from tautline.results.headline import read_headline, to_json
+from tautline.results.layout import FORMAT, Coordinate
+from tautline.results.target import SIGNATURE
+from tautline.results.variable import Variable
+
+if TYPE_CHECKING:
+    import xarray
+
+Contents = tuple[Sequence[Variable], dict[str, np.ndarray], Mapping[str, Coordinate], dict[str, Any], dict[str, Any]]
+"""A run kept in memory: variables, their arrays, coordinates, attributes, restart."""
+
+ATTEMPTS, PAUSE = 10, 0.02
+
+
+class Result:
+    """A stored run, finished or not; make one with ``Result.read(path)``.
+
+    ``result["hook_load"]`` is the array of a variable, read when asked for, without loading xarray.
+
+    Attributes
+    ----------
+    path : Path or None
+        The file; None if the run was kept in memory.
+    """
+
+    def __init__(self, path: str | Path | None, contents: Contents | None = None) -> None:
+        self.path = None if path is None else Path(path)
+        self._contents = contents
+
+    @classmethod
+    def read(cls, path: str | Path) -> Result:
+        """Open a result.
+
+        Raises
+        ------
+        ResultError
+            If there is no such file, or it is no NetCDF-4 file, not one of ours, damaged, or has no frame.
+        """
+        path = Path(path)
+        _check_file(path)
+        result = cls(path)
+        with result._open() as file:
+            mark = file.attrs.get("format", "")
+            if not str(mark).startswith(FORMAT.split()[0]) or "time" not in file:
+                raise ResultError(path, "is a NetCDF file, but not a Tautline result", "name one that `simulate` wrote")
+            if mark != FORMAT:
+                raise ResultError(path, f"has format '{mark}', and this version reads '{FORMAT}'", "update Tautline")
+            if file["time"].shape[0] == 0:
+                raise ResultError(path, "has no frame", "run the scene again")
+        return result
+
+    @functools.cached_property
+    def attributes(self) -> dict[str, Any]:
+        """Attributes of the run: scene, method, step, wall_time, status and so on."""
+        if self._contents is not None:
+            return dict(self._contents[3])
+        with self._open() as file:
+            return {
+                key: value.item() if isinstance(value, np.generic) else value
+                for key, value in file.attrs.items()
+                if not key.startswith("_NC")
+            }
+
+    @property
+    def headline(self) -> dict[str, dict[str, Any]]:
+        """The application's figures: name -> {value, unit, text}; empty if the run did not come to its end."""
+        headline = self.attributes.get("headline", "")
+        return read_headline(headline if isinstance(headline, str) else to_json(headline))
+
+    @functools.cached_property
+    def variables(self) -> dict[str, Variable]:
+        """What the file holds, by name; coordinates too."""
+        if self._contents is not None:
+            fixed = {key: Variable(key, dims, units, text) for key, (dims, _, units, text) in self._contents[2].items()}
+            return {variable.name: variable for variable in self._contents[0]} | fixed
+        with self._open() as file:
+            return {name: _variable(name, data) for name, data in file.items() if _is_variable(data)}
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.variables
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Array of a variable, shape as its dimensions say, SI units.
+
+        Raises
+        ------
+        ResultError
+            If there is no such variable.
+        """
+        if self._contents is not None:
+            arrays = self._contents[1] | {key: values for key, (_, values, _, _) in self._contents[2].items()}
+            if name in arrays:
+                return arrays[name]
+        else:
+            with self._open() as file:
+                if name in file and _is_variable(file[name]):
+                    data = file[name]
+                    return data.asstr()[...] if h5py.check_string_dtype(data.dtype) else data[...]
+        known = ", ".join(self.variables)
+        raise ResultError(self.path or "result", f"has no variable '{name}'", f"it has {known}")
+
+    @property
+    def time(self) -> np.ndarray:
+        """Simulated times of the frames, shape (frames,), s."""
+        return self["time"]
+
+    @property
+    def restart(self) -> dict[str, np.ndarray]:
+        """The raw final state, as it was given to ``Store.finish``; empty if the run did not come to its end."""
+        if self._contents is not None:
+            return dict(self._contents[4])
+        with self._open() as file:
+            group = file.get("restart", {})
+            return {name: group[name][...] for name in group if _is_variable(group[name])}
+
+    @functools.cached_property
+    def data(self) -> xarray.Dataset:
+        """Everything as an ``xarray.Dataset``; arrays are read from the file when they are used."""
+        import xarray
+
+        if self._contents is None:
+            assert self.path is not None
+            return xarray.open_dataset(self.path, engine="h5netcdf")
+        variables, arrays, coordinates, attributes, _ = self._contents
+        entries: dict[str, Any] = {
+            variable.name: (variable.dims, arrays[variable.name], _described(variable)) for variable in variables
+        }
+        for name, (dims, values, units, long_name) in coordinates.items():
+            entries[name] = (dims, values, _described(Variable(name, dims, units, long_name)))
+        return xarray.Dataset(entries, attrs=attributes)
+
+    def __repr__(self) -> str:
+        return f"Result({str(self.path)!r})" if self.path else "Result(in memory)"
+
+    def _open(self) -> h5py.File:
+        """Open the file for reading; a run that is just writing this copy has moved on after a moment."""
+        for attempt in range(ATTEMPTS):
+            try:
+                return h5py.File(self.path, "r")
+            except FileNotFoundError:
+                raise ResultError(self.path or "", "there is no such file", "check the name") from None
+            except OSError as error:
+                if attempt == ATTEMPTS - 1 or "lock" not in str(error):
+                    raise ResultError(self.path or "", f"is damaged: {error}", "run the scene again") from None
+            time.sleep(PAUSE)
+        raise AssertionError("unreachable")
+
+
+def _check_file(path: Path) -> None:
+    try:
+        if path.is_dir():
+            raise ResultError(path, "is a folder", "name a result in it, such as jwell.nc")
+        with path.open("rb") as file:
+            start = file.read(len(SIGNATURE))
+    except FileNotFoundError:
+        raise ResultError(path, "there is no such file", "check the name, or make it with `simulate`") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ResultError(path, f"cannot be read: {reason}", "check the name and its permissions") from None
+    if not start:
+        raise ResultError(path, "is empty", "run the scene again")
+    if start != SIGNATURE:
+        raise ResultError(path, "is not a NetCDF-4 file", "name a result, which `simulate` writes: not a scene")
+
+
+def _is_variable(data: Any) -> bool:
+    """Whether an HDF5 object is a NetCDF variable: not a group, not the mark of a bare dimension."""
+    if not isinstance(data, h5py.Dataset):
+        return False
+    name = data.attrs.get("NAME", b"")
+    return not (name if isinstance(name, bytes) else str(name).encode()).startswith(b"This is a netCDF dimension but")
+
+
+def _variable(name: str, data: h5py.Dataset) -> Variable:
+    if data.is_scale:
+        dims: tuple[str, ...] = (name,)
+    else:
+        dims = tuple(axis[0].name.split("/")[-1] if len(axis) else "" for axis in data.dims)
+    return Variable(name, dims, str(data.attrs.get("units", "")), str(data.attrs.get("long_name", "")))
+
+
+def _described(variable: Variable) -> dict[str, str]:
+    return {"units": variable.units, "long_name": variable.long_name}

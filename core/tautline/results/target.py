@@ -1,0 +1,67 @@
+"""Whether a result can be written where it was asked for, found out before a long run instead of after it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from uuid import uuid4
+
+from tautline.results.errors import ResultError
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+"""First bytes of every HDF5 file, which NetCDF-4 is."""
+
+
+def check_target(path: str | Path) -> Path:
+    """Check that a result may be written to a path; an earlier result there may be replaced, nothing else.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    ResultError
+        If the folder is missing or not writable, or the path is a folder or a file that is no result.
+    """
+    path = Path(path)
+    check_folder(path)
+    try:
+        if path.is_dir():
+            raise ResultError(path, "is a folder", f"name a file in it: -o {path / 'result.nc'}")
+        if path.exists():
+            _check_replaceable(path)
+        probe = path.parent / f".{path.name}.{uuid4().hex[:8]}.part"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        cure = "give another name or folder with -o"
+        raise ResultError(path, f"cannot be written: {error.strerror}", cure) from None
+    except ValueError as error:
+        raise ResultError(path, f"cannot be written: {error}", "give another name with -o") from None
+    return path
+
+
+def check_folder(path: Path) -> None:
+    """Raise ResultError if the folder that a file would go to is not there."""
+    try:
+        found, folder = path.parent.exists(), path.parent.is_dir()
+    except (OSError, ValueError) as error:
+        raise ResultError(path, f"cannot be written: {error}", "give another name with -o") from None
+    if not found:
+        raise ResultError(
+            path, f"there is no folder {path.parent}", f"make it, mkdir -p {path.parent}, or name another"
+        )
+    if not folder:
+        raise ResultError(path, f"{path.parent} is a file, not a folder", "name another folder with -o")
+
+
+def _check_replaceable(path: Path) -> None:
+    if not path.is_file():
+        raise ResultError(path, "is not a regular file", "name another with -o")
+    if not os.access(path, os.W_OK):
+        raise ResultError(path, "is write-protected", "name another with -o, or make it writable")
+    with path.open("rb") as file:
+        start = file.read(len(SIGNATURE))
+    if start and start != SIGNATURE:
+        raise ResultError(path, "exists and is not a result: it would be lost", "name another file with -o")

@@ -1,0 +1,27 @@
+"""A quantity that a run records."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Variable:
+    """Name, shape and unit of something stored at every frame.
+
+    Attributes
+    ----------
+    name : str
+        Name in the file, such as ``tension``.
+    dims : tuple of str
+        Dimension names; the first is ``time``.
+    units : str
+        SI unit, such as ``N``.
+    long_name : str
+        What it is, in words; plots write it at their axes.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    units: str
+    long_name: str

@@ -1,0 +1,1 @@
+"""What a person writes: YAML read into validated, frozen models; no compiled code."""

@@ -1,0 +1,351 @@
+"""A YAML file as plain values, with the line of every key.
+
+PyYAML parses; the values are constructed here, because its own construction reads `8.0e7` as text and `no` as false,
+takes duplicate keys, expands aliases without limit and can build arbitrary objects. Nothing is ever evaluated.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from tautline.scene.errors import Problem, SceneError
+from tautline.scene.text import read_text
+
+DEEPEST = 50
+MOST_VALUES = 1_000_000
+
+Key = str | int
+Path_ = tuple[Key, ...]
+
+NULL = re.compile(r"|~|null|Null|NULL")
+BOOLEAN = re.compile(r"true|True|TRUE|false|False|FALSE")
+INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+LONGEST_INTEGER = 300
+
+
+@dataclass
+class Node:
+    """A value as it stands in the file: `children` by key or index, or a scalar; `size` counts all values below."""
+
+    line: int
+    value: Any = None
+    children: dict[Key, Node] = field(default_factory=dict)
+    key_lines: dict[Key, int] = field(default_factory=dict)
+    mapping: bool = False
+    scalar: str | None = None
+    size: int = 1
+    height: int = 1
+
+    def add(self, key: Key, child: Node, line: int) -> None:
+        """Hang a finished value below this one."""
+        self.children[key] = child
+        self.key_lines[key] = line
+        self.size += child.size
+        self.height = max(self.height, child.height + 1)
+        if self.mapping:
+            self.value[key] = child.value
+        else:
+            self.value.append(child.value)
+
+
+@dataclass(frozen=True)
+class Document:
+    """A scene file that was read, not yet validated.
+
+    Attributes
+    ----------
+    path, folder : Path
+        The file, as it was named, and the folder that file names in it are relative to.
+    text : str
+        The whole text.
+    root : dict
+        Plain values: dict, list, str, int, float, bool, None.
+    origins : dict
+        Where values came from that are not in the text: key path -> option such as ``--step``.
+    """
+
+    path: Path
+    text: str
+    root: dict[str, Any]
+    tree: Node = field(repr=False)
+    origins: dict[Path_, str] = field(default_factory=dict)
+
+    @property
+    def folder(self) -> Path:
+        """Folder that file names in the scene are relative to."""
+        return self.path.parent
+
+    @classmethod
+    def read(cls, path: str | Path) -> Document:
+        """Read a file.
+
+        Raises
+        ------
+        SceneError
+            If there is no such file, if it is no text or too large, or if it is not YAML.
+        """
+        return cls.parse(read_text(Path(path)), path)
+
+    @classmethod
+    def parse(cls, text: str, path: str | Path = "scene.yaml") -> Document:
+        """Read a text; `path` names it in messages.
+
+        Raises
+        ------
+        SceneError
+            If it is not one YAML mapping of plain values.
+        """
+        path = Path(path)
+        tree = _Composer(text, path).compose()
+        return cls(path, text, tree.value, tree)
+
+    def line(self, key: str | Path_) -> int | None:
+        """Line of a key path such as ``("string", 1, "od")`` or ``"string[1].od"``, or of the nearest above it."""
+        node, line = self.tree, None
+        for part in split_key(key):
+            if part not in node.children:
+                break
+            line, node = node.key_lines[part], node.children[part]
+        return line
+
+    def written(self, key: str | Path_) -> str | None:
+        """Return the text of a scalar as its author wrote it, None for anything else."""
+        node, path = self.tree, split_key(key)
+        if self._origin(path):
+            value: Any = self.root
+            for part in path:
+                inside = isinstance(value, list) and part in range(len(value))
+                value = value.get(part) if isinstance(value, dict) else value[part] if inside else None
+            return None if value is None or isinstance(value, (dict, list)) else str(value)
+        for part in path:
+            if part not in node.children:
+                return None
+            node = node.children[part]
+        return node.scalar
+
+    def _origin(self, path: Path_) -> str | None:
+        """Where a value came from, if not from the text."""
+        ends = range(len(path), 0, -1)
+        return next((self.origins[path[:end]] for end in ends if path[:end] in self.origins), None)
+
+    def replaced(self, values: Mapping[Path_, tuple[Any, str]]) -> Document:
+        """Copy with other values: key path -> (value, the option it came from, named in messages).
+
+        A path may add a key to a mapping, and mappings on the way are made; it may not pass through a scalar.
+
+        Raises
+        ------
+        SceneError
+            If a path leads through something that has no keys.
+        """
+        root = copy.deepcopy(self.root)
+        for path, (value, origin) in values.items():
+            place: Any = root
+            for i, part in enumerate(path):
+                known = isinstance(place, dict) or (isinstance(place, list) and part in range(len(place)))
+                if not known:
+                    cause = "there is no such key"
+                    raise SceneError([Problem(origin, None, join_key(path[: i + 1]), None, cause, "check the name")])
+                if i == len(path) - 1:
+                    place[part] = value
+                elif isinstance(place, dict) and place.get(part) is None:
+                    place[part] = {}
+                place = place[part]
+        origins = self.origins | {path: origin for path, (_, origin) in values.items()}
+        return Document(self.path, self.text, root, self.tree, origins)
+
+    def problem(self, key: str | Path_, cause: str, cure: str = "", value: str | None = None) -> Problem:
+        """Build a problem at a key path; the value is shown as written."""
+        path = split_key(key)
+        shown, origin = self.written(path) if value is None else value, self._origin(path)
+        if origin:
+            return Problem(origin, None, join_key(path), shown, cause, cure)
+        return Problem(str(self.path), self.line(path) or 1, join_key(path), shown, cause, cure)
+
+
+def split_key(key: str | Path_) -> Path_:
+    """``string[1].od`` -> ``("string", 1, "od")``."""
+    if not isinstance(key, str):
+        return tuple(key)
+    parts = re.findall(r"[^.\[\]]+|\[\d+\]", key)
+    return tuple(int(part[1:-1]) if part.startswith("[") else part for part in parts)
+
+
+def join_key(path: Path_) -> str:
+    """``("string", 1, "od")`` -> ``string[1].od``."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+class _Composer:
+    """Turns parser events into nodes, without recursion and within limits."""
+
+    def __init__(self, text: str, path: Path) -> None:
+        self.text, self.path = text, path
+        self.anchors: dict[str, Node] = {}
+        self.open: dict[str, Node] = {}
+        self.stack: list[tuple[Node, str | None]] = []
+        self.keys: list[tuple[str, int] | None] = []
+        self.root: Node | None = None
+
+    def refuse(self, line: int | None, cause: str, cure: str = "", value: str | None = None) -> SceneError:
+        keys: list[Key] = []
+        for (node, _), key in zip(self.stack, self.keys, strict=True):
+            if node.mapping and key is not None:
+                keys.append(key[0])
+            elif not node.mapping:
+                keys.append(len(node.children))
+        return SceneError([Problem(str(self.path), line, join_key(tuple(keys)), value, cause, cure)])
+
+    def compose(self) -> Node:
+        bad = UNPRINTABLE.search(self.text.removeprefix("\ufeff"))
+        if bad:
+            row = self.text.count("\n", 0, bad.start()) + 1
+            raise self.refuse(row, f"the character U+{ord(bad[0]):04X} is not text", "remove it")
+        documents = 0
+        try:
+            for event in self._events():
+                mark: Any = event.start_mark
+                line = mark.line + 1
+                if isinstance(event, yaml.DocumentStartEvent):
+                    documents += 1
+                    if documents > 1:
+                        raise self.refuse(
+                            line, "a second document begins", "keep one scene in a file: remove the '---'"
+                        )
+                elif isinstance(event, yaml.NodeEvent):
+                    self._begin(event, line)
+                elif isinstance(event, yaml.CollectionEndEvent):
+                    self._end(line)
+        except yaml.MarkedYAMLError as error:
+            raise self._syntax(error) from None
+        except yaml.YAMLError as error:
+            raise self.refuse(None, f"is not YAML: {error}", "check the file") from None
+        if self.root is None or self.root.scalar == "":
+            raise self.refuse(1, "is empty", "write a scene: `new` prints one to start from")
+        if not self.root.mapping:
+            kind = "a list" if self.root.scalar is None else "a single value"
+            raise self.refuse(
+                self.root.line, f"a scene is a mapping of keys to values, not {kind}", "write `key: value` lines"
+            )
+        return self.root
+
+    def _events(self) -> Iterator[yaml.Event]:
+        return iter(yaml.parse(self.text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
+
+    def _begin(self, event: yaml.NodeEvent, line: int) -> None:
+        waiting = bool(self.stack) and self.stack[-1][0].mapping and self.keys[-1] is None
+        tag = getattr(event, "tag", None)
+        if tag is not None:
+            shown = tag.replace("tag:yaml.org,2002:", "!!")
+            raise self.refuse(
+                line, f"the tag {shown} is not allowed: nothing in a scene is evaluated", "remove the tag"
+            )
+        if waiting:
+            self._key(event, line)
+        elif isinstance(event, yaml.AliasEvent):
+            if event.anchor in self.open:
+                raise self.refuse(line, f"the alias *{event.anchor} stands inside of what it repeats", "write it out")
+            if event.anchor not in self.anchors:
+                raise self.refuse(
+                    line, f"the alias *{event.anchor} repeats nothing", f"mark a value with &{event.anchor} first"
+                )
+            self._finish(self.anchors[event.anchor], line)
+        elif isinstance(event, yaml.ScalarEvent):
+            plain = event.implicit[0] and not event.style
+            node = Node(line, self._scalar(event.value, line) if plain else event.value, scalar=event.value)
+            if event.anchor:
+                self.anchors[event.anchor] = node
+            self._finish(node, line)
+        else:
+            if len(self.stack) >= DEEPEST:
+                raise self.refuse(line, f"is nested more than {DEEPEST} deep", "check the brackets and aliases")
+            mapping = isinstance(event, yaml.MappingStartEvent)
+            node = Node(line, {} if mapping else [], mapping=mapping)
+            if event.anchor:
+                self.open[event.anchor] = node
+            self.stack.append((node, event.anchor))
+            self.keys.append(None)
+
+    def _key(self, event: yaml.NodeEvent, line: int) -> None:
+        if not isinstance(event, yaml.ScalarEvent):
+            raise self.refuse(line, "a key must be a word", "write `key: value`")
+        key = event.value
+        if key == "<<":
+            raise self.refuse(
+                line, "the merge key << is not supported", "write the keys out, or repeat a whole value with an alias"
+            )
+        node = self.stack[-1][0]
+        self.keys[-1] = (key, line)
+        if key in node.children:
+            first = node.key_lines[key]
+            raise self.refuse(line, f"duplicate key: it stands in line {first} already", "keep one of the two")
+
+    def _end(self, line: int) -> None:
+        node, anchor = self.stack.pop()
+        self.keys.pop()
+        if anchor:
+            self.open.pop(anchor, None)
+            self.anchors[anchor] = node
+        self._finish(node, node.line)
+
+    def _finish(self, node: Node, line: int) -> None:
+        if not self.stack:
+            self.root = node
+            return
+        parent, key = self.stack[-1][0], self.keys[-1]
+        if parent.size + node.size > MOST_VALUES:
+            cause = f"holds more than {MOST_VALUES} values once its aliases are written out"
+            raise self.refuse(line, cause, "remove the aliases; keep long tables in a CSV file")
+        if node.height + len(self.stack) > DEEPEST:
+            raise self.refuse(line, f"is nested more than {DEEPEST} deep", "check the brackets and aliases")
+        if parent.mapping:
+            assert key is not None
+            parent.add(key[0], node, key[1])
+            self.keys[-1] = None
+        else:
+            parent.add(len(parent.children), node, line)
+
+    def _scalar(self, text: str, line: int) -> Any:
+        """Read a plain scalar by the core schema of YAML 1.2."""
+        if NULL.fullmatch(text):
+            return None
+        if BOOLEAN.fullmatch(text):
+            return text[0] in "tT"
+        if INTEGER.fullmatch(text) and len(text) <= LONGEST_INTEGER:
+            base = {"0o": 8, "0x": 16}.get(text[:2], 10)
+            return int(text[2:], base) if base != 10 else int(text)
+        finite = not NOT_FINITE.fullmatch(text)
+        if finite and not FLOAT.fullmatch(text):
+            return text
+        value = float(text) if finite else math.nan
+        if not math.isfinite(value):
+            raise self.refuse(line, "is not a finite number", "give a number that can be computed with", text)
+        return value
+
+    def _syntax(self, error: yaml.MarkedYAMLError) -> SceneError:
+        mark: Any = error.problem_mark or error.context_mark
+        line = mark.line + 1 if mark else None
+        lines = self.text.splitlines()
+        around = lines[line - 1] if line and line <= len(lines) else ""
+        what = str(error.problem or error.context or "cannot be read")
+        if "\t" in around[: (mark.column if mark else 0) + 1] or re.match(r" *\t", around):
+            return self.refuse(line, "a tab stands where YAML wants spaces", "indent with spaces")
+        began = error.context_mark
+        since = f" ({error.context}, line {began.line + 1})" if began and error.context else ""
+        return self.refuse(
+            line, f"is not YAML: {what}{since}", "check the indentation, colons and brackets here and above"
+        )

@@ -1,0 +1,72 @@
+"""What is wrong with a scene, said so that the reader can put it right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+SHOWN = 20
+"""Problems printed; a file of one error repeated thousands of times must not fill the screen."""
+
+
+LONGEST = 80
+"""Characters shown of a value or a key path."""
+
+
+def shorten(text: str) -> str:
+    """Put a text on one line, its end left out if it is long."""
+    line = " ".join(text.split())
+    return line if len(line) <= LONGEST else line[:LONGEST] + "..."
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One fault: where it is, what was written, why it cannot be, what to do.
+
+    ``str()`` gives ``jwell.yaml:17: string[1].od = 0.10: smaller than id = 0.1086; swap od and id``.
+    """
+
+    file: str
+    line: int | None
+    key: str
+    value: str | None
+    cause: str
+    cure: str = ""
+
+    def __str__(self) -> str:
+        where = self.file if self.line is None else f"{self.file}:{self.line}"
+        key, value = shorten(self.key), shorten(self.value or "")
+        what = key if self.value is None or not key else f"{key} = {value}"
+        text = ": ".join(part for part in (where, what, self.cause) if part)
+        return f"{text}; {self.cure}" if self.cure else text
+
+
+class SceneError(Exception):
+    """A scene that cannot be run.
+
+    Attributes
+    ----------
+    problems : list of Problem
+        All that was found, in the order of the file. ``str()`` is one per line.
+    """
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = list(problems)
+        super().__init__(self.problems)
+
+    def __str__(self) -> str:
+        lines = [str(problem) for problem in self.problems[:SHOWN]]
+        if len(self.problems) > SHOWN:
+            lines.append(f"... and {len(self.problems) - SHOWN} more")
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class Caution:
+    """A warning of ``check``: the place in the scene, and what is large compared with what."""
+
+    where: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.text}"

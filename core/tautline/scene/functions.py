@@ -1,0 +1,234 @@
+"""Functions of time, as they are written in a scene.
+
+One vocabulary for every prescribed motion: ``constant``, ``ramp``, ``table``, ``harmonic``, ``chirp``, ``spectrum``,
+``sum``; a bare number is a constant. The unit of the value belongs to the place: ``block: Annotated[FunctionOfTime,
+time_function("m")]`` reads lengths, a rotary speed reads ``rad/s``. `tautline.system.time_functions` compiles them.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, GetCoreSchemaHandler, TypeAdapter, ValidationInfo, create_model, model_validator
+from pydantic_core import CoreSchema, core_schema
+
+from tautline.scene.columns import Columns
+from tautline.scene.model import Branch, Model, OneOf, Whole, word
+from tautline.scene.quantity import quantity
+from tautline.scene.refusal import fault, refusal
+
+Time = Annotated[float, quantity("s")]
+Duration = Annotated[float, quantity("s", positive=True)]
+Angle = Annotated[float, quantity("rad")]
+Number = Annotated[float, quantity("")]
+MOST_COMPONENTS = 5000
+
+
+class Constant(Model):
+    """A value that does not change."""
+
+    value: float
+
+
+class Ramp(Model):
+    """A smooth (C2, quintic) transition from `from_` to `to` that begins at `at` and takes `over`.
+
+    With `rate` in place of `to` the *slope* goes smoothly from zero to `rate`, and the value grows on at that rate.
+    """
+
+    to: float | None = None
+    rate: float | None = None
+    over: Duration
+    from_: float = Field(0.0, alias="from")
+    at: Time = 0.0
+
+    @model_validator(mode="after")
+    def _one_end(self) -> Ramp:
+        if self.to is None and self.rate is None:
+            raise fault("to", "is missing", "give `to: value`, or `rate: slope` for a value that grows on")
+        if self.to is not None and self.rate is not None:
+            raise fault("rate", "is given together with `to`", "keep one of the two")
+        return self
+
+
+class Table(Model):
+    """Values at times, inline or from a CSV file; held constant before the first and after the last."""
+
+    time: tuple[Time, ...] = Field((), examples=["[0, 1, 2]"])
+    value: tuple[float, ...] = Field((), examples=["[0, 0.5, 0.5]"])
+    file: str | None = None
+    column: str | None = None
+    interpolation: Annotated[
+        Literal["linear", "cubic"] | None, Field(description="default: linear for a velocity, cubic for a position")
+    ] = None
+
+    @model_validator(mode="after")
+    def _rows(self) -> Table:
+        if not self.time:
+            raise fault("time", "is an empty list", "give at least one time, or a file")
+        if len(self.time) != len(self.value):
+            cause = f"has {len(self.value)} entries, and time has {len(self.time)}"
+            raise fault("value", cause, "give a value for every time")
+        for i, (earlier, later) in enumerate(itertools.pairwise(self.time), 1):
+            if not later > earlier:
+                cause = f"must be later than the one before ({earlier:g} s)"
+                raise fault(("time", i), cause, "put the times in increasing order, each once")
+        return self
+
+
+class Harmonic(Model):
+    """``mean + amplitude sin(2 pi t / period + phase)``, the sine under a quintic envelope over the first `ramp`."""
+
+    amplitude: float
+    period: Duration | None = None
+    frequency: Annotated[float, quantity("Hz", positive=True)] | None = None
+    phase: Angle = 0.0
+    mean: float = 0.0
+    ramp: Annotated[float, quantity("s", nonnegative=True)] = 0.0
+
+    @model_validator(mode="after")
+    def _one_period(self) -> Harmonic:
+        if self.period is None and self.frequency is None:
+            raise fault("period", "is missing", "give `period:` in seconds, or `frequency:` in Hz")
+        if self.period is not None and self.frequency is not None:
+            raise fault("frequency", "is given together with `period`", "keep one of the two")
+        return self
+
+
+class Chirp(Model):
+    """``amplitude [sin(2 pi (t - shift) / period + rate (t - shift)^2) - (the same at t = 0)]``; `rate` in rad/s^2."""
+
+    amplitude: float
+    period: Duration
+    rate: Annotated[float, quantity("rad/s^2")]
+    shift: Time = 0.0
+
+
+class Spectrum(Model):
+    """A random sea: JONSWAP waves, times the response `rao` (the value per metre of wave)."""
+
+    kind: Annotated[Literal["jonswap"], word("jonswap")] = "jonswap"
+    significant_height: Annotated[float, quantity("m", nonnegative=True)]
+    peak_period: Duration
+    gamma: Annotated[float, quantity("", positive=True, at_most=20.0)] = 3.3
+    seed: Annotated[Whole, Field(ge=0)] = 0
+    rao: Number = 1.0
+    components: Annotated[Whole, Field(ge=1, le=MOST_COMPONENTS)] = 200
+    ramp: Annotated[float, quantity("s", nonnegative=True)] = 0.0
+
+
+class Sum(Model):
+    """Several functions, added."""
+
+    terms: tuple[Any, ...]
+
+
+class Velocity(Model):
+    """A position given by its velocity, zero at t = 0."""
+
+    velocity: Any
+
+
+FunctionOfTime = Constant | Ramp | Table | Harmonic | Chirp | Spectrum | Sum
+Position = FunctionOfTime | Velocity
+
+
+class _Terms:
+    """The list under ``sum``: read when it occurs, because functions hold functions."""
+
+    def __init__(self, unit: str) -> None:
+        self.unit = unit
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        def read(value: Any, info: core_schema.ValidationInfo) -> Any:
+            if not isinstance(value, list) or not value:
+                raise refusal("is not a list of functions", "write a list: sum: [{constant: 1.0}, {harmonic: ...}]")
+            return _terms(self.unit).validate_python(value, context=info.context)
+
+        return core_schema.with_info_before_validator_function(read, core_schema.any_schema())
+
+
+@functools.cache
+def _terms(unit: str) -> TypeAdapter[Any]:
+    return TypeAdapter(list[Annotated[Any, time_function(unit)]])
+
+
+def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
+    """Replace ``file:`` by the times and values in it."""
+    if not isinstance(data, dict) or not isinstance(data.get("file"), str):
+        return data
+    if data.get("time") is not None or data.get("value") is not None:
+        raise fault("file", "is given together with time and value", "keep the file, or the lists")
+    folder = (info.context or {}).get("folder", Path())
+    columns = Columns(Path(folder) / data["file"])
+    time = columns.index(("time", "t"), otherwise=0)
+    asked = data.get("column")
+    other = 1 if time == 0 else 0
+    value = columns.index((asked,)) if isinstance(asked, str) else columns.index(("value",), otherwise=other)
+    return data | {"time": list(columns.values(time, "s")), "value": list(columns.values(value, unit))}
+
+
+@functools.cache
+def _models(unit: str) -> dict[str, type[Model]]:
+    """Return the models of the functions whose value has a unit."""
+    per_second = {"m": "m/s", "m/s": "m/s^2", "rad": "rad/s", "rad/s": "rad/s^2"}.get(
+        unit, f"({unit})/s" if unit else "1/s"
+    )
+    value: Any = Annotated[float, quantity(unit)]
+    slope: Any = Annotated[float, quantity(per_second)]
+
+    def read_file(cls: type, data: Any, info: ValidationInfo) -> Any:
+        return _from_file(data, info, unit)
+
+    method: Any = classmethod(read_file)
+    from_file: Any = model_validator(mode="before")(method)
+    return {
+        "ramp": create_model(
+            "Ramp",
+            __base__=Ramp,
+            to=(value | None, None),
+            rate=(slope | None, None),
+            from_=(value, Field(0.0, alias="from")),
+        ),
+        "table": create_model(
+            "Table",
+            __base__=Table,
+            __validators__={"from_file": from_file},
+            value=(tuple[value, ...], Field((), examples=["[0, 0.5, 0.5]"])),
+        ),
+        "harmonic": create_model("Harmonic", __base__=Harmonic, amplitude=(value, ...), mean=(value, 0.0)),
+        "chirp": create_model("Chirp", __base__=Chirp, amplitude=(value, ...)),
+        "spectrum": Spectrum,
+    }
+
+
+@functools.cache
+def branches(unit: str) -> dict[str, Branch]:
+    """Return the ways to write a function of time whose value has a unit, by key."""
+    keyed = {"constant": Branch(Annotated[float, quantity(unit)], lambda value: Constant(value=value))}
+    keyed |= {key: Branch(model) for key, model in _models(unit).items()}
+    terms = Annotated[Any, _Terms(unit)]
+    return keyed | {"sum": Branch(terms, lambda terms: Sum(terms=tuple(terms)))}
+
+
+def time_function(unit: str, velocity: str | None = None, **others: Branch) -> OneOf:
+    """Annotate a function of time: ``Annotated[FunctionOfTime, time_function("m/s")]``.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit of the value.
+    velocity : str, optional
+        Unit of the value's rate: the function may then also be written ``{velocity: function}``, read as `Velocity`.
+    **others : Branch
+        Further keys allowed in its place.
+    """
+    keyed = dict(branches(unit))
+    if velocity is not None:
+        inner = Annotated[Any, time_function(velocity)]
+        keyed["velocity"] = Branch(inner, lambda function: Velocity(velocity=function))
+    plain = Branch(Annotated[float, quantity(unit)], lambda value: Constant(value=value))
+    return OneOf("a function of time", keyed | others, plain, example="{ramp: {to: 2.0, over: 1.0}}")

@@ -1,0 +1,300 @@
+"""The base of all that a person writes in a scene, and how pydantic's errors become problems with a line and a cure."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, Self, TypeVar
+
+import pydantic
+from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
+from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
+
+from tautline.scene.document import Document
+from tautline.scene.errors import LONGEST, Problem, SceneError
+from tautline.scene.quantity import Quantity
+from tautline.scene.refusal import KIND, nearest, refusal
+
+MARK = "|"
+"""Begins the tag of a branch that is no key of the file; dropped from key paths."""
+
+MOST_FAULTS = 100
+"""Faults of one mapping that are told; a table of words for numbers has as many as rows."""
+
+Whole = Annotated[int, Strict()]
+"""A whole number; true and 12.0 are none."""
+Switch = Annotated[bool, Strict()]
+"""True or false; 0 and 'no' are neither."""
+
+
+class Model(pydantic.BaseModel):
+    """A frozen mapping of known keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    @pydantic.model_validator(mode="wrap")
+    @classmethod
+    def _say_keys(cls, data: Any, handler: pydantic.ModelWrapValidatorHandler[Self]) -> Self:
+        if not isinstance(data, (dict, cls)):
+            kind = "is empty" if data is None else "is a list" if isinstance(data, list) else "is not a mapping"
+            raise refusal(kind, f"write a mapping of keys: {', '.join(cls._keys())}")
+        try:
+            return handler(data)
+        except ValidationError as error:
+            details = [_detail(cls, e) for e in error.errors(include_url=False)[:MOST_FAULTS]]
+            raise ValidationError.from_exception_data(cls.__name__, details) from None
+
+    @classmethod
+    def _keys(cls) -> list[str]:
+        return [f.alias or name for name, f in cls.model_fields.items()]
+
+    @classmethod
+    def _example(cls, key: str) -> str:
+        for name, info in cls.model_fields.items():
+            if key in (name, info.alias):
+                if info.examples:
+                    return str(info.examples[0])
+                return next((m.example for m in info.metadata if isinstance(m, Quantity)), "")
+        return ""
+
+
+def _detail(model: type[Model], error: Any) -> InitErrorDetails:
+    """Rebuild one of pydantic's errors, with a cure that only the model knows."""
+    kind, place, context = error["type"], error["loc"], error.get("ctx") or {}
+    known: Any = kind
+    if len(place) == 1 and kind == "missing":
+        example = model._example(str(place[0]))
+        known = refusal("is missing", f"add `{place[0]}:`" + (f", such as {example}" if example else ""))
+    elif len(place) == 1 and kind == "extra_forbidden":
+        comma = "is it a decimal comma? Write 0.127 with a point" if str(place[0]).isdigit() else ""
+        known = refusal("unknown key", comma or nearest(str(place[0]), model._keys()))
+    elif kind == KIND or "error" in context:
+        known = PydanticCustomError(
+            KIND, "{cause}", {"cause": error["msg"]} | {k: v for k, v in context.items() if k != "error"}
+        )
+    return InitErrorDetails(type=known, loc=place, input=error["input"], ctx=context)
+
+
+class Scene(Model):
+    """A whole scene: a model that remembers the file it was read from."""
+
+    _document: Document | None = PrivateAttr(None)
+
+    @property
+    def document(self) -> Document | None:
+        """The file; None if the scene was made in Python."""
+        return self._document
+
+    @classmethod
+    def read(cls, path: str | Path) -> Self:
+        """Read and validate a file.
+
+        Raises
+        ------
+        SceneError
+            Listing every fault with its line, key and cure.
+        """
+        return validate(cls, Document.read(path))
+
+    @classmethod
+    def parse(cls, text: str, path: str | Path = "scene.yaml") -> Self:
+        """Validate a text; `path` names it in messages.
+
+        Raises
+        ------
+        SceneError
+            Listing every fault with its line, key and cure.
+        """
+        return validate(cls, Document.parse(text, path))
+
+    def problem(self, key: str | tuple[str | int, ...], cause: str, cure: str = "") -> Problem:
+        """Build a problem at a key path, for a check that needs more than the scene itself."""
+        document = self._document or Document(Path("scene"), "", {}, tree=Document.parse("{}").tree)
+        return document.problem(key, cause, cure)
+
+
+M = TypeVar("M", bound=Model)
+
+
+def validate(model: type[M], document: Document) -> M:
+    """Turn a document into a model.
+
+    Raises
+    ------
+    SceneError
+        Listing every fault with its line, key and cure.
+    """
+    try:
+        scene = model.model_validate(document.root, context={"folder": document.folder})
+    except ValidationError as error:
+        problems = [_problem(e, document) for e in error.errors(include_url=False)]
+        problems.sort(key=lambda problem: problem.line or 0)
+        raise SceneError(list(dict.fromkeys(problems))) from None
+    if isinstance(scene, Scene):
+        scene._document = document
+    return scene
+
+
+def _problem(error: Any, document: Document) -> Problem:
+    path = tuple(part for part in error["loc"] if not (isinstance(part, str) and part.startswith(MARK)))
+    context = error.get("ctx") or {}
+    if error["type"] == KIND:
+        cause, cure = str(context.get("cause", "")), str(context.get("cure", ""))
+        if "file" in context:
+            return Problem(str(context["file"]), context.get("line"), "", None, cause, cure)
+    else:
+        cause, cure = _plain(error)
+    value = None
+    if error["type"] != "missing" and document.written(path) is None and isinstance(error["input"], (str, int, float)):
+        value = str(error["input"])
+    return document.problem(path, cause, cure, value)
+
+
+def _plain(error: Any) -> tuple[str, str]:
+    """Cause and cure of one of pydantic's own errors."""
+    kind, given = str(error["type"]), error["input"]
+    context: dict[str, Any] = error.get("ctx") or {}
+    if kind == "literal_error":
+        words = [word.strip(" '") for word in context["expected"].replace(" or ", ", ").split(", ")]
+        return "is not one of the known words", nearest(str(given), words)
+    if given is None:
+        return "is empty", "give a value, or remove the key"
+    names = {"int": ("a whole number", "12"), "bool": ("true or false", "true"), "string": ("a text", "drill pipe")}
+    names |= {"tuple": ("a list", "[0, 1]"), "list": ("a list", "[0, 1]")}
+    for name, (what, example) in names.items():
+        if kind.startswith(f"{name}_"):
+            return f"must be {what}", f"give {what} such as {example}"
+    if kind in ("too_short", "too_long", "missing"):
+        least, most = context.get("min_length"), context.get("max_length")
+        if kind == "too_short" and least == 1:
+            return "is an empty list", "give at least one entry"
+        return f"has {context.get('actual_length', 'too few')} entries", f"give {least or most or 'all of them'}"
+    limits = {"greater_than_equal": ("ge", "at least"), "greater_than": ("gt", "more than")}
+    limits |= {"less_than_equal": ("le", "at most"), "less_than": ("lt", "less than")}
+    if kind in limits:
+        name, relation = limits[kind]
+        return f"must be {relation} {context[name]}", f"give a number that is {relation} {context[name]}"
+    return str(error["msg"]).lower(), "see the schema"
+
+
+def word(*known: str, aliases: dict[str, str] | None = None) -> BeforeValidator:
+    """Annotate a choice of words: capitals, spaces and underscores do not matter, aliases are understood."""
+
+    def fold(text: str) -> str:
+        return text.lower().replace("_", "-").replace(" ", "-")
+
+    meant = {fold(w): w for w in known} | {fold(a): w for a, w in (aliases or {}).items()}
+
+    def read(value: Any) -> str:
+        if not isinstance(value, str):
+            raise refusal("must be a word", f"give one of: {', '.join(known)}")
+        if fold(value) in meant:
+            return meant[fold(value)]
+        close = difflib.get_close_matches(fold(value[:LONGEST]), list(meant), n=1)
+        cure = f"did you mean '{meant[close[0]]}'? " if close else ""
+        raise refusal("is not one of the known words", f"{cure}known: {', '.join(known)}")
+
+    return BeforeValidator(read)
+
+
+class Branch:
+    """One way to write a value: its type, and what to make of it (by default, the value itself)."""
+
+    def __init__(self, kind: Any, make: Callable[[Any], Any] | None = None) -> None:
+        self.kind, self.make = kind, make
+
+    def schema(self, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Schema of the value, made into what it stands for."""
+        schema = handler.generate_schema(self.kind)
+        return core_schema.no_info_after_validator_function(self.make, schema) if self.make else schema
+
+
+class OneOf:
+    """Annotation of a value that can be written in several ways, each a mapping of a single key.
+
+    ``{ramp: {to: 2.0, over: 1.0}}`` goes to the branch `ramp`, and errors are those of that branch alone.
+
+    Parameters
+    ----------
+    what : str
+        What is to be given, for messages: ``a function of time``.
+    keyed : dict
+        Key -> `Branch`.
+    plain : Branch, optional
+        For anything that is not a mapping: a bare number, a word.
+    whole : Branch, optional
+        For a mapping whose keys are none of `keyed`.
+    example : str
+        How it can be written.
+    """
+
+    def __init__(
+        self,
+        what: str,
+        keyed: dict[str, Branch],
+        plain: Branch | None = None,
+        whole: Branch | None = None,
+        example: str = "",
+    ) -> None:
+        self.what, self.keyed, self.plain, self.whole = what, keyed, plain, whole
+        self.example = example or f"{{{next(iter(keyed), what)}: ...}}"
+
+    def select(self, value: Any) -> str:
+        """Tag of the branch that a value goes to.
+
+        Raises
+        ------
+        PydanticCustomError, ValidationError
+            If it is none of them, or more than one.
+        """
+        cure = f"give {self.what} such as {self.example}"
+        if not isinstance(value, dict):
+            if self.plain is None or value is None:
+                raise refusal("is empty" if value is None else f"is not {self.what}", cure)
+            return f"{MARK}plain"
+        chosen = [key for key in value if key in self.keyed]
+        if len(value) == 1 and chosen:
+            return f"{MARK}{chosen[0]}"
+        if self.whole is not None and not chosen:
+            return f"{MARK}whole"
+        if len(chosen) > 1:
+            raise refusal(f"gives both {chosen[0]} and {chosen[1]}", f"keep one: {cure}")
+        if chosen:
+            odd = next(key for key in value if key not in self.keyed)
+            raise refusal(f"'{odd}' stands beside {chosen[0]}", f"indent it below {chosen[0]}, or remove it")
+        if not value:
+            raise refusal("is an empty mapping", cure)
+        odd = next(iter(value))
+        raise refusal(f"unknown key '{odd}'", nearest(str(odd), self.keyed))
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        choices: dict[Any, CoreSchema] = {}
+        for key, branch in self.keyed.items():
+            only = {key: core_schema.typed_dict_field(branch.schema(handler), required=True)}
+            mapping = core_schema.typed_dict_schema(only, extra_behavior="forbid")
+            choices[f"{MARK}{key}"] = core_schema.no_info_after_validator_function(_Content(key), mapping)
+        if self.plain:
+            choices[f"{MARK}plain"] = self.plain.schema(handler)
+        if self.whole:
+            choices[f"{MARK}whole"] = self.whole.schema(handler)
+        union = core_schema.tagged_union_schema(choices, discriminator=self.select)
+
+        def enter(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
+            return value if isinstance(value, Model) else inner(value)
+
+        def dump(value: Any) -> Any:
+            return value.model_dump() if isinstance(value, Model) else value
+
+        plain = core_schema.plain_serializer_function_ser_schema(dump)
+        return core_schema.no_info_wrap_validator_function(enter, union, serialization=plain)
+
+
+class _Content:
+    """Takes the value out of its one-key mapping."""
+
+    def __init__(self, key: str) -> None:
+        self.key = key
+
+    def __call__(self, mapping: dict[str, Any]) -> Any:
+        return mapping[self.key]

@@ -1,0 +1,198 @@
+"""Numbers with units: a bare number is SI, text carries its unit."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from tautline.scene.refusal import nearest, refusal
+from tautline.scene.units import UnknownUnit, read_unit
+
+NUMBER = re.compile(r"\s*(?P<number>[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*", re.DOTALL)
+LARGEST_EXPONENT = 400
+
+MEANINGS = {
+    "": ("a plain number", "0.2"),
+    "m": ("a length", "0.127 or 5 in"),
+    "m^2": ("an area", "0.0034 or 34 cm^2"),
+    "m^4": ("a second moment of area", "3.586e-5 or 86 in^4"),
+    "m/s": ("a speed", "0.5 or 0.5 m/s"),
+    "m/s^2": ("an acceleration", "9.81 or 9.81 m/s^2"),
+    "s": ("a time", "0.001 or 1 ms"),
+    "1/s": ("a rate", "0.1 or 0.1 1/s"),
+    "rad": ("an angle", "90 deg, or radians as a bare number"),
+    "rad/s": ("a rotary speed", "120 rpm, or rad/s as a bare number"),
+    "rad/s^2": ("an angular acceleration", "0.5 or 0.5 rad/s^2"),
+    "rad/m": ("a curvature", "3 deg/30m"),
+    "kg": ("a mass", "5000 or 5 t"),
+    "kg/m": ("a mass per length", "29.0 or 19.5 lb/ft"),
+    "kg/m^3": ("a density", "1840 or 12.5 ppg"),
+    "kg m^2": ("a moment of inertia", "2000"),
+    "N": ("a force", "5.0e4 or 50 kN"),
+    "N m": ("a torque", "2.0e4 or 20 kN m"),
+    "N m^2": ("a bending stiffness", "0.001"),
+    "N/m": ("a stiffness", "1.0e9"),
+    "N s/m": ("a damping coefficient", "10"),
+    "N m/rad": ("a torsional stiffness", "200"),
+    "N m s/rad": ("a rotary damping coefficient", "20"),
+    "Pa": ("a stress or modulus", "2.0e11 or 200 GPa"),
+    "Hz": ("a frequency", "0.1 or 0.1 Hz"),
+}
+"""What a quantity of each unit is called, and an example of how to write one."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation of a float: unit, bounds, and words allowed in place of a number.
+
+    Bounds are in SI. `words` are accepted as they stand (``length: rest``).
+    """
+
+    unit: str
+    above: float | None = None
+    at_least: float | None = None
+    below: float | None = None
+    at_most: float | None = None
+    words: tuple[str, ...] = ()
+
+    @property
+    def meaning(self) -> str:
+        """What it is, in words: ``a length``."""
+        return MEANINGS.get(self.unit, (f"a quantity in {self.unit}", ""))[0]
+
+    @property
+    def example(self) -> str:
+        """How one is written."""
+        text = MEANINGS.get(self.unit, ("", f"1.0 ({self.unit})"))[1]
+        return f"{text}, or the word {' or '.join(self.words)}" if self.words else text
+
+    @property
+    def cure(self) -> str:
+        """The sentence that ends a refusal."""
+        return f"give {self.meaning} such as {self.example}"
+
+    def read(self, written: Any) -> float | str:
+        """Return the value in SI, or one of the words.
+
+        Raises
+        ------
+        PydanticCustomError
+            If it is not a finite number with the right unit and within the bounds.
+        """
+        if isinstance(written, str) and written in self.words:
+            return written
+        value = self._text(written) if isinstance(written, str) else self._number(written)
+        self._bound(value)
+        return value
+
+    def _number(self, written: Any) -> float:
+        if isinstance(written, bool) or written is None or not isinstance(written, (int, float)):
+            if written is None:
+                raise refusal("is empty", self.cure)
+            kinds = {
+                bool: "true and false are not numbers",
+                dict: "a mapping is not a number",
+                list: "a list is not a number",
+            }
+            raise refusal(kinds.get(type(written), f"{type(written).__name__} is not a number"), self.cure)
+        try:
+            value = float(written)
+        except OverflowError:
+            value = math.inf
+        if not math.isfinite(value):
+            raise refusal("is not a finite number", self.cure)
+        return value
+
+    def _text(self, written: str) -> float:
+        match = NUMBER.fullmatch(written)
+        if match is None:
+            if written.strip().lower().lstrip("+-.") in ("nan", "inf", "infinity"):
+                raise refusal("is not a finite number", self.cure)
+            hint = f"{nearest(written, self.words)} Or " if self.words else ""
+            raise refusal("is not a number with a unit", hint + self.cure)
+        number, unit = match["number"], match["unit"]
+        exponent = re.split("[eE]", number)[1] if re.search("[eE]", number) else "0"
+        if abs(int(exponent[:6])) > LARGEST_EXPONENT or len(number) > LARGEST_EXPONENT:
+            raise refusal("is not a finite number", self.cure)
+        if not unit:
+            raise refusal("is text, not a number", f"remove the quotes, or add the unit: {self.cure}")
+        if re.match(r"/\s*\d", unit):
+            raise refusal("is a fraction, and nothing is computed", self.cure)
+        try:
+            read = read_unit(unit)
+        except UnknownUnit as error:
+            raise refusal(str(error), self.cure) from error
+        wanted = read_unit(self.unit) if self.unit else read_unit("%")
+        if read.dimension != wanted.dimension:
+            raise refusal(
+                f"'{unit}' is not the unit of {self.meaning}", f"expected {self.meaning} such as {self.example}"
+            )
+        if unit.endswith("Hz") and self.unit.startswith("rad"):
+            raise refusal("Hz does not say whether turns or radians are counted", self.cure)
+        try:
+            value = read.si(Fraction(number))
+        except OverflowError:
+            value = math.inf
+        if not math.isfinite(value):
+            raise refusal("is not a finite number", self.cure)
+        return value
+
+    def _bound(self, value: float) -> None:
+        unit = f" {self.unit}" if self.unit else ""
+        if self.above is not None and not value > self.above:
+            least = "greater than zero" if self.above == 0.0 else f"greater than {self.above:g}{unit}"
+            raise refusal(f"must be {least}", self.cure)
+        if self.at_least is not None and not value >= self.at_least:
+            least = "negative" if self.at_least == 0.0 else f"less than {self.at_least:g}{unit}"
+            raise refusal(f"must not be {least}", self.cure)
+        if self.below is not None and not value < self.below:
+            raise refusal(f"must be less than {self.below:g}{unit}", self.cure)
+        if self.at_most is not None and not value <= self.at_most:
+            raise refusal(f"must not be more than {self.at_most:g}{unit}", self.cure)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        number: dict[str, Any] = {"type": "number"}
+        names = {"above": "exclusiveMinimum", "at_least": "minimum", "below": "exclusiveMaximum", "at_most": "maximum"}
+        number |= {key: getattr(self, name) for name, key in names.items() if getattr(self, name) is not None}
+        text = (
+            {"type": "string", "description": "a number with its unit"}
+            if self.unit
+            else {"type": "string", "pattern": "%$"}
+        )
+        choices = [number, text] + ([{"enum": list(self.words)}] if self.words else [])
+        what = f"{self.meaning}, in {self.unit} unless a unit is given" if self.unit else self.meaning
+        return {"anyOf": choices, "description": f"{what}; {self.example}"}
+
+
+def quantity(
+    unit: str,
+    *,
+    positive: bool = False,
+    nonnegative: bool = False,
+    below: float | None = None,
+    at_most: float | None = None,
+    words: tuple[str, ...] = (),
+) -> Quantity:
+    """Annotate a float: ``Length = Annotated[float, quantity("m", positive=True)]``.
+
+    Parameters
+    ----------
+    unit : str
+        Unit of a bare number, in SI; empty for a pure number.
+    positive, nonnegative : bool
+        Lower bound of zero, excluded or included.
+    below, at_most : float, optional
+        Upper bound in SI, excluded or included.
+    words : tuple of str
+        Words allowed in place of a number.
+    """
+    return Quantity(unit, 0.0 if positive else None, 0.0 if nonnegative else None, below, at_most, words)

@@ -1,0 +1,62 @@
+"""How a validator refuses a value: with a cause and a cure, at a key.
+
+pydantic collects these; `tautline.scene.model.validate` turns them into `Problem`.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+from pydantic_core import InitErrorDetails, PydanticCustomError, ValidationError
+
+from tautline.scene.errors import LONGEST
+
+KIND = "problem"
+"""The pydantic error type that carries a cause and a cure."""
+
+
+def refusal(cause: str, cure: str = "", file: str | None = None, line: int | None = None) -> PydanticCustomError:
+    """Build the error by which a field's validator refuses its value.
+
+    Parameters
+    ----------
+    cause, cure : str
+        What is wrong and what to do, in plain words.
+    file, line
+        Where the fault lies if not in the scene itself: a row of a table that the scene names.
+    """
+    context: dict[str, str | int] = {"cause": cause, "cure": cure}
+    if file is not None:
+        context["file"] = file
+    if line is not None:
+        context["line"] = line
+    return PydanticCustomError(KIND, "{cause}", context)
+
+
+def fault(key: str | int | tuple[str | int, ...], cause: str, cure: str = "") -> ValidationError:
+    """Build the error by which a model refuses one of its keys after all were read.
+
+    Parameters
+    ----------
+    key : str, int or tuple
+        Key, or path of keys, below the model that raises this.
+    cause, cure : str
+        What is wrong and what to do.
+    """
+    path = key if isinstance(key, tuple) else (key,)
+    return ValidationError.from_exception_data(
+        "scene", [InitErrorDetails(type=refusal(cause, cure), loc=path, input=None)]
+    )
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Say which known word was probably meant, or list those there are."""
+    words = list(known)
+    close = difflib.get_close_matches(word[:LONGEST].lower(), [w.lower() for w in words], n=1, cutoff=0.6)
+    if close:
+        meant = next(w for w in words if w.lower() == close[0])
+        return f"did you mean '{meant}'?"
+    if len(words) == 1:
+        return f"known: {words[0]}"
+    return f"known: {', '.join(words)}" if words else "remove it"

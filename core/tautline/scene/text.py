@@ -1,0 +1,79 @@
+"""The text of a file: whether there is one, and in which encoding."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from tautline.scene.errors import Problem, SceneError
+
+LARGEST_FILE = 10_000_000
+
+
+def read_text(path: Path) -> str:
+    """Read a text file, in UTF-8 or in whatever its byte order mark says.
+
+    Raises
+    ------
+    SceneError
+        If there is no such file, or it is not a text, or it is over 10 MB (it is then not read at all).
+    """
+
+    def refuse(cause: str, cure: str, line: int | None = None) -> SceneError:
+        return SceneError([Problem(str(path), line, "", None, cause, cure)])
+
+    try:
+        status = path.stat()
+        if path.is_dir():
+            raise refuse("is a folder", "name a scene file in it")
+        if not path.is_file():
+            raise refuse("is not a regular file", "name a scene file, such as jwell.yaml")
+        if status.st_size > LARGEST_FILE:
+            size = f"{status.st_size / 1e6:.0f} MB"
+            raise refuse(
+                f"is {size} long, and scenes are under 10 MB", "keep long tables in a CSV file and name it here"
+            )
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except (FileNotFoundError, NotADirectoryError):
+        raise refuse("there is no such file", _neighbour(path)) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise refuse(f"cannot be read: {reason}", "check the name and its permissions") from None
+    return decode(data, path)
+
+
+def _neighbour(path: Path) -> str:
+    try:
+        names = [file.name for file in path.parent.iterdir()]
+    except OSError:
+        return "check the folder's name"
+    close = difflib.get_close_matches(path.name, names, n=1)
+    return f"did you mean {path.parent / close[0]}?" if close else "check the name"
+
+
+def decode(data: bytes, path: Path) -> str:
+    """Decode a file's bytes.
+
+    Raises
+    ------
+    SceneError
+        Naming the first byte that is not text.
+    """
+    marks = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe\x00\x00": "utf-32", b"\x00\x00\xfe\xff": "utf-32"}
+    marks |= {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
+    encoding = next((name for mark, name in marks.items() if data.startswith(mark)), "utf-8")
+    at, cause = None, ""
+    try:
+        text = data.decode(encoding)
+    except UnicodeDecodeError as error:
+        at, cause = error.start, f"byte {error.start + 1} is not {encoding.upper().removesuffix('-SIG')} text"
+    else:
+        if encoding == "utf-8" and b"\0" in data:
+            at = data.index(b"\0")
+            cause = f"byte {at + 1} is zero, as in a binary file"
+    if at is None:
+        return text
+    line = data[:at].count(b"\n") + 1
+    cure = "this is a binary file, or one in another encoding: save it as UTF-8 text"
+    raise SceneError([Problem(str(path), line, "", None, cause, cure)])

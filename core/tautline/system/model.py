@@ -1,0 +1,72 @@
+"""A scene that is ready to run: its system, its solver, and what its frames mean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tautline.system.system import System
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """What the integrator is told.
+
+    method ``generalized-alpha``, ``newmark`` or ``rk4``; alpha_m and alpha_f of eqs 2.79-2.80; nominal step, end and
+    output interval s; tolerance and criterion (``force``: residual over scale; ``energy``: eq. 2.78); limits.
+    """
+
+    method: str
+    step: float
+    end: float
+    interval: float
+    alpha_m: float
+    alpha_f: float
+    tolerance: float = 1e-9
+    criterion: str = "force"
+    max_iterations: int = 20
+    max_halvings: int = 10
+
+
+@dataclass
+class Model:
+    """What an application builds from a scene, and all that a run needs to know.
+
+    Attributes
+    ----------
+    system : System
+    solver : SolverSettings
+    variables : list
+        Descriptions of what is stored (``results.variable.Variable``); ``time`` goes without saying.
+    coordinates : dict
+        name -> (dimension, values, units, long name).
+    attributes : dict
+        Stored with the result: the scene's text among them.
+    observe : callable
+        Frames (``integrators.march.Frames``) of a batch -> dict of arrays, leading axis time.
+    headline : callable
+        Result -> dict of name -> {"value", "unit", "text"}: the application's own figures.
+    at_rest : bool
+        Whether the run starts from static equilibrium.
+    step_limit : float
+        Largest change of an unknown in one iteration of the search for it, m or rad.
+    own : int
+        Numbers that the groups record each frame.
+    notes : list of str
+        What the builder decided that the user should know.
+    """
+
+    system: System
+    solver: SolverSettings
+    variables: list[Any]
+    coordinates: dict[str, tuple[str, np.ndarray, str, str]]
+    attributes: dict[str, Any]
+    observe: Callable[[Any], dict[str, np.ndarray]]
+    headline: Callable[[Any], dict[str, dict[str, Any]]]
+    at_rest: bool = True
+    step_limit: float = 1.0
+    own: int = 0
+    notes: list[str] = field(default_factory=list)

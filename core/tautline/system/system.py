@@ -1,0 +1,197 @@
+"""A scene as the solver sees it: groups, degrees of freedom, functions of time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from tautline.kernels.dofs import HELD, TIED, Dofs
+from tautline.kernels.time_function import TimeFunctions
+
+
+@dataclass
+class Degrees:
+    """Degrees of freedom while a scene is built: each free, fixed, prescribed, or a slave of others.
+
+    Attributes
+    ----------
+    names : list of str
+        What each full degree of freedom is, for messages: ``body 7 (drill pipe, 1925 m): axial``.
+    value : (n_full,) array
+        Values at t = 0, m or rad.
+    scale : (n_full,) array
+        Force or moment that counts as large in that row, N or N m: the residual is judged against it.
+    """
+
+    names: list[str]
+    value: np.ndarray
+    scale: np.ndarray
+    motion: dict[int, int] = field(default_factory=dict)
+    masters: dict[int, list[tuple[int, float]]] = field(default_factory=dict)
+
+    def fix(self, i: int) -> None:
+        """Hold a degree of freedom at its value."""
+        self.motion[i] = -1
+
+    def prescribe(self, i: int, function: int) -> None:
+        """Let a degree of freedom follow its value plus a function of time (its index in the scene)."""
+        self.motion[i] = function
+
+    def tie(self, i: int, masters: list[tuple[int, float]]) -> None:
+        """Make a degree of freedom the sum of factors times free others."""
+        self.masters[i] = masters
+
+
+@dataclass
+class System:
+    """Groups over numbered unknowns, ready for an integrator.
+
+    Attributes
+    ----------
+    groups : tuple
+        Named tuples of arrays; their types choose the compiled code.
+    dofs : Dofs
+        Full degrees of freedom in terms of the reduced ones.
+    functions : TimeFunctions
+        Every function of time in the scene.
+    q, v : (n_full,) arrays
+        Position (m, rad) and velocity at t = 0.
+    scale : (n,) array
+        Force (N, N m) against which the residual of a reduced row is judged.
+    names : list of str
+        What each reduced unknown is.
+    bandwidth, mass_bandwidth : int
+        Sub- and superdiagonals of the tangent and of the mass matrix; 0 is diagonal.
+    """
+
+    groups: tuple[Any, ...]
+    dofs: Dofs
+    functions: TimeFunctions
+    q: np.ndarray
+    v: np.ndarray
+    scale: np.ndarray
+    names: list[str]
+    bandwidth: int
+    mass_bandwidth: int
+
+    @property
+    def size(self) -> int:
+        """Number of reduced unknowns."""
+        return self.scale.size
+
+
+def assemble(
+    groups: tuple[Any, ...],
+    degrees: Degrees,
+    functions: TimeFunctions,
+    velocity: np.ndarray,
+    stencils: Sequence[np.ndarray],
+    mass_stencils: Sequence[np.ndarray],
+) -> System:
+    """Number the unknowns and order them for a narrow band.
+
+    Parameters
+    ----------
+    groups : tuple
+        The scene's groups.
+    degrees : Degrees
+        What is free, held and tied.
+    functions : TimeFunctions
+        Functions of time that held degrees of freedom and groups refer to.
+    velocity : (n_full,) array
+        Velocity at t = 0, m/s or rad/s.
+    stencils, mass_stencils : sequences of (m, k) int arrays
+        Each row lists full degrees of freedom that a member of a group couples, in the tangent and in the mass.
+
+    Returns
+    -------
+    System
+    """
+    full = len(degrees.names)
+    free = np.array([i for i in range(full) if i not in degrees.motion and i not in degrees.masters], dtype=np.int64)
+    number = np.full(full, -1, dtype=np.int64)
+    number[free] = np.arange(free.size)
+    masters = [_masters(i, number, degrees) for i in range(full)]
+    pattern, mass_pattern = (_pattern(masters, free.size, s) for s in (stencils, mass_stencils))
+    order = _narrow(pattern)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(order.size)
+
+    start = np.cumsum([0] + [len(m) for m in masters])
+    held = np.array(sorted(degrees.motion), dtype=np.int64)
+    dofs = Dofs(
+        start=start.astype(np.int64),
+        unknown=np.array([rank[k] for m in masters for k, _ in m], dtype=np.int64),
+        factor=np.array([f for m in masters for _, f in m], dtype=np.float64),
+        number=np.array([_number(m, rank) for m in masters], dtype=np.int64),
+        held=held,
+        motion=np.array([degrees.motion[i] for i in held], dtype=np.int64),
+        offset=degrees.value[held].astype(np.float64),
+    )
+    return System(
+        groups=groups,
+        dofs=dofs,
+        functions=functions,
+        q=degrees.value.astype(np.float64),
+        v=velocity.astype(np.float64),
+        scale=degrees.scale[free][order].astype(np.float64),
+        names=[degrees.names[free[k]] for k in order],
+        bandwidth=_bandwidth(pattern, rank),
+        mass_bandwidth=_bandwidth(mass_pattern, rank),
+    )
+
+
+def _number(masters: list[tuple[int, float]], rank: np.ndarray) -> int:
+    if not masters:
+        return HELD
+    return int(rank[masters[0][0]]) if len(masters) == 1 and masters[0][1] == 1.0 else TIED
+
+
+def _masters(i: int, number: np.ndarray, degrees: Degrees) -> list[tuple[int, float]]:
+    if i in degrees.motion:
+        return []
+    if i not in degrees.masters:
+        return [(int(number[i]), 1.0)]
+    return [(int(number[j]), f) for j, f in degrees.masters[i] if number[j] >= 0]
+
+
+def _pattern(masters: list[list[tuple[int, float]]], size: int, stencils: Sequence[np.ndarray]) -> csr_matrix:
+    rows, columns = [np.arange(size)], [np.arange(size)]
+    single = all(len(m) <= 1 for m in masters)
+    first = np.array([m[0][0] if m else -1 for m in masters], dtype=np.int64)
+    for stencil in stencils:
+        if stencil.size == 0:
+            continue
+        if single:
+            unknowns = first[stencil]
+            i = np.repeat(unknowns, stencil.shape[1], axis=1).ravel()
+            j = np.tile(unknowns, (1, stencil.shape[1])).ravel()
+            keep = (i >= 0) & (j >= 0)
+            rows.append(i[keep])
+            columns.append(j[keep])
+        else:
+            for places in stencil:
+                u = np.array([k for p in places for k, _ in masters[p]], dtype=np.int64)
+                rows.append(np.repeat(u, u.size))
+                columns.append(np.tile(u, u.size))
+    i, j = np.concatenate(rows), np.concatenate(columns)
+    return csr_matrix((np.ones(i.size, dtype=np.int8), (i, j)), shape=(size, size))
+
+
+def _narrow(pattern: csr_matrix) -> np.ndarray:
+    """The better of reverse Cuthill-McKee and the order in which the scene was built."""
+    natural = np.arange(pattern.shape[0])
+    cuthill = np.asarray(reverse_cuthill_mckee(pattern, symmetric_mode=True), dtype=np.int64)
+    rank = np.empty_like(cuthill)
+    rank[cuthill] = natural
+    return cuthill if _bandwidth(pattern, rank) < _bandwidth(pattern, natural) else natural
+
+
+def _bandwidth(pattern: csr_matrix, rank: np.ndarray) -> int:
+    entries = pattern.tocoo()
+    return int(np.abs(rank[entries.row] - rank[entries.col]).max(initial=0))

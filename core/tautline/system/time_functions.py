@@ -1,0 +1,343 @@
+"""Functions of time as written in a scene, compiled to the arrays that `tautline.kernels.time_function` evaluates.
+
+A velocity from which a position is wanted is integrated in closed form: polynomials and plain sines exactly. A chirp
+or a sine under an envelope has no elementary integral; it is integrated by Gauss quadrature and stored as quintic
+Hermite pieces (relative error below 1e-9, tested).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.linalg import solve_banded
+
+from tautline.kernels.time_function import DEGREES, TimeFunctions
+from tautline.scene.errors import Problem, SceneError
+from tautline.scene.functions import Chirp, Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity
+
+ANGLE_PER_PIECE = 0.05
+"""Phase that a piece of a numerical integral spans, rad."""
+PIECES_PER_ENVELOPE = 100
+MOST_PIECES = 2_000_000
+GAUSS = np.polynomial.legendre.leggauss(5)
+WAVE_COLUMNS = 5
+
+
+@dataclass(frozen=True)
+class FunctionRequest:
+    """A function of time that is wanted.
+
+    Attributes
+    ----------
+    model
+        A model of `tautline.scene.functions`; a `Velocity` is integrated whatever `integrate` says.
+    integrate : bool
+        Whether the model is a rate, and its antiderivative that is zero at t = 0 is wanted.
+    end : float
+        Time up to which a numerical integral is good, s; it goes on at a constant rate after. Only chirps and sines
+        under an envelope need it.
+    key : str
+        Where it stands in the scene, for messages.
+    """
+
+    model: Any
+    integrate: bool = False
+    end: float = 0.0
+    key: str = ""
+
+
+@dataclass
+class Track:
+    """A piecewise polynomial: `breaks` (n,) s, `origins` (n + 1,) s, `coefficients` (n + 1, 8)."""
+
+    breaks: np.ndarray
+    origins: np.ndarray
+    coefficients: np.ndarray
+
+    @classmethod
+    def of(cls, breaks: Any, origins: Any, rows: Any) -> Track:
+        """Build from rows of any number of coefficients."""
+        coefficients = np.zeros((len(rows), DEGREES))
+        for i, row in enumerate(rows):
+            coefficients[i, : len(row)] = row
+        return cls(np.asarray(breaks, dtype=float), np.asarray(origins, dtype=float), coefficients)
+
+    @classmethod
+    def held(cls, time: np.ndarray, rows: np.ndarray, first: float, last: float) -> Track:
+        """Pieces between times, about their left ends, and constant before and after."""
+        coefficients = np.zeros((len(time) + 1, DEGREES))
+        coefficients[1:-1, : rows.shape[1]] = rows
+        coefficients[0, 0], coefficients[-1, 0] = first, last
+        return cls(time, np.concatenate((time[:1], time)), coefficients)
+
+    def value(self, t: float) -> float:
+        """Value at a time."""
+        piece = int(np.searchsorted(self.breaks, t, side="right"))
+        return float(np.polynomial.polynomial.polyval(t - self.origins[piece], self.coefficients[piece]))
+
+    def integral(self) -> Track:
+        """Antiderivative, continuous, zero at t = 0."""
+        if np.any(self.coefficients[:, -1] != 0.0):
+            raise ValueError(f"the integral of a polynomial of degree {DEGREES - 1} does not fit")
+        rows = np.zeros_like(self.coefficients)
+        rows[:, 1:] = self.coefficients[:, :-1] / np.arange(1, DEGREES)
+        left = _rows_at(rows[:-1], self.breaks - self.origins[:-1])
+        right = _rows_at(rows[1:], self.breaks - self.origins[1:])
+        rows[1:, 0] = np.cumsum(left - right)
+        track = Track(self.breaks, self.origins, rows)
+        rows[:, 0] -= track.value(0.0)
+        return track
+
+
+@dataclass
+class Parts:
+    """A function in the making: its tracks, and its waves (amplitude, w, c, phi, envelope)."""
+
+    tracks: list[Track] = field(default_factory=list)
+    waves: list[tuple[float, float, float, float, float]] = field(default_factory=list)
+
+    def constant(self, value: float) -> None:
+        """Add a constant."""
+        if value != 0.0:
+            self.tracks.append(Track.of([], [0.0], [[value]]))
+
+    def integral(self, request: FunctionRequest) -> Parts:
+        """Antiderivative, zero at t = 0."""
+        whole = Parts([track.integral() for track in self.tracks])
+        numerical = []
+        for wave in self.waves:
+            a, w, c, phi, grows = wave
+            if c == 0.0 and grows == 0.0 and w != 0.0:
+                whole.waves.append((a / w, w, 0.0, phi - 0.5 * math.pi, 0.0))
+                whole.constant(a / w * math.cos(phi))
+            else:
+                numerical.append(wave)
+        if numerical:
+            whole.tracks.append(_integrated(np.array(numerical), request))
+        return whole
+
+
+def compile_functions(requests: Sequence[FunctionRequest]) -> TimeFunctions:
+    """Compile functions of time; the i-th request is function i of the result.
+
+    Raises
+    ------
+    SceneError
+        If a numerical integral would need too many pieces.
+    """
+    parts = [_parts(request) for request in requests]
+    tracks = [track for part in parts for track in part.tracks]
+    waves = [wave for part in parts for wave in part.waves]
+    return TimeFunctions(
+        track_from=_offsets([len(part.tracks) for part in parts]),
+        break_from=_offsets([len(track.breaks) for track in tracks]),
+        breaks=np.concatenate([np.empty(0), *(track.breaks for track in tracks)]),
+        origins=np.concatenate([np.empty(0), *(track.origins for track in tracks)]),
+        coefficients=np.concatenate([np.empty((0, DEGREES)), *(track.coefficients for track in tracks)]),
+        wave_from=_offsets([len(part.waves) for part in parts]),
+        waves=np.array(waves, dtype=float).reshape(-1, WAVE_COLUMNS),
+    )
+
+
+def _offsets(counts: list[int]) -> np.ndarray:
+    return np.concatenate(([0], np.cumsum(counts, dtype=np.int64))).astype(np.int64)
+
+
+def _parts(request: FunctionRequest) -> Parts:
+    model, integrate = request.model, request.integrate
+    if isinstance(model, Velocity):
+        if integrate:
+            raise ValueError("a position given by its velocity cannot be integrated again")
+        model, integrate = model.velocity, True
+    parts = Parts()
+    _add(model, parts, smooth=not integrate)
+    return parts.integral(request) if integrate else parts
+
+
+def _add(model: Any, parts: Parts, smooth: bool) -> None:
+    """Add a model's tracks and waves; `smooth`: a table is by default a C2 curve, not straight lines."""
+    if isinstance(model, Constant):
+        parts.constant(model.value)
+    elif isinstance(model, Ramp):
+        parts.tracks.append(_ramp(model))
+    elif isinstance(model, Table):
+        cubic = model.interpolation == "cubic" or (model.interpolation is None and smooth)
+        parts.tracks.append(_table(np.array(model.time, dtype=float), np.array(model.value, dtype=float), cubic))
+    elif isinstance(model, Harmonic):
+        w = 2.0 * math.pi * (model.frequency if model.frequency is not None else 1.0 / model.period)
+        parts.waves.append((model.amplitude, w, 0.0, model.phase, model.ramp))
+        parts.constant(model.mean)
+    elif isinstance(model, Chirp):
+        w = 2.0 * math.pi / model.period
+        phi = model.shift * (model.rate * model.shift - w)
+        parts.waves.append((model.amplitude, w - 2.0 * model.rate * model.shift, model.rate, phi, 0.0))
+        parts.constant(-model.amplitude * math.sin(phi))
+    elif isinstance(model, Spectrum):
+        parts.waves += [(a, w, 0.0, phi, model.ramp) for a, w, phi in zip(*jonswap(model), strict=True)]
+    elif isinstance(model, Sum):
+        for term in model.terms:
+            _add(term, parts, smooth)
+    else:
+        raise TypeError(f"not a function of time: {type(model).__name__}")
+
+
+def _ramp(model: Ramp) -> Track:
+    begin, over, base = model.at, model.over, model.from_
+    breaks, origins = [begin, begin + over], [begin, begin, begin + over]
+    if model.rate is None:
+        to = base if model.to is None else model.to
+        d = to - base
+        rows = [[base], [base, 0.0, 0.0, 10.0 * d / over**3, -15.0 * d / over**4, 6.0 * d / over**5], [to]]
+    else:
+        # the slope goes by the quintic, the value by its integral: half of rate * over has grown when it is done
+        r = model.rate
+        grown = [base, 0.0, 0.0, 0.0, 2.5 * r / over**3, -3.0 * r / over**4, r / over**5]
+        rows = [[base], grown, [base + 0.5 * r * over, r]]
+    return Track.of(breaks, origins, rows)
+
+
+def _table(time: np.ndarray, value: np.ndarray, cubic: bool) -> Track:
+    if len(time) == 1:
+        return Track.of([], [0.0], [[value[0]]])
+    if cubic:
+        slope, second = _slopes(time, value)
+        rows = _hermite(np.diff(time), value, slope, second)
+    else:
+        rows = np.column_stack((value[:-1], np.diff(value) / np.diff(time)))
+    return Track.held(time, rows, value[0], value[-1])
+
+
+def _slopes(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Slope and second derivative at each time, for quintic Hermite pieces that are C2 everywhere.
+
+    They are the natural cubic spline's, so the curve is that spline, but for knots beside an interval in which the
+    data are monotone and the spline is not: there the slope is a limited harmonic mean (as in pchip) and the second
+    derivative is zero. Such a quintic is monotone if both slopes are at most twice the secant's, so that monotone
+    data are never overshot. Beside a crest of the data the spline may rise above them, as a sampled wave should.
+    """
+    h, secant = np.diff(time), np.diff(value) / np.diff(time)
+    n = len(time)
+    second = np.zeros(n)
+    if n > 2:
+        band = np.zeros((3, n - 2))
+        band[0, 1:], band[1], band[2, :-1] = h[1:-1], 2.0 * (h[:-1] + h[1:]), h[1:-1]
+        second[1:-1] = solve_banded((1, 1), band, 6.0 * np.diff(secant))
+    slope = np.append(secant - h * (2.0 * second[:-1] + second[1:]) / 6.0, 0.0)
+    slope[-1] = secant[-1] + h[-1] * second[-2] / 6.0
+
+    sign = np.sign(secant)
+    around = np.column_stack((np.append(sign[0], sign[:-1]), sign, np.append(sign[1:], sign[-1])))
+    monotone = (around.min(axis=1) >= 0.0) | (around.max(axis=1) <= 0.0) | (sign == 0.0)
+    safe = np.concatenate((secant[:1], _limited(h, secant), secant[-1:]))
+    changed = np.zeros(n, dtype=bool)
+    x = np.linspace(0.0, 1.0, 33)
+    while True:
+        rows = _hermite(h, value, slope, second)
+        rate = sum(k * rows[:, k, None] * (x * h[:, None]) ** (k - 1) for k in range(1, 6))
+        scale = 1e-9 * np.abs(secant) + 1e-300
+        wrong = np.where(sign == 0.0, np.abs(rate).max(axis=1), -(rate * sign[:, None]).min(axis=1)) > scale
+        spread = np.zeros(n, dtype=bool)
+        spread[:-1] |= wrong & monotone
+        spread[1:] |= wrong & monotone
+        if not np.any(spread & ~changed):
+            return slope, second
+        changed |= spread
+        slope[changed], second[changed] = safe[changed], 0.0
+
+
+def _limited(h: np.ndarray, secant: np.ndarray) -> np.ndarray:
+    """Harmonic mean of the secants on both sides of each inner knot, at most twice the smaller; 0 at a crest."""
+    before, after = secant[:-1], secant[1:]
+    same = before * after > 0.0
+    weight = h[:-1] + 2.0 * h[1:], 2.0 * h[:-1] + h[1:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = (weight[0] + weight[1]) / (weight[1] / before + weight[0] / after)
+    most = 2.0 * np.minimum(np.abs(before), np.abs(after))
+    return np.where(same, np.clip(np.where(same, mean, 0.0), -most, most), 0.0)
+
+
+def _hermite(h: np.ndarray, f: np.ndarray, df: np.ndarray, ddf: np.ndarray) -> np.ndarray:
+    """Quintics (n, 6) through values, slopes and second derivatives (n + 1,) at the ends of intervals h (n,)."""
+    d = f[1:] - f[:-1] - h * (df[:-1] + 0.5 * h * ddf[:-1])
+    e = h * (df[1:] - df[:-1] - h * ddf[:-1])
+    g = 0.5 * h * h * (ddf[1:] - ddf[:-1])
+    third = (10.0 * d - 4.0 * e + g) / h**3
+    fourth = (-15.0 * d + 7.0 * e - 2.0 * g) / h**4
+    fifth = (6.0 * d - 3.0 * e + g) / h**5
+    return np.column_stack((f[:-1], df[:-1], 0.5 * ddf[:-1], third, fourth, fifth))
+
+
+def _rows_at(rows: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Each row's polynomial at its own x."""
+    value = np.zeros(len(x))
+    for k in range(DEGREES - 1, -1, -1):
+        value = value * x + rows[:, k]
+    return value
+
+
+def _waves_at(waves: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Value and rate of a sum of waves at times >= 0."""
+    f, df = np.zeros_like(t), np.zeros_like(t)
+    for a, w, c, phi, grows in waves:
+        x = np.clip(t / grows, 0.0, 1.0) if grows > 0.0 else np.ones_like(t)
+        e = x**3 * (10.0 + x * (6.0 * x - 15.0))
+        de = 30.0 * (x * (1.0 - x)) ** 2 / grows if grows > 0.0 else np.zeros_like(t)
+        angle = phi + t * (w + c * t)
+        f += a * e * np.sin(angle)
+        df += a * (de * np.sin(angle) + e * np.cos(angle) * (w + 2.0 * c * t))
+    return f, df
+
+
+def _integrated(waves: np.ndarray, request: FunctionRequest) -> Track:
+    """Integral from 0 to the request's end of waves that have no elementary one."""
+    end = request.end
+    if not end > 0.0:
+        raise ValueError(f"{request.key or 'a function of time'}: an integral in numbers needs the end of the run")
+    fastest = max(max(abs(w), abs(w + 2.0 * c * end)) for _, w, c, _, _ in waves)
+    growing = [grows for *_, grows in waves if grows > 0.0]
+    pieces = math.ceil(max([8.0, fastest * end / ANGLE_PER_PIECE] + [PIECES_PER_ENVELOPE * end / g for g in growing]))
+    if pieces > MOST_PIECES:
+        cause = f"integrating this up to {end:g} s takes {pieces:.1e} pieces"
+        raise SceneError([Problem("scene", None, request.key, None, cause, "give the position, or end earlier")])
+    time = np.linspace(0.0, end, pieces + 1)
+    h = np.diff(time)
+    nodes, weights = GAUSS
+    added = np.zeros(pieces)
+    for node, weight in zip(nodes, weights, strict=True):
+        added += 0.5 * weight * h * _waves_at(waves, time[:-1] + 0.5 * (1.0 + node) * h)[0]
+    f, df = _waves_at(waves, time)
+    whole = np.concatenate(([0.0], np.cumsum(added)))
+    track = Track.held(time, _hermite(h, whole, f, df), whole[0], whole[-1])
+    track.coefficients[0, 1], track.coefficients[-1, 1] = f[0], f[-1]
+    return track
+
+
+def jonswap(model: Spectrum) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Split a JONSWAP sea into sines.
+
+    The band from 0.4 to 5 times the peak frequency is cut into equal parts; each gives one sine with the energy of
+    its part, at a random frequency within it (so that nothing repeats) and with a random phase. The energies are
+    scaled to sum to that of the significant height, Hs^2/16.
+
+    Returns
+    -------
+    amplitude, frequency, phase : float64 (components,)
+        In the unit of the value (response included), rad/s, rad.
+    """
+    peak = 2.0 * math.pi / model.peak_period
+    edges = np.linspace(0.4 * peak, 5.0 * peak, model.components + 1)
+    fine = max(1, math.ceil(4000 / model.components))
+    inner = (np.arange(fine) + 0.5) / fine
+    w = edges[:-1, None] + np.diff(edges)[:, None] * inner
+    width = np.where(w <= peak, 0.07, 0.09)
+    peaked = np.exp(-0.5 * ((w / peak - 1.0) / width) ** 2)
+    energy = (w**-5.0 * np.exp(-1.25 * (peak / w) ** 4) * model.gamma**peaked * peak**5).mean(axis=1)
+    energy *= model.significant_height**2 / 16.0 / energy.sum()
+    generator = np.random.default_rng(model.seed)
+    frequency = edges[:-1] + np.diff(edges) * generator.random(model.components)
+    phase = 2.0 * math.pi * generator.random(model.components)
+    return model.rao * np.sqrt(2.0 * energy), frequency, phase

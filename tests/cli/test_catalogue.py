@@ -1,0 +1,69 @@
+"""`tautline` finds the application that a scene belongs to."""
+
+import importlib.metadata
+import json
+
+import pytest
+from fake_application import FakeApplication
+
+from tautline.cli.catalogue import Installed
+from tautline.cli.run import run
+from tautline.cli.verbs import make_app
+from tautline.scene.errors import SceneError
+
+
+class Other(FakeApplication):
+    name = "other"
+
+    def recognises(self, root):
+        return "other" in root
+
+
+class Point:
+    def __init__(self, name, kind):
+        self.name, self.kind = name, kind
+
+    def load(self):
+        if self.kind is None:
+            raise ImportError("no such module")
+        return self.kind
+
+
+@pytest.fixture
+def installed(monkeypatch):
+    points = [Point("fake", FakeApplication), Point("other", Other), Point("broken", None)]
+    monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: points)
+    return Installed()
+
+
+@pytest.mark.parametrize(("text", "name"), [("fake: true\n", "fake"), ("other: 1\n", "other")])
+def test_a_scene_goes_to_the_application_that_recognises_it(installed, tmp_path, text, name):
+    (tmp_path / "scene.yaml").write_text(text)
+    assert installed.for_scene(tmp_path / "scene.yaml").name == name
+
+
+def test_a_scene_that_nobody_recognises_is_an_error_naming_the_applications(installed, tmp_path):
+    (tmp_path / "scene.yaml").write_text("ship: 1\n")
+    with pytest.raises(SceneError, match=r"no installed application .*: fake, other;.*broken could not be loaded"):
+        installed.for_scene(tmp_path / "scene.yaml")
+
+
+def test_a_missing_scene_is_bad_input_for_tautline_too(installed, tmp_path, capsys):
+    with pytest.raises(SystemExit) as left:
+        run(make_app(installed), ["check", str(tmp_path / "none.yaml"), "--json"])
+    assert left.value.code == 2
+    assert json.loads(capsys.readouterr().out)["status"] == "bad input"
+
+
+def test_check_runs_through_the_catalogue(installed, tmp_path, capsys):
+    (tmp_path / "scene.yaml").write_text("fake: true\n")
+    with pytest.raises(SystemExit) as left:
+        run(make_app(installed), ["check", str(tmp_path / "scene.yaml"), "--json"])
+    assert left.value.code == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "good"
+
+
+def test_schema_of_several_applications_is_an_object_by_name(installed, capsys):
+    with pytest.raises(SystemExit):
+        run(make_app(installed), ["schema"])
+    assert json.loads(capsys.readouterr().out).keys() == {"fake", "other"}

@@ -1,0 +1,207 @@
+"""The verbs: exit codes, the JSON object, files, and what a person is told."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tautline.results.result import Result
+
+FAKE = Path(__file__).with_name("fake_application.py")
+
+SIMULATE_KEYS = {"scene", "result", "status", "method", "step", "end", "frames", "steps", "newton_iterations"}
+SIMULATE_KEYS |= {"wall_time", "real_time_factor", "energy_error"}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("good.yaml").write_text("fake: true\n")
+    for trouble in ("stops", "bug", "unbuildable", "warning"):
+        Path(f"{trouble}.yaml").write_text(f"fake: true\ntrouble: {trouble}\n")
+    Path("foreign.yaml").write_text("title: nothing\n")
+    return tmp_path
+
+
+def fake(*arguments, **environment):
+    command = [sys.executable, FAKE, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, env=os.environ | environment, timeout=60)
+
+
+def only_object(done):
+    """The one JSON object on standard output; Python's own reader would let NaN pass."""
+    return json.loads(done.stdout, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
+
+
+def test_simulate_writes_the_result_and_says_what_to_type_next(folder):
+    done = fake("simulate", "good.yaml")
+    assert done.returncode == 0 and done.stdout == ""
+    assert len(Result.read("good.nc").time) == 20
+    assert "fake plot good.nc" in done.stderr
+    for words in ("real-time factor", "faster than real time", "Newton iterations per step", "3 MN", "step halvings"):
+        assert words in done.stderr
+
+
+def test_simulate_json_is_one_object_with_the_promised_keys_and_no_nan(folder):
+    report = only_object(fake("simulate", "good.yaml", "--json", "-o", "other.nc", "--method", "rk4", "--end", "1"))
+    assert report.keys() >= SIMULATE_KEYS
+    assert (report["status"], report["result"], report["scene"]) == ("done", "other.nc", "good.yaml")
+    assert (report["method"], report["end"], report["frames"]) == ("rk4", 1.0, 10)
+    assert report["energy_error"] is None and report["odd"] is None and report["largest_tension"] > 3e6
+
+
+def test_quiet_prints_nothing(folder):
+    done = fake("simulate", "good.yaml", "--quiet")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.parametrize(("cold", "said"), [("1", True), ("0", False)])
+def test_a_cold_cache_is_announced_before_the_wait(folder, cold, said):
+    assert ("First run on this machine" in fake("simulate", "good.yaml", FAKE_COLD=cold).stderr) is said
+
+
+def test_warnings_are_printed_before_a_run_and_by_check(folder):
+    assert "warning: solver.step: longer than" in fake("simulate", "warning.yaml", "--quiet").stderr
+    report = only_object(fake("check", "warning.yaml", "--json"))
+    assert report["warnings"] == [{"where": "solver.step", "text": "longer than the critical step"}]
+    assert report["length"] == 1.0
+    assert not Path("check.nc").exists()
+
+
+BAD_INPUT = [
+    (["simulate", "missing.yaml"], "there is no such file"),
+    (["simulate", "foreign.yaml"], "foreign.yaml:1: fake: is missing"),
+    (["simulate", "unbuildable.yaml"], "fake.yaml:3: trouble = unbuildable"),
+    (["simulate", "good.yaml", "--step", "-1"], "--step: solver.step = -1.0"),
+    (["simulate", "good.yaml", "--step", "soon"], "--step"),
+    (["simulate", "good.yaml", "-o", "nowhere/a.nc"], "there is no folder nowhere"),
+    (["simulate", "good.yaml", "-o", "."], "is a folder"),
+    (["simulate", "good.yaml", "-o", "good.yaml"], "it would be lost"),
+    (["simulate", "good.yaml", "--stepp", "1"], "--stepp"),
+    (["simulate"], "SCENE"),
+    (["simulat", "good.yaml"], "simulat"),
+    (["check", "foreign.yaml"], "foreign.yaml:1"),
+    (["plot", "missing.nc"], "there is no such file"),
+    (["plot", "good.yaml"], "is not a NetCDF-4 file"),
+    (["new", "ship"], "there is no template 'ship'; known: pendulum, other"),
+    (["new", "-o", "good.yaml"], "exists; name another"),
+    (["new", "-o", "nowhere/a.yaml"], "there is no folder nowhere"),
+    (["schema", "-o", "."], "is a folder"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD_INPUT)
+def test_bad_input_exits_with_2_names_the_fault_and_writes_nothing(folder, arguments, message):
+    before = {file.name: file.read_bytes() for file in folder.iterdir()}
+    done = fake(*arguments)
+    assert done.returncode == 2
+    assert message in done.stderr and "Traceback" not in done.stderr and done.stdout == ""
+    assert {file.name: file.read_bytes() for file in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    "arguments", [["simulate", "foreign.yaml"], ["check", "foreign.yaml"], ["simulate", "--nonsense"]]
+)
+def test_bad_input_with_json_is_an_object_of_problems(folder, arguments):
+    done = fake(*arguments, "--json")
+    report = only_object(done)
+    assert done.returncode == 2 and report["status"] == "bad input"
+    assert report["problems"][0].keys() == {"file", "line", "key", "value", "cause", "cure"}
+
+
+def test_a_run_that_stops_early_exits_with_3_and_keeps_its_result(folder):
+    done = fake("simulate", "stops.yaml", "--json")
+    report = only_object(done)
+    assert done.returncode == 3 and report["status"] == "not converged"
+    assert report["stopped"]["part"] == "link 2" and report["frames"] == len(Result.read("stops.nc").time) == 10
+    assert "stopped at t = 1 s, link 2: the iterations of a step did not converge" in done.stderr
+
+
+def interrupted_run(*arguments):
+    command = [sys.executable, FAKE, "simulate", "good.yaml", "--end", "1000", *arguments]
+    environment = os.environ | {"FAKE_PAUSE": "0.1"}
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+    deadline = time.monotonic() + 30
+    while not Path("good.nc").exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    return process
+
+
+def test_ctrl_c_exits_with_130_and_keeps_the_result(folder):
+    process = interrupted_run("--json")
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=30)
+    assert process.returncode == 130 and "Traceback" not in errors
+    assert json.loads(output)["status"] == "interrupted"
+    result = Result.read("good.nc")
+    assert result.attributes["status"] == "interrupted" and len(result.time) >= 10
+    assert sorted(file.name for file in folder.iterdir() if file.name.startswith(".")) == []
+
+
+def test_kill_9_keeps_every_frame_that_was_stored(folder):
+    process = interrupted_run()
+    time.sleep(0.25)
+    process.kill()
+    process.communicate()
+    result = Result.read("good.nc")
+    assert result.attributes["status"] == "running"
+    np.testing.assert_array_equal(result["angle"], np.cos(result.time))
+    assert fake("plot", "good.nc").returncode == 0
+
+
+def test_an_unforeseen_error_is_one_line_and_exit_1(folder):
+    done = fake("simulate", "bug.yaml")
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
+    assert "unexpected ZeroDivisionError: nobody foresaw this" in done.stderr and "report it" in done.stderr
+    assert only_object(fake("simulate", "bug.yaml", "--json"))["status"] == "internal error"
+
+
+@pytest.mark.parametrize("arguments", [["--debug", "simulate", "bug.yaml"], ["simulate", "bug.yaml", "--debug"]])
+def test_debug_shows_the_traceback_wherever_it_stands(folder, arguments):
+    done = fake(*arguments)
+    assert done.returncode == 1 and "Traceback (most recent call last)" in done.stderr
+
+
+def test_a_reader_that_went_away_is_no_error(folder):
+    for arguments in ("schema", "new --list", "simulate good.yaml --json --quiet"):
+        command = f"{sys.executable} {FAKE} {arguments} | true; echo ${{PIPESTATUS[0]}}"
+        done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+        assert (done.stdout.strip(), done.stderr) == ("0", "")
+
+
+def test_plot_takes_a_folder_or_a_file_and_chooses_the_format_by_its_name(folder):
+    fake("simulate", "good.yaml", "--quiet")
+    report = only_object(fake("plot", "good.nc", "-o", "figures", "--format", "svg", "--json"))
+    assert report["figures"] == ["figures/good_overview.svg", "figures/good_tension.svg"]
+    assert only_object(fake("plot", "good.nc", "-o", "a.pdf", "--what", "tension", "--json"))["figures"] == ["a.pdf"]
+    for arguments in (["--what", "nonsense"], ["--format", "bmp"], ["-o", "a.png", "--format", "pdf"], ["-o", "x/y/z"]):
+        assert fake("plot", "good.nc", *arguments).returncode == 2
+
+
+def test_new_writes_a_starter_scene_and_overwrites_only_when_forced(folder):
+    assert fake("new").returncode == 0
+    assert Path("pendulum.yaml").read_text().startswith("# A pendulum.")
+    Path("pendulum.yaml").write_text("mine\n")
+    assert fake("new").returncode == 2 and Path("pendulum.yaml").read_text() == "mine\n"
+    assert fake("new", "other", "-o", "pendulum.yaml", "--force").returncode == 0
+    assert Path("pendulum.yaml").read_text().startswith("# Another.")
+    assert fake("new", "-o", "-").stdout == "# A pendulum.\nfake: true\n"
+
+
+def test_new_lists_its_templates_and_writes_nothing(folder):
+    before = list(folder.iterdir())
+    done = fake("new", "--list")
+    assert done.stdout.split() == ["pendulum", "A", "pendulum.", "other", "Another."]
+    assert list(folder.iterdir()) == before
+
+
+def test_schema_prints_json(folder):
+    assert json.loads(fake("schema").stdout)["title"] == "fake"
+    assert fake("schema", "-o", "schema.json").returncode == 0
+    assert json.loads(Path("schema.json").read_text())["title"] == "fake"

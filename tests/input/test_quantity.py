@@ -1,0 +1,156 @@
+"""Numbers and units: exact, equal to pint, and never a surprise."""
+
+import math
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic_core import PydanticCustomError
+
+from tautline.scene.quantity import MEANINGS, quantity
+from tautline.scene.units import TABLE, UnknownUnit, pint_registry, read_unit
+
+PINTS_NAME = {"bbl": "oil_bbl", "%": "percent", "lbm": "pound"}
+
+
+def si(written, unit, **bounds):
+    return quantity(unit, **bounds).read(written)
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_every_unit_of_the_table_equals_pint(name):
+    registry, unit = pint_registry(), TABLE[name]
+    pints = registry.Quantity(1.0, registry.parse_units(PINTS_NAME.get(name, name))).to_base_units()
+    assert float(unit.factor) * math.pi**unit.turns == pytest.approx(pints.magnitude, rel=1e-14)
+    dimension = dict(pints.dimensionality)
+    assert (unit.mass, unit.length, unit.time) == tuple(dimension.get(f"[{n}]", 0) for n in ("mass", "length", "time"))
+
+
+@pytest.mark.parametrize(
+    ("written", "unit", "value"),
+    [
+        ("36 mm", "m", 0.036),
+        ("50 ms", "s", 0.05),
+        ("5 in", "m", 0.127),
+        ("5in", "m", 0.127),
+        ("1.1 MN", "N", 1.1e6),
+        ("5 t", "kg", 5000.0),
+        ("200 GPa", "Pa", 2.0e11),
+        ("7850 kg/m^3", "kg/m^3", 7850.0),
+        ("7850 kg/m3", "kg/m^3", 7850.0),
+        ("7850 kg/m³", "kg/m^3", 7850.0),
+        ("7850 kg m**-3", "kg/m^3", 7850.0),
+        ("1.84 sg", "kg/m^3", 1840.0),
+        ("1.84 g/cc", "kg/m^3", 1840.0),
+        ("12.5 ppg", "kg/m^3", 12.5 * 0.45359237 / (231 * 0.0254**3)),
+        ("90 deg", "rad", math.pi / 2),
+        ("180°", "rad", math.pi),
+        ("60 rpm", "rad/s", 2 * math.pi),
+        ("90 deg/s", "rad/s", math.pi / 2),
+        ("3 deg/30m", "rad/m", math.radians(3) / 30),
+        ("3 deg/30 m", "rad/m", math.radians(3) / 30),
+        ("3 deg/100ft", "rad/m", math.radians(3) / 30.48),
+        ("0.001 1/m", "rad/m", 0.001),
+        ("20 kN m", "N m", 2.0e4),
+        ("20 kN*m", "N m", 2.0e4),
+        ("1000 ft-lbf", "N m", 1000 * 0.3048 * 4.4482216152605),
+        ("10 klbf", "N", 44482.216152605),
+        ("10 kip", "N", 44482.216152605),
+        ("10 N s/m", "N s/m", 10.0),
+        ("20 N m s/rad", "N m s/rad", 20.0),
+        ("20 N/(m/s)", "N s/m", 20.0),
+        ("86 in^4", "m^4", 86 * 0.0254**4),
+        ("30 %", "", 0.3),
+        ("-1.5e-3 m", "m", -1.5e-3),
+        ("2 fathom", "m", 3.6576),
+        (3, "m", 3.0),
+        (1e-3, "m", 1e-3),
+    ],
+)
+def test_a_quantity_is_read_in_si(written, unit, value):
+    assert si(written, unit) == pytest.approx(value, rel=2e-15 if written != "2 fathom" else 1e-5)
+
+
+def test_decimal_prefixes_lose_no_bit():
+    for n in range(1, 2000):
+        assert si(f"{n} mm", "m") == float(f"{n}e-3")
+        assert si(f"{n} ms", "s") == float(f"{n}e-3")
+
+
+@pytest.mark.parametrize(
+    "written",
+    [True, None, [], {}, "", "m", "12", "1 kg", "1 degC m", "1 m m", "nan", "inf m", "1e999 m", math.nan, math.inf]
+    + [10**400, "1 m^", "1 (m", "1 m)", "1 m//s s", "1 * m*", "1_000 m", "1/2 in", "0x10 m", "1 m" + " " * 10 + "!"]
+    + [
+        "1 " + "m/" * 100,
+        "1 __import__",
+        "1 m**9**9",
+        "9e99999999999 m",
+        "0." + "0" * 500 + "1 m",
+        "1 0m",
+        "1 m\n2",
+        "1 m 10",
+        "1 10 m",
+    ],
+)
+def test_what_is_no_length_is_refused_with_a_cure(written):
+    with pytest.raises(PydanticCustomError) as caught:
+        si(written, "m")
+    assert "a length such as" in caught.value.context["cure"]
+
+
+def test_bounds_hold_at_their_edge():
+    with pytest.raises(PydanticCustomError, match="greater than zero"):
+        si(0, "m", positive=True)
+    with pytest.raises(PydanticCustomError, match="must not be negative"):
+        si("-1 mm", "m", nonnegative=True)
+    with pytest.raises(PydanticCustomError, match="less than 1"):
+        si(1, "", below=1.0)
+    with pytest.raises(PydanticCustomError, match="more than 1"):
+        si(1.1, "", at_most=1.0)
+    assert si(0, "m", nonnegative=True) == 0.0
+    assert si(1, "", at_most=1.0) == 1.0
+
+
+def test_every_example_given_in_a_cure_is_itself_understood():
+    for unit, (_, example) in MEANINGS.items():
+        first = example.split(" or ")[0].split(",")[0]
+        number = float(first) if first.replace(".", "").replace("e", "").replace("-", "").isdigit() else first
+        assert math.isfinite(si(number, unit)), example
+        if " or " in example and "," not in example:
+            assert math.isfinite(si(example.split(" or ")[1], unit)), example
+
+
+def test_common_units_do_not_load_pint():
+    code = (
+        "import sys; from tautline.scene.units import TABLE, read_unit; [read_unit(name) for name in TABLE];"
+        "read_unit('deg/30m'); assert 'pint' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.text(alphabet="0123456789.eE+-*/^() kgmsNPadeg°%²", max_size=12))
+def test_any_text_is_a_finite_number_or_refused(text):
+    try:
+        value = si(text, "m")
+    except PydanticCustomError:
+        return
+    assert isinstance(value, float)
+    assert math.isfinite(value)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.sampled_from([name for name in TABLE if name.isalpha()]), min_size=1, max_size=4))
+def test_products_and_quotients_are_those_of_their_factors(names):
+    product, quotient = read_unit(" ".join(names)), read_unit("/".join(names))
+    expected = math.prod(TABLE[name].factor for name in names)
+    assert product.factor == expected
+    assert quotient.factor == TABLE[names[0]].factor ** 2 / expected
+
+
+def test_an_unknown_unit_is_met_with_the_nearest_known():
+    with pytest.raises(UnknownUnit, match="unknown unit 'rmp'; did you mean 'rpm'"):
+        read_unit("rmp")

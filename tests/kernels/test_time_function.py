@@ -1,0 +1,209 @@
+"""Functions of time: what is written is what is evaluated, with its exact derivatives and integrals."""
+
+import math
+from typing import Annotated
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import TypeAdapter
+from scipy.integrate import quad
+
+from tautline.kernels.time_function import evaluate, sample
+from tautline.scene.errors import SceneError
+from tautline.scene.functions import Chirp, Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity, time_function
+from tautline.system.time_functions import FunctionRequest, compile_functions, jonswap
+
+SEA = Spectrum(significant_height=2.5, peak_period=9.0, gamma=2.0, seed=7, rao=0.6)
+WAVE_TABLE = Table(time=tuple(np.arange(0.0, 12.1, 0.5)), value=tuple(np.sin(np.arange(0.0, 12.1, 0.5))))
+SPEEDS = Table(time=(0.0, 2.0, 3.0, 8.0, 9.0), value=(0.0, 0.0, -0.8, -0.8, 0.0), interpolation="linear")
+FUNCTIONS = {
+    "constant": Constant(value=2.5),
+    "ramp": Ramp(to=-2.0, over=3.0),
+    "ramp from": Ramp(**{"from": 1.0}, to=4.0, over=2.0, at=1.5),
+    "ramp rate": Ramp(rate=0.25, over=2.0, at=0.5),
+    "table": WAVE_TABLE,
+    "harmonic": Harmonic(amplitude=0.5, period=8.0, phase=0.3, mean=0.2),
+    "harmonic under an envelope": Harmonic(amplitude=0.5, frequency=0.4, phase=0.3, ramp=8.0),
+    "chirp": Chirp(amplitude=1.0, period=20.0, rate=0.0025, shift=5.0),
+    "spectrum": SEA,
+    "spectrum under an envelope": SEA.model_copy(update={"ramp": 5.0}),
+    "sum": Sum(terms=(Ramp(to=1.0, over=2.0), Harmonic(amplitude=0.1, period=3.0), Constant(value=-1.0))),
+}
+TIMES = np.linspace(0.013, 11.87, 97)
+
+
+def compiled(model, integrate=False, end=20.0):
+    return compile_functions([FunctionRequest(model, integrate, end)])
+
+
+def value(functions, t):
+    return evaluate(functions, 0, t)[0]
+
+
+@pytest.mark.parametrize("integrate", [False, True])
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_rates_equal_central_differences(name, integrate):
+    functions = compiled(FUNCTIONS[name], integrate)
+    h = 1e-4
+    f, above, below = (sample(functions, 0, TIMES + step) for step in (0.0, h, -h))
+    scale = 1.0 + np.abs(f).max(axis=0)
+    assert np.allclose(f[:, 1], (above[:, 0] - below[:, 0]) / (2 * h), atol=1e-6 * scale[1])
+    assert np.allclose(f[:, 2], (above[:, 1] - below[:, 1]) / (2 * h), atol=1e-5 * scale[2])
+
+
+@pytest.mark.parametrize("name", [*FUNCTIONS, "speeds"])
+def test_the_integral_is_zero_at_zero_and_good_to_1e_minus_9(name):
+    model = FUNCTIONS.get(name, SPEEDS)
+    rate, whole = compiled(model), compiled(model, integrate=True)
+    if name == "table":
+        model = model.model_copy(update={"interpolation": "linear"})
+        rate = compiled(model)
+    assert abs(value(whole, 0.0)) < 1e-15
+    breaks = [t for t in (0.5, 1.5, 2.0, 2.5, 3.0, 3.5, 5.0, 8.0, 9.0)]
+    for t in (0.7, 4.4, 11.8):
+        points = breaks if name != "table" else list(WAVE_TABLE.time)
+        points = [p for p in points if p < t]
+        exact, error = quad(lambda s: value(rate, s), 0.0, t, points=points, epsabs=1e-13, epsrel=1e-13, limit=2000)
+        scale = max(1e-3, t * np.abs(sample(rate, 0, np.linspace(0.0, t, 400))[:, 0]).mean())
+        assert error < 1e-9 * scale
+        assert value(whole, t) == pytest.approx(exact, abs=1e-9 * scale)
+
+
+def test_the_integrals_rate_is_the_function_itself():
+    for name, model in FUNCTIONS.items():
+        if name == "table":
+            continue
+        rate, whole = sample(compiled(model), 0, TIMES), sample(compiled(model, True), 0, TIMES)
+        assert np.allclose(whole[:, 1], rate[:, 0], atol=1e-8), name
+        assert np.allclose(whole[:, 2], rate[:, 1], atol=1e-6), name
+
+
+def test_the_chirp_is_equation_2_171_of_the_thesis_less_its_start():
+    functions = compiled(FUNCTIONS["chirp"])
+    start = math.sin(-math.pi / 2 + 25 / 400)
+    for t in (0.0, 1.0, 12.3, 39.9):
+        expected = math.sin(2 * math.pi * (t - 5) / 20 + (t - 5) ** 2 / 400) - start
+        assert value(functions, t) == pytest.approx(expected, abs=1e-13)
+    assert evaluate(functions, 0, 0.0)[1] == pytest.approx(0.0181, abs=5e-5)
+
+
+def test_a_ramp_starts_and_ends_without_rate_or_acceleration_and_is_held():
+    functions = compiled(Ramp(to=2.0, over=3.0, at=1.0))
+    for t, f in ((-1.0, 0.0), (0.5, 0.0), (1.0, 0.0), (2.5, 1.0), (4.0, 2.0), (100.0, 2.0)):
+        assert value(functions, t) == pytest.approx(f, abs=1e-14)
+    for t in (1.0, 1.0 + 1e-9, 4.0 - 1e-9, 4.0):
+        assert evaluate(functions, 0, t)[1:] == pytest.approx((0.0, 0.0), abs=1e-7)
+
+
+def test_a_ramped_rate_grows_on_at_that_rate():
+    functions = compiled(Ramp(rate=0.25, over=2.0))
+    assert evaluate(functions, 0, 2.0) == pytest.approx((0.25, 0.25, 0.0), abs=1e-14)
+    assert evaluate(functions, 0, 12.0) == pytest.approx((2.75, 0.25, 0.0), abs=1e-13)
+
+
+def test_a_linear_table_integrates_to_the_trapezoids_and_goes_on_at_the_last_speed():
+    functions = compiled(Velocity(velocity=Table(time=(0.0, 1.0, 3.0), value=(0.0, 2.0, 1.0))))
+    for t, f in ((0.5, 0.25), (1.0, 1.0), (3.0, 4.0), (5.0, 6.0)):
+        assert value(functions, t) == pytest.approx(f, abs=1e-14)
+
+
+def test_a_table_is_held_outside():
+    for interpolation in ("linear", "cubic"):
+        functions = compiled(Table(time=(1.0, 2.0, 4.0), value=(3.0, 1.0, 5.0), interpolation=interpolation))
+        assert evaluate(functions, 0, 0.5) == (3.0, 0.0, 0.0)
+        assert evaluate(functions, 0, 9.0) == (5.0, 0.0, 0.0)
+        assert value(functions, 2.0) == pytest.approx(1.0, abs=1e-13)
+
+
+def test_a_cubic_table_follows_a_sampled_wave_with_fourth_order():
+    errors = []
+    for n in (20, 40):
+        t = np.linspace(0.0, 2 * np.pi, n + 1)
+        functions = compiled(Table(time=tuple(t), value=tuple(np.sin(t))))
+        fine = np.linspace(0.1, 6.1, 500)
+        errors.append(np.abs(sample(functions, 0, fine)[:, 0] - np.sin(fine)).max())
+    assert errors[1] < 1e-6 * 5
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.4)
+
+
+def test_a_cubic_table_has_a_continuous_second_derivative():
+    t = np.array([0.0, 0.3, 1.0, 1.1, 2.0, 4.0])
+    functions = compiled(Table(time=tuple(t), value=(0.0, 0.0, 1.0, 5.0, 5.0, 2.0)))
+    for knot in t[1:-1]:
+        before, after = evaluate(functions, 0, knot - 1e-10), evaluate(functions, 0, knot + 1e-10)
+        assert after == pytest.approx(before, abs=1e-4)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.tuples(st.floats(0.01, 100.0), st.one_of(st.just(0.0), st.floats(1e-3, 1e3))), min_size=2, max_size=12)
+)
+def test_a_cubic_table_never_overshoots_monotone_data(steps):
+    t, f = np.cumsum([[0.0, 0.0], *steps], axis=0).T
+    functions = compiled(Table(time=tuple(t), value=tuple(f)))
+    fine = sample(functions, 0, np.linspace(0.0, t[-1], 2001))[:, 0]
+    tolerance = 1e-5 * (1.0 + f[-1])
+    assert np.all(np.diff(fine) > -tolerance)
+    assert fine.min() > -tolerance
+    assert fine.max() < f[-1] + tolerance
+
+
+def test_a_sea_has_the_variance_of_its_significant_height():
+    amplitude, frequency, _ = jonswap(SEA)
+    assert (amplitude**2).sum() / 2 == pytest.approx((0.6 * 2.5) ** 2 / 16, rel=1e-12)
+    assert 2 * np.pi / frequency[amplitude.argmax()] == pytest.approx(9.0, rel=0.1)
+    record = sample(compiled(SEA), 0, np.arange(0.0, 20_000.0, 0.9))[:, 0]
+    assert 4 * record.std() == pytest.approx(0.6 * 2.5, rel=0.02)
+
+
+def test_a_sea_is_repeated_by_its_seed_only():
+    again = jonswap(SEA.model_copy())
+    other = jonswap(SEA.model_copy(update={"seed": 8}))
+    assert np.array_equal(jonswap(SEA)[1], again[1])
+    assert not np.array_equal(jonswap(SEA)[1], other[1])
+
+
+def test_functions_of_a_scene_do_not_mix():
+    models = list(FUNCTIONS.values())
+    together = compile_functions([FunctionRequest(model) for model in models])
+    for i, model in enumerate(models):
+        assert evaluate(together, i, 3.21) == evaluate(compiled(model), 0, 3.21)
+
+
+def test_no_functions_make_empty_arrays():
+    functions = compile_functions([])
+    assert functions.track_from.tolist() == [0]
+    assert functions.waves.shape == (0, 5)
+
+
+def test_a_table_of_a_hundred_thousand_rows_is_good_everywhere():
+    t = np.arange(100_000) * 0.01
+    functions = compiled(Table(time=tuple(t), value=tuple(np.sin(t))))
+    where = np.linspace(0.0, 999.9, 3001)
+    assert np.allclose(sample(functions, 0, where)[:, 0], np.sin(where), atol=1e-9)
+    whole = compiled(Table(time=tuple(t), value=tuple(np.sin(t)), interpolation="cubic"), integrate=True)
+    assert np.allclose(sample(whole, 0, where)[:, 0], 1.0 - np.cos(where), atol=1e-9)
+
+
+def test_an_integral_in_numbers_goes_on_straight_after_its_end():
+    functions = compiled(FUNCTIONS["chirp"], integrate=True, end=5.0)
+    at_end, after = evaluate(functions, 0, 5.0), evaluate(functions, 0, 7.0)
+    assert after[0] == pytest.approx(at_end[0] + 2.0 * at_end[1], abs=1e-12)
+
+
+def test_an_endless_integral_in_numbers_is_refused_with_a_cure():
+    with pytest.raises(SceneError, match="end earlier"):
+        compiled(Chirp(amplitude=1.0, period=1e-3, rate=0.1), integrate=True, end=1e6)
+
+
+def test_what_is_written_is_read_in_the_unit_of_its_place():
+    read = TypeAdapter(Annotated[object, time_function("rad/s", velocity="rad/s^2")]).validate_python
+    assert read("60 rpm") == Constant(value=2 * math.pi)
+    assert read(3) == Constant(value=3.0)
+    assert read({"ramp": {"to": "30 rpm", "over": "2 s"}}).to == pytest.approx(math.pi)
+    assert read({"harmonic": {"amplitude": 1, "frequency": "2 Hz", "phase": "90 deg"}}).phase == math.pi / 2
+    assert isinstance(read({"velocity": {"constant": 1}}), Velocity)
+    summed = read({"sum": ["60 rpm", {"sum": [1.0, {"ramp": {"rate": 1.0, "over": 1.0}}]}]})
+    assert value(compiled(summed), 0.0) == pytest.approx(2 * math.pi + 1.0)

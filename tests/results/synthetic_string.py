@@ -1,0 +1,52 @@
+"""A made-up drill string in a J-shaped well, for trying figures: looks right, obeys no equation."""
+
+import numpy as np
+
+from tautline.results.store import Store
+from tautline.results.variable import Variable
+
+
+def course(depth):
+    """North, east, down at measured depths: vertical to 2200 m, then a quarter circle of 1000 m radius."""
+    angle = np.clip(depth - 2200.0, 0.0, None) / 1000.0
+    down = np.minimum(depth, 2200.0) + 1000.0 * np.sin(angle)
+    north = 1000.0 * (1.0 - np.cos(angle))
+    return np.stack([north, np.zeros_like(north), down], axis=-1)
+
+
+def result(path=None, frames=800, bodies=13, turning=False, vertical=False, lag=1.0, energies=True):
+    time = 0.05 * np.arange(frames)
+    block = np.sin(2 * np.pi * (time - 5) / 20 + (time - 5) ** 2 / 400)
+    block -= block[0]
+    bit, bits = 0.0, []
+    for position in block:
+        bit = np.clip(bit, position - 0.5 * lag, position + 0.5 * lag) if bits else 0.0
+        bits.append(bit)
+    bits = np.array(bits)
+    rest = np.linspace(3770.0 / bodies, 3770.0, bodies) if bodies > 1 else np.array([3770.0])
+    share = rest / 3770.0
+    depth = rest + np.outer(block, 1 - share) + np.outer(bits, share)
+    speed = np.gradient(bits, time) if frames > 1 else np.zeros(1)
+    pull = np.clip(bits - block, -0.5, 0.5)
+    tension = 9e5 * (1 - share) - 5e4 + np.outer(pull, 2e5 * share[::-1])
+    contact = np.where(rest > 2200, 4e4, 0.0) * (1 + 0.2 * np.outer(pull, np.ones(bodies)))
+    torque = np.outer(np.minimum(time, 8.0), 1.5e3 * (1.05 - share)) if turning else np.zeros_like(tension)
+    straight = np.stack([0 * depth, 0 * depth, depth], axis=-1)
+    values = {"time": time, "measured_depth": depth, "position": straight if vertical else course(depth)}
+    values |= {"tension": tension, "torque": torque, "contact_force": contact, "hook_load": tension[:, 0] + 1e5}
+    values |= {"block_position": block, "bit_speed": speed, "surface_torque": torque[:, 0]}
+    if energies:
+        kinetic, strain = 3e4 * np.gradient(block, 0.05) ** 2 if frames > 1 else np.zeros(1), 4e5 * pull**2
+        potential, dissipated = -4e5 * block, 6e4 * time
+        work = kinetic + strain + potential + dissipated + 300 * np.sin(time)
+        names = ("kinetic_energy", "strain_energy", "potential_energy", "dissipated_energy", "external_work")
+        values |= dict(zip(names, (kinetic, strain, potential, dissipated, work), strict=True))
+    axes = {"position": ("body", "axis"), "tension": ("link",), "torque": ("link",)}
+    axes |= {"measured_depth": ("body",), "contact_force": ("body",)}
+    variables = [Variable(name, ("time", *axes.get(name, ())), "", name) for name in values]
+    depths = np.linspace(0.0, 3780.0, 200)
+    well = np.stack([0 * depths, 0 * depths, depths], axis=-1) if vertical else course(depths)
+    coordinates = {"well_position": (("station", "axis"), well, "m", "course of the well")}
+    with Store(path, variables, coordinates, {"scene": "title: J-well", "title": "J-well under heave"}) as store:
+        store.append(values)
+        return store.finish()

@@ -1,0 +1,203 @@
+"""What is put into a store comes out of the result, by either way of reading it."""
+
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+from tautline.results.errors import ResultError
+from tautline.results.headline import Figure
+from tautline.results.result import Result
+from tautline.results.store import Store
+from tautline.results.target import check_target
+from tautline.results.variable import Variable
+
+VARIABLES = [
+    Variable("tension", ("time", "link"), "N", "tension of a link"),
+    Variable("stuck", ("time", "body"), "", "whether a body sticks"),
+    Variable("hook_load", ("time",), "N", "hook load"),
+]
+COORDINATES = {
+    "axis": np.array(["north", "east", "down"]),
+    "rest_depth": ("body", np.array([0.0, 10.0, 20.0]), "m", "depth at rest"),
+}
+ATTRIBUTES = {"scene": "title: J-well, 90°\n" * 8000, "method": "rk4", "step": 1e-3, "nothing": None, "flag": True}
+HEADLINE = {"peak": Figure(1.5e6, "N", "largest hook load"), "odd": Figure(float("nan"), "", "none")}
+RESTART = {"q": np.arange(12.0).reshape(3, 4), "n": np.array(7), "empty": np.zeros(0), "on": np.array([True, False])}
+
+
+def frames(first, count):
+    time = 0.1 * np.arange(first, first + count)
+    tension = np.outer(np.sin(time), [1.0, 2.0])
+    return {"time": time, "tension": tension, "stuck": np.outer(time > 0.3, [1, 1, 1]) > 0, "hook_load": tension[:, 0]}
+
+
+@pytest.fixture(params=["file", "memory"])
+def result(request, tmp_path):
+    store = Store(tmp_path / "a.nc" if request.param == "file" else None, VARIABLES, COORDINATES, ATTRIBUTES)
+    for first in range(0, 50, 5):
+        store.append(frames(first, 5))
+    return store.finish({"status": "done", "steps": 5000, "headline": HEADLINE}, restart=RESTART)
+
+
+def test_numpy_access_gives_the_frames(result):
+    np.testing.assert_array_equal(result["tension"], frames(0, 50)["tension"])
+    assert result["tension"].dtype == np.float64
+    assert list(result["axis"]) == ["north", "east", "down"]
+    assert "tension" in result and "body" not in result
+    assert result.variables["tension"] == VARIABLES[0]
+
+
+def test_xarray_gives_names_dimensions_units_and_plain_seconds(result):
+    data = result.data
+    assert data["tension"].dims == ("time", "link")
+    assert data["tension"].attrs["units"] == "N"
+    assert data["tension"].attrs["long_name"] == "tension of a link"
+    assert data["time"].dtype == np.float64 and data["time"].attrs["units"] == "s"
+    assert data["rest_depth"].dims == ("body",)
+    assert float(data["tension"].sel(time=1.0, method="nearest")[1]) == 2 * np.sin(1.0)
+
+
+def test_attributes_of_any_length_and_letters_come_back(result):
+    assert result.attributes["scene"] == ATTRIBUTES["scene"]
+    assert result.attributes["step"] == 1e-3 and result.attributes["steps"] == 5000
+    assert result.attributes["status"] == "done"
+    assert "nothing" not in result.attributes or result.path is None
+
+
+def test_headline_keeps_value_unit_and_text_and_has_no_nan(result):
+    assert result.headline["peak"] == {"value": 1.5e6, "unit": "N", "text": "largest hook load"}
+    assert result.headline["odd"]["value"] is None
+
+
+def test_restart_state_is_kept_bit_for_bit(result):
+    assert result.restart.keys() == RESTART.keys()
+    for name, values in RESTART.items():
+        np.testing.assert_array_equal(result.restart[name], values)
+
+
+def test_an_unknown_variable_is_named_with_those_there_are(result):
+    with pytest.raises(ResultError, match=r"has no variable 'tensoin'; it has .*tension"):
+        result["tensoin"]
+
+
+def test_plain_xarray_reads_the_file_and_its_restart_group(tmp_path):
+    with Store(tmp_path / "a.nc", VARIABLES, COORDINATES, ATTRIBUTES) as store:
+        store.append(frames(0, 5))
+        store.finish(restart=RESTART)
+    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as data:
+        assert data.sizes == {"time": 5, "link": 2, "body": 3, "axis": 3}
+    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf", group="restart") as data:
+        np.testing.assert_array_equal(data["q"].values, RESTART["q"])
+
+
+def test_time_can_grow_without_limit(tmp_path):
+    with Store(tmp_path / "a.nc", VARIABLES) as store:
+        store.append(frames(0, 1))
+    with h5py.File(tmp_path / "a.nc") as file:
+        assert file["tension"].maxshape == (None, 2)
+
+
+def test_a_batch_may_be_reused_by_its_owner(tmp_path):
+    buffer = frames(0, 5)
+    with Store(tmp_path / "a.nc", VARIABLES) as store:
+        for first in range(0, 20, 5):
+            for name, values in frames(first, 5).items():
+                buffer[name][...] = values
+            store.append(buffer)
+        result = store.finish()
+    np.testing.assert_array_equal(result["tension"], frames(0, 20)["tension"])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"tension": np.zeros((5, 3))}, "tension: shape"),
+        ({"hook_load": np.zeros(4)}, "hook_load: shape"),
+        ({"extra": np.zeros(5)}, "unknown extra"),
+    ],
+)
+def test_a_batch_of_another_shape_is_refused_and_named(tmp_path, change, message):
+    with Store(tmp_path / "a.nc", VARIABLES) as store:
+        store.append(frames(0, 5))
+        with pytest.raises(ValueError, match=message):
+            store.append(frames(5, 5) | change)
+        store.append(frames(5, 5))
+        assert len(store.finish().time) == 10
+
+
+def test_dimensions_that_disagree_are_refused_before_anything_is_written(tmp_path):
+    store = Store(tmp_path / "a.nc", VARIABLES, {"body": np.arange(4)})
+    with pytest.raises(ValueError, match="stuck: body has size 3, but 4 in body"):
+        store.append(frames(0, 5))
+    store.close()
+    assert not list(tmp_path.iterdir())
+
+
+def other_netcdf(path):
+    with h5py.File(path, "w") as file:
+        file["x"] = 1
+
+
+def without_frames(path):
+    with Store(path, VARIABLES, {}, ATTRIBUTES) as store:
+        store.append(frames(0, 1))
+    with h5py.File(path, "r+") as file:
+        file["time"].resize(0, 0)
+
+
+def cut_short(path):
+    with Store(path, VARIABLES, {}, ATTRIBUTES) as store:
+        store.append(frames(0, 100))
+    path.write_bytes(path.read_bytes()[:5000])
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda path: None, "there is no such file"),
+        (lambda path: path.mkdir(), "is a folder"),
+        (lambda path: path.touch(), "is empty"),
+        (lambda path: path.write_text("title: a scene\n"), "is not a NetCDF-4 file"),
+        (other_netcdf, "not a Tautline result"),
+        (without_frames, "has no frame"),
+        (cut_short, "is damaged"),
+    ],
+)
+def test_what_is_no_result_is_refused_with_its_cause(tmp_path, make, message):
+    make(tmp_path / "x.nc")
+    with pytest.raises(ResultError, match=message) as caught:
+        Result.read(tmp_path / "x.nc")
+    assert caught.value.cure
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("missing/a.nc", "there is no folder"),
+        (".", "is a folder"),
+        ("scene.yaml", "is not a result"),
+        ("scene.yaml/a.nc", "is a file, not a folder"),
+        ("a" * 300 + ".nc", "cannot be written"),
+        ("a\0.nc", "cannot be written"),
+    ],
+)
+def test_a_result_that_cannot_be_written_is_refused_before_the_run(tmp_path, name, message):
+    (tmp_path / "scene.yaml").write_text("title: precious\n")
+    with pytest.raises(ResultError, match=message):
+        check_target(tmp_path / name)
+    with pytest.raises(ResultError, match=message):
+        Store(tmp_path / name, VARIABLES)
+    assert [file.name for file in tmp_path.iterdir()] == ["scene.yaml"]
+
+
+def test_numpy_access_does_not_load_xarray(tmp_path):
+    with Store(tmp_path / "a.nc", VARIABLES) as store:
+        store.append(frames(0, 5))
+        store.finish()
+    code = "import sys; from tautline.results.result import Result; Result.read(sys.argv[1])['tension'];"
+    code += "sys.exit('xarray' in sys.modules or 'pandas' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code, tmp_path / "a.nc"]).returncode == 0

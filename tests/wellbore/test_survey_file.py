@@ -1,0 +1,163 @@
+"""Survey files: what is read, and what is refused by its line."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drillstring.survey import LARGEST_FILE, read_survey
+from tautline.scene.errors import SceneError
+
+DEG = math.pi / 180.0
+MD, INC, AZI = [0.0, 30.0, 60.0], np.array([0.0, 1.5, 3.0]) * DEG, np.array([0.0, 350.0, 10.0]) * DEG
+ROWS = ["0,0,0", "30,1.5,350", "60,3,10"]
+OTHER_UNITS = [f"{m / 0.3048},{i / DEG / 0.9},{a}" for m, i, a in zip(MD, INC, AZI, strict=True)]
+HEAD = "md [m],inc [deg],azi [deg]"
+BOM = b"\xef\xbb\xbf"
+
+
+def write(folder, text, name="survey.csv"):
+    path = folder / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+def lines(*text):
+    return "\n".join(text) + "\n"
+
+
+GOOD = {
+    "units in square brackets": lines("md [m],inc [deg],azi [deg]", *ROWS),
+    "units in round brackets": lines("MD (m),Incl. (deg),Azim (°)", *ROWS),
+    "units after an underscore": lines("md_m,inc_deg,azi_deg", *ROWS),
+    "units in camel case": lines("MD [m],IncDeg,AziDeg", *ROWS),
+    "long names": lines("Measured Depth [m], Inclination [deg], Azimuth [deg]", *ROWS),
+    "a quoted header with a comma": lines('"Depth, m","inc, deg","azi, deg"', *ROWS),
+    "a second row of units": lines("md,inc,azi", "[m],deg,deg", *ROWS),
+    "semicolons": lines("md [m];inc [deg];azi [deg]", *(row.replace(",", ";") for row in ROWS)),
+    "semicolons and decimal commas": lines("md [m];inc [deg];azi [deg]", "0;0,0;0", "30,0;1,5;350", "60;3;1,0e1"),
+    "tabs": lines("md [m]\tinc [deg]\tazi [deg]", *(row.replace(",", "\t") for row in ROWS)),
+    "comments and blank lines": lines("# a well", "", "md [m],inc [deg],azi [deg]", "  # top", *ROWS, ",,", ""),
+    "further columns": lines("name,azi [deg],tvd [m],inc [deg],md [m]", "a,0,0,0,0", "b,350,x,1.5,30", "c,10,,3,60"),
+    "carriage returns and a byte order mark": BOM + lines(HEAD, *ROWS).replace("\n", "\r\n").encode(),
+    "a degree sign in Windows-1252": lines("md [m],inc [°],azi [°]", *ROWS).encode("cp1252"),
+    "other units": lines("md [ft],inc [gon],azi [rad]", *OTHER_UNITS),
+    "azimuths a turn off": lines("md [m],inc [deg],azi [deg]", "0,0,720", "30,1.5,-10", "60,3,370"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", GOOD)
+def test_a_survey_is_read_with(case, tmp_path):
+    survey = read_survey(write(tmp_path, GOOD[case]))
+    assert np.allclose(survey.md, MD, atol=1e-12) and np.allclose(survey.inc, INC, atol=1e-15)
+    assert np.allclose(np.exp(1j * survey.azi), np.exp(1j * AZI), atol=1e-12)
+    assert np.all((survey.azi >= 0.0) & (survey.azi < 2 * math.pi))
+
+
+def test_units_may_come_from_the_scene(tmp_path):
+    path = write(tmp_path, lines("md,inc,azi", "0,0,0", "100,2,3"))
+    survey = read_survey(path, units={"md": "ft", "inc": "deg", "azi": "deg"})
+    assert survey.md[1] == 30.48 and survey.inc[1] == 2 * DEG
+    assert list(survey.lines) == [2, 3]
+
+
+# case: (text, line or None, key, words of the message)
+BROKEN = {
+    "unsorted depths": (lines(HEAD, "0,0,0", "60,1,0", "30,1,0", "90,1,0"), 4, "md", "above the station of line 3"),
+    "one depth twice": (lines(HEAD, "0,0,0", "30,1,0", "30,2,0"), 4, "md", "same depth as line 3"),
+    "one row twice": (lines(HEAD, "0,0,0", "30,1,0", "30,1,0", "60,1,0"), 4, "md", "keep one of lines 3 and 4"),
+    "a row far back again": (lines(HEAD, "0,0,0", "30,1,0", "60,1,0", "30,1,0"), 5, "md", "same row as line 3"),
+    "letters": (lines(HEAD, "0,0,0", "30,one,0", "60,1,0"), 3, "inc", "inc = one: not a number"),
+    "NaN": (lines(HEAD, "0,0,0", "30,NaN,0", "60,1,0"), 3, "inc", "not a finite number"),
+    "infinity": (lines(HEAD, "0,0,0", "30,1,-inf", "60,1,0"), 3, "azi", "not a finite number"),
+    "a number too large": (lines(HEAD, "0,0,0", "1e999,1,0"), 3, "md", "not a finite number"),
+    "Python's own numbers": (lines(HEAD, "0,0,0", "1_000,1,0"), 3, "md", "not a number"),
+    "a missing cell": (lines(HEAD, "0,0,0", "30,,0", "60,1,0"), 3, "inc", "the cell is missing"),
+    "a short row": (lines(HEAD, "0,0,0", "30,1", "60,1,0"), 3, "azi", "where the hole is vertical"),
+    "a long row": (lines(HEAD, "0,0,0", "30,5,1,5,0", "60,1,0"), 3, "row", "semicolons"),
+    "inclination above 180 deg": (lines(HEAD, "0,0,0", "30,181,0"), 3, "inc", "outside 0 to 180 deg"),
+    "negative inclination": (lines(HEAD, "0,0,0", "30,-1,0"), 3, "inc", "outside 0 to 180 deg"),
+    "azimuth above 720 deg": (lines(HEAD, "0,0,0", "30,1,721"), 3, "azi", "outside -360 to 720 deg"),
+    "azimuth below -360 deg": (lines(HEAD, "0,0,0", "30,1,-361"), 3, "azi", "outside -360 to 720 deg"),
+    "negative depth": (lines(HEAD, "-5,0,0", "30,1,0"), 2, "md", "negative"),
+    "a gap": (lines(HEAD, "0,0,0", "30,1,0", "630,1,0"), 4, "md", "raise max_gap"),
+    "a gap above the first station": (lines(HEAD, "900,0,0", "930,1,0"), 2, "md", "no station in the 900 m above"),
+    "an absurd dogleg": (lines(HEAD, "0,0,0", "30,1,0", "31,9,0"), 4, "inc, azi", "8 deg in 1 m below line 3"),
+    "a hole that turns back": (lines(HEAD, "0,90,0", "400,90,180"), 3, "inc, azi", "its plane is not known"),
+    "one station": (lines(HEAD, "0,0,0"), None, "", "two stations at least"),
+    "no stations": (lines(HEAD), None, "", "two stations at least"),
+    "an empty file": ("", None, "", "the file is empty"),
+    "blank lines only": ("\n\n  \n", None, "", "the file is empty"),
+    "comments only": ("# md,inc,azi\n# 0,0,0\n", None, "", "only comments"),
+    "a picture": (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", None, "", "binary"),
+    "UTF-16": (lines(HEAD, *ROWS).encode("utf-16"), None, "", "CSV in UTF-8"),
+    "no header": (lines(*ROWS), 1, "md, inc, azi", "numbers where the names should be"),
+    "a column missing": (lines("md [m],inc [deg]", "0,0", "30,1"), 1, "azi", "no such column"),
+    "a column twice": (lines("md [m],depth [m],inc [deg],azi [deg]", "0,0,0,0"), 1, "md", "two such columns"),
+    "no unit": (lines("md [m],inc,azi [deg]", *ROWS), 1, "inc", "write inc [deg] in the header"),
+    "a unit that is none": (lines("md [fathom],inc [deg],azi [deg]", *ROWS), 1, "md", "not a unit of length"),
+    "a unit of the wrong kind": (lines("md [deg],inc [deg],azi [deg]", *ROWS), 1, "md", "not a unit of length"),
+    "header and units row at odds": (lines(HEAD, "ft,deg,deg", *ROWS), 1, "md", "two units"),
+    "an open quote": (lines(HEAD, "0,0,0", '"30,1,0', "60,1,0"), 3, "md", "not a number"),
+    "a thousands' mark": (lines(HEAD.replace(",", ";"), "0;0;0", "1.030,5;1;0"), 3, "md", "thousands' marks"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_a_survey_is_refused_at_its_line_with_a_cure_for(case, tmp_path):
+    text, line, key, says = BROKEN[case]
+    path = write(tmp_path, text)
+    with pytest.raises(SceneError) as caught:
+        read_survey(path)
+    first = caught.value.problems[0]
+    assert (first.file, first.line, first.key) == (str(path), line, key)
+    assert says in str(first) and first.cure
+
+
+def test_every_bad_row_is_named_in_the_order_of_the_file(tmp_path):
+    rows = ["0,0,0", "x,0,0", "30,200,0", "60,1,", "60,1,0", "20,1,0", "90,1,0"]
+    with pytest.raises(SceneError) as caught:
+        read_survey(write(tmp_path, lines(HEAD, *rows)))
+    assert [(p.line, p.key) for p in caught.value.problems] == [(3, "md"), (4, "inc"), (5, "azi"), (7, "md")]
+
+
+def test_a_contradiction_between_scene_and_header_is_refused(tmp_path):
+    path = write(tmp_path, lines(HEAD, *ROWS))
+    with pytest.raises(SceneError, match="the header says m, the scene says ft"):
+        read_survey(path, units={"md": "ft"})
+    assert len(read_survey(path, units={"md": "metres", "inc": "°"}).md) == 3  # the same unit by another name
+
+
+def test_units_of_an_unknown_column_are_refused(tmp_path):
+    with pytest.raises(SceneError, match="tvd"):
+        read_survey(write(tmp_path, lines(HEAD, *ROWS)), units={"tvd": "m"})
+
+
+def test_a_gap_and_a_sharp_dogleg_pass_when_the_scene_allows_them(tmp_path):
+    gap = write(tmp_path, lines(HEAD, "0,0,0", "2200,0,0", "2230,1,0"))
+    assert len(read_survey(gap, max_gap=2200.0).md) == 3
+    sharp = write(tmp_path, lines(HEAD, "0,0,0", "10,30,0"), "sharp.csv")
+    with pytest.raises(SceneError):
+        read_survey(sharp)
+    assert len(read_survey(sharp, max_dogleg_severity=math.radians(91) / 30).md) == 2
+
+
+def test_a_file_that_is_not_there_or_a_folder_is_refused(tmp_path):
+    for path in (tmp_path / "nowhere.csv", tmp_path):
+        with pytest.raises(SceneError) as caught:
+            read_survey(path)
+        assert caught.value.problems[0].cure == "check the path"
+
+
+def test_a_file_of_more_than_ten_megabytes_is_refused_unread(tmp_path):
+    path = tmp_path / "large.csv"
+    with path.open("wb") as file:
+        file.truncate(LARGEST_FILE + 1)
+    with pytest.raises(SceneError, match="10 MB"):
+        read_survey(path)
+
+
+def test_a_file_of_ten_thousand_bad_rows_stops_at_a_thousand_problems(tmp_path):
+    with pytest.raises(SceneError) as caught:
+        read_survey(write(tmp_path, lines(HEAD, *["x,0,0"] * 10_000)))
+    assert len(caught.value.problems) == 1000 and str(caught.value).count("\n") <= 20
