@@ -1,0 +1,58 @@
+"""Tautline: slender things under tension, faster than real time.
+
+``tautline.read(path)`` reads a scene of any installed application; ``tautline.simulate(scene)`` runs it and returns a
+``Result`` whose ``data`` is an ``xarray.Dataset``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tautline.results.result import Result
+
+__version__ = "0.1.0"
+
+
+def read(path: str | Path) -> Any:
+    """Read and validate a scene file.
+
+    Raises
+    ------
+    SceneError
+        Listing every fault with its line, key, value and cure.
+    """
+    from tautline.cli.catalogue import Installed
+
+    return Installed().for_scene(Path(path)).read(Path(path))
+
+
+def simulate(
+    scene: Any, path: str | Path | None = None, progress: Callable[[float, float], None] | None = None
+) -> Result:
+    """Run a scene, or the scene in a file.
+
+    Parameters
+    ----------
+    scene : scene or path
+        What :func:`read` returns, or the file.
+    path : path or None
+        Where the result is stored; None keeps it in memory.
+    progress : callable or None
+        Called with simulated and wall time, s.
+
+    Raises
+    ------
+    SceneError
+        For bad input.
+    StoppedEarly, Interrupted
+        With the result so far.
+    """
+    from tautline.cli.catalogue import Installed
+    from tautline.simulation import simulate as run
+
+    if isinstance(scene, (str, Path)):
+        scene = read(scene)
+    return run(Installed().of(scene).build(scene), path, progress)

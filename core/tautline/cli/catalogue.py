@@ -86,6 +86,10 @@ class Installed:
 
         return self._recognising(Document.read(path).root, str(path))
 
+    def of(self, scene: Any) -> Application:
+        """Find the one that a scene, already read, belongs to."""
+        return self._recognising(scene.document.root, str(scene.document.path))
+
     def for_result(self, result: Result) -> Application:
         """Ask each about the scene that a result carries."""
         from tautline.scene.document import Document

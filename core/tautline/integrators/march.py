@@ -8,7 +8,7 @@ import numpy as np
 from tautline.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha_step
 from tautline.integrators.newton import DONE
 from tautline.integrators.rk4 import RungeKutta4, accelerate, account, rk4_step
-from tautline.integrators.state import DISSIPATED, HALVINGS, STEPS, WORK, State
+from tautline.integrators.state import DISSIPATED, HALVINGS, LOSS, POWER, STEPS, TIME, WORK, State, supplied_power
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand
 from tautline.kernels.jit import entry, kernel
@@ -53,6 +53,18 @@ def record_frame(groups, state, t, frames, row):
     over.energy(groups, t, state.full_q, state.full_v, energy)
     energy[3] = state.ledger[WORK]
     energy[4] = state.ledger[DISSIPATED]
+
+
+@entry
+def open_run(groups, dofs, state, t, frames):
+    """Settle the laws at the start, open the ledger and record the first frame."""
+    over.commit(groups, t, 0.0, state.full_q, state.full_v, state.full_a)
+    frames.energy[0].fill(0.0)
+    over.dissipation(groups, t, state.full_q, state.full_v, frames.energy[0])
+    state.ledger[TIME] = t
+    state.ledger[LOSS] = frames.energy[0, 0]
+    state.ledger[POWER] = supplied_power(dofs, state) + frames.energy[0, 1]
+    record_frame(groups, state, t, frames, 0)
 
 
 @kernel(inline="always")
@@ -144,8 +156,3 @@ def march(method, groups, dofs, functions, state, ends, steps, begin, frames):
         Status, frames filled, time reached.
     """
     return MARCHES[type(method)](method, groups, dofs, functions, state, ends, steps, begin, frames)
-
-
-def run_state(state: State) -> dict[str, np.ndarray]:
-    """The arrays of a state by name, to be stored and gone on from."""
-    return {name: np.array(value) for name, value in state._asdict().items() if name != "keep"}

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.kernels.jit import kernel
+from tautline.kernels.jit import entry
 
 DEGREES = 8
 """Coefficients kept of a polynomial: up to degree 7, the integral of a ramp's rate."""
@@ -46,7 +46,7 @@ class TimeFunctions(NamedTuple):
     waves: np.ndarray
 
 
-@kernel()
+@entry
 def evaluate(functions, i, t):
     """Return ``(f, df, ddf)`` of function `i` at time `t`: its value, rate and second rate."""
     f, df, ddf = 0.0, 0.0, 0.0
@@ -92,7 +92,7 @@ def evaluate(functions, i, t):
     return f, df, ddf
 
 
-@kernel()
+@entry
 def sample(functions, i, times):
     """Return value, rate and second rate of function `i` at many times (s), as an array (times, 3)."""
     out = np.empty((times.size, 3))

@@ -1,0 +1,116 @@
+"""What to tell a user about a scene before it runs: large against what, and what to do."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from drillstring.build import tubes_of, well_of
+from drillstring.lumped_string import Fluid, lateral_mass
+from drillstring.scene import DrillstringScene
+from drillstring.string import Lumps, cut
+from tautline.scene.errors import Caution
+
+RK4_LIMIT = 2.8
+"""omega h at which RK4 becomes unstable, eq. 2.137."""
+LONG_FOR_MOTION = 0.05
+"""Step over the fastest axial period of interest at which amplitudes are lost."""
+
+
+def _lumps(scene: DrillstringScene) -> Lumps:
+    return cut(tubes_of(scene, well_of(scene).length), scene.model.elements)
+
+
+def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
+    """Critical step of RK4 by the stiffest contact, eq. 2.170, with the mud that moves with a lump; inf without wall."""
+    wall = scene.well.wall
+    if wall is None:
+        return float("inf")
+    mud = scene.mud
+    fluid = Fluid() if mud is None else Fluid(mud.density, mud.inside_density or mud.density, mud.added_mass)
+    mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
+    mass = mass + lateral_mass(lumps, fluid, scene.well.diameter, mud.inside if mud is not None else False)
+    od = lumps.largest(lambda tube: tube.od)
+    stiffness = wall.stiffness * od / od.max() * lumps.tributary / (lumps.total / wall.lumps)
+    return RK4_LIMIT / float(np.sqrt((stiffness / mass)[1:].max()))
+
+
+def cautions(scene: DrillstringScene) -> list[Caution]:
+    """Cautions of a scene; raises SceneError where well and string do not fit."""
+    lumps = _lumps(scene)
+    found = []
+    solver, wall = scene.solver, scene.well.wall
+    critical = contact_critical_step(scene, lumps)
+    if solver.method == "rk4" and solver.step > critical:
+        found.append(
+            Caution(
+                "solver.step",
+                f"{solver.step:g} s is longer than RK4's critical step of {critical:.3g} s (stiffest wall contact, "
+                "eq. 2.170): the run will become unstable; take a smaller step, or method: generalized-alpha",
+            )
+        )
+    if scene.output.interval > 0.0 and abs(scene.output.interval / solver.step - round(scene.output.interval / solver.step)) > 1e-6:
+        steps = int(np.ceil(scene.output.interval / solver.step))
+        found.append(
+            Caution(
+                "output.interval",
+                f"{scene.output.interval:g} s is not a whole number of steps of {solver.step:g} s: "
+                f"the step taken is {scene.output.interval / steps:.6g} s",
+            )
+        )
+    sound = min(sqrt(tube.youngs_modulus / tube.density) for tube in lumps.tubes)
+    period = 4.0 * lumps.total / sound
+    if solver.method != "rk4" and solver.step > LONG_FOR_MOTION * period:
+        found.append(
+            Caution(
+                "solver.step",
+                f"{solver.step:g} s is long against the string's first axial period of about {period:.2g} s: its "
+                f"motion is damped by the algorithm; take {0.01 * period:.1g} s or less",
+            )
+        )
+    if wall is not None and wall.friction.static > 0.0 and wall.friction.kinetic < wall.friction.static:
+        if wall.friction.law == "regularised" and wall.friction.slip_velocity > 1e-3:
+            found.append(
+                Caution(
+                    "well.wall.friction.slip_velocity",
+                    f"{wall.friction.slip_velocity:g} m/s: a stuck string creeps at up to that speed; use law: projection",
+                )
+            )
+    longest = float(lumps.length.max())
+    if longest > 0.25 * lumps.total and lumps.total > 500.0:
+        found.append(
+            Caution(
+                "model.elements",
+                f"an element is {longest:.0f} m long, {100 * longest / lumps.total:.0f} % of the string: friction and "
+                "curvature are coarse; take more elements",
+            )
+        )
+    return found
+
+
+def figures(scene: DrillstringScene) -> dict[str, Any]:
+    """Figures of well and string for ``check --json``, SI."""
+    well = well_of(scene)
+    lumps = cut(tubes_of(scene, well.length), scene.model.elements)
+    end = well.position(np.array([well.length]))[0]
+    stations = np.linspace(0.0, well.length, 2001)
+    k1, k2 = well.curvature(stations)
+    return {
+        "well": {
+            "length": well.length,
+            "north": float(end[0]),
+            "east": float(end[1]),
+            "vertical_depth": float(end[2]),
+            "largest_inclination": float(well.inclination(stations).max()),
+            "largest_curvature": float(np.hypot(k1, k2).max()),
+        },
+        "string": {
+            "length": lumps.total,
+            "elements": int(lumps.length.size),
+            "mass": float(lumps.of_lumps(lambda tube: tube.mass_per_length).sum()),
+            "displacement": float(lumps.of_lumps(lambda tube: pi / 4.0 * (tube.od**2 - tube.id**2)).sum()),
+        },
+        "critical_step_rk4": contact_critical_step(scene, lumps) if scene.well.wall is not None else None,
+    }

@@ -1,0 +1,1 @@
+"""Hoses conveying fluid: the application is being written on the cable elements that the core does not have yet."""

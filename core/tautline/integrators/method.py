@@ -1,0 +1,42 @@
+"""The integrators by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from tautline.integrators.generalized_alpha import GeneralizedAlpha, coefficients
+from tautline.integrators.newton import corrector
+from tautline.integrators.rk4 import RungeKutta4, runge_kutta_4
+from tautline.system.model import SolverSettings
+from tautline.system.system import System
+
+
+def generalized_alpha(system: System, settings: SolverSettings) -> GeneralizedAlpha:
+    """Generalized-alpha with the parameters of the settings."""
+    beta, gamma = coefficients(settings.alpha_m, settings.alpha_f)
+    iteration = corrector(system, settings.tolerance, settings.criterion == "energy", settings.max_iterations)
+    return GeneralizedAlpha(
+        settings.alpha_m, settings.alpha_f, beta, gamma, settings.max_halvings, iteration, np.zeros(2)
+    )
+
+
+def newmark(system: System, settings: SolverSettings) -> GeneralizedAlpha:
+    """Newmark-beta, the average acceleration: generalized-alpha with alpha_m = alpha_f = 0, eqs 2.65-2.70."""
+    beta, gamma = coefficients(0.0, 0.0)
+    iteration = corrector(system, settings.tolerance, settings.criterion == "energy", settings.max_iterations)
+    return GeneralizedAlpha(0.0, 0.0, beta, gamma, settings.max_halvings, iteration, np.zeros(2))
+
+
+METHODS: dict[str, Callable[[System, SolverSettings], GeneralizedAlpha | RungeKutta4]] = {
+    "generalized-alpha": generalized_alpha,
+    "newmark": newmark,
+    "rk4": lambda system, settings: runge_kutta_4(system),
+}
+"""Makers of a method's scratch; the order test runs over all of them."""
+
+
+def method_for(system: System, settings: SolverSettings) -> GeneralizedAlpha | RungeKutta4:
+    """The method that the settings name."""
+    return METHODS[settings.method](system, settings)

@@ -1,0 +1,179 @@
+"""Run a model: from its start to its end, storing frames as they come."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tautline import __version__
+from tautline.integrators.equilibrium import find_equilibrium
+from tautline.integrators.linearise import start_moving
+from tautline.integrators.march import Frames, march, new_frames, open_run
+from tautline.integrators.method import method_for
+from tautline.integrators.state import FACTORISATIONS, HALVINGS, ITERATIONS, STEPS, THROUGHPUT, WORST, new_state
+from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.results.result import Result
+from tautline.results.store import Store
+from tautline.system.model import Model
+
+BATCH = 0.25
+"""Wall time, s, after which frames are stored, progress is shown and Ctrl-C is heard."""
+BATCH_NUMBERS = 4_000_000
+"""Numbers that a batch of frames may hold in memory."""
+
+
+def simulate(
+    model: Model, path: str | Path | None = None, progress: Callable[[float, float], None] | None = None
+) -> Result:
+    """Run a model and store its frames.
+
+    Parameters
+    ----------
+    model : Model
+        From an application's builder.
+    path : path or None
+        The result file; None keeps the result in memory.
+    progress : callable or None
+        Called with simulated and wall time, s, after every batch of frames.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    StoppedEarly
+        Where no start was found or a step failed, with the status and what was stored until then.
+    Interrupted
+        On Ctrl-C, with what was stored until then.
+    """
+    run = _Run(model)
+    with Store(path, model.variables, model.coordinates, {**model.attributes, "version": __version__}) as store:
+        try:
+            run.start()
+            run.store_first(store)
+            while run.time < run.ends[-1] if run.ends.size else False:
+                run.advance(store)
+                if progress is not None:
+                    progress(run.time, run.wall)
+        except KeyboardInterrupt:
+            raise Interrupted(run.time, run.finish(store, "interrupted")) from None
+        except StoppedEarly as stop:
+            stop.result = run.finish(store, stop.status.name.lower().replace("_", " "))
+            raise
+        result = run.finish(store, "done")
+    assert result is not None
+    return result
+
+
+def frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Output times (m,) s, and the number of steps before each: equal, and no longer than ``step``."""
+    whole = math.floor(end / interval * (1.0 + 1e-12))
+    ends = interval * np.arange(1, whole + 1)
+    if end - whole * interval > 1e-9 * interval:
+        ends = np.append(ends, end)
+    elif ends.size:
+        ends[-1] = end
+    spans = np.diff(ends, prepend=0.0)
+    return ends, np.maximum(1, np.ceil(spans / step - 1e-9)).astype(np.int64)
+
+
+class _Run:
+    """A run under way: the clock, the state, and what of it was stored."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.method = method_for(model.system, model.solver)
+        self.state = new_state(model.system)
+        self.ends, self.steps = frame_times(model.solver.end, model.solver.interval, model.solver.step)
+        self.time, self.wall, self.done, self.batch = 0.0, 0.0, 0, 1
+        self.balance: list[np.ndarray] = []
+        self.frames = self._room(1)
+
+    def _room(self, rows: int) -> Frames:
+        return new_frames(rows, self.model.system.q.size, self.model.own)
+
+    def start(self) -> None:
+        """Find the equilibrium the scene asks for, and set it moving."""
+        if self.model.at_rest:
+            find_equilibrium(self.model.system, self.state, self.model.step_limit)
+        start_moving(self.model.system, self.state)
+        # No frames: whatever is not in the cache is compiled here, not in the time that is measured.
+        system = self.model.system
+        march(
+            self.method, system.groups, system.dofs, system.functions, self.state,
+            self.ends[:0], self.steps[:0], 0.0, self.frames,
+        )  # fmt: skip
+
+    def store_first(self, store: Store) -> None:
+        """Store the state of t = 0."""
+        system = self.model.system
+        open_run(system.groups, system.dofs, self.state, 0.0, self.frames)
+        self._store(store, self.frames, 1)
+
+    def advance(self, store: Store) -> None:
+        """Run one batch of frames; the next one is as long as fits into ``BATCH``."""
+        rows = min(self.batch, self.ends.size - self.done)
+        if self.frames.time.size < rows:
+            self.frames = self._room(rows)
+        system, some = self.model.system, slice(self.done, self.done + rows)
+        before = time.perf_counter()
+        status, filled, reached = march(
+            self.method, system.groups, system.dofs, system.functions, self.state,
+            self.ends[some], self.steps[some], self.time, self.frames,
+        )  # fmt: skip
+        spent = time.perf_counter() - before
+        self.wall += spent
+        self.done += filled
+        if filled:
+            self.time = float(self.ends[self.done - 1])
+            self._store(store, self.frames, filled)
+        if status != Status.DONE:
+            worst = int(self.state.counters[WORST])
+            raise StoppedEarly(Status(status), reached, system.names[worst])
+        limit = max(1, BATCH_NUMBERS // (4 * system.q.size + self.model.own + 6))
+        per_frame = spent / rows
+        self.batch = int(min(limit, max(1.0, min(4.0 * rows, BATCH / max(per_frame, 1e-9)))))
+
+    def _store(self, store: Store, frames: Frames, filled: int) -> None:
+        part = Frames(*(array[:filled] for array in frames[:-1]), frames.at)
+        self.balance.append(np.column_stack([part.time, part.energy]))
+        store.append({"time": part.time.copy(), **self.model.observe(part)})
+
+    def finish(self, store: Store, status: str) -> Result | None:
+        """Close the file with what is known at the end; None where nothing was stored."""
+        result = store.result
+        if result is None:
+            return None
+        counters = self.state.counters
+        step = self.ends[0] / self.steps[0] if self.ends.size else self.model.solver.step
+        attributes: dict[str, Any] = {
+            "status": status,
+            "method": self.model.solver.method,
+            "step": float(step),
+            "end": float(self.model.solver.end),
+            "wall_time": self.wall,
+            "real_time_factor": self.wall / self.time if self.time > 0.0 else 0.0,
+            "steps": int(counters[STEPS]),
+            "newton_iterations": int(counters[ITERATIONS]),
+            "factorisations": int(counters[FACTORISATIONS]),
+            "halvings": int(counters[HALVINGS]),
+            "energy_error": self._energy_error(),
+            "headline": self.model.headline(result),
+        }
+        restart = {name: np.asarray(getattr(self.state, name)) for name in ("q", "v", "a", "auxiliary")}
+        return store.finish(attributes, restart=restart)
+
+    def _energy_error(self) -> float:
+        """Energy that is not accounted for, over what went through the system: work done, lost and in motion."""
+        rows = np.concatenate(self.balance)
+        kinetic, strain, potential, work, lost = rows[:, 1:].T
+        total = kinetic + strain + potential
+        missing = total[-1] - total[0] - (work[-1] - lost[-1])
+        through = float(self.state.ledger[THROUGHPUT]) + lost[-1] + kinetic.max() + np.ptp(strain)
+        return float(abs(missing) / through) if through > 0.0 else 0.0
