@@ -115,7 +115,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             for k in range(PER_BODY):
                 for l in range(PER_BODY):
                     damping[k, l] = ck * stiffness[k, l] + cc * damping[k, l]
-            add_block(matrix, dofs, (o, o + 1, o + 2, o + 3), damping)
+            add_block(matrix, dofs, o, PER_BODY, PER_BODY, damping)
 
 
 @kernel

@@ -12,9 +12,10 @@ import numpy as np
 
 from tautline import __version__
 from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.linearise import start_moving
-from tautline.integrators.march import Frames, march, new_frames, open_run
+from tautline.integrators.linearise import largest_frequency, start_moving
+from tautline.integrators.march import Frames, march, new_frames
 from tautline.integrators.method import method_for
+from tautline.integrators.rk4 import RK4_LIMIT, RungeKutta4
 from tautline.integrators.state import FACTORISATIONS, HALVINGS, ITERATIONS, STEPS, THROUGHPUT, WORST, new_state
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.results.result import Result
@@ -25,6 +26,9 @@ BATCH = 0.25
 """Wall time, s, after which frames are stored, progress is shown and Ctrl-C is heard."""
 BATCH_NUMBERS = 4_000_000
 """Numbers that a batch of frames may hold in memory."""
+
+FRAMES_UNCHECKED = 20
+"""Frames that an explicit run may go on before its step is checked again."""
 
 
 def simulate(
@@ -103,17 +107,14 @@ class _Run:
         if self.model.at_rest:
             find_equilibrium(self.model.system, self.state, self.model.step_limit)
         start_moving(self.model.system, self.state)
-        # No frames: whatever is not in the cache is compiled here, not in the time that is measured.
+
+    def store_first(self, store: Store) -> None:
+        """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
         system = self.model.system
         march(
             self.method, system.groups, system.dofs, system.functions, self.state,
-            self.ends[:0], self.steps[:0], 0.0, self.frames,
+            np.zeros(1), np.zeros(1, np.int64), 0.0, self.frames,
         )  # fmt: skip
-
-    def store_first(self, store: Store) -> None:
-        """Store the state of t = 0."""
-        system = self.model.system
-        open_run(system.groups, system.dofs, self.state, 0.0, self.frames)
         self._store(store, self.frames, 1)
 
     def advance(self, store: Store) -> None:
@@ -123,6 +124,7 @@ class _Run:
             self.frames = self._room(rows)
         system, some = self.model.system, slice(self.done, self.done + rows)
         before = time.perf_counter()
+        self._check_step()
         status, filled, reached = march(
             self.method, system.groups, system.dofs, system.functions, self.state,
             self.ends[some], self.steps[some], self.time, self.frames,
@@ -137,11 +139,23 @@ class _Run:
             worst = int(self.state.counters[WORST])
             raise StoppedEarly(Status(status), reached, system.names[worst])
         limit = max(1, BATCH_NUMBERS // (4 * system.q.size + self.model.own + 6))
+        if isinstance(self.method, RungeKutta4):
+            limit = min(limit, FRAMES_UNCHECKED)
         per_frame = spent / rows
         self.batch = int(min(limit, max(1.0, min(4.0 * rows, BATCH / max(per_frame, 1e-9)))))
 
+    def _check_step(self) -> None:
+        """Stop an explicit run whose step is beyond the critical one: contacts may hide its growth by opening."""
+        if not isinstance(self.method, RungeKutta4):
+            return
+        omega, worst = largest_frequency(self.model.system, self.state, self.time)
+        step = float((self.ends[self.done] - self.time) / self.steps[self.done])
+        if omega * step > RK4_LIMIT:
+            detail = f"step {step:g} s, critical step {RK4_LIMIT / omega:.4g} s"
+            raise StoppedEarly(Status.UNSTABLE, self.time, self.model.system.names[worst], detail)
+
     def _store(self, store: Store, frames: Frames, filled: int) -> None:
-        part = Frames(*(array[:filled] for array in frames[:-1]), frames.at)
+        part = Frames(*(array[:filled] for array in frames))
         self.balance.append(np.column_stack([part.time, part.energy]))
         store.append({"time": part.time.copy(), **self.model.observe(part)})
 

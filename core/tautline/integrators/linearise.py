@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import dia_array
 
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
@@ -14,11 +15,12 @@ from tautline.system.system import System
 
 
 @entry
-def evaluate_scene(groups, dofs, functions, state, t, at_rest, cm, cc, ck, band, residual):
+def evaluate_scene(groups, dofs, functions, state, t, begin, at_rest, cm, cc, ck, band, residual):
     """Reduced residual ``residual`` (n,) and ``band`` = cm M + cc C + ck K at the state's position, at time t.
 
     ``at_rest`` leaves velocities and accelerations out; else velocities are the state's and accelerations are zero but
-    for those that are prescribed. Each group's step is begun, explicit, so that laws and arcs fit the state.
+    for those that are prescribed. ``begin`` begins an explicit step of every group, so that laws and arcs fit the
+    state; without it a run under way is looked at and not touched.
     """
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
     expand(dofs, state.q, state.full_q)
@@ -30,7 +32,8 @@ def evaluate_scene(groups, dofs, functions, state, t, at_rest, cm, cc, ck, band,
         for i in range(dofs.start.size - 1):
             if dofs.start[i + 1] > dofs.start[i]:
                 state.full_a[i] = 0.0
-    over.begin(groups, t, 1.0, 0.0, 0.0, state.full_q, state.full_v, state.full_a)
+    if begin:
+        over.begin(groups, t, 1.0, 0.0, 0.0, state.full_q, state.full_v, state.full_a)
     state.residual.fill(0.0)
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     reduce(dofs, state.residual, residual)
@@ -57,14 +60,49 @@ def start_moving(system: System, state: State) -> None:
         state.v[system.dofs.unknown[at]] = system.v[i] / system.dofs.factor[at]
     acceleration = np.zeros(n)
     groups, dofs, functions = system.groups, system.dofs, system.functions
-    evaluate_scene(groups, dofs, functions, state, 0.0, False, 1.0, 0.0, 0.0, band, acceleration)
+    evaluate_scene(groups, dofs, functions, state, 0.0, True, False, 1.0, 0.0, 0.0, band, acceleration)
     row = factorise(band, pivots, n, k, k, integers)
     if row:
         raise StoppedEarly(Status.SINGULAR, 0.0, system.names[row - 1])
     solve(band, pivots, n, k, k, integers, acceleration)
     state.a[:] = -acceleration
     state.auxiliary[:] = state.a
-    evaluate_scene(groups, dofs, functions, state, 0.0, False, 1.0, 0.0, 0.0, band, acceleration)
+    evaluate_scene(groups, dofs, functions, state, 0.0, True, False, 1.0, 0.0, 0.0, band, acceleration)
+
+
+def largest_frequency(system: System, state: State, t: float, iterations: int = 60) -> tuple[float, int]:
+    """Largest natural frequency, rad/s, of small undamped vibrations about a state, and the unknown that has most of it.
+
+    The spectral radius of M^-1 K by power iteration, from below; friction and damping do not count (eq. 2.170).
+    """
+    n, k = system.size, system.bandwidth
+    bands = [band_of(n, k, k), band_of(n, k, k)]
+    keep, residual = state.residual.copy(), np.zeros(n)
+    for band, (cm, ck) in zip(bands, ((0.0, 1.0), (1.0, 0.0)), strict=True):
+        evaluate_scene(
+            system.groups, system.dofs, system.functions, state, t, False, False, cm, 0.0, ck, band, residual
+        )
+    state.residual[:] = keep
+    offsets = np.arange(-k, k + 1)
+    diagonals = np.array([bands[0][:, 2 * k - d] for d in offsets])
+    return _power_iteration(dia_array((diagonals, offsets), shape=(n, n)), bands[1], n, k, iterations)
+
+
+def _power_iteration(stiffness, mass, n: int, k: int, iterations: int) -> tuple[float, int]:
+    pivots, integers = np.zeros(n, np.int32), np.zeros(8, np.int32)
+    if n == 0 or factorise(mass, pivots, n, k, k, integers):
+        return 0.0, 0
+    x = np.random.default_rng(1).standard_normal(n)
+    square = 0.0
+    for _ in range(iterations):
+        y = stiffness @ x
+        solve(mass, pivots, n, k, k, integers, y)
+        size = float(np.linalg.norm(y))
+        if size == 0.0 or not np.isfinite(size):
+            return 0.0, 0
+        square = float(x @ y) / float(x @ x)
+        x = y / size
+    return max(0.0, square) ** 0.5, int(np.abs(x).argmax())
 
 
 def matrices(system: System, state: State, at_rest: bool = True) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -76,7 +114,7 @@ def matrices(system: System, state: State, at_rest: bool = True) -> tuple[np.nda
     dense = []
     for part in np.eye(3):
         band, residual = band_of(n, k, k), np.zeros(n)
-        evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, at_rest, *part, band, residual)
+        evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, True, at_rest, *part, band, residual)
         matrix = np.zeros((n, n))
         for j in range(n):
             first, last = max(0, j - k), min(n, j + k + 1)

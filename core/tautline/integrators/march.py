@@ -12,59 +12,68 @@ from tautline.integrators.state import DISSIPATED, HALVINGS, LOSS, POWER, STEPS,
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.vector import copy
+
+ENERGIES = 5
+"""Numbers of a frame that are energies."""
+
 
 class Frames(NamedTuple):
-    """What the loop leaves behind at each output time, one row a frame.
+    """What the loop leaves behind at each output time, one row a frame, cut out of ``rows`` (m, width).
 
-    Full position, velocity, acceleration and residual (m, n_full); the groups' own numbers (m, k); kinetic, strain
-    and potential energy, work and dissipation (m, 5) J.
+    Time (m,); full position, velocity, acceleration and residual (m, n_full); kinetic, strain and potential energy,
+    work and dissipation (m, 5) J; the groups' own numbers (m, k).
     """
 
+    rows: np.ndarray
     time: np.ndarray
     q: np.ndarray
     v: np.ndarray
     a: np.ndarray
     residual: np.ndarray
-    own: np.ndarray
     energy: np.ndarray
-    at: np.ndarray
+    own: np.ndarray
 
 
 def new_frames(rows: int, full: int, own: int) -> Frames:
     """Room for a number of frames."""
-    return Frames(
-        np.zeros(rows), *(np.zeros((rows, full)) for _ in range(4)), np.zeros((rows, own)), np.zeros((rows, 5)), np.zeros(1, np.int64)
-    )
+    return frames_of(np.zeros((rows, 1 + 4 * full + ENERGIES + own)), full)
+
+
+def frames_of(rows: np.ndarray, full: int) -> Frames:
+    """Name the parts of frames (m, width)."""
+    cuts = 1 + full * np.arange(5)
+    parts = [rows[:, cuts[k] : cuts[k + 1]] for k in range(4)]
+    return Frames(rows, rows[:, 0], *parts, rows[:, cuts[4] : cuts[4] + ENERGIES], rows[:, cuts[4] + ENERGIES :])
 
 
 @kernel
-def record_frame(groups, state, t, frames, row):
-    """Write one frame."""
-    frames.time[row] = t
-    copy(state.full_q, frames.q[row])
-    copy(state.full_v, frames.v[row])
-    copy(state.full_a, frames.a[row])
-    copy(state.residual, frames.residual[row])
-    frames.at[0] = 0
-    over.record(groups, frames.own[row], frames.at)
-    energy = frames.energy[row]
+def record_frame(groups, state, t, row, at):
+    """Write one frame into its row; ``at`` is scratch for the groups' own numbers."""
+    n = state.full_q.size
+    row[0] = t
+    for i in range(n):
+        row[1 + i] = state.full_q[i]
+        row[1 + n + i] = state.full_v[i]
+        row[1 + 2 * n + i] = state.full_a[i]
+        row[1 + 3 * n + i] = state.residual[i]
+    energy = row[1 + 4 * n : 1 + 4 * n + ENERGIES]
     energy.fill(0.0)
     over.energy(groups, t, state.full_q, state.full_v, energy)
     energy[3] = state.ledger[WORK]
     energy[4] = state.ledger[DISSIPATED]
+    at[0] = 1 + 4 * n + ENERGIES
+    over.record(groups, row, at)
 
 
-@entry
-def open_run(groups, dofs, state, t, frames):
-    """Settle the laws at the start, open the ledger and record the first frame."""
+@kernel(inline="always")
+def open_run(groups, dofs, state, t, power):
+    """Settle the laws at the start and open the ledger."""
     over.commit(groups, t, 0.0, state.full_q, state.full_v, state.full_a)
-    frames.energy[0].fill(0.0)
-    over.dissipation(groups, t, state.full_q, state.full_v, frames.energy[0])
+    power.fill(0.0)
+    over.dissipation(groups, t, state.full_q, state.full_v, power)
     state.ledger[TIME] = t
-    state.ledger[LOSS] = frames.energy[0, 0]
-    state.ledger[POWER] = supplied_power(dofs, state) + frames.energy[0, 1]
-    record_frame(groups, state, t, frames, 0)
+    state.ledger[LOSS] = power[0]
+    state.ledger[POWER] = supplied_power(dofs, state) + power[1]
 
 
 @kernel(inline="always")
@@ -91,41 +100,46 @@ def divide_and_advance(method, groups, dofs, functions, state, t, h):
 
 
 @entry
-def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, frames):
+def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, rows):
     """Go through output frames with an implicit method; see :func:`march`."""
     t0 = begin
-    for row in range(ends.size):
-        h = (ends[row] - t0) / steps[row]
-        for k in range(steps[row]):
-            status = divide_and_advance(method, groups, dofs, functions, state, t0 + k * h, h)
+    at = method.corrector.changed
+    for k in range(ends.size):
+        if steps[k] == 0:
+            open_run(groups, dofs, state, t0, method.power)
+        h = (ends[k] - t0) / max(steps[k], 1)
+        for step in range(steps[k]):
+            status = divide_and_advance(method, groups, dofs, functions, state, t0 + step * h, h)
             if status != DONE:
-                return status, row, t0 + k * h
-        record_frame(groups, state, ends[row], frames, row)
-        t0 = ends[row]
+                return status, k, t0 + step * h
+        record_frame(groups, state, ends[k], rows[k], at)
+        t0 = ends[k]
     return DONE, ends.size, t0
 
 
 @entry
-def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, frames):
+def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, rows):
     """Go through output frames with an explicit method; see :func:`march`.
 
     Such a method knows acceleration and reactions at the start of its steps only: they are made anew for a frame.
     """
     t0 = begin
-    for row in range(ends.size):
-        h = (ends[row] - t0) / steps[row]
-        for k in range(steps[row]):
-            status = rk4_step(method, groups, dofs, functions, state, t0 + k * h, h)
+    for k in range(ends.size):
+        if steps[k] == 0:
+            open_run(groups, dofs, state, t0, method.power)
+        h = (ends[k] - t0) / max(steps[k], 1)
+        for step in range(steps[k]):
+            status = rk4_step(method, groups, dofs, functions, state, t0 + step * h, h)
             if status != DONE:
-                return status, row, t0 + k * h
+                return status, k, t0 + step * h
             state.counters[STEPS] += 1
-        status = accelerate(method, groups, dofs, functions, ends[row], state)
+        status = accelerate(method, groups, dofs, functions, ends[k], state)
         if status != DONE:
-            return status, row, ends[row]
+            return status, k, ends[k]
         expand(dofs, state.a, state.full_a)
-        account(method, groups, dofs, ends[row], state)
-        record_frame(groups, state, ends[row], frames, row)
-        t0 = ends[row]
+        account(method, groups, dofs, ends[k], state)
+        record_frame(groups, state, ends[k], rows[k], method.at)
+        t0 = ends[k]
     return DONE, ends.size, t0
 
 
@@ -144,15 +158,15 @@ def march(method, groups, dofs, functions, state, ends, steps, begin, frames):
     ends : (m,) array
         Time of each frame, s.
     steps : (m,) int array
-        Steps up to it from the frame before.
+        Steps up to it from the frame before; 0 for the frame that opens the run.
     begin : float
         Time of the frame before the first, s.
     frames : Frames
-        Filled row by row.
+        Filled row by row from the first.
 
     Returns
     -------
     (int, int, float)
         Status, frames filled, time reached.
     """
-    return MARCHES[type(method)](method, groups, dofs, functions, state, ends, steps, begin, frames)
+    return MARCHES[type(method)](method, groups, dofs, functions, state, ends, steps, begin, frames.rows)

@@ -16,6 +16,8 @@ from tautline.kernels.lapack import band_of, factorise, solve
 from tautline.system.system import System
 
 UNSTABLE = int(Status.UNSTABLE)
+RK4_LIMIT = 2.8
+"""omega h on the imaginary axis beyond which the method is unstable, eq. 2.137."""
 SPEED_LIMIT = 1.0e4
 """Speed (m/s or rad/s) beyond which an explicit run has plainly left physics: no slender thing moves twice as fast as
 sound in steel."""
@@ -24,13 +26,12 @@ sound in steel."""
 class RungeKutta4(NamedTuple):
     """Scratch of the method. ``mass`` is (n,) where the mass matrix is diagonal, else a band."""
 
-    max_halvings: int
     mass: np.ndarray
     pivots: np.ndarray
     integers: np.ndarray
-    zero: np.ndarray
     slopes: np.ndarray
     power: np.ndarray
+    at: np.ndarray
 
 
 def runge_kutta_4(system: System) -> RungeKutta4:
@@ -38,7 +39,7 @@ def runge_kutta_4(system: System) -> RungeKutta4:
     n = system.size
     mass = np.zeros(n) if system.mass_bandwidth == 0 else band_of(n, system.mass_bandwidth, system.mass_bandwidth)
     return RungeKutta4(
-        0, mass, np.zeros(n, np.int32), np.zeros(8, np.int32), np.zeros(system.q.size), np.zeros((2, n)), np.zeros(2)
+        mass, np.zeros(n, np.int32), np.zeros(8, np.int32), np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64)
     )
 
 

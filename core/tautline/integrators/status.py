@@ -43,13 +43,15 @@ class StoppedEarly(Exception):
         Simulated time reached, s.
     part : str
         The unknown that was worst.
+    sentence : str
+        What it means and what to do, with the numbers of the case where there are any.
     result : Result or None
         What was stored until then.
     """
 
-    def __init__(self, status: Status, time: float, part: str, result: Any = None) -> None:
+    def __init__(self, status: Status, time: float, part: str, detail: str = "", result: Any = None) -> None:
         self.status, self.time, self.part, self.result = status, time, part, result
-        self.sentence = SENTENCES[status]
+        self.sentence = SENTENCES[status] + (f" ({detail})" if detail else "")
         super().__init__(f"{status.name} at t = {time:.6g} s, {part}: {self.sentence}")
 
 

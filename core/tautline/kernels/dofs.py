@@ -117,25 +117,30 @@ def centre_of(matrix):
 
 
 @kernel
-def add_block(matrix, dofs, places, block):
-    """Add a dense block (k, k) to a band at the full degrees of freedom ``places``, a tuple of k."""
+def add_block(matrix, dofs, first, stride, width, block):
+    """Add a dense block (k, k) to a band: ``width`` degrees of freedom from ``first``, from ``first + stride``, ..."""
     number = dofs.number
-    for i in range(len(places)):
-        if number[places[i]] == TIED:
-            _add_tied_block(matrix, dofs, places, block)
-            return
+    nodes = block.shape[0] // width
+    for node in range(nodes):
+        for k in range(width):
+            if number[first + stride * node + k] == TIED:
+                _add_tied_block(matrix, dofs, first, stride, width, block)
+                return
     centre = centre_of(matrix)
-    for j in range(len(places)):
-        column = number[places[j]]
-        if column >= 0:
-            for i in range(len(places)):
-                row = number[places[i]]
-                if row >= 0:
-                    matrix[column, centre + row - column] += block[i, j]
+    for left in range(nodes):
+        for j in range(width):
+            column = number[first + stride * left + j]
+            if column >= 0:
+                for right in range(nodes):
+                    for i in range(width):
+                        row = number[first + stride * right + i]
+                        if row >= 0:
+                            matrix[column, centre + row - column] += block[width * right + i, width * left + j]
 
 
 @kernel
-def _add_tied_block(matrix, dofs, places, block):
-    for i in range(len(places)):
-        for j in range(len(places)):
-            add_entry(matrix, dofs, places[i], places[j], block[i, j])
+def _add_tied_block(matrix, dofs, first, stride, width, block):
+    for i in range(block.shape[0]):
+        for j in range(block.shape[0]):
+            row = first + stride * (i // width) + i % width
+            add_entry(matrix, dofs, row, first + stride * (j // width) + j % width, block[i, j])

@@ -107,7 +107,7 @@ def _eccentric_mass(g, q, matrix, dofs):
             b.mass, b.polar, b.transverse, b.lateral_mass, b.weight, b.e1, b.e2,
             seat.k1, seat.k2, q[o + 1], q[o + 2], q[o + 3], block,
         )  # fmt: skip
-        add_block(matrix, dofs, (o, o + 1, o + 2, o + 3), block)
+        add_block(matrix, dofs, o, PER_BODY, PER_BODY, block)
 
 
 @kernel
@@ -120,7 +120,7 @@ def _combine(b, o, cm, cc, ck, mass, damping, stiffness, matrix, dofs):
     for k in range(PER_BODY):
         for l in range(PER_BODY):
             stiffness[k, l] = cm * mass[k, l] + cc * damping[k, l] + ck * stiffness[k, l]
-    add_block(matrix, dofs, (o, o + 1, o + 2, o + 3), stiffness)
+    add_block(matrix, dofs, o, PER_BODY, PER_BODY, stiffness)
 
 
 @kernel

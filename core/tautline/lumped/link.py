@@ -105,7 +105,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             for l in range(BOTH):
                 block[k, l] = ck * tension * hessian[k, l] + gradient[k] * (along * gradient[l] + ck * lag * turned[l])
         o, p = PER_BODY * i, PER_BODY * (i + 1)
-        add_block(matrix, dofs, (o, o + 1, o + 2, p, p + 1, p + 2), block)
+        add_block(matrix, dofs, o, PER_BODY, 3, block)
         x = (ck + cc * g.damping) * spring.torsional
         add_entry(matrix, dofs, o + 3, o + 3, x)
         add_entry(matrix, dofs, p + 3, p + 3, x)

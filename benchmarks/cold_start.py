@@ -1,0 +1,64 @@
+"""How long a person waits: the first run ever, a warm run, the help."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from statistics import median
+
+import jwell
+from page import Section, number, show, table
+
+COMMAND = str(Path(sys.executable).parent / "drillstring")
+
+
+def seconds(cache: Path, folder: Path, *arguments: str) -> float:
+    """Wall time of a command as a process of its own, s."""
+    before = time.perf_counter()
+    subprocess.run(
+        [COMMAND, *arguments], cwd=folder, env=os.environ | {"TAUTLINE_CACHE": str(cache)}, check=True,
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    return time.perf_counter() - before
+
+
+def measure(quick: bool) -> Section:
+    """Empty kernel cache, then the same cache again."""
+    colds, warms = (1, 1) if quick else (3, 9)
+    run = ("simulate", str(jwell.SCENE), "--end", "1")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        cold = [seconds(folder / str(i), folder, *run) for i in range(colds)]
+        warm = [seconds(folder / "0", folder, *run) for _ in range(warms)]
+        plain = [seconds(folder / "0", folder, "--help") for _ in range(warms)]
+    rows = [
+        (what, number(median(times), 3), f"{number(min(times), 3)} to {number(max(times), 3)}", len(times))
+        for what, times in (
+            ("`drillstring simulate data/jwell.yaml --end 1`, empty kernel cache", cold),
+            ("the same again", warm),
+            ("`drillstring --help`", plain),
+        )
+    ]
+    headline = [
+        (what, f"{row[1]} s", beside)
+        for row, what, beside in zip(
+            rows,
+            ("first run ever of 1 s simulated", "warm run of 1 s simulated", "`drillstring --help`"),
+            ("compiles the solver, once", "as a process of its own", "as a process of its own"),
+            strict=True,
+        )
+    ]
+    text = (
+        "Wall time of the whole process. The first run ever has an empty kernel cache (`TAUTLINE_CACHE` in a new "
+        "folder); Python's own byte code is there, as `pip` leaves it.\n\n"
+        + table(("what", "median, s", "smallest to largest, s", "repetitions"), rows)
+    )
+    return Section("Waiting times", text, headline)
+
+
+if __name__ == "__main__":
+    show(measure, __doc__)

@@ -1,0 +1,53 @@
+"""Run all benchmarks; write docs/performance.md and the README's table of figures. With --quick nothing is written."""
+
+from __future__ import annotations
+
+import accuracy
+import cold_start
+import jwell
+import real_time
+import scaling
+import table_2_5
+from page import Section, machine, quick_asked, table
+
+PAGE = jwell.ROOT / "docs" / "performance.md"
+README = jwell.ROOT / "README.md"
+BEGIN, END = "<!-- figures: written by benchmarks/report.py -->", "<!-- end of figures -->"
+
+
+def page(sections: list[Section], measured: str) -> str:
+    """The page of all figures."""
+    head = (
+        "# Performance\n\nWritten by `python benchmarks/report.py`; each section is also a script of its own in "
+        f"`benchmarks/`.\n\nMeasured: {measured}.\n"
+    )
+    return "\n".join([head, *(f"{section}" for section in sections)])
+
+
+def headline(sections: list[Section], measured: str) -> str:
+    """The README's table."""
+    rows = [row for section in sections for row in section.headline]
+    return f"{BEGIN}\n{table(('figure', 'measured', 'beside it'), rows)}\n{measured}.\n{END}"
+
+
+def replace(text: str, part: str) -> str:
+    """Put a part between the marks of a text."""
+    before, _, rest = text.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    return before + part + after
+
+
+def main() -> None:
+    quick = quick_asked(__doc__)
+    measured = machine()
+    modules = (real_time, cold_start, scaling, accuracy, table_2_5)
+    sections = [module.measure(quick) for module in modules]
+    text, part = page(sections, measured), headline(sections, measured)
+    print(f"{text}\n{part}")
+    if not quick:
+        PAGE.write_text(text, encoding="utf8")
+        README.write_text(replace(README.read_text(encoding="utf8"), part), encoding="utf8")
+
+
+if __name__ == "__main__":
+    main()
