@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from drillstring import wellbore
-from drillstring.contact import SPRING
+from drillstring.contact import WallContact
 from drillstring.lumped_string import (
     Fluid,
     bends_of,
@@ -26,6 +26,8 @@ from drillstring.survey import read_survey
 from drillstring.top_drive import TopDrive
 from tautline.elements.load import Loads
 from tautline.kernels.time_function import evaluate
+from tautline.lumped.bend import Bends
+from tautline.lumped.body import EccentricBodies
 from tautline.lumped.curve import PER_BODY
 from tautline.scene.errors import SceneError
 from tautline.system.model import Model, SolverSettings
@@ -126,7 +128,7 @@ def build(scene: DrillstringScene) -> Model:
     observer = Observer(well, lumps, groups, driven)
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
-    contacts = sum(g.springs.size for g in groups if getattr(g, "springs", None) is not None and g.springs.dtype == SPRING)
+    contacts = sum(g.springs.size for g in groups if isinstance(g, WallContact))
     return Model(
         system=system,
         solver=SolverSettings(
@@ -243,7 +245,7 @@ def _stencils(lumps: Lumps, groups) -> tuple[list[np.ndarray], list[np.ndarray]]
     axial = bodies[:-1] + np.array([0, 1, 2, 4, 5, 6])
     torsional = bodies[:-1] + np.array([3, 7])
     stencils = [own, axial, torsional]
-    if any(type(g).__name__ == "Bends" for g in groups):
+    if any(isinstance(g, Bends) for g in groups):
         stencils.append(bodies[:-2] + np.array([0, 1, 2, 4, 5, 6, 8, 9, 10]))
-    eccentric = any(type(g).__name__ == "EccentricBodies" for g in groups)
+    eccentric = any(isinstance(g, EccentricBodies) for g in groups)
     return stencils, [own[:, 1:]] if eccentric else []

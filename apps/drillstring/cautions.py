@@ -24,7 +24,7 @@ def _lumps(scene: DrillstringScene) -> Lumps:
 
 
 def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
-    """Critical step of RK4 by the stiffest contact, eq. 2.170, with the mud that moves with a lump; inf without wall."""
+    """Critical step of RK4 by the stiffest contact, eq. 2.170, the mud that moves with a lump counted; inf if none."""
     wall = scene.well.wall
     if wall is None:
         return float("inf")
@@ -51,8 +51,9 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
                 "eq. 2.170): the run will become unstable; take a smaller step, or method: generalized-alpha",
             )
         )
-    if scene.output.interval > 0.0 and abs(scene.output.interval / solver.step - round(scene.output.interval / solver.step)) > 1e-6:
-        steps = int(np.ceil(scene.output.interval / solver.step))
+    ratio = scene.output.interval / solver.step
+    if abs(ratio - round(ratio)) > 1e-6:
+        steps = int(np.ceil(ratio))
         found.append(
             Caution(
                 "output.interval",
@@ -75,7 +76,8 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
             found.append(
                 Caution(
                     "well.wall.friction.slip_velocity",
-                    f"{wall.friction.slip_velocity:g} m/s: a stuck string creeps at up to that speed; use law: projection",
+                    f"{wall.friction.slip_velocity:g} m/s: a stuck string creeps at up to that speed; "
+                    "use law: projection",
                 )
             )
     longest = float(lumps.length.max())

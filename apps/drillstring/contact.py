@@ -44,7 +44,7 @@ class WallContact(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """Where and how one lump touches: radial unit vector, offset, its rate, normal force, slip velocity, factor beta."""
+    """How one lump touches: radial unit vector, offset, its rate, normal force, slip velocity, factor beta."""
 
     ex: float
     ey: float
@@ -177,7 +177,8 @@ def _dissipation(g, t, q, v, p):
         p[0] += (c.normal - g.springs[i].stiffness * max(0.0, depth)) * c.rate
         if c.normal > 0.0:
             along, around = force_now(g.law, i, c)
-            p[0] += g.springs[i].viscous * v[PER_BODY * g.springs[i].body + 3] ** 2 - along * c.along - around * c.around
+            spin = v[PER_BODY * g.springs[i].body + 3]
+            p[0] += g.springs[i].viscous * spin**2 - along * c.along - around * c.around
 
 
 @kernel

@@ -91,7 +91,8 @@ def bodies_of(
         lumps.of_lumps(lambda tube, k=k: tube.mass_per_length * tube.eccentricity[k]) / mass for k in (0, 1)
     )
     rows = records(
-        mass.size, LUMP, mass=mass, polar=polar, transverse=0.5 * polar, lateral_mass=lateral, weight=weight, e1=e1, e2=e2,
+        mass.size, LUMP, mass=mass, polar=polar, transverse=0.5 * polar, lateral_mass=lateral, weight=weight,
+        e1=e1, e2=e2,
         damping_along=damping.translation * scaled + damping.mass_proportional * mass,
         damping_across=damping.translation * scaled + damping.mass_proportional * (mass + lateral),
         damping_about=damping.rotation * scaled + damping.mass_proportional * polar,

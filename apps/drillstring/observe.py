@@ -13,6 +13,8 @@ from tautline.results.variable import Variable
 
 STUCK = 1.0e-8
 """Bit speed, m/s, below which the bit counts as stuck."""
+TORQUE_SHOWN = 1.0e-3
+"""Torque, N m, below which a string does not count as turned: it is rounding."""
 COORDINATE_UNITS = (
     "position is north, east, down of the rotary table's centre; lateral is on the Bishop frame's m1 (north at the "
     "table) and m2 (east); tension is the effective tension, positive in tension; friction_force is along the hole, "
@@ -164,14 +166,14 @@ def headline(result: Any, lumps: Lumps) -> dict[str, dict[str, Any]]:
         "hook_load_start": (hook[0], "N", "hook load at the start"),
         "hook_load_max": (hook.max(), "N", "largest hook load"),
         "hook_load_min": (hook.min(), "N", "smallest hook load"),
-        "stretch_start": (bit[0] - lumps.total - result["block_position"][0], "m", "stretch of the string at the start"),
+        "stretch_start": (bit[0] - lumps.total - result["block_position"][0], "m", "stretch at the start"),
         "bit_travel": (np.ptp(bit), "m", "travel of the bit"),
         "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
         "contact_force_max": (result["contact_force"].max(), "N", "largest contact force of a lump"),
     }
     if moving:
         figures["bit_stuck"] = (float((np.abs(speed) < STUCK).mean()), "", "share of the time the bit is stuck")
-    if np.abs(torque).max() > 0.0:
+    if np.abs(torque).max() > TORQUE_SHOWN:
         figures["surface_torque_max"] = (np.abs(torque).max(), "N m", "largest surface torque")
         figures["surface_torque_end"] = (torque[-1], "N m", "surface torque at the end")
     return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

@@ -71,7 +71,7 @@ def start_moving(system: System, state: State) -> None:
 
 
 def largest_frequency(system: System, state: State, t: float, iterations: int = 60) -> tuple[float, int]:
-    """Largest natural frequency, rad/s, of small undamped vibrations about a state, and the unknown that has most of it.
+    """Largest natural frequency, rad/s, of small undamped vibrations, and the unknown that has most of it.
 
     The spectral radius of M^-1 K by power iteration, from below; friction and damping do not count (eq. 2.170).
     """

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+
 from tautline.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha_step
 from tautline.integrators.newton import DONE
 from tautline.integrators.rk4 import RungeKutta4, accelerate, account, rk4_step
-from tautline.integrators.state import DISSIPATED, HALVINGS, LOSS, POWER, STEPS, TIME, WORK, State, supplied_power
+from tautline.integrators.state import DISSIPATED, HALVINGS, LOSS, POWER, STEPS, TIME, WORK, supplied_power
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand
 from tautline.kernels.jit import entry, kernel

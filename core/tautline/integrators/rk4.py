@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.newton import DONE, SINGULAR
-from tautline.integrators.state import FACTORISATIONS, WORST, enter, fill, keep, restore, supplied_power
+from tautline.integrators.state import WORST, enter, fill, keep, restore, supplied_power
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import reduce

@@ -26,8 +26,8 @@ SENTENCES = {
     Status.SINGULAR: "the tangent matrix is singular: a part is held by nothing, or two conditions hold the same thing",
     Status.NOT_FINITE: "a number overflowed: the motion has become unphysical; try a smaller solver.step",
     Status.UNSTABLE: (
-        "the explicit method is unstable at this step: it is longer than the critical step 2.8 / omega_max (eq. 2.170); "
-        "take a smaller solver.step or method: generalized-alpha"
+        "the explicit method is unstable at this step, which is longer than the critical step 2.8 / omega_max "
+        "(eq. 2.170); take a smaller solver.step, or method: generalized-alpha"
     ),
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }

@@ -16,7 +16,6 @@ from numba.extending import overload
 from tautline.kernels.jit import kernel
 from tautline.kernels.time_function import evaluate
 
-
 HELD, TIED = -1, -2
 """Marks in ``Dofs.number`` of degrees of freedom that are not simply one unknown."""
 

@@ -21,7 +21,7 @@ tangent        t, q, v, a, cm, cc, ck, matrix, dofs             matrix += cm dr/
 energy         t, q, v, e                                       e += (kinetic, strain, potential) in J
 dissipation    t, q, v, p                                       p[0] += power lost, p[1] += power put in by a drive, W
 commit         t, h, q, v, a                                    the step to t is accepted
-record         out, at                                          writes its own numbers to ``out[at[0]:]``, moves ``at[0]``
+record         out, at                                          writes its own numbers from ``out[at[0]]``, moves at[0]
 =============  ===============================================  =====================================================
 """
 

@@ -25,7 +25,8 @@ FOLDERS_KEPT = 6
 
 def kernel_sources() -> list[Path]:
     """Files of the core and of the installed applications that hold compiled code."""
-    packages = {"tautline"} | {point.value.split(".")[0] for point in metadata.entry_points(group="tautline.applications")}
+    points = metadata.entry_points(group="tautline.applications")
+    packages = {"tautline"} | {point.value.split(".")[0] for point in points}
     sources = []
     for package in sorted(packages):
         spec = util.find_spec(package)

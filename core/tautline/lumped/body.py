@@ -12,7 +12,6 @@ from tautline.kernels.jit import kernel
 from tautline.lumped import generated
 from tautline.lumped.curve import PER_BODY, Curve, downward, hold_arcs, vertical_depth
 
-
 LUMP = np.dtype(
     [
         (name, np.float64)
@@ -195,7 +194,7 @@ def _eccentric_energy(g, t, q, v, e):
 @kernel
 def _dissipation(g, t, q, v, p):
     for i in range(g.lumps.size):
-        b, seat, o = g.lumps[i], g.curve.seats[i], PER_BODY * i
+        b, o = g.lumps[i], PER_BODY * i
         p[0] += b.damping_along * v[o] ** 2 + b.damping_about * v[o + 3] ** 2
         p[0] += b.damping_across * (v[o + 1] ** 2 + v[o + 2] ** 2)
 

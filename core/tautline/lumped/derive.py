@@ -37,7 +37,7 @@ def body_by_kane(eccentric: bool) -> tuple[sp.Matrix, sp.Matrix]:
     t = me.dynamicsymbols._t
     q = me.dynamicsymbols("s u v theta")
     w = me.dynamicsymbols("ws wu wv wtheta")
-    s, u, v, theta = q
+    _, u, v, theta = q
     ws, wu, wv, wtheta = w
     ground = me.ReferenceFrame("N")
     bishop = me.ReferenceFrame("B")
@@ -56,7 +56,8 @@ def body_by_kane(eccentric: bool) -> tuple[sp.Matrix, sp.Matrix]:
     body = me.RigidBody("body", cog, steel, MASS, (inertia, cog))
     weight = (cog, W * (G1 * bishop.x + G2 * bishop.y + G3 * bishop.z))
 
-    kane = me.KanesMethod(ground, q_ind=list(q), u_ind=list(w), kd_eqs=[qi.diff(t) - wi for qi, wi in zip(q, w, strict=True)])
+    rates = [qi.diff(t) - wi for qi, wi in zip(q, w, strict=True)]
+    kane = me.KanesMethod(ground, q_ind=list(q), u_ind=list(w), kd_eqs=rates)
     kane.kanes_equations([body], loads=[weight])
     plain = dict(zip([*w, *q], [*V, *Q], strict=True))
     mass = kane.mass_matrix.subs({qi.diff(t): wi for qi, wi in zip(q, w, strict=True)}).subs(plain)
@@ -201,7 +202,8 @@ def _body_kernels(prefix: str, eccentric: bool) -> list[str]:
         ),
         _function(
             f"{prefix}_mass", f"{inertia}, k1, k2, u, v, th, mass",
-            f"Entries of M (4, 4) of {what} that are not always zero.", [(f"mass[{i}, {j}]", mass[i, j]) for i, j in nonzero],
+            f"Entries of M (4, 4) of {what} that are not always zero.",
+            [(f"mass[{i}, {j}]", mass[i, j]) for i, j in nonzero],
         ),
         _function(
             f"{prefix}_tangent", f"{state}, sdd, udd, vdd, thdd, stiffness, damping",
@@ -232,7 +234,9 @@ def _gradient_kernels(
     curvatures = [(f"d{i}{j}", code(sp.diff(gradient[i], coordinates[j]))) for i, j in pairs]
     rows = ", ".join(f"d{i}{j}" for i, j in pairs)
     return [
-        _function(f"{name}_gradient", arguments, f"Return {what}, and its gradient ({n},).", outputs, f"value, ({slopes})"),
+        _function(
+            f"{name}_gradient", arguments, f"Return {what}, and its gradient ({n},).", outputs, f"value, ({slopes})"
+        ),
         _function(
             f"{name}_hessian", arguments, f"Upper triangle, row by row, of the Hessian ({n}, {n}) of {what}.",
             curvatures, f"({rows})",
@@ -247,7 +251,8 @@ def source() -> str:
     parts += _body_kernels("eccentric_body", eccentric=True)
     value, coordinates, held = chord()
     arguments = "x1, u1, v1, x2, u2, v2, f11, f21, k11, k21, f12, f22, k12, k22"
-    parts += _gradient_kernels("chord", "the chord beyond the unstretched length, m", arguments, value, coordinates, held)
+    what = "the chord beyond the unstretched length, m"
+    parts += _gradient_kernels("chord", what, arguments, value, coordinates, held)
     parts += _gradient_kernels("link_stretch", "the stretch of a link, m", "l0, a, du, dv", *link_stretch(), {})
     arguments = ", ".join(f"w{i}" for i in range(1, 9))
     parts += _gradient_kernels("bend", "the bending energy over EI / lb", arguments, *bending_energy(), {})

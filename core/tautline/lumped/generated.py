@@ -1,4 +1,4 @@
-"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation 6424f82f6541c246."""
+"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation b58c0d6b66b60773."""
 
 from math import cos, sin, sqrt
 

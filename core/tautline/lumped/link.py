@@ -13,7 +13,6 @@ from tautline.lumped import generated
 from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_of, place, pull_back, slopes
 from tautline.lumped.curve import PER_BODY, Curve
 
-
 SPRING = np.dtype([(name, np.float64) for name in ("length", "axial", "torsional")])
 """A link: unstretched length m; axial stiffness EA / l0 N/m; torsional stiffness GJ / l0 N m/rad."""
 
