@@ -10,10 +10,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tautline.version import __version__
+
 if TYPE_CHECKING:
     from tautline.results.result import Result
 
-__version__ = "0.1.0"
+__all__ = ["__version__", "read", "simulate"]
 
 
 def read(path: str | Path) -> Any:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from tautline import __version__
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.linearise import largest_frequency, start_moving
 from tautline.integrators.march import Frames, march, new_frames
@@ -21,6 +20,7 @@ from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.results.result import Result
 from tautline.results.store import Store
 from tautline.system.model import Model
+from tautline.version import __version__
 
 BATCH = 0.25
 """Wall time, s, after which frames are stored, progress is shown and Ctrl-C is heard."""
