@@ -25,6 +25,7 @@ from drillstring.string import Lumps, Tube, cut
 from drillstring.survey import read_survey
 from drillstring.top_drive import TopDrive
 from tautline.elements.load import Loads
+from tautline.kernels.groups import offers
 from tautline.kernels.time_function import evaluate
 from tautline.lumped.bend import Bends
 from tautline.lumped.body import EccentricBodies
@@ -133,7 +134,7 @@ def build(scene: DrillstringScene) -> Model:
         system=system,
         solver=SolverSettings(
             solver.method, solver.step, solver.end, scene.output.interval, alpha_m, alpha_f,
-            solver.tolerance or 1e-9, solver.criterion or "force", solver.max_iterations, solver.max_halvings,
+            solver.tolerance or 1e-9, solver.criterion or ("force" if offers(groups, "switch") else "energy"), solver.max_iterations, solver.max_halvings,
         ),
         variables=variables(),
         coordinates=observer.coordinates(),

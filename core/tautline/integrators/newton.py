@@ -28,20 +28,23 @@ class Corrector(NamedTuple):
     """Settings and scratch of the iteration.
 
     ``tolerance``: with the energy criterion the bound of eq. 2.78 over the scene's own energy scale; with the force
-    criterion that of the largest residual over ``scale``. ``factored`` (2,) holds the beta' and gamma' that the
-    factors in ``band`` belong to, zeros where there are none.
+    criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch
+    and ``band`` the factors of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they
+    belong to, zeros where they are out of date.
     """
 
     tolerance: float
     by_energy: bool
     max_iterations: int
     scale: np.ndarray
+    smooth: np.ndarray
     band: np.ndarray
     pivots: np.ndarray
     integers: np.ndarray
     increment: np.ndarray
     right_side: np.ndarray
-    factored: np.ndarray
+    made_for: np.ndarray
+    factored_for: np.ndarray
     changed: np.ndarray
 
 
@@ -50,8 +53,9 @@ def corrector(system: System, tolerance: float, by_energy: bool, max_iterations:
     n = system.size
     return Corrector(
         float(tolerance), bool(by_energy), int(max_iterations), system.scale,
-        band_of(n, system.bandwidth, system.bandwidth), np.zeros(n, np.int32), np.zeros(8, np.int32),
-        np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(1, np.int64),
+        band_of(n, system.bandwidth, system.bandwidth), band_of(n, system.bandwidth, system.bandwidth),
+        np.zeros(n, np.int32), np.zeros(8, np.int32), np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
+        np.zeros(1, np.int64),
     )  # fmt: skip
 
 
@@ -60,15 +64,18 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
     """Iterate position, velocity and acceleration at time t until the residual vanishes.
 
     ``beta`` and ``gamma`` are beta' and gamma' of eqs 2.88-2.89: how acceleration and velocity follow position.
-    The factors of the tangent are used again, also across steps, while they still contract. Returns a status.
+    The factors of the tangent are used again, also across steps, while they still contract. A law that changes its
+    status forces new factors, for which the smooth groups' tangent is used again in turn. Returns a status.
     """
     c = corrector
     n = state.q.size
     k = (c.band.shape[1] - 1) // 3
     changed = c.changed
-    previous = np.inf
-    if c.factored[0] != beta or c.factored[1] != gamma:
-        c.factored[0] = 0.0
+    previous = energy = np.inf
+    if c.factored_for[0] != beta or c.factored_for[1] != gamma:
+        c.factored_for[0] = 0.0
+    if c.made_for[0] != beta or c.made_for[1] != gamma:
+        c.made_for[0] = 0.0
     for iteration in range(c.max_iterations + 1):
         expand(dofs, state.q, state.full_q)
         expand(dofs, state.v, state.full_v)
@@ -76,42 +83,45 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
         changed[0] = 0
         over.switch(groups, t, state.full_q, state.full_v, False, changed)
         if changed[0] > 0:
-            c.factored[0] = 0.0
-            previous = np.inf
+            c.factored_for[0] = 0.0
+            previous = energy = np.inf
         state.residual.fill(0.0)
         over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
         reduce(dofs, state.residual, c.increment)
         size = _worst(c.increment, c.scale, state.counters)
         if not np.isfinite(size):
             return NOT_FINITE
-        if size <= c.tolerance and not c.by_energy:
+        if size <= c.tolerance if not c.by_energy else energy <= c.tolerance:
             changed[0] = 0
             over.switch(groups, t, state.full_q, state.full_v, True, changed)
             if changed[0] == 0:
                 return DONE
-            c.factored[0] = 0.0
-            previous = np.inf
+            c.factored_for[0] = 0.0
+            previous = energy = np.inf
             continue
         if iteration == c.max_iterations:
             break
         if size > CONTRACTION * previous:
-            c.factored[0] = 0.0
-        if c.factored[0] == 0.0:
-            c.band.fill(0.0)
-            over.tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, c.band, dofs)
+            c.factored_for[0] = 0.0
+            c.made_for[0] = 0.0
+        if c.made_for[0] == 0.0:
+            c.smooth.fill(0.0)
+            over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, c.smooth, dofs)
+            c.made_for[0] = beta
+            c.made_for[1] = gamma
+        if c.factored_for[0] == 0.0:
+            for i in range(n):
+                for j in range(3 * k + 1):
+                    c.band[i, j] = c.smooth[i, j]
+            over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, c.band, dofs)
             state.counters[FACTORISATIONS] += 1
             if factorise(c.band, c.pivots, n, k, k, c.integers) != 0:
                 return SINGULAR
-            c.factored[0] = beta
-            c.factored[1] = gamma
+            c.factored_for[0] = beta
+            c.factored_for[1] = gamma
         energy = _step(c, state, n, k, beta, gamma, 0.5 if iteration in HALF_STEPS else 1.0)
         state.counters[ITERATIONS] += 1
         previous = size
-        if c.by_energy and energy <= c.tolerance:
-            expand(dofs, state.q, state.full_q)
-            expand(dofs, state.v, state.full_v)
-            expand(dofs, state.a, state.full_a)
-            return DONE
     return NOT_CONVERGED
 
 

@@ -65,8 +65,24 @@ def offers(groups: tuple[Any, ...], hook: str) -> bool:
     return any(hook in KINDS[type(g)] for g in groups)
 
 
-def _over_groups(hook: str, arguments: str) -> Callable[..., None]:
+def _any_kind(hooks: dict[str, Callable[..., None]]) -> bool:
+    return True
+
+
+def _switches(hooks: dict[str, Callable[..., None]]) -> bool:
+    return "switch" in hooks
+
+
+def _is_smooth(hooks: dict[str, Callable[..., None]]) -> bool:
+    return "switch" not in hooks
+
+
+def _over_groups(
+    hook: str, arguments: str, among: Callable[[dict[str, Callable[..., None]]], bool] = _any_kind
+) -> Callable[..., None]:
     """Make the sum of a hook over a tuple of groups, callable from compiled code and (slowly) from Python.
+
+    ``among`` picks the kinds that are summed over, by the hooks that they offer.
 
     The calls are written out one after another for the tuple's types, and put in line: a chain of calls through the
     tuple would compile the rest of the chain again at every link.
@@ -74,14 +90,14 @@ def _over_groups(hook: str, arguments: str) -> Callable[..., None]:
 
     def total(groups, *args):
         for g in groups:
-            kernel = KINDS[type(g)].get(hook)
-            if kernel is not None:
-                kernel(g, *args)
+            hooks = KINDS[type(g)]
+            if hook in hooks and among(hooks):
+                hooks[hook](g, *args)
 
     def resolve(groups, *args):
         members = groups.types if isinstance(groups, types.BaseTuple) else ()
-        kernels = {f"kernel_{i}": KINDS[g.instance_class].get(hook) for i, g in enumerate(members)}
-        kernels = {name: kernel for name, kernel in kernels.items() if kernel is not None}
+        offered = {f"kernel_{i}": KINDS[g.instance_class] for i, g in enumerate(members)}
+        kernels = {name: hooks[hook] for name, hooks in offered.items() if hook in hooks and among(hooks)}
         calls = [f"{name}(groups[{name[7:]}], {arguments})" for name in kernels]
         return _define(f"def total(groups, {arguments}):\n    " + "\n    ".join(calls or ["pass"]), kernels, "total")
 
@@ -103,6 +119,8 @@ switch = _over_groups("switch", "t, q, v, converged, changed")
 residual = _over_groups("residual", "t, q, v, a, r")
 mass = _over_groups("mass", "q, matrix, dofs")
 tangent = _over_groups("tangent", "t, q, v, a, cm, cc, ck, matrix, dofs")
+smooth_tangent = _over_groups("tangent", "t, q, v, a, cm, cc, ck, matrix, dofs", _is_smooth)
+switching_tangent = _over_groups("tangent", "t, q, v, a, cm, cc, ck, matrix, dofs", _switches)
 energy = _over_groups("energy", "t, q, v, e")
 dissipation = _over_groups("dissipation", "t, q, v, p")
 commit = _over_groups("commit", "t, h, q, v, a")
