@@ -45,7 +45,7 @@ def variables() -> list[Variable]:
         Variable("bit_depth", ("time",), "m", "measured depth of the bit"),
         Variable("kinetic_energy", ("time",), "J", "kinetic energy"),
         Variable("strain_energy", ("time",), "J", "strain energy, of the wall too"),
-        Variable("potential_energy", ("time",), "J", "potential energy of the buoyed weight, from its value at t = 0"),
+        Variable("potential_energy", ("time",), "J", "potential energy of the buoyed weight, beyond that of the string unstretched"),
         Variable("dissipated_energy", ("time",), "J", "energy lost to friction, mud and damping"),
         Variable("external_work", ("time",), "J", "work done on the string at its top"),
     ]
@@ -60,7 +60,8 @@ class Observer:
         self.links, self.contact = kinds["Links"], kinds.get("WallContact")
         self.bodies = kinds.get("Bodies") or kinds["EccentricBodies"]
         self.drive = kinds.get("TopDrive")
-        self.start_potential: float | None = None
+        weight = np.array(self.bodies.lumps.weight)
+        self.unstretched = -float(weight @ well.tvd(lumps.measured_depth))
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""
@@ -89,8 +90,6 @@ class Observer:
         velocity = along[..., None] * t + v[:, :, 1, None] * m1 + v[:, :, 2, None] * m2
         contact, friction, around = self._contact(frames, q, v, k1, k2)
         potential = frames.energy[:, 2]
-        if self.start_potential is None:
-            self.start_potential = float(potential[0])
         return {
             "position": self.well.point(s, q[:, :, 1], q[:, :, 2]),
             "velocity": velocity,
@@ -111,7 +110,7 @@ class Observer:
             "bit_depth": s[:, -1].copy(),
             "kinetic_energy": frames.energy[:, 0].copy(),
             "strain_energy": frames.energy[:, 1].copy(),
-            "potential_energy": potential - self.start_potential,
+            "potential_energy": potential - self.unstretched,
             "dissipated_energy": frames.energy[:, 4].copy(),
             "external_work": frames.energy[:, 3].copy(),
         }

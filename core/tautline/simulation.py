@@ -17,8 +17,10 @@ from tautline.integrators.method import method_for
 from tautline.integrators.rk4 import RK4_LIMIT, RungeKutta4
 from tautline.integrators.state import FACTORISATIONS, HALVINGS, ITERATIONS, STEPS, THROUGHPUT, WORST, new_state
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.results.store import Store
+from tautline.system.memory import recall, remember
 from tautline.system.model import Model
 from tautline.version import __version__
 
@@ -27,12 +29,17 @@ BATCH = 0.25
 BATCH_NUMBERS = 4_000_000
 """Numbers that a batch of frames may hold in memory."""
 
+ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
+"""Variables that every application stores, J."""
 FRAMES_UNCHECKED = 20
 """Frames that an explicit run may go on before its step is checked again."""
 
 
 def simulate(
-    model: Model, path: str | Path | None = None, progress: Callable[[float, float], None] | None = None
+    model: Model,
+    path: str | Path | None = None,
+    progress: Callable[[float, float], None] | None = None,
+    resume: Result | None = None,
 ) -> Result:
     """Run a model and store its frames.
 
@@ -44,6 +51,8 @@ def simulate(
         The result file; None keeps the result in memory.
     progress : callable or None
         Called with simulated and wall time, s, after every batch of frames.
+    resume : Result or None
+        An earlier result of the same scene, to go on from where it ended; its frames come first in the new one.
 
     Returns
     -------
@@ -55,13 +64,19 @@ def simulate(
         Where no start was found or a step failed, with the status and what was stored until then.
     Interrupted
         On Ctrl-C, with what was stored until then.
+    ResultError
+        Where ``resume`` holds no state to go on from, or that of another scene.
     """
     run = _Run(model)
+    earlier = run.take_up(resume) if resume is not None else None
     with Store(path, model.variables, model.coordinates, {**model.attributes, "version": __version__}) as store:
         try:
-            run.start()
-            run.store_first(store)
-            while run.time < run.ends[-1] if run.ends.size else False:
+            if earlier is not None:
+                store.append(earlier)
+            else:
+                run.start()
+                run.store_first(store)
+            while run.done < run.ends.size:
                 run.advance(store)
                 if progress is not None:
                     progress(run.time, run.wall)
@@ -95,12 +110,34 @@ class _Run:
         self.method = method_for(model.system, model.solver)
         self.state = new_state(model.system)
         self.ends, self.steps = frame_times(model.solver.end, model.solver.interval, model.solver.step)
+        self.step = float(self.ends[0] / self.steps[0])
         self.time, self.wall, self.done, self.batch = 0.0, 0.0, 0, 1
         self.balance: list[np.ndarray] = []
+        self.memory: dict[str, np.ndarray] = {}
         self.frames = self._room(1)
 
     def _room(self, rows: int) -> Frames:
         return new_frames(rows, self.model.system.q.size, self.model.own)
+
+    def take_up(self, earlier: Result) -> dict[str, np.ndarray]:
+        """Go on from an earlier result; returns its frames."""
+        wrong = recall(earlier.restart, self.state, self.model.system.groups) if earlier.restart else ["restart"]
+        if wrong == ["restart"]:
+            cure = "a run that was killed leaves none: run the scene from its start"
+            raise ResultError(earlier.path or "result", "holds no state to go on from", cure)
+        if wrong:
+            cause = f"belongs to another scene, method or law: {wrong[0]} does not fit"
+            raise ResultError(earlier.path or "result", cause, "go on with the scene and the method it was made with")
+        frames = {name: np.array(earlier[name]) for name in (*(v.name for v in self.model.variables), "time")}
+        self.time = float(frames["time"][-1])
+        self.wall = float(earlier.attributes.get("wall_time", 0.0))
+        later = self.ends > self.time * (1.0 + 1e-12)
+        spans = np.diff(self.ends[later], prepend=self.time)
+        self.ends = self.ends[later]
+        self.steps = np.maximum(1, np.ceil(spans / self.model.solver.step - 1e-9)).astype(np.int64)
+        self.balance.append(np.column_stack([frames[name] for name in ENERGIES]))
+        self.memory = remember(self.state, self.model.system.groups)
+        return frames
 
     def start(self) -> None:
         """Find the equilibrium the scene asks for, and set it moving."""
@@ -156,8 +193,10 @@ class _Run:
 
     def _store(self, store: Store, frames: Frames, filled: int) -> None:
         part = Frames(*(array[:filled] for array in frames))
-        self.balance.append(np.column_stack([part.time, part.energy]))
-        store.append({"time": part.time.copy(), **self.model.observe(part)})
+        stored = {"time": part.time.copy(), **self.model.observe(part)}
+        self.balance.append(np.column_stack([stored[name] for name in ENERGIES]))
+        store.append(stored)
+        self.memory = remember(self.state, self.model.system.groups)
 
     def finish(self, store: Store, status: str) -> Result | None:
         """Close the file with what is known at the end; None where nothing was stored."""
@@ -165,11 +204,10 @@ class _Run:
         if result is None:
             return None
         counters = self.state.counters
-        step = self.ends[0] / self.steps[0] if self.ends.size else self.model.solver.step
         attributes: dict[str, Any] = {
             "status": status,
             "method": self.model.solver.method,
-            "step": float(step),
+            "step": self.step,
             "end": float(self.model.solver.end),
             "wall_time": self.wall,
             "real_time_factor": self.wall / self.time if self.time > 0.0 else 0.0,
@@ -180,13 +218,12 @@ class _Run:
             "energy_error": self._energy_error(),
             "headline": self.model.headline(result),
         }
-        restart = {name: np.asarray(getattr(self.state, name)) for name in ("q", "v", "a", "auxiliary")}
-        return store.finish(attributes, restart=restart)
+        return store.finish(attributes, restart=self.memory)
 
     def _energy_error(self) -> float:
         """Energy that is not accounted for, over what went through the system: work done, lost and in motion."""
         rows = np.concatenate(self.balance)
-        kinetic, strain, potential, work, lost = rows[:, 1:].T
+        kinetic, strain, potential, work, lost = rows.T
         total = kinetic + strain + potential
         missing = total[-1] - total[0] - (work[-1] - lost[-1])
         through = float(self.state.ledger[THROUGHPUT]) + lost[-1] + kinetic.max() + np.ptp(strain)

@@ -44,7 +44,13 @@ def print_cautions(cautions: Iterable[Caution]) -> None:
 
 
 def simulate(
-    catalogue: Catalogue, scene: Path, output: Path | None, overrides: dict[str, Any], as_json: bool, quiet: bool
+    catalogue: Catalogue,
+    scene: Path,
+    output: Path | None,
+    overrides: dict[str, Any],
+    resume: Path | None,
+    as_json: bool,
+    quiet: bool,
 ) -> None:
     """Run a scene and report.
 
@@ -54,6 +60,8 @@ def simulate(
         The result; by default the scene's name with ``.nc`` in the current folder.
     overrides : dict
         ``method``, ``step``, ``end``, ``rho_inf``; None keeps what the scene says.
+    resume : Path or None
+        An earlier result to go on from.
 
     Raises
     ------
@@ -67,6 +75,7 @@ def simulate(
     application = catalogue.for_scene(scene)
     read = application.with_overrides(application.read(scene), **overrides)
     target = check_target(output or Path(scene.name).with_suffix(".nc"))
+    earlier = _earlier(resume)
     print_cautions(application.cautions(read))
 
     from tautline.kernels.jit import is_cold
@@ -87,7 +96,7 @@ def simulate(
         say(f"simulating {scene}{length}")
     try:
         with Bar(end, shown=not quiet) as bar:
-            result = march(model, target, progress=bar)
+            result = march(model, target, progress=bar, resume=earlier)
     except StoppedEarly as stop:
         report = _report(scene, stop.result, end) | {
             "status": stop.status.name.lower().replace("_", " "),
@@ -102,6 +111,14 @@ def simulate(
         say(f"interrupted at t = {report['simulated_time'] or 0.0:.6g} s", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None
     _finish(catalogue, _report(scene, result, end) | {"status": "done"}, result, as_json, quiet)
+
+
+def _earlier(resume: Path | None) -> Result | None:
+    if resume is None:
+        return None
+    from tautline.results.result import Result
+
+    return Result.read(resume)
 
 
 def _report(scene: Path, result: Result | None, end: float | None) -> dict[str, Any]:

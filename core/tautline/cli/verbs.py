@@ -25,6 +25,9 @@ End = Annotated[float | None, typer.Option("--end", help="Simulated time in s, i
 RhoInf = Annotated[
     float | None, typer.Option("--rho-inf", help="Spectral radius of generalized-alpha at infinity, 0 to 1.")
 ]
+Resume = Annotated[
+    Path | None, typer.Option("--resume", help="Go on from where this earlier result of the scene ended.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors and warnings only.")]
 Results = Annotated[
     list[Path], typer.Argument(metavar="RESULT...", help="Results; several are compared.", show_default=False)
@@ -66,6 +69,7 @@ def simulate(
     step: Step = None,
     end: End = None,
     rho_inf: RhoInf = None,
+    resume: Resume = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -76,7 +80,7 @@ def simulate(
     from tautline.cli import simulate as verb
 
     overrides: dict[str, Any] = {"method": method, "step": step, "end": end, "rho_inf": rho_inf}
-    verb.simulate(context.obj, scene, output, overrides, as_json, quiet)
+    verb.simulate(context.obj, scene, output, overrides, resume, as_json, quiet)
 
 
 def plot(

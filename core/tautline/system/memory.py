@@ -1,0 +1,47 @@
+"""What a run must remember to be gone on with: its state, and what its groups keep from step to step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from tautline.kernels.time_function import TimeFunctions
+
+
+def arrays_of(thing: Any, name: str) -> Iterator[tuple[str, np.ndarray]]:
+    """All arrays of a tuple of named tuples, with a name that tells the place: ``groups.4.law.rows``."""
+    if isinstance(thing, TimeFunctions):
+        return  # they follow from the scene, and may reach further when a run is gone on with
+    if isinstance(thing, np.ndarray):
+        yield name, thing
+    elif isinstance(thing, tuple):
+        for key in getattr(thing, "_fields", range(len(thing))):
+            part = getattr(thing, key) if isinstance(key, str) else thing[key]
+            yield from arrays_of(part, f"{name}.{key}")
+
+
+def remember(state: Any, groups: tuple[Any, ...]) -> dict[str, np.ndarray]:
+    """Copy the state's and the groups' arrays; records are kept as their bytes."""
+    memory = {}
+    for name, array in (*arrays_of(state, "state"), *arrays_of(groups, "groups")):
+        memory[name] = np.frombuffer(array.tobytes(), np.uint8).copy() if array.dtype.names else array.copy()
+    return memory
+
+
+def recall(memory: Mapping[str, np.ndarray], state: Any, groups: tuple[Any, ...]) -> list[str]:
+    """Write remembered arrays back into a state and groups of the same scene.
+
+    Returns
+    -------
+    list of str
+        Names of arrays that do not fit, because they belong to another scene; nothing is written then.
+    """
+    places = dict((*arrays_of(state, "state"), *arrays_of(groups, "groups")))
+    wrong = sorted(set(places) ^ set(memory))
+    wrong += [name for name, place in places.items() if name in memory and place.nbytes != memory[name].nbytes]
+    if not wrong:
+        for name, place in places.items():
+            place[...] = np.frombuffer(memory[name].tobytes(), place.dtype).reshape(place.shape)
+    return wrong
