@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -16,14 +17,22 @@ from page import Section, number, show, table
 COMMAND = str(Path(sys.executable).parent / "drillstring")
 
 
-def seconds(cache: Path, folder: Path, *arguments: str) -> float:
-    """Wall time of a command as a process of its own, s."""
-    before = time.perf_counter()
+def seconds(cache: Path, folder: Path, *arguments: str) -> tuple[float, float]:
+    """Wall and CPU time of a command as a process of its own, s."""
+    before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run(
         [COMMAND, *arguments], cwd=folder, env=os.environ | {"TAUTLINE_CACHE": str(cache)}, check=True,
         stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
-    return time.perf_counter() - before
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = after.ru_utime + after.ru_stime - before[1].ru_utime - before[1].ru_stime
+    return time.perf_counter() - before[0], cpu
+
+
+def _row(times: list[tuple[float, float]]) -> tuple[str, str, str, int]:
+    walls, cpus = zip(*times, strict=True)
+    spread = f"{number(min(walls), 3)} to {number(max(walls), 3)}"
+    return number(median(walls), 3), spread, number(median(cpus), 3), len(times)
 
 
 def measure(quick: bool) -> Section:
@@ -36,7 +45,7 @@ def measure(quick: bool) -> Section:
         warm = [seconds(folder / "0", folder, *run) for _ in range(warms)]
         plain = [seconds(folder / "0", folder, "--help") for _ in range(warms)]
     rows = [
-        (what, number(median(times), 3), f"{number(min(times), 3)} to {number(max(times), 3)}", len(times))
+        (what, *_row(times))
         for what, times in (
             ("`drillstring simulate data/jwell.yaml --end 1`, empty kernel cache", cold),
             ("the same again", warm),
@@ -55,7 +64,7 @@ def measure(quick: bool) -> Section:
     text = (
         "Wall time of the whole process. The first run ever has an empty kernel cache (`TAUTLINE_CACHE` in a new "
         "folder); Python's own byte code is there, as `pip` leaves it.\n\n"
-        + table(("what", "median, s", "smallest to largest, s", "repetitions"), rows)
+        + table(("what", "median, s", "smallest to largest, s", "CPU, median, s", "repetitions"), rows)
     )
     return Section("Waiting times", text, headline)
 

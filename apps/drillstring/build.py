@@ -39,6 +39,8 @@ DIRECTIONS = ("along the hole", "north side", "east side", "rotation")
 ROUNDING = 1.0e-6
 """Share of EA that counts as a large force where a string weighs next to nothing: its residual cannot be smaller than
 the rounding of its stiffness."""
+TOLERANCE = 1.0e-9
+"""Largest residual over the string's weight that counts as solved: a millinewton on a meganewton."""
 BLOCK, ROTATION = 0, 1
 """Functions of time of a scene: the block's position m, and the angle of the rotary rad."""
 
@@ -130,11 +132,12 @@ def build(scene: DrillstringScene) -> Model:
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
     contacts = sum(g.springs.size for g in groups if isinstance(g, WallContact))
+    criterion = solver.criterion or ("force" if offers(groups, "switch") else "energy")
     return Model(
         system=system,
         solver=SolverSettings(
             solver.method, solver.step, solver.end, scene.output.interval, alpha_m, alpha_f,
-            solver.tolerance or 1e-9, solver.criterion or ("force" if offers(groups, "switch") else "energy"), solver.max_iterations, solver.max_halvings,
+            solver.tolerance or TOLERANCE, criterion, solver.max_iterations, solver.max_halvings,
         ),
         variables=variables(),
         coordinates=observer.coordinates(),

@@ -45,7 +45,7 @@ def variables() -> list[Variable]:
         Variable("bit_depth", ("time",), "m", "measured depth of the bit"),
         Variable("kinetic_energy", ("time",), "J", "kinetic energy"),
         Variable("strain_energy", ("time",), "J", "strain energy, of the wall too"),
-        Variable("potential_energy", ("time",), "J", "potential energy of the buoyed weight, beyond that of the string unstretched"),
+        Variable("potential_energy", ("time",), "J", "potential energy, over the unstretched string's"),
         Variable("dissipated_energy", ("time",), "J", "energy lost to friction, mud and damping"),
         Variable("external_work", ("time",), "J", "work done on the string at its top"),
     ]

@@ -135,7 +135,7 @@ def simulate(model, path=None, progress=None, resume=None):
                 if progress is not None:
                     progress(reached, time.perf_counter() - started)
                 if model.scene.trouble == "stops":
-                    raise StoppedEarly(Status.NOT_CONVERGED, reached, "link 2", finish("stopped"))
+                    raise StoppedEarly(Status.NOT_CONVERGED, reached, "link 2", result=finish("stopped"))
                 time.sleep(pause)
         except KeyboardInterrupt:
             raise Interrupted(reached, finish("interrupted")) from None

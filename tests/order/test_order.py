@@ -42,7 +42,7 @@ def truth():
     return two_masses.reference(END)
 
 
-def run(method, steps, ends=(END,), alpha=alphas(0.5), **changes):
+def run(method, steps, ends=(END,), alpha=PARAMETERS["rho_inf 0.5"], **changes):
     system = two_masses.system()
     settings = SolverSettings(method, 0.0, END, END, *alpha, **({"tolerance": 1e-13} | changes))
     state = new_state(system)
@@ -147,4 +147,4 @@ def test_a_step_that_no_halving_saves_ends_the_run_with_its_status():
 def test_a_tight_criterion_costs_iterations_and_a_loose_one_accuracy():
     tight, loose = run("generalized-alpha", 80), run("generalized-alpha", 80, tolerance=1e-3)
     assert tight.counters[ITERATIONS] > loose.counters[ITERATIONS]
-    assert max(errors(loose)) > 1.5 * max(errors(tight))
+    assert min(np.array(errors(loose))[:3] / errors(tight)[:3]) > 1.2

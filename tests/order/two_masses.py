@@ -5,9 +5,11 @@
 as a group of compiled kernels, and once more in plain numpy for a reference by DOP853.
 """
 
+import sys
 from typing import NamedTuple
 
 import numpy as np
+from numba import cloudpickle
 from scipy.integrate import solve_ivp
 
 from tautline.kernels.dofs import add_entry
@@ -20,6 +22,11 @@ from tautline.system.time_functions import FunctionRequest, compile_functions
 AMPLITUDE, PERIOD = 0.3, 2.5
 START = np.array([0.6, -0.4, 0.1])
 VELOCITY = np.array([0.5, 0.8])
+
+
+# What is compiled for this group goes into the cache with the class itself, not with its name: the class would not be
+# found by the next run of a program, and the machine code would outlive a change of this file.
+cloudpickle.register_pickle_by_value(sys.modules[__name__])
 
 
 class TwoMasses(NamedTuple):
@@ -105,7 +112,7 @@ def system():
 
 def forces(t, q, v):
     """Mass matrix and all but the inertia, in numpy and in other words than above."""
-    x, y, z = q
+    x, y = q[:2]
     mass = np.array(
         [
             [2 + np.sin(x) / 2, 0.4 * np.cos(y), 0.3 + x / 10],
@@ -113,7 +120,8 @@ def forces(t, q, v):
             [0.3 + x / 10, y / 5, 1],
         ]
     )
-    springs = np.array([[8.0, -1.5, -2.5], [-1.5, 1.5, 0.0], [-2.5, 0.0, 2.5]]) @ q + np.array([2 * x**3, 3 * np.sin(y), 0])
+    stiffness = np.array([[8.0, -1.5, -2.5], [-1.5, 1.5, 0.0], [-2.5, 0.0, 2.5]])
+    springs = stiffness @ q + np.array([2 * x**3, 3 * np.sin(y), 0])
     dampers = np.array([v[0] * (0.3 + y**2 / 5 + v[1] / 10), (1 + x**2) * v[1] * np.hypot(1, v[1]) / 5, 0])
     return mass, springs + dampers - np.array([np.sin(3 * t), np.cos(2 * t) / 2, 0])
 

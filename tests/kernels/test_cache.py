@@ -1,0 +1,135 @@
+"""Compiled code is kept from process to process, under a name that a change of any kernel changes."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tautline.kernels import jit
+
+HERE = Path(__file__).parent
+RUN = """
+import json, sys
+import numpy as np
+from tautline.elements.load import Loads
+from tautline.integrators.linearise import evaluate_scene
+from tautline.integrators.state import new_state
+from tautline.kernels.jit import is_cold
+from tautline.kernels.lapack import band_of, factorise
+from tautline.system.system import Degrees, assemble
+from tautline.system.time_functions import compile_functions
+
+cold = is_cold()
+GROUPS
+system = assemble(groups, Degrees(["x"], np.zeros(1), np.ones(1)), compile_functions([]), np.zeros(1), [], [])
+band, r = band_of(1, 0, 0), np.zeros(1)
+evaluate_scene(system.groups, system.dofs, system.functions, new_state(system), 0.0, False, True, 1.0, 0.0, 0.0, band, r)
+stats = evaluate_scene.stats
+print(json.dumps([cold, r[0], sum(stats.cache_hits.values()), sum(stats.cache_misses.values())]))
+"""
+OURS = "groups = (Loads(np.array([0]), np.array([2.5])),)"
+FOREIGN = """
+from typing import NamedTuple
+from tautline.kernels.groups import register
+from tautline.kernels.jit import kernel
+
+class Push(NamedTuple):
+    force: float
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    r[0] -= g.force
+
+register(Push, residual=_residual)
+"""
+
+
+def run(folder, groups=OURS, path=()):
+    """Run the script in a new process with its cache in a folder: (cold, residual, cache hits, misses)."""
+    search = os.pathsep.join([*map(str, path), *filter(None, [os.environ.get("PYTHONPATH")])])
+    done = subprocess.run(
+        [sys.executable, "-c", RUN.replace("GROUPS", groups)], capture_output=True, text=True, cwd=folder,
+        env={**os.environ, "TAUTLINE_CACHE": str(folder / "cache"), "PYTHONPATH": search},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-2000:]
+    return json.loads(done.stdout)
+
+
+def files(folder):
+    return {f.relative_to(folder): f.stat().st_mtime_ns for f in folder.rglob("*.nb[ic]")}
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """A folder in which one process compiled a scene, and what it saw."""
+    folder = tmp_path_factory.mktemp("compiled")
+    return folder, run(folder)
+
+
+def test_the_second_process_compiles_nothing(compiled):
+    folder, first = compiled
+    assert first == [True, -2.5, 0, 1]
+    before = files(folder)
+    assert run(folder) == [False, -2.5, 1, 0]
+    assert before and files(folder) == before
+
+
+def test_code_compiled_for_a_group_of_someone_elses_does_not_stop_other_programs(compiled):
+    """The cache is the user's: a script or an application with a group of its own writes into it too."""
+    folder, _ = compiled
+    (folder / "elsewhere").mkdir()
+    (folder / "elsewhere" / "pushing.py").write_text(FOREIGN)
+    foreign = "from pushing import Push\ngroups = (Push(1.5),)"
+    assert run(folder, foreign, path=[folder / "elsewhere"])[1] == -1.5
+    assert run(folder)[:2] == [False, -2.5]
+
+
+@pytest.fixture
+def kernels(tmp_path, monkeypatch):
+    """Three kernel files, and a function that gives the cache folder for them as a new process would."""
+    sources = [tmp_path / name for name in ("contact.py", "link.py", "body.py")]
+    for source in sources:
+        source.write_text("force = 1.0  # kernel\n")
+    monkeypatch.setenv("TAUTLINE_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(jit, "kernel_sources", lambda: sources)
+    return sources, jit.cache_folder.__wrapped__
+
+
+def test_a_changed_kernel_means_a_new_folder_and_a_change_undone_the_old_one(kernels):
+    sources, folder = kernels
+    before = folder()
+    assert before == folder() and before.is_dir()
+    text = sources[1].read_text()
+    sources[1].write_text("force = 2.0  # kernel\n")
+    assert folder() != before
+    sources[1].write_text(text)
+    assert folder() == before
+
+
+def test_an_added_kernel_means_a_new_folder(kernels):
+    sources, folder = kernels
+    before = folder()
+    sources.append(sources[0].with_name("drag.py"))
+    sources[-1].write_text("")
+    assert folder() != before
+
+
+def test_old_folders_go_and_the_last_few_stay(kernels):
+    sources, folder = kernels
+    made = []
+    for i in range(jit.FOLDERS_KEPT + 4):
+        sources[0].write_text(f"force = {i}  # kernel\n")
+        made.append(folder())
+        os.utime(made[-1], (1000.0 + i, 1000.0 + i))
+    assert [f.exists() for f in made] == [False] * 3 + [True] * (jit.FOLDERS_KEPT + 1)
+
+
+def test_every_file_of_core_and_applications_that_compiles_is_watched():
+    watched = set(jit.kernel_sources())
+    roots = [Path(jit.__file__).parents[2] / "tautline"]
+    roots += [Path(sys.modules[name].__file__).parent for name in ("drillstring",) if name in sys.modules]
+    compiling = [f for root in roots for f in root.rglob("*.py") if "import numba" in f.read_text() or "jit import" in f.read_text()]
+    assert compiling and watched.issuperset(compiling)

@@ -1,0 +1,28 @@
+"""Every kernel also runs as plain Python: for coverage, and for a debugger."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+SOME = {
+    "test_string_groups.py": "spatial and 1 and (difference or power) and not one",
+    "test_contact_groups.py": "(spatial and 1 and difference) or drag or drive or load",
+    "test_unknowns.py": "transpose or tied",
+    "test_lapack.py": "numpy",
+}
+
+
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is itself uncompiled")
+@pytest.mark.parametrize("module", SOME)
+def test_kernels_run_uncompiled(module, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", str(HERE / module), "-k", SOME[module]],
+        capture_output=True, text=True, cwd=HERE.parents[1],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "TAUTLINE_CACHE": str(tmp_path)},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-3000:]
+    assert not list(tmp_path.rglob("*.nbi"))

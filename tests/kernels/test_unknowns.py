@@ -1,0 +1,171 @@
+"""Full and reduced unknowns: ties are T^T S T, held degrees drop out, the band is no wider than it need be."""
+
+import numpy as np
+import pytest
+import short_string as string
+
+from tautline.integrators.linearise import evaluate_scene, matrices
+from tautline.integrators.state import new_state
+from tautline.kernels.dofs import expand, reduce
+from tautline.kernels.jit import entry
+from tautline.kernels.lapack import band_of
+from tautline.scene.functions import Harmonic
+from tautline.system.system import Degrees, assemble
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+FULL = 4 * string.BODIES
+NAMES = [f"degree {i}" for i in range(FULL)]
+FUNCTIONS = compile_functions([FunctionRequest(Harmonic(amplitude=0.1, period=3.0, phase=0.4))])
+EVERY = [np.arange(FULL)[None, :]]
+TIES = {9: [(5, 0.5), (13, -0.3)], 7: [(3, 1.0)], 6: [(5, -2.0)]}
+
+
+def scene(ties=TIES, held=(1, 2), prescribed=(0,), stencils=EVERY, value=None):
+    """A string with bending in a curved hole at a random state, some of its degrees of freedom held or tied."""
+    rng = np.random.default_rng(11)
+    state = string.random_state(rng)
+    seats = string.curve(string.WELLS["spatial"], state)
+    lumps = string.bodies(seats, rng, eccentric=True)
+    groups = (lumps, string.links(seats, rng, damping=0.2), string.bends(seats, rng))
+    degrees = Degrees(NAMES, state.q.copy() if value is None else value, np.ones(FULL))
+    for i in held:
+        degrees.fix(i)
+    for i in prescribed:
+        degrees.prescribe(i, 0)
+    for i, masters in ties.items():
+        degrees.tie(i, masters)
+    return assemble(groups, degrees, FUNCTIONS, state.v, stencils, stencils), state
+
+
+def transformation(system, ties=TIES):
+    """T (full, n): full = T reduced, found by name."""
+    at = {name: k for k, name in enumerate(system.names)}
+    T = np.zeros((FULL, system.size))
+    for i in range(FULL):
+        for j, factor in ties.get(i, [(i, 1.0)]):
+            if NAMES[j] in at:
+                T[i, at[NAMES[j]]] = factor
+    return T
+
+
+@entry
+def _expand(dofs, reduced, full):
+    expand(dofs, reduced, full)
+
+
+@entry
+def _reduce(dofs, full, reduced):
+    reduce(dofs, full, reduced)
+
+
+def test_expand_multiplies_by_the_transformation_and_reduce_by_its_transpose():
+    system, _ = scene()
+    T, rng = transformation(system), np.random.default_rng(1)
+    x, r = rng.standard_normal(system.size), rng.standard_normal(FULL)
+    full, reduced = np.full(FULL, 7.0), np.full(system.size, 7.0)
+    _expand(system.dofs, x, full)
+    _reduce(system.dofs, r, reduced)
+    moves = T.any(axis=1)
+    assert np.allclose(full[moves], (T @ x)[moves], rtol=1e-15, atol=1e-15)
+    assert np.array_equal(full[~moves], np.full(3, 7.0))
+    assert np.allclose(reduced, T.T @ r, rtol=1e-14, atol=1e-14)
+
+
+@pytest.mark.parametrize("ties", [{}, TIES], ids=["no ties", "ties"])
+def test_matrices_and_residual_of_a_tied_system_are_those_of_the_free_one_transformed(ties):
+    system, _ = scene(ties)
+    T, rng = transformation(system, ties), np.random.default_rng(2)
+    state = new_state(system)
+    state.q[:] += 0.02 * rng.standard_normal(system.size)
+    state.v[:] = rng.standard_normal(system.size)
+    reduced = matrices(system, state, at_rest=False)
+    residual, k = np.zeros(system.size), system.bandwidth
+    evaluate_scene(
+        system.groups, system.dofs, system.functions, state, 0.0, True, False, 1.0, 0.0, 0.0,
+        band_of(system.size, k, k), residual,
+    )  # fmt: skip
+    # What the groups saw: free and tied accelerations zero, the prescribed one its function's.
+    acceleration = np.where(np.arange(FULL) == 0, state.full_a, 0.0)
+    full = string.State(state.full_q, state.full_v, acceleration)
+    assert np.allclose(full.q[T.any(axis=1)], (T @ state.q)[T.any(axis=1)])
+    r, _, parts = string.evaluate(system.groups, full)
+    for S, name in zip(reduced, ("mass", "damping", "stiffness"), strict=True):
+        expected = T.T @ parts[name] @ T
+        assert np.allclose(S, expected, rtol=0, atol=1e-12 * np.abs(expected).max()), name
+    assert np.allclose(residual, T.T @ r, rtol=0, atol=1e-12 * np.abs(r).max())
+
+
+def test_the_mass_hook_of_a_tied_system_is_the_free_one_transformed():
+    system, state = scene()
+    T = transformation(system)
+    bands = [band_of(system.size, system.mass_bandwidth, system.mass_bandwidth) for _ in range(5)]
+    parts = string.Parts(*bands, system.dofs)
+    string.add_parts(system.groups, 0.0, *state, np.zeros(FULL), parts, np.zeros(3))
+    free = string.evaluate(system.groups, state)[2]["hook"]
+    assert np.allclose(string.dense(parts.hook), T.T @ free @ T, rtol=0, atol=1e-12)
+
+
+def test_a_held_degree_starts_where_its_value_and_function_put_it():
+    system, state = scene()
+    running = new_state(system)
+    matrices(system, running, at_rest=False)
+    w = 2.0 * np.pi / 3.0
+    assert running.full_q[:3] == pytest.approx([state.q[0] + 0.1 * np.sin(0.4), *state.q[1:3]], rel=1e-14)
+    assert running.full_v[:3] == pytest.approx([0.1 * w * np.cos(0.4), 0.0, 0.0], rel=1e-14)
+    assert running.full_a[:3] == pytest.approx([-0.1 * w * w * np.sin(0.4), 0.0, 0.0], rel=1e-14)
+
+
+def test_a_tied_degrees_own_value_does_not_move_its_master():
+    """A tied degree is the sum of factors times others: what was written in its own place says nothing."""
+    value = np.zeros(FULL)
+    value[3], value[5] = 0.3, 0.4
+    system, _ = scene({7: [(3, 1.0)], 6: [(5, -2.0)]}, value=value)
+    state = new_state(system)
+    at = {name: k for k, name in enumerate(system.names)}
+    assert [state.q[at[NAMES[3]]], state.q[at[NAMES[5]]]] == [0.3, 0.4]
+
+
+def test_each_unknown_and_its_scale_keep_their_names_when_the_order_changes():
+    rng = np.random.default_rng(3)
+    order = rng.permutation(20)
+    degrees = Degrees([f"{i}" for i in range(20)], np.arange(20.0), 1.0 + np.arange(20.0))
+    system = assemble((), degrees, FUNCTIONS, np.zeros(20), [np.column_stack([order[:-1], order[1:]])], [])
+    assert system.bandwidth == 1 and system.mass_bandwidth == 0
+    assert [float(name) for name in system.names] == [scale - 1.0 for scale in system.scale]
+    assert np.array_equal(new_state(system).q, system.scale - 1.0)
+
+
+def natural_bandwidth(stencils, masters, free):
+    rank = {i: k for k, i in enumerate(free)}
+    wide = 0
+    for stencil in stencils:
+        for row in stencil:
+            seen = [rank[m] for i in row for m in masters.get(i, [i]) if m in rank]
+            wide = max([wide, *(abs(a - b) for a in seen for b in seen)])
+    return wide
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_band_is_never_wider_than_in_the_order_of_building(seed):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(4, 30))
+    stencils = [rng.integers(0, n, (int(rng.integers(1, n)), int(rng.integers(2, 4)))) for _ in range(2)]
+    degrees = Degrees([f"{i}" for i in range(n)], np.zeros(n), np.ones(n))
+    kinds = rng.choice(["free", "held", "tied"], n, p=[0.7, 0.15, 0.15])
+    kinds[:2] = "free"
+    free = np.flatnonzero(kinds == "free")
+    masters = {}
+    for i in range(n):
+        if kinds[i] == "held":
+            degrees.fix(i)
+        elif kinds[i] == "tied":
+            masters[i] = list(rng.choice(free, 2, replace=False))
+            degrees.tie(i, [(int(j), 0.5) for j in masters[i]])
+    system = assemble((), degrees, FUNCTIONS, np.zeros(n), stencils, stencils[:1])
+    assert system.bandwidth <= natural_bandwidth(stencils, masters, free)
+    # And it holds every entry that a stencil may add.
+    for stencil, bandwidth in ((stencils[0], system.bandwidth), (stencils[1], system.bandwidth),
+                               (stencils[0], system.mass_bandwidth)):  # fmt: skip
+        for row in stencil:
+            seen = [u for i in row for u in system.dofs.unknown[system.dofs.start[i] : system.dofs.start[i + 1]]]
+            assert not seen or max(seen) - min(seen) <= bandwidth

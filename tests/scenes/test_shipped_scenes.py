@@ -1,0 +1,72 @@
+"""Every scene in data/ runs through the command line, and a number in its result is right."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from references import extensible_rod as rod
+from references import soft_string as soft
+
+from tautline.results.result import Result
+
+DATA = Path(__file__).parents[2] / "data"
+SCENES = sorted(p for p in DATA.glob("*.yaml") if {"well", "string"} & set(yaml.safe_load(p.read_text(encoding="utf8"))))
+
+
+def jwell(report, result):
+    # 1.64 m of stretch (DRILLSTRING.md section 11); frictionless soft string within 0.5 % at 12 lumps
+    well, string = soft.jwell()
+    assert report["stretch_start"] == pytest.approx(1.6379, abs=1e-3)
+    assert report["hook_load_start"] == pytest.approx(soft.hook_load(well, string, 0.0, "rotating"), rel=5e-3)
+
+
+def iscwsa(report, result):
+    # frictionless soft string through the same survey within 1 % at 12 lumps
+    md, inc, azi = np.loadtxt(DATA / "iscwsa_reference.csv", delimiter=",", skiprows=1, usecols=(0, 1, 2), unpack=True)
+    well = soft.well_from_survey(md, np.radians(inc), np.radians(azi))
+    string = soft.String([(md[-1] - 240.0, 0.127, 0.1086), (240.0, 0.165, 0.0572)], mud=1200.0)
+    assert report["hook_load_start"] == pytest.approx(soft.hook_load(well, string, 0.0, "rotating"), rel=1e-2)
+
+
+def hanging(report, result):
+    # exact, and nothing moves
+    assert report["stretch_start"] == pytest.approx(0.376529, abs=1e-6)
+    assert report["bit_travel"] < 1e-9
+
+
+def level(case):
+    def check(report, result):
+        # extensible elastica; it stays at rest
+        down = result["position"][:, :, 2]
+        assert -down[0].max() == pytest.approx(rod.solve(case).sag, rel=1e-3)
+        assert np.ptp(down, axis=0).max() < 1e-6
+
+    return check
+
+
+CLAIMS = {"jwell": jwell, "iscwsa": iscwsa, "hanging": hanging}
+CLAIMS |= {f"configuration_{case.lower()}": level(case) for case in "ABC"}
+ENDS = {"jwell": "1", "iscwsa": "1", "hanging": "0.1"}
+
+
+def test_there_are_scenes():
+    assert {"jwell", "iscwsa"} <= {path.stem for path in SCENES}
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_every_shipped_scene_runs_and_a_number_in_its_result_is_right(scene, tmp_path):
+    assert scene.stem in CLAIMS, f"{scene.name} is new: give it a number to assert in CLAIMS"
+    out = tmp_path / "run.nc"
+    tool = Path(sys.executable).with_name("drillstring")
+    end = ["--end", ENDS[scene.stem]] if scene.stem in ENDS else []
+    command = [tool, "simulate", scene, "-o", out, "--json", *end]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert report["status"] == "done" and report["frames"] >= 2
+    assert report["energy_error"] < 1e-3
+    CLAIMS[scene.stem](report, Result.read(out))
