@@ -28,9 +28,9 @@ def measure(quick: bool) -> Section:
         "real-time factor",
     )  # fmt: skip
     text = (
-        f"The J-well by generalized-alpha at 1 ms over {end:g} s, median of {repeats}. The wall's stiffness and damping "
-        "are divided among the lumps by tributary length. With friction the work of a step grows as well: among many "
-        "contacts one or another sticks or slips in almost every step, which takes a new tangent.\n\n"
+        f"The J-well by generalized-alpha at 1 ms over {end:g} s, median of {repeats}. The wall's stiffness and "
+        "damping are divided among the lumps by tributary length. With friction the work of a step grows as well: "
+        "among many contacts one or another sticks or slips in almost every step, which takes new factors.\n\n"
         + table(header, rows)
     )
     return Section("Cost against size", text, headline)

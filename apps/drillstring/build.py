@@ -8,6 +8,7 @@ import numpy as np
 
 from drillstring import wellbore
 from drillstring.contact import WallContact
+from drillstring.hole import Build, Hold
 from drillstring.lumped_string import (
     Fluid,
     bends_of,
@@ -20,7 +21,7 @@ from drillstring.lumped_string import (
     links_of,
 )
 from drillstring.observe import COORDINATE_UNITS, Observer, headline, variables
-from drillstring.scene import Build, Controller, DrillstringScene, Hold, check_lengths
+from drillstring.scene import Controller, DrillstringScene, check_lengths
 from drillstring.string import Lumps, Tube, cut
 from drillstring.survey import read_survey
 from drillstring.top_drive import TopDrive
@@ -57,7 +58,7 @@ def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
     if well.survey is not None:
         assert scene.document is not None
         path = Path(scene.document.folder) / well.survey.file
-        survey = read_survey(path, well.survey.units)
+        survey = read_survey(path, well.survey.units, max_gap=well.survey.max_gap)
         try:
             return wellbore.from_survey(survey.md, survey.inc, survey.azi)
         except wellbore.WellboreError as error:

@@ -6,164 +6,22 @@ The models below hold what the file says, in SI, validated; `Wellbore` and the b
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from drillstring.hole import MOST_ELEMENTS, Distance, Factor, Length, Well
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant, FunctionOfTime, Position, time_function
-from tautline.scene.model import Branch, Model, OneOf, Scene, Switch, Whole, word
+from tautline.scene.model import Branch, Model, Scene, Switch, Whole, word
 from tautline.scene.quantity import quantity
-from tautline.scene.refusal import fault, refusal
+from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 
-MOST_ELEMENTS = 100_000
 STRING = "[{name: drill pipe, length: rest, od: 0.127, id: 0.1086}]"
 
-Length = Annotated[float, quantity("m", positive=True)]
-Distance = Annotated[float, quantity("m", nonnegative=True)]
-Angle = Annotated[float, quantity("rad")]
 Density = Annotated[float, quantity("kg/m^3", positive=True)]
 Modulus = Annotated[float, quantity("Pa", positive=True)]
-Speed = Annotated[float, quantity("m/s", positive=True)]
-Factor = Annotated[float, quantity("", nonnegative=True)]
-Inclination = Annotated[float, quantity("rad", nonnegative=True, at_most=3.1415926535897936)]
-
-
-class Hold(Model):
-    """A straight piece of the well."""
-
-    length: Distance
-
-
-class _Arc(Model):
-    """A piece of the well of constant curvature: `radius`, or `rate` in rad/m (``3 deg/30m``)."""
-
-    radius: Length | None = None
-    rate: Annotated[float, quantity("rad/m", positive=True)] | None = None
-
-    @model_validator(mode="after")
-    def _one_curvature(self) -> Self:
-        if self.radius is None and self.rate is None:
-            raise fault("radius", "is missing", "give `radius: 1000 m`, or `rate: 3 deg/30m`")
-        if self.radius is not None and self.rate is not None:
-            raise fault("rate", "is given together with `radius`", "keep one of the two")
-        return self
-
-    @property
-    def curvature(self) -> float:
-        """Curvature, 1/m."""
-        return self.rate if self.rate is not None else 1.0 / self.radius if self.radius else 0.0
-
-    @property
-    def bend_radius(self) -> float:
-        """Radius of the arc, m, whichever of the two was given."""
-        return 1.0 / self.curvature
-
-
-class Build(_Arc):
-    """An arc to another inclination (rad), and to another azimuth where one is given."""
-
-    to: Inclination
-    azimuth: Angle | None = None
-
-
-class Turn(_Arc):
-    """An arc to another azimuth (rad) at the same inclination."""
-
-    to: Angle
-
-
-class Survey(Model):
-    """A survey file: `md`, `inc`, `azi` are units for its columns, where its header does not state them."""
-
-    file: str
-    md: str | None = None
-    inc: str | None = None
-    azi: str | None = None
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Units that were given, by column."""
-        return {key: unit for key, unit in (("md", self.md), ("inc", self.inc), ("azi", self.azi)) if unit is not None}
-
-
-LAW = word("projection", "karnopp", "regularised", aliases={"regularized": "regularised"})
-
-
-class Friction(Model):
-    """Coulomb friction of string on wall; speeds in m/s."""
-
-    static: Factor
-    kinetic: Factor
-    law: Annotated[Literal["projection", "karnopp", "regularised"], LAW] = "projection"
-    slip_velocity: Speed = 1.0e-5
-    decay_velocity: Speed = 1.0e-3
-
-    @model_validator(mode="after")
-    def _order(self) -> Friction:
-        if self.kinetic > self.static:
-            cause = f"larger than static = {self.static:g}"
-            raise fault("kinetic", cause, "friction of slip is at most that of rest: swap them, or give one number")
-        return self
-
-
-AnyFriction = OneOf(
-    "friction",
-    {},
-    plain=Branch(Factor, lambda value: Friction(static=value, kinetic=value)),
-    whole=Branch(Friction),
-    example="0.2 or {static: 0.3, kinetic: 0.2}",
-)
-
-
-class Wall(Model):
-    """The hole's wall: contact `stiffness` (N/m) and `damping` (N s/m) of one lump of the largest section.
-
-    They hold for a string of `lumps` lumps; the builder scales both by diameter and tributary length.
-    """
-
-    stiffness: Annotated[float, quantity("N/m", positive=True)]
-    damping: Annotated[float, quantity("N s/m", nonnegative=True)] = 0.0
-    lumps: Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS)] = 12
-    friction: Annotated[Friction, AnyFriction] = Friction(static=0.0, kinetic=0.0)
-
-
-def _no_wall(text: str) -> None:
-    if text.lower() != "none":
-        raise refusal("is not a wall", "write `none` for free space, or {stiffness: 1.0e9, friction: 0.2}")
-
-
-AnyWall = OneOf(
-    "a wall", {}, plain=Branch(str, _no_wall), whole=Branch(Wall), example="{stiffness: 1.0e9, friction: 0.2}, or none"
-)
-AnySurvey = OneOf(
-    "a survey", {}, plain=Branch(str, lambda file: Survey(file=file)), whole=Branch(Survey), example="survey.csv"
-)
-AnySection = OneOf(
-    "a section of the well",
-    {"hold": Branch(Distance, lambda length: Hold(length=length)), "build": Branch(Build), "turn": Branch(Turn)},
-    example="{hold: 2200 m} or {build: {radius: 1000 m, to: 90 deg}}",
-)
-
-
-class Well(Model):
-    """The hole, from the rotary table down; directions at the table in rad."""
-
-    inclination: Inclination = 0.0
-    azimuth: Angle = 0.0
-    sections: Annotated[tuple[Annotated[Hold | Build | Turn, AnySection], ...], Field(min_length=1)] | None = None
-    survey: Annotated[Survey | None, AnySurvey] = None
-    diameter: Length
-    wall: Annotated[Wall | None, AnyWall] = Field(examples=["none, or {stiffness: 1.0e9, friction: 0.2}"])
-
-    @model_validator(mode="after")
-    def _one_path(self) -> Well:
-        if self.sections is None and self.survey is None:
-            raise fault("sections", "is missing", "add `sections: [{hold: 2200 m}]`, or `survey: survey.csv`")
-        if self.sections is not None and self.survey is not None:
-            raise fault("survey", "is given together with `sections`", "keep one of the two")
-        return self
 
 
 class Section(Model):

@@ -277,7 +277,7 @@ def _factors(columns, row_units, scene_units: Mapping[str, str], line: int, ledg
         given = {where: unit.strip().lower() for where, unit in given.items() if unit}
         if not given:
             example = "md [m]" if known is LENGTHS else f"{key} [deg]"
-            cure = f"write {example} in the header, or give units in the scene"
+            cure = f"write {example} in the header, or `{key}: {example.split()[1][1:-1]}` beside `file:` in the scene"
             ledger.add(line, key, columns[key].title, "no unit", cure)
             continue
         for where, unit in given.items():

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import drillstring
+import tautline
 from tautline.kernels import jit
 
 HERE = Path(__file__).parent
@@ -24,9 +26,9 @@ from tautline.system.time_functions import compile_functions
 
 cold = is_cold()
 GROUPS
-system = assemble(groups, Degrees(["x"], np.zeros(1), np.ones(1)), compile_functions([]), np.zeros(1), [], [])
+s = assemble(groups, Degrees(["x"], np.zeros(1), np.ones(1)), compile_functions([]), np.zeros(1), [], [])
 band, r = band_of(1, 0, 0), np.zeros(1)
-evaluate_scene(system.groups, system.dofs, system.functions, new_state(system), 0.0, False, True, 1.0, 0.0, 0.0, band, r)
+evaluate_scene(s.groups, s.dofs, s.functions, new_state(s), 0.0, False, True, 1.0, 0.0, 0.0, band, r)
 stats = evaluate_scene.stats
 print(json.dumps([cold, r[0], sum(stats.cache_hits.values()), sum(stats.cache_misses.values())]))
 """
@@ -129,7 +131,7 @@ def test_old_folders_go_and_the_last_few_stay(kernels):
 
 def test_every_file_of_core_and_applications_that_compiles_is_watched():
     watched = set(jit.kernel_sources())
-    roots = [Path(jit.__file__).parents[2] / "tautline"]
-    roots += [Path(sys.modules[name].__file__).parent for name in ("drillstring",) if name in sys.modules]
-    compiling = [f for root in roots for f in root.rglob("*.py") if "import numba" in f.read_text() or "jit import" in f.read_text()]
+    roots = [Path(package.__file__).parent for package in (tautline, drillstring)]
+    texts = {f: f.read_text() for root in roots for f in root.rglob("*.py")}
+    compiling = [f for f, text in texts.items() if "import numba" in text or "jit import" in text]
     assert compiling and watched.issuperset(compiling)

@@ -26,7 +26,7 @@ def jwell(report, result):
 
 def iscwsa(report, result):
     # frictionless soft string through the same survey within 1 % at 12 lumps
-    md, inc, azi = np.loadtxt(DATA / "iscwsa_reference.csv", delimiter=",", skiprows=1, usecols=(0, 1, 2), unpack=True)
+    md, inc, azi = np.loadtxt(DATA / "iscwsa_reference.csv", delimiter=",", skiprows=5, usecols=(0, 1, 2), unpack=True)
     well = soft.well_from_survey(md, np.radians(inc), np.radians(azi))
     string = soft.String([(md[-1] - 240.0, 0.127, 0.1086), (240.0, 0.165, 0.0572)], mud=1200.0)
     assert report["hook_load_start"] == pytest.approx(soft.hook_load(well, string, 0.0, "rotating"), rel=1e-2)

@@ -1,0 +1,117 @@
+"""The whole string by one KanesMethod: all bodies at once, from their positions in the earth's frame.
+
+Nothing is taken from ``tautline.lumped.derive``: the Bishop frame of one arc is written as a rotation of the earth's
+frame about a fixed axis, velocities are derivatives of positions, weights are loads along the vertical, and links and
+bends are the derivatives of the total energy of all of them. It grows beyond use with the number of bodies; two and
+three are enough to see that one body, one link and one bend, looped over, are the same equations.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import sympy as sp
+from sympy.physics import mechanics as me
+
+
+class Numbers(NamedTuple):
+    """Of n bodies and n - 1 links: as in the kernels' records, SI; ``down`` (3,) in the frame at s = 0 of the arc."""
+
+    k1: float
+    k2: float
+    down: np.ndarray
+    place: np.ndarray
+    mass: np.ndarray
+    polar: np.ndarray
+    transverse: np.ndarray
+    lateral_mass: np.ndarray
+    weight: np.ndarray
+    damping: np.ndarray
+    e: np.ndarray
+    axial: np.ndarray
+    torsional: np.ndarray
+    bending: np.ndarray
+    link_damping: float
+
+
+def stretches(numbers, q):
+    """Vectors of the links in the frame of the hole, corrected for offsets inside the bend, and their lengths."""
+    k = numbers.k1, numbers.k2
+    vectors = []
+    for (s1, u1, v1, _), (s2, u2, v2, _) in zip(q, q[1:], strict=False):
+        inside = (k[0] * (u1 + u2) + k[1] * (v1 + v2)) * (s2 - s1) / 2
+        vectors.append(sp.Matrix([s2 - s1 - inside, u2 - u1, v2 - v1]))
+    return vectors, [sp.sqrt(d.dot(d)) for d in vectors]
+
+
+def strain_energy(numbers, q):
+    """Total strain energy of stretching, torsion and bending."""
+    vectors, lengths = stretches(numbers, q)
+    rest = np.diff(numbers.place)
+    total = sum(
+        numbers.axial[i] * (lengths[i] - rest[i]) ** 2 / 2 + numbers.torsional[i] * (q[i + 1][3] - q[i][3]) ** 2 / 2
+        for i in range(len(lengths))
+    )
+    for i in range(len(lengths) - 1):
+        turned = [k * (q[i + 2][0] - q[i][0]) / 2 for k in (numbers.k1, numbers.k2)]
+        bend = vectors[i + 1] / lengths[i + 1] - vectors[i] / lengths[i] + sp.Matrix([0, *turned])
+        total += numbers.bending[i] * bend.dot(bend) / 2
+    return total
+
+
+def equations(numbers):
+    """A function (q, w) -> mass matrix (4 n, 4 n) and forcing (4 n,), q with measured depth s in place of x."""
+    n, t = numbers.mass.size, me.dynamicsymbols._t
+    q = [me.dynamicsymbols(f"s{i} u{i} v{i} th{i}") for i in range(n)]
+    w = [me.dynamicsymbols(f"ws{i} wu{i} wv{i} wth{i}") for i in range(n)]
+    flat_q, flat_w = [x for body in q for x in body], [x for body in w for x in body]
+    earth, origin = me.ReferenceFrame("N"), me.Point("O")
+    origin.set_vel(earth, 0)
+    k = float(np.hypot(numbers.k1, numbers.k2))
+    n1, n2 = numbers.k1 / k, numbers.k2 / k
+    axis = -n2 * earth.x + n1 * earth.y
+    down = sum(g * e for g, e in zip(numbers.down, (earth.x, earth.y, earth.z), strict=True))
+    bodies, loads = [], []
+
+    def push(name, speed, force, inertia=0):
+        """A generalised force and inertia that belong to one speed only."""
+        point = me.Point(name)
+        point.set_vel(earth, speed * earth.x)
+        loads.append((point, force * earth.x))
+        if inertia:
+            bodies.append(me.Particle(f"{name} mass", point, inertia))
+
+    energy = strain_energy(numbers, q)
+    vectors, lengths = stretches(numbers, q)
+    del vectors
+    rates = dict(zip([x.diff(t) for x in flat_q], flat_w, strict=True))
+    lost = 0  # Rayleigh's dissipation function
+    for i, length in enumerate(lengths):
+        lost += numbers.link_damping * numbers.axial[i] * length.diff(t).subs(rates) ** 2 / 2
+        lost += numbers.link_damping * numbers.torsional[i] * (w[i + 1][3] - w[i][3]) ** 2 / 2
+    for i in range(n):
+        s, u, v, theta = q[i]
+        bishop, steel = me.ReferenceFrame(f"B{i}"), me.ReferenceFrame(f"R{i}")
+        bishop.orient_axis(earth, axis, k * s)
+        steel.orient_axis(bishop, bishop.z, theta)
+        along = (n1 * earth.x + n2 * earth.y) * (1 - sp.cos(k * s)) / k + earth.z * sp.sin(k * s) / k
+        e1, e2 = numbers.e[i]
+        centre = origin.locatenew(f"C{i}", along + u * bishop.x + v * bishop.y + e1 * steel.x + e2 * steel.y)
+        centre.set_vel(earth, centre.pos_from(origin).dt(earth))
+        inertia = me.inertia(steel, numbers.transverse[i], numbers.transverse[i], numbers.polar[i])
+        bodies.append(me.RigidBody(f"body{i}", centre, steel, numbers.mass[i], (inertia, centre)))
+        loads.append((centre, numbers.weight[i] * down))
+        for j in range(4):
+            force = -energy.diff(q[i][j]) - lost.diff(w[i][j]) - numbers.damping[i][j] * w[i][j]
+            push(f"P{i}{j}", w[i][j], force, numbers.lateral_mass[i] if j in (1, 2) else 0)
+    kane = me.KanesMethod(earth, flat_q, flat_w, kd_eqs=[x.diff(t) - y for x, y in zip(flat_q, flat_w, strict=True)])
+    kane.kanes_equations(bodies, loads=loads)
+    plain = sp.symbols(f"x0:{8 * n}")
+    names = dict(zip([*flat_w, *flat_q], [*plain[4 * n :], *plain[: 4 * n]], strict=True))
+    both = [part.subs(rates).subs(names) for part in (kane.mass_matrix, kane.forcing)]
+    function = sp.lambdify(plain, both, "numpy", cse=True)
+
+    def evaluate(position, speed):
+        mass, forcing = function(*position, *speed)
+        return np.asarray(mass), np.asarray(forcing).ravel()
+
+    return evaluate
