@@ -10,13 +10,13 @@ from drillstring import wellbore
 from drillstring.contact import WallContact
 from drillstring.hole import Build, Hold
 from drillstring.lumped_string import (
-    Fluid,
     bends_of,
     bodies_of,
     buoyed_weight,
     contact_of,
     curve_of,
     drag_of,
+    fluid_of,
     lateral_mass,
     links_of,
 )
@@ -184,15 +184,11 @@ def _law(scene: DrillstringScene) -> tuple[str, list[str]]:
 
 def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):
     """The scene's groups, one of each kind that it has, and the lumps' buoyed weights."""
-    mud = scene.mud
-    fluid = Fluid()
-    if mud is not None:
-        inside = mud.inside_density or mud.density
-        fluid = Fluid(mud.density, inside, mud.added_mass, mud.drag)
+    fluid = fluid_of(scene.mud)
     wall = scene.well.wall
     curve = curve_of(well, lumps.measured_depth)
     weight = buoyed_weight(lumps, fluid, scene.gravity)
-    lateral = lateral_mass(lumps, fluid, scene.well.diameter, mud.inside if mud is not None else False)
+    lateral = lateral_mass(lumps, fluid, scene.well.diameter)
     reference = lumps.total / (wall.lumps if wall is not None else 12)
     links = links_of(lumps, curve, scene.damping.structural)
     groups = [bodies_of(lumps, curve, weight, lateral, scene.damping, lumps.tributary / reference), links]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drillstring.build import tubes_of, well_of
-from drillstring.lumped_string import Fluid, lateral_mass
+from drillstring.lumped_string import fluid_of, lateral_mass
 from drillstring.scene import DrillstringScene
 from drillstring.string import Lumps, cut
 from tautline.scene.errors import Caution
@@ -28,10 +28,8 @@ def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
     wall = scene.well.wall
     if wall is None:
         return float("inf")
-    mud = scene.mud
-    fluid = Fluid() if mud is None else Fluid(mud.density, mud.inside_density or mud.density, mud.added_mass)
     mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
-    mass = mass + lateral_mass(lumps, fluid, scene.well.diameter, mud.inside if mud is not None else False)
+    mass = mass + lateral_mass(lumps, fluid_of(scene.mud), scene.well.diameter)
     od = lumps.largest(lambda tube: tube.od)
     stiffness = wall.stiffness * od / od.max() * lumps.tributary / (lumps.total / wall.lumps)
     return RK4_LIMIT / float(np.sqrt((stiffness / mass)[1:].max()))

@@ -41,11 +41,14 @@ slip m/s at the last accepted step; of the step under way: direction, factor, st
 and under way, and whether the factor dropped or the slip reversed in it."""
 
 BANDED = np.dtype(
-    [(name, np.float64) for name in ("static", "kinetic", "mass_a", "mass_c", "force_a", "force_c")]
+    [
+        (name, np.float64)
+        for name in ("static", "kinetic", "mass_a", "mass_c", "force_a", "force_c", "settled_a", "settled_c")
+    ]
     + [("held", np.int64)]
 )
-"""Karnopp friction at a contact: factors; mass that a slip along and around sets in motion kg; force N; ``held`` is 1
-where the force is held through the step."""
+"""Karnopp friction at a contact: factors; mass that a slip along and around sets in motion kg; the force held through
+the step under way where ``held`` is 1, and that of the last accepted step, N."""
 
 
 class Projection(NamedTuple):
@@ -205,8 +208,8 @@ def _prepare_karnopp(law, i, h, beta, gamma, touch, along_rate, around_rate):
     band = max(law.band, f.kinetic * touch.normal * h / min(f.mass_a, f.mass_c))
     f.held = 0
     if touch.normal > 0.0 and slip_speed(touch) < band:
-        x = f.force_a - f.mass_a * (along_rate + touch.along / h)
-        y = f.force_c - f.mass_c * (around_rate + touch.around / h)
+        x = f.settled_a - f.mass_a * (along_rate + touch.along / h)
+        y = f.settled_c - f.mass_c * (around_rate + touch.around / h)
         size = sqrt(x * x + y * y)
         limit = f.static * touch.normal
         if size > limit:
@@ -236,14 +239,14 @@ def _act_karnopp(law, i, touch):
 def _settle_karnopp(law, i, touch):
     f = law.rows[i]
     along, around = act(law, i, touch)[0:2]
-    f.force_a = along if touch.normal > 0.0 else 0.0
-    f.force_c = around if touch.normal > 0.0 else 0.0
+    f.settled_a = along if touch.normal > 0.0 else 0.0
+    f.settled_c = around if touch.normal > 0.0 else 0.0
 
 
 @kernel
 def _force_karnopp(law, i, touch):
     f = law.rows[i]
-    return f.force_a, f.force_c
+    return f.settled_a, f.settled_c
 
 
 # -- regularised -----------------------------------------------------------------------------------------------------

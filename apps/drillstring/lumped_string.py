@@ -36,13 +36,21 @@ def curve_of(well: Wellbore, measured_depth: np.ndarray) -> Curve:
 class Fluid:
     """Mud around and inside the string; densities kg/m^3.
 
-    ``added_mass`` (n,) is the coefficient C_a of each lump; ``inside`` 0 where the pipe is empty of what moves with it.
+    ``added_mass`` is the coefficient C_a, or ``annular``: that of a cylinder in a hole; ``inside_density`` is 0 where
+    the pipe is empty.
     """
 
     density: float = 0.0
     inside_density: float = 0.0
     added_mass: float | str = 0.0
     drag: float = 0.0
+
+
+def fluid_of(mud: Any) -> Fluid:
+    """The fluid of a scene's mud; a pipe that is not filled has nothing inside."""
+    if mud is None:
+        return Fluid()
+    return Fluid(mud.density, (mud.inside_density or mud.density) if mud.inside else 0.0, mud.added_mass, mud.drag)
 
 
 def buoyed_weight(lumps: Lumps, fluid: Fluid, gravity: float) -> np.ndarray:
@@ -61,18 +69,15 @@ def buoyed_weight(lumps: Lumps, fluid: Fluid, gravity: float) -> np.ndarray:
     return lumps.of_lumps(per_length)
 
 
-def lateral_mass(lumps: Lumps, fluid: Fluid, hole_diameter: float | None, carries_inside: bool) -> np.ndarray:
+def lateral_mass(lumps: Lumps, fluid: Fluid, hole_diameter: float) -> np.ndarray:
     """Mass that follows lateral motion beside the steel, kg: added mass of the mud outside, and the mud inside."""
 
     def per_length(tube: Any) -> float:
         if fluid.added_mass == "annular":
-            if hole_diameter is None:
-                raise ValueError("annular added mass needs the hole's diameter")
             coefficient = (hole_diameter**2 + tube.od**2) / (hole_diameter**2 - tube.od**2)
         else:
             coefficient = float(fluid.added_mass)
-        inside = fluid.inside_density * tube.id**2 if carries_inside else 0.0
-        return pi / 4.0 * (coefficient * fluid.density * tube.od**2 + inside)
+        return pi / 4.0 * (coefficient * fluid.density * tube.od**2 + fluid.inside_density * tube.id**2)
 
     return lumps.of_lumps(per_length)
 

@@ -6,6 +6,7 @@ bends are the derivatives of the total energy of all of them. It grows beyond us
 three are enough to see that one body, one link and one bend, looped over, are the same equations.
 """
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -37,7 +38,7 @@ def stretches(numbers, q):
     """Vectors of the links in the frame of the hole, corrected for offsets inside the bend, and their lengths."""
     k = numbers.k1, numbers.k2
     vectors = []
-    for (s1, u1, v1, _), (s2, u2, v2, _) in zip(q, q[1:], strict=False):
+    for (s1, u1, v1, _), (s2, u2, v2, _) in itertools.pairwise(q):
         inside = (k[0] * (u1 + u2) + k[1] * (v1 + v2)) * (s2 - s1) / 2
         vectors.append(sp.Matrix([s2 - s1 - inside, u2 - u1, v2 - v1]))
     return vectors, [sp.sqrt(d.dot(d)) for d in vectors]
@@ -81,8 +82,7 @@ def equations(numbers):
             bodies.append(me.Particle(f"{name} mass", point, inertia))
 
     energy = strain_energy(numbers, q)
-    vectors, lengths = stretches(numbers, q)
-    del vectors
+    _, lengths = stretches(numbers, q)
     rates = dict(zip([x.diff(t) for x in flat_q], flat_w, strict=True))
     lost = 0  # Rayleigh's dissipation function
     for i, length in enumerate(lengths):

@@ -32,7 +32,8 @@ def numbers_of(n, rng):
         return rng.uniform(0.5, 1.5, count)
 
     return Numbers(
-        k1=float(WELL.k1[0]), k2=float(WELL.k2[0]), down=np.array([WELL.m1s[0, 2], WELL.m2s[0, 2], WELL.tangents[0, 2]]),
+        k1=float(WELL.k1[0]), k2=float(WELL.k2[0]),
+        down=np.array([WELL.m1s[0, 2], WELL.m2s[0, 2], WELL.tangents[0, 2]]),
         place=1.0 + 1.4 * np.arange(n), mass=some(n), polar=some(n), transverse=some(n), lateral_mass=some(n),
         weight=some(n), damping=some((n, 4)), e=0.3 * rng.standard_normal((n, 2)), axial=some(n - 1),
         torsional=some(n - 1), bending=some(n - 2), link_damping=0.3,

@@ -1,0 +1,120 @@
+"""Who imports whom: layers run one way, and a run loads nothing that it does not use."""
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+TO_DERIVE_OR_DRAW = {"sympy", "pyvista", "vtk", "matplotlib", "imageio", "PIL"}
+TO_COMPUTE = {"numpy", "numba", "scipy", "llvmlite", "h5py", "xarray", "pandas", "pint"}
+SCENE = """
+well:
+  sections: [{hold: 60 m}, {build: {radius: 100 m, to: 30 deg}}]
+  diameter: 0.2 m
+  wall: none
+string: [{name: pipe, length: 100, od: 0.127, id: 0.1086}]
+material: {youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850}
+model: {elements: 2, bending: none}
+solver: {step: 1 ms, end: 10 ms}
+output: {interval: 10 ms}
+"""
+
+
+def packages_after(arguments, folder):
+    """Packages that a run of the drillstring program loaded, by its own account when it ends."""
+    ask = (
+        "import atexit, sys\n"
+        "atexit.register(lambda: print('\\nloaded', *{m.partition('.')[0] for m in sys.modules}, file=sys.stderr))\n"
+        f"sys.argv = ['drillstring', *{[str(a) for a in arguments]!r}]\n"
+        "from drillstring.main import main\n"
+        "main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, cwd=folder)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return set(done.stderr.rpartition("\nloaded ")[2].split()), done.stdout
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("scene")
+    (folder / "short.yaml").write_text(SCENE)
+    packages, _ = packages_after(["simulate", "short.yaml", "-o", "short.nc", "--quiet"], folder)
+    return folder, packages
+
+
+def test_a_run_loads_no_symbolic_algebra_and_nothing_that_draws(simulated):
+    folder, packages = simulated
+    assert (folder / "short.nc").stat().st_size > 0 and "numba" in packages
+    assert packages.isdisjoint(TO_DERIVE_OR_DRAW)
+
+
+def test_a_run_loads_no_xarray_and_for_plain_units_no_pint(simulated):
+    assert simulated[1].isdisjoint({"xarray", "pandas", "pint"})
+
+
+def test_a_check_of_a_scene_loads_no_compiler(simulated):
+    packages, _ = packages_after(["check", "short.yaml"], simulated[0])
+    assert packages.isdisjoint({"numba", "llvmlite", *TO_DERIVE_OR_DRAW})
+
+
+def test_help_loads_nothing_that_computes(tmp_path):
+    packages, text = packages_after(["--help"], tmp_path)
+    assert "simulate" in text
+    assert packages.isdisjoint(TO_COMPUTE | TO_DERIVE_OR_DRAW)
+
+
+def test_reading_a_scene_in_python_loads_no_compiler():
+    names = "import sys, tautline.scene.document, tautline.scene.model; print('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", names], capture_output=True, text=True).stdout.strip() == "False"
+
+
+LINTER = shutil.which("lint-imports", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]))
+
+
+@pytest.mark.skipif(LINTER is None, reason="import-linter is not installed")
+def test_the_import_contracts_hold():
+    done = subprocess.run([LINTER, "--no-cache"], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stdout
+
+
+def imports_of(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+
+
+def importers(*packages):
+    """Our source files that import one of the packages, anywhere in their text."""
+    wanted = set(packages)
+    files = [f for part in ("core", "apps") for f in (ROOT / part).rglob("*.py")]
+    return {f.relative_to(ROOT).as_posix() for f in files if any(n.partition(".")[0] in wanted for n in imports_of(f))}
+
+
+def test_only_the_view_imports_what_draws():
+    assert all(f.startswith("core/tautline/view/") for f in importers("matplotlib", "pyvista"))
+
+
+def test_only_the_derivation_imports_sympy():
+    assert importers("sympy") == {"core/tautline/lumped/derive.py"}
+
+
+def test_the_core_imports_no_application():
+    applications = [p.name for p in (ROOT / "apps").iterdir() if p.is_dir()]
+    assert not [f for f in importers(*applications) if f.startswith("core/")]
+
+
+def test_compiled_code_imports_nothing_that_reads_scenes_or_stores_results():
+    allowed = ("tautline.kernels", "tautline.lumped")
+    for path in (ROOT / "core/tautline/kernels").glob("*.py"):
+        ours = [n for n in imports_of(path) if n.partition(".")[0] == "tautline"]
+        assert all(n.startswith(allowed[0]) for n in ours), path
+    for path in (ROOT / "core/tautline/lumped").glob("*.py"):
+        ours = [n for n in imports_of(path) if n.partition(".")[0] == "tautline"]
+        assert all(n.startswith(allowed) for n in ours), path
