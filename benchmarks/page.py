@@ -37,13 +37,17 @@ def number(value: float | None, digits: int = 2) -> str:
     return f"{float(text):.0f}" if "e+" in text else text
 
 
-def machine() -> str:
-    """Date, processor, cores, load and the versions that count."""
+def load() -> str:
+    """Load of the machine over the last 1, 5 and 15 minutes."""
+    return "/".join(f"{x:.2f}" for x in os.getloadavg())
+
+
+def machine(before: str) -> str:
+    """Date, processor, cores, the versions that count, and the load before and now."""
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in ("tautline", "numba", "numpy", "scipy"))
-    load = ", ".join(f"{x:.2f}" for x in os.getloadavg())
     return (
         f"{date.today().isoformat()}, {_processor()}, {os.cpu_count()} cores, {platform.system()}, "
-        f"Python {platform.python_version()}, {versions}; load of the machine over 1, 5 and 15 minutes: {load}"
+        f"Python {platform.python_version()}, {versions}; load over 1/5/15 minutes {before} before and {load()} after"
     )
 
 
@@ -68,5 +72,5 @@ def quick_asked(text: str) -> bool:
 
 def show(measure: Callable[[bool], Section], text: str) -> None:
     """Run one benchmark and print its section."""
-    section = measure(quick_asked(text))
-    print(f"{section}\n{machine()}.")
+    quick, before = quick_asked(text), load()
+    print(f"{measure(quick)}\n{machine(before)}.")

@@ -8,7 +8,7 @@ import jwell
 import real_time
 import scaling
 import table_2_5
-from page import Section, machine, quick_asked, table
+from page import Section, load, machine, quick_asked, table
 
 PAGE = jwell.ROOT / "docs" / "performance.md"
 README = jwell.ROOT / "README.md"
@@ -39,9 +39,10 @@ def replace(text: str, part: str) -> str:
 
 def main() -> None:
     quick = quick_asked(__doc__)
-    measured = machine()
+    before = load()
     modules = (real_time, cold_start, scaling, accuracy, table_2_5)
     sections = [module.measure(quick) for module in modules]
+    measured = machine(before)
     text, part = page(sections, measured), headline(sections, measured)
     print(f"{text}\n{part}")
     if not quick:

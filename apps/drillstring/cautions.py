@@ -11,10 +11,14 @@ from drillstring.build import tubes_of, well_of
 from drillstring.lumped_string import fluid_of, lateral_mass
 from drillstring.scene import DrillstringScene
 from drillstring.string import Lumps, cut
+from tautline.kernels.time_function import sample
 from tautline.scene.errors import Caution
+from tautline.system.time_functions import FunctionRequest, compile_functions
 
 RK4_LIMIT = 2.8
 """omega h at which RK4 becomes unstable, eq. 2.137."""
+PAST_THE_END = 5.0
+"""Metres that a string may hang past the hole's end, by its stretch and the heave, without a word."""
 LONG_FOR_MOTION = 0.05
 """Step over the fastest axial period of interest at which amplitudes are lost."""
 
@@ -33,6 +37,14 @@ def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
     od = lumps.largest(lambda tube: tube.od)
     stiffness = wall.stiffness * od / od.max() * lumps.tributary / (lumps.total / wall.lumps)
     return RK4_LIMIT / float(np.sqrt((stiffness / mass)[1:].max()))
+
+
+def _past_the_end(scene: DrillstringScene, lumps: Lumps) -> float:
+    """How far the block would push the unstretched string past the end of the hole, m."""
+    end = scene.solver.end
+    functions = compile_functions([FunctionRequest(scene.top.block, end=end, key="top.block")])
+    lowest = float(sample(functions, 0, np.linspace(0.0, end, 2001))[:, 0].max())
+    return lowest + lumps.total - well_of(scene).length
 
 
 def cautions(scene: DrillstringScene) -> list[Caution]:
@@ -78,6 +90,15 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
                     "use law: projection",
                 )
             )
+    past = _past_the_end(scene, lumps)
+    if past > PAST_THE_END:
+        found.append(
+            Caution(
+                "top.block",
+                f"lowers the bit {past:.3g} m past the end of the hole, where the hole is taken to go on with its last "
+                "curvature; deepen the well, or shorten the string",
+            )
+        )
     longest = float(lumps.length.max())
     if longest > 0.25 * lumps.total and lumps.total > 500.0:
         found.append(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from physics.strings import E, GRAVITY, Balance, run, straight_hole
+from physics.strings import GRAVITY, Balance, E, run, straight_hole
 from physics.strings import mass_per_length as steel
 
 from tautline.integrators.linearise import matrices
@@ -12,7 +12,7 @@ OUTER, BORE = np.pi / 4 * OD**2, np.pi / 4 * ID**2
 
 
 def masses(mud):
-    """Diagonal of the mass matrix of the second of four lumps of 25 m: along the hole, sideways twice, about the axis."""
+    """Mass of the second of four lumps of 25 m: along the hole, sideways twice, about the axis."""
     changes = {} if mud is None else {"mud": {"density": MUD, "drag": 0.0} | mud}
     balance = Balance(straight_hole(0.0, elements=4, diameter=HOLE, **changes))
     mass, _, _ = matrices(balance.model.system, balance.state)
@@ -44,7 +44,7 @@ def test_mud_adds_mass_sideways_only(mud, outside, inside):
 
 
 def test_a_lump_falling_sideways_in_mud_nears_the_terminal_speed_of_morisons_drag():
-    # half rho_m C_d d v^2 per metre = buoyed weight per metre; level hole, 400 m wide, the steel so soft that lumps are free
+    # half rho_m C_d d v^2 = buoyed weight per metre; level hole, 400 m wide, the steel so soft that lumps are free
     result = run(
         straight_hole(
             np.pi / 2, diameter=400.0, elements=2, start="straight", solver__end=12.0, material__youngs_modulus=1.0,

@@ -1,4 +1,4 @@
-"""Small vibrations of the stepped string of Table 2.3, from the linearised system (tests/references/stepped_rod_modes.py)."""
+"""Small vibrations of the stepped string of Table 2.3, linearised, against tests/references/stepped_rod_modes.py."""
 
 import numpy as np
 import pytest

@@ -14,7 +14,8 @@ from references import soft_string as soft
 from tautline.results.result import Result
 
 DATA = Path(__file__).parents[2] / "data"
-SCENES = sorted(p for p in DATA.glob("*.yaml") if {"well", "string"} & set(yaml.safe_load(p.read_text(encoding="utf8"))))
+FILES = {path: yaml.safe_load(path.read_text(encoding="utf8")) for path in sorted(DATA.glob("*.yaml"))}
+SCENES = [path for path, root in FILES.items() if {"well", "string"} & set(root)]
 
 
 def jwell(report, result):

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 FIRST_RUN = "First run on this machine: compiling the solver for this kind of scene (about 15 s, once)"
 
+POOR_BALANCE = 0.05
+"""Error of the energy balance from which a run's accuracy is in doubt."""
 COPIED = ("method", "step", "steps", "newton_iterations", "wall_time", "real_time_factor", "energy_error")
 """Keys of the report that are attributes of the result."""
 
@@ -139,6 +141,10 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
         say("nothing was stored", "yellow")
     elif not quiet:
         console().print(table(report, result.attributes, result.headline))
-        say(f"wrote {result.path}: {report['frames']} frames. Next: {catalogue.name} plot {result.path}", "green")
+        frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
+        say(f"wrote {result.path}: {frames}. Next: {catalogue.name} plot {result.path}", "green")
+    if (report.get("energy_error") or 0.0) > POOR_BALANCE:
+        error = 100.0 * report["energy_error"]
+        say(f"warning: {error:.2g} % of the energy is unaccounted for: take a smaller solver.step and compare", "yellow")
     if as_json:
         print_json(report)

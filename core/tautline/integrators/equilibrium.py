@@ -60,6 +60,16 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst])
 
 
+def _rounding(band: np.ndarray, q: np.ndarray, k: int) -> np.ndarray:
+    """Residual that rounding leaves in each row: a few units in the last place of stiffness times position."""
+    n = q.size
+    size = np.zeros(n)
+    for d in range(-k, k + 1):
+        first, last = max(0, d), min(n, n + d)  # columns j with a row j - d
+        size[first - d : last - d] += np.abs(band[first:last, 2 * k - d] * q[first:last])
+    return 4.0 * np.finfo(float).eps * size
+
+
 def _search(
     system: System, state: State, step_limit: float, tolerance: float, first_shift: float
 ) -> tuple[int, float, int]:
@@ -71,8 +81,10 @@ def _search(
         evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, True, True, shift, 0.0, 1.0, band, x)
         sizes = np.abs(x) / system.scale
         size, worst = float(sizes.max(initial=0.0)), int(sizes.argmax()) if n else 0
-        if size <= tolerance or not np.isfinite(size):
-            return iteration, size, worst
+        if not np.isfinite(size):
+            return iteration, np.inf, worst
+        if np.all(np.abs(x) <= tolerance * system.scale + _rounding(band, state.q, k)):
+            return iteration, min(size, tolerance), worst
         if np.isfinite(previous) and shift > 0.0:
             shift *= min(4.0, max(0.1, size / previous))
         previous = size
