@@ -144,7 +144,7 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
         frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
         say(f"wrote {result.path}: {frames}. Next: {catalogue.name} plot {result.path}", "green")
     if (report.get("energy_error") or 0.0) > POOR_BALANCE:
-        error = 100.0 * report["energy_error"]
-        say(f"warning: {error:.2g} % of the energy is unaccounted for: take a smaller solver.step and compare", "yellow")
+        lost = f"{100.0 * report['energy_error']:.2g} % of the energy is unaccounted for"
+        say(f"warning: {lost}: take a smaller solver.step and compare", "yellow")
     if as_json:
         print_json(report)

@@ -92,10 +92,14 @@ def evaluate(functions, i, t):
     return f, df, ddf
 
 
-@entry
 def sample(functions, i, times):
-    """Return value, rate and second rate of function `i` at many times (s), as an array (times, 3)."""
+    """Value, rate and second rate of function `i` at many times (m,) s, as an array (m, 3)."""
     out = np.empty((times.size, 3))
+    _sample(functions, i, times, out)
+    return out
+
+
+@entry
+def _sample(functions, i, times, out):
     for k in range(times.size):
         out[k, 0], out[k, 1], out[k, 2] = evaluate(functions, i, times[k])
-    return out
