@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +63,7 @@ def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
         try:
             return wellbore.from_survey(survey.md, survey.inc, survey.azi)
         except wellbore.WellboreError as error:
-            raise SceneError([scene.problem("well.survey", str(error), error.cure)]) from None
+            raise SceneError([scene.problem("well.survey", error.message, error.cure)]) from None
     pieces: list[wellbore.Section] = []
     for piece in well.sections or ():
         if isinstance(piece, Hold):
@@ -75,7 +76,7 @@ def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
         return wellbore.from_sections(pieces, well.inclination, well.azimuth)
     except wellbore.WellboreError as error:
         key = "well.sections" if error.index is None else f"well.sections[{error.index}]"
-        raise SceneError([scene.problem(key, str(error), error.cure)]) from None
+        raise SceneError([scene.problem(key, error.message, error.cure)]) from None
 
 
 def tubes_of(scene: DrillstringScene, well_length: float) -> list[Tube]:
@@ -125,10 +126,12 @@ def build(scene: DrillstringScene) -> Model:
     moving = any(rate != 0.0 for _, rate, _ in start)
     groups, weight = _groups(scene, well, lumps, functions, law, moving)
     degrees = _degrees(scene, lumps, weight, driven)
+    degrees.value[PER_BODY::PER_BODY] = start[BLOCK][0]
     velocity = np.zeros(degrees.value.size)
     velocity[0::PER_BODY] = start[BLOCK][1]
     velocity[3::PER_BODY] = start[ROTATION][1]
-    system = assemble(groups, degrees, functions, velocity, *_stencils(lumps, groups))
+    # While the equilibrium is sought nothing turns: a controller that asks for speed would wind the string up.
+    system = assemble(groups, degrees, functions, velocity, *_stencils(lumps, groups), at_rest=[3] if driven else [])
     observer = Observer(well, lumps, groups, driven)
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
@@ -146,6 +149,7 @@ def build(scene: DrillstringScene) -> Model:
             "scene": scene.document.text if scene.document is not None else "",
             "title": scene.title or "",
             "application": "drillstring",
+            "physics": _physics(scene),
             "conventions": COORDINATE_UNITS,
         },
         observe=observer.observe,
@@ -157,8 +161,14 @@ def build(scene: DrillstringScene) -> Model:
     )  # fmt: skip
 
 
+def _physics(scene: DrillstringScene) -> str:
+    """Hash of all that a scene says but how it is solved and what is kept: a run can be gone on with if it agrees."""
+    said = scene.model_dump(exclude={"title", "solver", "output"})
+    return sha256(repr(said).encode()).hexdigest()[:16]
+
+
 def _requests(scene: DrillstringScene) -> list[FunctionRequest]:
-    """Block position and rotary angle; both start at zero and their speeds are those of the scene."""
+    """Block position, and the rotary's angle from where it is at t = 0."""
     rotation = scene.top.rotation
     speed = rotation.speed if isinstance(rotation, Controller) else rotation
     key = "top.rotation.controller.speed" if isinstance(rotation, Controller) else "top.rotation"
@@ -173,7 +183,9 @@ def _law(scene: DrillstringScene) -> tuple[str, list[str]]:
     if scene.well.wall is None:
         return "none", []
     law = scene.well.wall.friction.law
-    if law == "projection" and scene.solver.method == "rk4" and scene.well.wall.friction.static > 0.0:
+    if law == "projection" and scene.solver.method == "rk4":
+        if scene.well.wall.friction.static == 0.0:
+            return "regularised", []
         speed = scene.well.wall.friction.slip_velocity
         return "regularised", [
             f"friction by projection is implicit: rk4 takes the regularised law instead, slip_velocity {speed:g} m/s "
@@ -219,7 +231,7 @@ def _degrees(scene: DrillstringScene, lumps: Lumps, weight: np.ndarray, driven: 
     """Four degrees of freedom a lump; the top one follows block and rotary and does not leave the axis."""
     count = lumps.length.size + 1
     stiffness = lumps.of_links(lambda tube: tube.youngs_modulus * tube.area)
-    force = float(weight.sum()) + abs(scene.bit.force) + ROUNDING * float(stiffness.max())
+    force = float(np.abs(weight).sum()) + abs(scene.bit.force) + ROUNDING * float(stiffness.max())
     radius = max(tube.od for tube in lumps.tubes) / 2.0
     section = np.append(lumps.section, lumps.section[-1])
     names = [

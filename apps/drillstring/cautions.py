@@ -11,12 +11,14 @@ from drillstring.build import tubes_of, well_of
 from drillstring.lumped_string import fluid_of, lateral_mass
 from drillstring.scene import DrillstringScene
 from drillstring.string import Lumps, cut
+from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import Caution
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
-RK4_LIMIT = 2.8
-"""omega h at which RK4 becomes unstable, eq. 2.137."""
+SLIP_FOR_NEWTON = 1.0e-3
+SLIP_FOR_CREEP = 1.0e-3
+"""Slip velocities, m/s, of the regularised law: Newton's method struggles below one, a string creeps above the other."""
 PAST_THE_END = 5.0
 """Metres that a string may hang past the hole's end, by its stretch and the heave, without a word."""
 LONG_FOR_MOTION = 0.05
@@ -81,13 +83,21 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
                 f"motion is damped by the algorithm; take {0.01 * period:.1g} s or less",
             )
         )
-    if wall is not None and wall.friction.static > 0.0 and wall.friction.kinetic < wall.friction.static:
-        if wall.friction.law == "regularised" and wall.friction.slip_velocity > 1e-3:
+    if wall is not None and wall.friction.static > 0.0 and wall.friction.law == "regularised":
+        slow = wall.friction.slip_velocity
+        if solver.method != "rk4" and slow < SLIP_FOR_NEWTON:
+            found.append(
+                Caution(
+                    "well.wall.friction.law",
+                    f"regularised friction with slip_velocity {slow:g} m/s is hard on an implicit method: steps are "
+                    "halved and may fail; use law: projection, which is exact",
+                )
+            )
+        if slow > SLIP_FOR_CREEP:
             found.append(
                 Caution(
                     "well.wall.friction.slip_velocity",
-                    f"{wall.friction.slip_velocity:g} m/s: a stuck string creeps at up to that speed; "
-                    "use law: projection",
+                    f"{slow:g} m/s: a stuck string creeps at up to that speed; use law: projection",
                 )
             )
     past = _past_the_end(scene, lumps)

@@ -18,7 +18,8 @@ TORQUE_SHOWN = 1.0e-3
 COORDINATE_UNITS = (
     "position is north, east, down of the rotary table's centre; lateral is on the Bishop frame's m1 (north at the "
     "table) and m2 (east); tension is the effective tension, positive in tension; friction_force is along the hole, "
-    "positive downhole, on the string; torque and rotation are clockwise looking downhole"
+    "positive downhole, on the string; rotation is clockwise looking downhole; torque is what the part above exerts on "
+    "the part below, clockwise, and surface_torque what the top drive exerts on the string"
 )
 
 
@@ -34,7 +35,7 @@ def variables() -> list[Variable]:
         Variable("axial_velocity", body, "m/s", "velocity along the hole, positive down"),
         Variable("rotation_rate", body, "rad/s", "rotary speed"),
         Variable("tension", link, "N", "effective tension"),
-        Variable("torque", link, "N m", "torque"),
+        Variable("torque", link, "N m", "torque that the string passes down, clockwise"),
         Variable("contact_force", body, "N", "normal force of the wall"),
         Variable("friction_force", body, "N", "friction along the hole on the string, positive downhole"),
         Variable("friction_around", body, "N", "friction around the pipe on the string"),
@@ -137,7 +138,7 @@ class Observer:
 
     def _torque(self, q, v) -> np.ndarray:
         twist = np.diff(q[:, :, 3], axis=1) + self.links.damping * np.diff(v[:, :, 3], axis=1)
-        return self.links.springs.torsional * twist
+        return -self.links.springs.torsional * twist
 
     def _contact(self, frames, q, v, k1, k2):
         """Normal force and friction along and around the hole; lump 0 touches nothing."""
@@ -152,7 +153,7 @@ class Observer:
 
     def _surface_torque(self, frames) -> np.ndarray:
         if self.drive is not None:
-            return frames.own[:, -1].copy()
+            return frames.own[:, -1] - self.drive.inertia * frames.a[:, 3]
         return frames.residual[:, 3].copy()
 
 

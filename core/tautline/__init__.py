@@ -32,7 +32,10 @@ def read(path: str | Path) -> Any:
 
 
 def simulate(
-    scene: Any, path: str | Path | None = None, progress: Callable[[float, float], None] | None = None
+    scene: Any,
+    path: str | Path | None = None,
+    progress: Callable[[float, float], None] | None = None,
+    resume: Result | None = None,
 ) -> Result:
     """Run a scene, or the scene in a file.
 
@@ -44,6 +47,8 @@ def simulate(
         Where the result is stored; None keeps it in memory.
     progress : callable or None
         Called with simulated and wall time, s.
+    resume : Result or None
+        An earlier result of the same scene, to go on from where it ended.
 
     Raises
     ------
@@ -57,4 +62,4 @@ def simulate(
 
     if isinstance(scene, (str, Path)):
         scene = read(scene)
-    return run(Installed().of(scene).build(scene), path, progress)
+    return run(Installed().of(scene).build(scene), path, progress, resume)

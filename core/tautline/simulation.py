@@ -123,13 +123,18 @@ class _Run:
 
     def take_up(self, earlier: Result) -> dict[str, np.ndarray]:
         """Go on from an earlier result; returns its frames."""
-        wrong = recall(earlier.restart, self.state, self.model.system.groups) if earlier.restart else ["restart"]
-        if wrong == ["restart"]:
+        place = earlier.path or "result"
+        if not earlier.restart:
             cure = "a run that was killed leaves none: run the scene from its start"
-            raise ResultError(earlier.path or "result", "holds no state to go on from", cure)
-        if wrong:
-            cause = f"belongs to another scene, method or law: {wrong[0]} does not fit"
-            raise ResultError(earlier.path or "result", cause, "go on with the scene and the method it was made with")
+            raise ResultError(place, "holds no state to go on from", cure)
+        made = {"method": earlier.attributes.get("method"), "physics": earlier.attributes.get("physics")}
+        now = {"method": self.model.solver.method, "physics": self.model.attributes.get("physics")}
+        cure = "only solver.end, the step and the output may differ from what it was made with"
+        for what, word in (("method", "method"), ("physics", "scene")):
+            if made[what] != now[what]:
+                raise ResultError(place, f"belongs to another {word}", cure)
+        if wrong := recall(earlier.restart, *self._parts()):
+            raise ResultError(place, f"belongs to another scene: {wrong[0]} does not fit", cure)
         frames = {name: np.array(earlier[name]) for name in (*(v.name for v in self.model.variables), "time")}
         self.time = float(frames["time"][-1])
         self.wall = float(earlier.attributes.get("wall_time", 0.0))
@@ -138,14 +143,18 @@ class _Run:
         self.ends = self.ends[later]
         self.steps = np.maximum(1, np.ceil(spans / self.model.solver.step - 1e-9)).astype(np.int64)
         self.balance.append(np.column_stack([frames[name] for name in ENERGIES]))
-        self.memory = remember(self.state, self.model.system.groups)
+        self.memory = remember(*self._parts())
         return frames
+
+    def _parts(self) -> tuple[Any, Any, Any]:
+        """What has a memory: the state, the groups, and the method with its factors."""
+        return self.state, self.model.system.groups, self.method
 
     def start(self) -> None:
         """Find the equilibrium the scene asks for, and set it moving."""
         if self.model.at_rest:
             find_equilibrium(self.model.system, self.state, self.model.step_limit)
-        start_moving(self.model.system, self.state)
+        start_moving(self.model.system, self.state, self.step)
 
     def store_first(self, store: Store) -> None:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
@@ -198,7 +207,7 @@ class _Run:
         stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.append(np.column_stack([stored[name] for name in ENERGIES]))
         store.append(stored)
-        self.memory = remember(self.state, self.model.system.groups)
+        self.memory = remember(*self._parts())
 
     def finish(self, store: Store, status: str) -> Result | None:
         """Close the file with what is known at the end; None where nothing was stored."""

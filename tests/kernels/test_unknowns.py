@@ -6,6 +6,7 @@ import short_string as string
 
 from tautline.integrators.linearise import evaluate_scene, matrices
 from tautline.integrators.state import new_state
+from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import entry
 from tautline.kernels.lapack import band_of
@@ -20,7 +21,7 @@ EVERY = [np.arange(FULL)[None, :]]
 TIES = {9: [(5, 0.5), (13, -0.3)], 7: [(3, 1.0)], 6: [(5, -2.0)]}
 
 
-def scene(ties=TIES, held=(1, 2), prescribed=(0,), stencils=EVERY, value=None):
+def scene(ties=TIES, held=(1, 2), prescribed=(0,), mass_stencils=EVERY, value=None):
     """A string with bending in a curved hole at a random state, some of its degrees of freedom held or tied."""
     rng = np.random.default_rng(11)
     state = string.random_state(rng)
@@ -34,7 +35,7 @@ def scene(ties=TIES, held=(1, 2), prescribed=(0,), stencils=EVERY, value=None):
         degrees.prescribe(i, 0)
     for i, masters in ties.items():
         degrees.tie(i, masters)
-    return assemble(groups, degrees, FUNCTIONS, state.v, stencils, stencils), state
+    return assemble(groups, degrees, FUNCTIONS, state.v, EVERY, mass_stencils), state
 
 
 def transformation(system, ties=TIES):
@@ -56,6 +57,11 @@ def _expand(dofs, reduced, full):
 @entry
 def _reduce(dofs, full, reduced):
     reduce(dofs, full, reduced)
+
+
+@entry
+def _add_mass(groups, q, matrix, dofs):
+    over.mass(groups, q, matrix, dofs)
 
 
 def test_expand_multiplies_by_the_transformation_and_reduce_by_its_transpose():
@@ -103,6 +109,19 @@ def test_the_mass_hook_of_a_tied_system_is_the_free_one_transformed():
     string.add_parts(system.groups[:1], 0.0, *state, np.zeros(FULL), parts, np.zeros(3))
     free = string.evaluate(system.groups[:1], state)[2]["hook"]
     assert np.allclose(string.dense(parts.hook), T.T @ free @ T, rtol=0, atol=1e-12)
+
+
+def test_a_mass_matrix_that_comes_out_diagonal_takes_the_blocks_of_eccentric_bodies():
+    """Lateral motion held, nothing couples the rest: the explicit method then keeps a diagonal (n,) and no band."""
+    lateral = [i for i in range(FULL) if i % 4 in (1, 2)]
+    own = [np.arange(FULL).reshape(-1, 4)[:, 1:]]
+    system, state = scene({}, held=lateral, prescribed=(), mass_stencils=own)
+    assert system.mass_bandwidth == 0
+    diagonal = np.zeros(system.size)
+    _add_mass(system.groups[:1], state.q, diagonal, system.dofs)
+    free = string.evaluate(system.groups[:1], state)[2]["hook"]
+    T = transformation(system, {})
+    assert np.allclose(np.diag(diagonal), T.T @ free @ T, rtol=0, atol=1e-12)
 
 
 def test_a_held_degree_starts_where_its_value_and_function_put_it():

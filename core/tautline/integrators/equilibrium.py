@@ -78,7 +78,12 @@ def _search(
     band, pivots, integers = band_of(n, k, k), np.zeros(n, np.int32), np.zeros(8, np.int32)
     x, shift, previous, worst = np.zeros(n), first_shift, np.inf, 0
     for iteration in range(ITERATIONS):
-        evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, True, True, shift, 0.0, 1.0, band, x)
+        evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, 1.0, True, shift, 0.0, 1.0, band, x)
+        for row in system.at_rest:
+            columns = np.arange(max(0, row - k), min(n, row + k + 1))
+            band[columns, 2 * k + row - columns] = 0.0
+            band[row, 2 * k] = 1.0
+            x[row] = 0.0
         sizes = np.abs(x) / system.scale
         size, worst = float(sizes.max(initial=0.0)), int(sizes.argmax()) if n else 0
         if not np.isfinite(size):

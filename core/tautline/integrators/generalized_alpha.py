@@ -14,7 +14,10 @@ from tautline.kernels.jit import kernel
 
 
 class GeneralizedAlpha(NamedTuple):
-    """Parameters of the method and its corrector; Newmark-beta is alpha_m = alpha_f = 0."""
+    """Parameters of the method and its corrector; Newmark-beta is alpha_m = alpha_f = 0.
+
+    ``power`` (2,) is scratch; ``last_step`` (1,) the length of the last accepted step, s, 0 before the first.
+    """
 
     alpha_m: float
     alpha_f: float
@@ -23,6 +26,7 @@ class GeneralizedAlpha(NamedTuple):
     max_halvings: int
     corrector: Corrector
     power: np.ndarray
+    last_step: np.ndarray
 
 
 def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
@@ -44,9 +48,11 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     gamma = m.gamma / (m.beta * h)
     over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
     keep(state)
+    # The auxiliary is the acceleration at t + (alpha_m - alpha_f) h: for a step of another length it is moved along.
+    ratio = h / m.last_step[0] if m.last_step[0] > 0.0 else 1.0
     for i in range(state.q.size):
         # Predict with the last acceleration: a_(t+1) = a_t in eq. 2.86.
-        last = state.auxiliary[i]
+        last = state.a[i] + ratio * (state.auxiliary[i] - state.a[i])
         new = (state.a[i] - m.alpha_m * last) / (1.0 - m.alpha_m)
         state.q[i] += h * state.v[i] + h * h * ((0.5 - m.beta) * last + m.beta * new)
         state.v[i] += h * ((1.0 - m.gamma) * last + m.gamma * new)
@@ -60,6 +66,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         expand(dofs, state.v, state.full_v)
         expand(dofs, state.a, state.full_a)
         return status
+    m.last_step[0] = h
     for i in range(state.q.size):
         state.auxiliary[i] += (1.0 - m.alpha_f) / (1.0 - m.alpha_m) * (state.a[i] - state.keep[2, i])
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)

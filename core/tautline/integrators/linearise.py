@@ -15,12 +15,12 @@ from tautline.system.system import System
 
 
 @entry
-def evaluate_scene(groups, dofs, functions, state, t, begin, at_rest, cm, cc, ck, band, residual):
+def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, band, residual):
     """Reduced residual ``residual`` (n,) and ``band`` = cm M + cc C + ck K at the state's position, at time t.
 
     ``at_rest`` leaves velocities and accelerations out; else velocities are the state's and accelerations are zero but
-    for those that are prescribed. ``begin`` begins an explicit step of every group, so that laws and arcs fit the
-    state; without it a run under way is looked at and not touched.
+    for those that are prescribed. Every group begins an explicit step of ``h`` s, so that laws and arcs fit
+    the state; with h = 0 a run under way is looked at and not touched.
     """
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
     expand(dofs, state.q, state.full_q)
@@ -32,8 +32,8 @@ def evaluate_scene(groups, dofs, functions, state, t, begin, at_rest, cm, cc, ck
         for i in range(dofs.start.size - 1):
             if dofs.start[i + 1] > dofs.start[i]:
                 state.full_a[i] = 0.0
-    if begin:
-        over.begin(groups, t, 1.0, 0.0, 0.0, state.full_q, state.full_v, state.full_a)
+    if h > 0.0:
+        over.begin(groups, t, h, 0.0, 0.0, state.full_q, state.full_v, state.full_a)
     state.residual.fill(0.0)
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     reduce(dofs, state.residual, residual)
@@ -44,8 +44,10 @@ def evaluate_scene(groups, dofs, functions, state, t, begin, at_rest, cm, cc, ck
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
 
 
-def start_moving(system: System, state: State) -> None:
+def start_moving(system: System, state: State, step: float) -> None:
     """Give the state the velocities of t = 0 and the accelerations that balance the forces there: M a = F.
+
+    ``step`` s is that of the run: a law may look ahead by it.
 
     Raises
     ------
@@ -54,20 +56,17 @@ def start_moving(system: System, state: State) -> None:
     """
     n, k = system.size, system.bandwidth
     band, pivots, integers = band_of(n, k, k), np.zeros(n, np.int32), np.zeros(8, np.int32)
-    starts = system.dofs.start
-    for i in np.flatnonzero(np.diff(starts) == 1):
-        at = starts[i]
-        state.v[system.dofs.unknown[at]] = system.v[i] / system.dofs.factor[at]
+    state.v[:] = system.v[system.free]
     acceleration = np.zeros(n)
     groups, dofs, functions = system.groups, system.dofs, system.functions
-    evaluate_scene(groups, dofs, functions, state, 0.0, True, False, 1.0, 0.0, 0.0, band, acceleration)
+    evaluate_scene(groups, dofs, functions, state, 0.0, step, False, 1.0, 0.0, 0.0, band, acceleration)
     row = factorise(band, pivots, n, k, k, integers)
     if row:
         raise StoppedEarly(Status.SINGULAR, 0.0, system.names[row - 1])
     solve(band, pivots, n, k, k, integers, acceleration)
     state.a[:] = -acceleration
     state.auxiliary[:] = state.a
-    evaluate_scene(groups, dofs, functions, state, 0.0, True, False, 1.0, 0.0, 0.0, band, acceleration)
+    evaluate_scene(groups, dofs, functions, state, 0.0, step, False, 1.0, 0.0, 0.0, band, acceleration)
 
 
 def largest_frequency(system: System, state: State, t: float, iterations: int = 60) -> tuple[float, int]:
@@ -80,7 +79,7 @@ def largest_frequency(system: System, state: State, t: float, iterations: int = 
     keep, residual = state.residual.copy(), np.zeros(n)
     for band, (cm, ck) in zip(bands, ((0.0, 1.0), (1.0, 0.0)), strict=True):
         evaluate_scene(
-            system.groups, system.dofs, system.functions, state, t, False, False, cm, 0.0, ck, band, residual
+            system.groups, system.dofs, system.functions, state, t, 0.0, False, cm, 0.0, ck, band, residual
         )
     state.residual[:] = keep
     offsets = np.arange(-k, k + 1)
@@ -114,7 +113,7 @@ def matrices(system: System, state: State, at_rest: bool = True) -> tuple[np.nda
     dense = []
     for part in np.eye(3):
         band, residual = band_of(n, k, k), np.zeros(n)
-        evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, True, at_rest, *part, band, residual)
+        evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, 1.0, at_rest, *part, band, residual)
         matrix = np.zeros((n, n))
         for j in range(n):
             first, last = max(0, j - k), min(n, j + k + 1)

@@ -20,14 +20,16 @@ DONE, NOT_CONVERGED, SINGULAR, NOT_FINITE = (
 )
 CONTRACTION = 0.1
 """Old factors are kept while an iteration shrinks the residual to this fraction, else the tangent is made anew."""
-HALF_STEPS = (9, 12, 15)
-"""Iterations whose increment is halved where a law switches: two statuses may chase each other."""
+HALF_STEPS_FROM = 9
+"""From this iteration on every third increment is halved: two statuses of a law may chase each other."""
+SAME_STEP = 1.0e-9
+"""Relative difference of beta' below which two steps are the same: frame times are rounded."""
 
 
 class Corrector(NamedTuple):
     """Settings and scratch of the iteration.
 
-    ``tolerance``: with the energy criterion the bound of eq. 2.78 over the scene's own energy scale; with the force
+    ``tolerance``: with the energy criterion the bound of eq. 2.78 per unit of the largest force scale; with the force
     criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch
     and ``band`` the factors of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they
     belong to, zeros where they are out of date.
@@ -72,16 +74,20 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
     k = (c.band.shape[1] - 1) // 3
     changed = c.changed
     previous = energy = np.inf
-    if c.factored_for[0] != beta or c.factored_for[1] != gamma:
+    if abs(c.factored_for[0] - beta) > SAME_STEP * beta:
         c.factored_for[0] = 0.0
-    if c.made_for[0] != beta or c.made_for[1] != gamma:
+    if abs(c.made_for[0] - beta) > SAME_STEP * beta:
         c.made_for[0] = 0.0
+    event = False
     for iteration in range(c.max_iterations + 1):
         expand(dofs, state.q, state.full_q)
         expand(dofs, state.v, state.full_v)
         expand(dofs, state.a, state.full_a)
         changed[0] = 0
-        over.switch(groups, t, state.full_q, state.full_v, False, changed)
+        if not event:
+            # After an event the forced status is to be solved for before it is tested.
+            over.switch(groups, t, state.full_q, state.full_v, False, changed)
+        event = False
         if changed[0] > 0:
             c.factored_for[0] = 0.0
             previous = energy = np.inf
@@ -98,6 +104,7 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
                 return DONE
             c.factored_for[0] = 0.0
             previous = energy = np.inf
+            event = True
             continue
         if iteration == c.max_iterations:
             break
@@ -119,7 +126,7 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
                 return SINGULAR
             c.factored_for[0] = beta
             c.factored_for[1] = gamma
-        energy = _step(c, state, n, k, beta, gamma, 0.5 if iteration in HALF_STEPS else 1.0)
+        energy = _step(c, state, n, k, beta, gamma, 0.5 if iteration >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
         state.counters[ITERATIONS] += 1
         previous = size
     return NOT_CONVERGED

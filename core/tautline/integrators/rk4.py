@@ -10,7 +10,7 @@ from tautline.integrators.newton import DONE, SINGULAR
 from tautline.integrators.state import WORST, enter, fill, keep, restore, supplied_power
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import reduce
+from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import kernel
 from tautline.kernels.lapack import band_of, factorise, solve
 from tautline.system.system import System
@@ -24,7 +24,10 @@ sound in steel."""
 
 
 class RungeKutta4(NamedTuple):
-    """Scratch of the method. ``mass`` is (n,) where the mass matrix is diagonal, else a band."""
+    """Scratch of the method. ``mass`` is (n,) where the mass matrix is diagonal, else a band.
+
+    ``coupled`` says whether the mass couples what is held to what is free.
+    """
 
     mass: np.ndarray
     pivots: np.ndarray
@@ -32,6 +35,7 @@ class RungeKutta4(NamedTuple):
     slopes: np.ndarray
     power: np.ndarray
     at: np.ndarray
+    coupled: bool
 
 
 def runge_kutta_4(system: System) -> RungeKutta4:
@@ -39,8 +43,9 @@ def runge_kutta_4(system: System) -> RungeKutta4:
     n = system.size
     mass = np.zeros(n) if system.mass_bandwidth == 0 else band_of(n, system.mass_bandwidth, system.mass_bandwidth)
     return RungeKutta4(
-        mass, np.zeros(n, np.int32), np.zeros(8, np.int32), np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64)
-    )
+        mass, np.zeros(n, np.int32), np.zeros(8, np.int32), np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64),
+        system.mass_couples_held,
+    )  # fmt: skip
 
 
 @kernel
@@ -83,7 +88,14 @@ def accelerate(method, groups, dofs, functions, t, state):
 
 @kernel
 def account(method, groups, dofs, t, state):
-    """Book work and losses at time t, with the residual that :func:`accelerate` left."""
+    """Book work and losses at time t, after :func:`accelerate`.
+
+    The force that moves what is held depends on the free accelerations where the mass couples the two.
+    """
+    if method.coupled:
+        expand(dofs, state.a, state.full_a)
+        state.residual.fill(0.0)
+        over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     method.power.fill(0.0)
     over.dissipation(groups, t, state.full_q, state.full_v, method.power)
     enter(state.ledger, t, supplied_power(dofs, state) + method.power[1], method.power[0])

@@ -41,12 +41,7 @@ class State(NamedTuple):
 def new_state(system: System) -> State:
     """State at t = 0 with zero acceleration; reduced unknowns are read off the free full ones."""
     n, full = system.size, system.q.size
-    q, v = np.zeros(n), np.zeros(n)
-    dofs = system.dofs
-    single = np.diff(dofs.start) == 1
-    places = dofs.start[:-1][single]
-    q[dofs.unknown[places]] = system.q[single] / dofs.factor[places]
-    v[dofs.unknown[places]] = system.v[single] / dofs.factor[places]
+    q, v = system.q[system.free], system.v[system.free]
     return State(
         q, v, np.zeros(n), np.zeros(n), system.q.copy(), system.v.copy(), np.zeros(full), np.zeros(full),
         np.zeros((4, n)), np.zeros(6), np.zeros(5, dtype=np.int64),

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numba
 from numba import njit
+from numba.core.caching import IndexDataCacheFile
 
 FOLDERS_KEPT = 6
 """Cache folders kept beside the one in use: other checkouts and versions that a user may go back to."""
@@ -31,8 +32,13 @@ def kernel_sources() -> list[Path]:
     for package in sorted(packages):
         spec = util.find_spec(package)
         for root in spec.submodule_search_locations if spec and spec.submodule_search_locations else []:
-            sources += [f for f in sorted(Path(root).rglob("*.py")) if b"kernel" in f.read_bytes()]
+            sources += [f for f in sorted(Path(root).rglob("*.py")) if _is_compiled(f)]
     return sources
+
+
+def _is_compiled(source: Path) -> bool:
+    """Whether a file holds compiled code, or constants that are compiled in."""
+    return source.parent.name == "integrators" or b"kernel" in source.read_bytes()
 
 
 @functools.cache
@@ -70,6 +76,24 @@ def is_cold() -> bool:
     return not any(cache_folder().rglob("*.nbi"))
 
 
+def _tolerate_foreign_entries() -> None:
+    """Let a cache index that names classes which cannot be imported here count as empty.
+
+    A group may live in a user's own script; numba reads every entry of a function's index, so that one run of such a
+    script would otherwise stop all runs elsewhere.
+    """
+    load = IndexDataCacheFile._load_index
+
+    def load_index(self: IndexDataCacheFile) -> dict:
+        try:
+            return load(self)
+        except (ImportError, AttributeError):
+            return {}
+
+    IndexDataCacheFile._load_index = load_index
+
+
+_tolerate_foreign_entries()
 numba.config.CACHE_DIR = str(cache_folder())
 
 entry = functools.partial(njit, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import llvmlite.binding
 import numpy as np
-from numba import types
+from numba import config, types
 from numba.extending import get_cython_function_address
 
 from tautline.kernels.jit import entry
@@ -78,3 +78,18 @@ def solve(band, pivots, n, kl, ku, integers, x):
 def band_of(n: int, kl: int, ku: int) -> np.ndarray:
     """Zero band storage, shape (n, 2 kl + ku + 1)."""
     return np.zeros((n, 2 * kl + ku + 1))
+
+
+if config.DISABLE_JIT:
+    # Uncompiled, an external function does nothing: the same routines by SciPy's own wrapper.
+    from scipy.linalg.lapack import dgbtrf, dgbtrs
+
+    def factorise(band, pivots, n, kl, ku, integers):
+        """Factorise by :func:`scipy.linalg.lapack.dgbtrf`."""
+        factors, pivots[:], info = dgbtrf(band.T, kl, ku)
+        band[:] = factors.T
+        return info
+
+    def solve(band, pivots, n, kl, ku, integers, x):
+        """Solve by :func:`scipy.linalg.lapack.dgbtrs`."""
+        x[:] = dgbtrs(band.T, kl, ku, x, pivots)[0]

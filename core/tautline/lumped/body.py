@@ -106,7 +106,9 @@ def _eccentric_mass(g, q, matrix, dofs):
             b.mass, b.polar, b.transverse, b.lateral_mass, b.weight, b.e1, b.e2,
             seat.k1, seat.k2, q[o + 1], q[o + 2], q[o + 3], block,
         )  # fmt: skip
-        add_block(matrix, dofs, o, PER_BODY, PER_BODY, block)
+        for k in range(PER_BODY):
+            for l in range(PER_BODY):
+                add_entry(matrix, dofs, o + k, o + l, block[k, l])
 
 
 @kernel

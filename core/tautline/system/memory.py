@@ -22,23 +22,28 @@ def arrays_of(thing: Any, name: str) -> Iterator[tuple[str, np.ndarray]]:
             yield from arrays_of(part, f"{name}.{key}")
 
 
-def remember(state: Any, groups: tuple[Any, ...]) -> dict[str, np.ndarray]:
-    """Copy the state's and the groups' arrays; records are kept as their bytes."""
+def _all(state: Any, groups: tuple[Any, ...], method: Any) -> Iterator[tuple[str, np.ndarray]]:
+    for name, thing in (("state", state), ("groups", groups), ("method", method)):
+        yield from arrays_of(thing, name)
+
+
+def remember(state: Any, groups: tuple[Any, ...], method: Any) -> dict[str, np.ndarray]:
+    """Copy the arrays of state, groups and method; records are kept as their bytes."""
     memory = {}
-    for name, array in (*arrays_of(state, "state"), *arrays_of(groups, "groups")):
+    for name, array in _all(state, groups, method):
         memory[name] = np.frombuffer(array.tobytes(), np.uint8).copy() if array.dtype.names else array.copy()
     return memory
 
 
-def recall(memory: Mapping[str, np.ndarray], state: Any, groups: tuple[Any, ...]) -> list[str]:
-    """Write remembered arrays back into a state and groups of the same scene.
+def recall(memory: Mapping[str, np.ndarray], state: Any, groups: tuple[Any, ...], method: Any) -> list[str]:
+    """Write remembered arrays back into state, groups and method of the same scene.
 
     Returns
     -------
     list of str
         Names of arrays that do not fit, because they belong to another scene; nothing is written then.
     """
-    places = dict((*arrays_of(state, "state"), *arrays_of(groups, "groups")))
+    places = dict(_all(state, groups, method))
     wrong = sorted(set(places) ^ set(memory))
     wrong += [name for name, place in places.items() if name in memory and place.nbytes != memory[name].nbytes]
     if not wrong:

@@ -65,6 +65,12 @@ class System:
         Force (N, N m) against which the residual of a reduced row is judged.
     names : list of str
         What each reduced unknown is.
+    free : (n,) int array
+        The full degree of freedom that each reduced unknown is.
+    mass_couples_held : bool
+        Whether the mass matrix couples held degrees of freedom to free ones.
+    at_rest : (k,) int array
+        Reduced unknowns that stay where they are while an equilibrium is sought.
     bandwidth, mass_bandwidth : int
         Sub- and superdiagonals of the tangent and of the mass matrix; 0 is diagonal.
     """
@@ -76,6 +82,9 @@ class System:
     v: np.ndarray
     scale: np.ndarray
     names: list[str]
+    free: np.ndarray
+    mass_couples_held: bool
+    at_rest: np.ndarray
     bandwidth: int
     mass_bandwidth: int
 
@@ -92,6 +101,7 @@ def assemble(
     velocity: np.ndarray,
     stencils: Sequence[np.ndarray],
     mass_stencils: Sequence[np.ndarray],
+    at_rest: Sequence[int] = (),
 ) -> System:
     """Number the unknowns and order them for a narrow band.
 
@@ -107,6 +117,8 @@ def assemble(
         Velocity at t = 0, m/s or rad/s.
     stencils, mass_stencils : sequences of (m, k) int arrays
         Each row lists full degrees of freedom that a member of a group couples, in the tangent and in the mass.
+    at_rest : sequence of int
+        Free full degrees of freedom that stay where they are while an equilibrium is sought: driven ones.
 
     Returns
     -------
@@ -141,6 +153,9 @@ def assemble(
         v=velocity.astype(np.float64),
         scale=degrees.scale[free][order].astype(np.float64),
         names=[degrees.names[free[k]] for k in order],
+        free=free[order],
+        mass_couples_held=any(_couples(masters, s) for s in mass_stencils),
+        at_rest=np.array([rank[number[i]] for i in at_rest if number[i] >= 0], dtype=np.int64),
         bandwidth=_bandwidth(pattern, rank),
         mass_bandwidth=_bandwidth(mass_pattern, rank),
     )
@@ -158,6 +173,11 @@ def _masters(i: int, number: np.ndarray, degrees: Degrees) -> list[tuple[int, fl
     if i not in degrees.masters:
         return [(int(number[i]), 1.0)]
     return [(int(number[j]), f) for j, f in degrees.masters[i] if number[j] >= 0]
+
+
+def _couples(masters: list[list[tuple[int, float]]], stencil: np.ndarray) -> bool:
+    free = np.array([bool(m) for m in masters])[stencil]
+    return bool(np.any(free.any(axis=-1) & ~free.all(axis=-1))) if stencil.size else False
 
 
 def _pattern(masters: list[list[tuple[int, float]]], size: int, stencils: Sequence[np.ndarray]) -> csr_matrix:
