@@ -18,7 +18,7 @@ from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIP_FOR_NEWTON = 1.0e-3
 SLIP_FOR_CREEP = 1.0e-3
-"""Slip velocities, m/s, of the regularised law: Newton's method struggles below one, a string creeps above the other."""
+"""Slip velocities, m/s, of the regularised law: below one Newton's method struggles, above the other it creeps."""
 PAST_THE_END = 5.0
 """Metres that a string may hang past the hole's end, by its stretch and the heave, without a word."""
 LONG_FOR_MOTION = 0.05

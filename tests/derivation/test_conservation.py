@@ -79,7 +79,7 @@ def run(well, block, damped, steps, on_axis=False):
     system = string(well, block, damped, on_axis)
     settings = SolverSettings("generalized-alpha", 0.0, END, END, 0.5, 0.5, tolerance=1e-11)
     method, state = method_for(system, settings), new_state(system)
-    start_moving(system, state)
+    start_moving(system, state, 1e-3)
     frames = new_frames(steps + 1, FULL, 0)
     # The first frame, of no steps, is the start.
     each = np.minimum(np.arange(steps + 1), 1)

@@ -77,7 +77,7 @@ def test_the_looped_body_link_and_bend_are_the_equations_of_all_bodies_at_once(b
         state.q[at], state.v[at] = q, w
         band, r = band_of(full, system.bandwidth, system.bandwidth), np.zeros(full)
         evaluate_scene(
-            system.groups, system.dofs, system.functions, state, 0.0, True, False, 1.0, 0.0, 0.0, band, r
+            system.groups, system.dofs, system.functions, state, 0.0, 1.0, False, 1.0, 0.0, 0.0, band, r
         )
         depth = q.copy()
         depth[::PER_BODY] += numbers.place

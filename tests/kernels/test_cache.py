@@ -28,7 +28,7 @@ cold = is_cold()
 GROUPS
 s = assemble(groups, Degrees(["x"], np.zeros(1), np.ones(1)), compile_functions([]), np.zeros(1), [], [])
 band, r = band_of(1, 0, 0), np.zeros(1)
-evaluate_scene(s.groups, s.dofs, s.functions, new_state(s), 0.0, False, True, 1.0, 0.0, 0.0, band, r)
+evaluate_scene(s.groups, s.dofs, s.functions, new_state(s), 0.0, 0.0, True, 1.0, 0.0, 0.0, band, r)
 stats = evaluate_scene.stats
 print(json.dumps([cold, r[0], sum(stats.cache_hits.values()), sum(stats.cache_misses.values())]))
 """

@@ -87,7 +87,7 @@ def test_matrices_and_residual_of_a_tied_system_are_those_of_the_free_one_transf
     reduced = matrices(system, state, at_rest=False)
     residual, k = np.zeros(system.size), system.bandwidth
     evaluate_scene(
-        system.groups, system.dofs, system.functions, state, 0.0, True, False, 1.0, 0.0, 0.0,
+        system.groups, system.dofs, system.functions, state, 0.0, 1.0, False, 1.0, 0.0, 0.0,
         band_of(system.size, k, k), residual,
     )  # fmt: skip
     # What the groups saw: free and tied accelerations zero, the prescribed one its function's.

@@ -46,7 +46,7 @@ def run(method, steps, ends=(END,), alpha=PARAMETERS["rho_inf 0.5"], **changes):
     system = two_masses.system()
     settings = SolverSettings(method, 0.0, END, END, *alpha, **({"tolerance": 1e-13} | changes))
     state = new_state(system)
-    start_moving(system, state)
+    start_moving(system, state, 1e-3)
     rows = len(ends)
     frames = new_frames(rows, 3, 0)
     counts = np.broadcast_to(np.asarray(steps, dtype=np.int64), rows).copy()
@@ -133,7 +133,7 @@ def test_a_step_that_no_halving_saves_ends_the_run_with_its_status():
     system = two_masses.system()
     settings = SolverSettings("newmark", 0.0, END, END, 0.0, 0.0, tolerance=1e-13, max_iterations=1, max_halvings=2)
     state = new_state(system)
-    start_moving(system, state)
+    start_moving(system, state, 1e-3)
     before = state.q.copy(), state.v.copy(), state.a.copy()
     status, filled, reached = march(
         METHODS["newmark"](system, settings), system.groups, system.dofs, system.functions, state,

@@ -134,7 +134,7 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
             if status != DONE:
                 return status, k, t0 + step * h
             state.counters[STEPS] += 1
-        status = accelerate(method, groups, dofs, functions, ends[k], state)
+        status = accelerate(method, groups, dofs, ends[k], state)
         if status != DONE:
             return status, k, ends[k]
         expand(dofs, state.a, state.full_a)

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.newton import DONE, SINGULAR
-from tautline.integrators.state import WORST, enter, fill, keep, restore, supplied_power
+from tautline.integrators.state import WORST, enter, keep, restore, supplied_power
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand, reduce
+from tautline.kernels.dofs import expand, prescribe, reduce
 from tautline.kernels.jit import kernel
 from tautline.kernels.lapack import band_of, factorise, solve
 from tautline.system.system import System
@@ -68,9 +68,10 @@ def solve_mass(matrix, pivots, integers, groups, dofs, q, right_side):
 
 
 @kernel
-def accelerate(method, groups, dofs, functions, t, state):
-    """Set the acceleration at time t from position and velocity: M a = F. Returns a status."""
-    fill(dofs, functions, t, state)
+def accelerate(method, groups, dofs, t, state):
+    """Set the acceleration at time t from position and velocity, what is held being where it is then: M a = F."""
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
     for i in range(dofs.start.size - 1):
         if dofs.start[i + 1] > dofs.start[i]:
             state.full_a[i] = 0.0
@@ -111,7 +112,11 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
     sum_v.fill(0.0)
     sum_a.fill(0.0)
     for stage in range(4):
-        status = accelerate(method, groups, dofs, functions, t + h * (0.0, 0.5, 0.5, 1.0)[stage], state)
+        now = t + h * (0.0, 0.5, 0.5, 1.0)[stage]
+        if stage % 2 == 1:
+            # The first stage is where the last step ended, and the middle two share their time.
+            prescribe(dofs, functions, now, state.full_q, state.full_v, state.full_a)
+        status = accelerate(method, groups, dofs, now, state)
         if status != DONE:
             restore(state)
             return status
@@ -131,6 +136,7 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
             state.counters[WORST] = i
             restore(state)
             return UNSTABLE
-    fill(dofs, functions, t + h, state)
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
     return DONE

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
 from tautline.system.system import System
 
@@ -46,15 +45,6 @@ def new_state(system: System) -> State:
         q, v, np.zeros(n), np.zeros(n), system.q.copy(), system.v.copy(), np.zeros(full), np.zeros(full),
         np.zeros((4, n)), np.zeros(6), np.zeros(5, dtype=np.int64),
     )  # fmt: skip
-
-
-@kernel
-def fill(dofs, functions, t, state):
-    """Full vectors from the reduced ones and the motion of what is held, at time t."""
-    prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
-    expand(dofs, state.q, state.full_q)
-    expand(dofs, state.v, state.full_v)
-    expand(dofs, state.a, state.full_a)
 
 
 @kernel

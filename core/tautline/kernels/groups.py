@@ -84,8 +84,8 @@ def _over_groups(
 
     ``among`` picks the kinds that are summed over, by the hooks that they offer.
 
-    The calls are written out one after another for the tuple's types, and put in line: a chain of calls through the
-    tuple would compile the rest of the chain again at every link.
+    The calls are written out one after another for the tuple's types: a chain of calls through the tuple would compile
+    the rest of the chain again at every link.
     """
 
     def total(groups, *args):
@@ -103,7 +103,7 @@ def _over_groups(
 
     typed = _define(f"def resolve(groups, {arguments}):\n    return choose(groups)", {"choose": resolve}, "resolve")
     stub = _define(f"def {hook}(groups, {arguments}):\n    total(groups, {arguments})", {"total": total}, hook)
-    overload(stub, inline="always")(typed)
+    overload(stub)(typed)
     return stub
 
 
