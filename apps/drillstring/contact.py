@@ -17,7 +17,7 @@ from drillstring.friction import act, force_now, prepare, settle, status
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
-from tautline.lumped.curve import PER_BODY, Curve
+from tautline.lumped.curve import PER_BODY, STRIDE, Curve
 
 CENTRED = 1.0e-6
 """Offset from the hole's axis, m, below which no direction to the wall is defined."""
@@ -115,7 +115,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             for k in range(PER_BODY):
                 for l in range(PER_BODY):
                     damping[k, l] = ck * stiffness[k, l] + cc * damping[k, l]
-            add_block(matrix, dofs, o, PER_BODY, PER_BODY, damping)
+            add_block(matrix, dofs, o, STRIDE, STRIDE, damping)
 
 
 @kernel

@@ -115,7 +115,7 @@ def links_of(lumps: Lumps, curve: Curve, structural_damping: float) -> Links:
         axial=lumps.of_links(lambda tube: tube.youngs_modulus * tube.area) / lumps.length,
         torsional=lumps.of_links(lambda tube: tube.shear_modulus * tube.polar_moment) / lumps.length,
     )
-    return Links(curve, springs, float(structural_damping), link_slopes(), np.zeros((13, 6)))
+    return Links(curve, springs, float(structural_damping), link_slopes(), np.zeros((3, 6, 6)))
 
 
 def bends_of(lumps: Lumps, curve: Curve, stiff: bool) -> Bends:

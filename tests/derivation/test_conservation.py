@@ -54,7 +54,7 @@ def string(well, block, damped, on_axis):
     springs = records(n - 1, SPRING, length=length, axial=80.0 / length, torsional=3.0 / length)
     groups = (
         EccentricBodies(curve, lumps, np.zeros((3, 4, 4))),
-        Links(curve, springs, 0.02 if damped else 0.0, link_slopes(), np.zeros((13, 6))),
+        Links(curve, springs, 0.02 if damped else 0.0, link_slopes(), np.zeros((3, 6, 6))),
         Bends(curve, length, np.full(n - 2, 0.0 if on_axis else 4.0), 1.0, bend_slopes(), np.zeros((9, 9))),
     )
     functions = compile_functions([FunctionRequest(block), FunctionRequest(Constant(value=0.5), integrate=True)])

@@ -52,7 +52,7 @@ def system_of(numbers):
     springs = records(n - 1, SPRING, length=length, axial=numbers.axial, torsional=numbers.torsional)
     groups = (
         EccentricBodies(curve, records(n, LUMP, **names), np.zeros((3, 4, 4))),
-        Links(curve, springs, numbers.link_damping, link_slopes(), np.zeros((13, 6))),
+        Links(curve, springs, numbers.link_damping, link_slopes(), np.zeros((3, 6, 6))),
         Bends(curve, length, numbers.bending, 1.0, bend_slopes(), np.zeros((9, 9))),
     )
     full = PER_BODY * n

@@ -68,7 +68,7 @@ def links(seats, rng, damping=0.0):
     length = np.diff(seats.seats.place)
     n = length.size
     springs = records(n, SPRING, length=length, axial=rng.uniform(1, 3, n), torsional=rng.uniform(1, 3, n))
-    return Links(seats, springs, damping, link_slopes(), np.zeros((13, 6)))
+    return Links(seats, springs, damping, link_slopes(), np.zeros((3, 6, 6)))
 
 
 def bends(seats, rng, stiff=True):

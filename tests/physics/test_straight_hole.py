@@ -178,8 +178,9 @@ def test_top_drive_with_too_low_a_torque_limit_stalls():
     limit = 0.6 * FRICTION_TORQUE
     result = drive(torque_limit=limit)
     late = result.time > 22.0
-    # The limit is the drive's: while it slows down, its inertia gives the string more.
-    assert result["surface_torque"][late] == pytest.approx(limit, rel=1e-9)
+    # The limit is the drive's; its inertia swings on the wound-up string about that.
+    assert result["surface_torque"][late].mean() == pytest.approx(limit, rel=0.05)
+    assert abs(result["rotation_rate"][late, 0].mean()) < 0.01 * 4 * pi
     # the bit never turns a radian, and the drive does not turn on: it winds the string up and stops
     assert np.abs(result["rotation"][:, -1]).max() < 1.0
     assert np.abs(result["rotation_rate"][late].mean(axis=0)).max() < 0.05 * 4 * pi

@@ -8,7 +8,7 @@ from scipy.sparse import dia_array
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand, prescribe, reduce
+from tautline.kernels.dofs import HELD, expand, prescribe, reduce
 from tautline.kernels.jit import entry
 from tautline.kernels.lapack import band_of, factorise, solve
 from tautline.system.system import System
@@ -29,8 +29,8 @@ def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, ba
         state.full_v.fill(0.0)
         state.full_a.fill(0.0)
     else:
-        for i in range(dofs.start.size - 1):
-            if dofs.start[i + 1] > dofs.start[i]:
+        for i in range(dofs.number.size):
+            if dofs.number[i] != HELD:
                 state.full_a[i] = 0.0
     if h > 0.0:
         over.begin(groups, t, h, 0.0, 0.0, state.full_q, state.full_v, state.full_a)

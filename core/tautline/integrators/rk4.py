@@ -10,7 +10,7 @@ from tautline.integrators.newton import DONE, SINGULAR
 from tautline.integrators.state import WORST, enter, keep, restore, supplied_power
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand, prescribe, reduce
+from tautline.kernels.dofs import HELD, expand, prescribe, reduce
 from tautline.kernels.jit import kernel
 from tautline.kernels.lapack import band_of, factorise, solve
 from tautline.system.system import System
@@ -72,8 +72,8 @@ def accelerate(method, groups, dofs, t, state):
     """Set the acceleration at time t from position and velocity, what is held being where it is then: M a = F."""
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
-    for i in range(dofs.start.size - 1):
-        if dofs.start[i + 1] > dofs.start[i]:
+    for i in range(dofs.number.size):
+        if dofs.number[i] != HELD:
             state.full_a[i] = 0.0
     state.residual.fill(0.0)
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)

@@ -56,12 +56,13 @@ def prescribe(dofs, functions, t, q, v, a):
 @kernel
 def expand(dofs, reduced, full):
     """Write reduced unknowns into the full vector; held degrees of freedom are left as they are."""
-    for i in range(dofs.start.size - 1):
-        first = dofs.start[i]
-        last = dofs.start[i + 1]
-        if last > first:
+    number = dofs.number
+    for i in range(number.size):
+        if number[i] >= 0:
+            full[i] = reduced[number[i]]
+        elif number[i] == TIED:
             x = 0.0
-            for k in range(first, last):
+            for k in range(dofs.start[i], dofs.start[i + 1]):
                 x += dofs.factor[k] * reduced[dofs.unknown[k]]
             full[i] = x
 
@@ -70,9 +71,13 @@ def expand(dofs, reduced, full):
 def reduce(dofs, full, reduced):
     """Sum full residuals into the reduced rows they belong to."""
     reduced.fill(0.0)
-    for i in range(dofs.start.size - 1):
-        for k in range(dofs.start[i], dofs.start[i + 1]):
-            reduced[dofs.unknown[k]] += dofs.factor[k] * full[i]
+    number = dofs.number
+    for i in range(number.size):
+        if number[i] >= 0:
+            reduced[number[i]] += full[i]
+        elif number[i] == TIED:
+            for k in range(dofs.start[i], dofs.start[i + 1]):
+                reduced[dofs.unknown[k]] += dofs.factor[k] * full[i]
 
 
 def add_entry(matrix, dofs, i, j, x):

@@ -11,7 +11,7 @@ from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.lumped import generated
 from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_of, place, pull_back, slopes
-from tautline.lumped.curve import PER_BODY, Curve
+from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve
 
 THREE = 9
 """Coordinates of a bend: x, u, v of three bodies."""
@@ -114,7 +114,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         for k in range(THREE):
             for l in range(THREE):
                 hessian[k, l] *= factor
-        add_block(matrix, dofs, PER_BODY * i, PER_BODY, 3, hessian)
+        add_block(matrix, dofs, PER_BODY * i, STRIDE, PLACES, hessian)
 
 
 @kernel

@@ -10,7 +10,7 @@ from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.lumped import generated
-from tautline.lumped.curve import PER_BODY, Curve, downward, hold_arcs, vertical_depth
+from tautline.lumped.curve import PER_BODY, STRIDE, Curve, downward, hold_arcs, vertical_depth
 
 LUMP = np.dtype(
     [
@@ -121,7 +121,7 @@ def _combine(b, o, cm, cc, ck, mass, damping, stiffness, matrix, dofs):
     for k in range(PER_BODY):
         for l in range(PER_BODY):
             stiffness[k, l] = cm * mass[k, l] + cc * damping[k, l] + ck * stiffness[k, l]
-    add_block(matrix, dofs, o, PER_BODY, PER_BODY, stiffness)
+    add_block(matrix, dofs, o, STRIDE, STRIDE, stiffness)
 
 
 @kernel

@@ -17,6 +17,10 @@ PER_BODY = 4
 """Degrees of freedom of a body: x along the curve from its unstretched place, lateral u and v, rotation theta."""
 
 
+STRIDE, PLACES = np.int64(PER_BODY), np.int64(3)
+"""All degrees of freedom of a body, and those of its place (x, u, v), as arguments: plain constants would be compiled
+into the callee, once for every value."""
+
 ARC = np.dtype([(name, np.float64) for name in ("start", "k1", "k2", "turn1", "turn2", "g1", "g2", "g3", "depth")])
 """An arc: measured depth of its start m, curvature 1/m, cumulative turning rad, components there of the downward unit
 vector along (m1, m2, t), vertical depth m."""

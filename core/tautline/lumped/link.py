@@ -11,7 +11,7 @@ from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.lumped import generated
 from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_of, place, pull_back, slopes
-from tautline.lumped.curve import PER_BODY, Curve
+from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve
 
 SPRING = np.dtype([(name, np.float64) for name in ("length", "axial", "torsional")])
 """A link: unstretched length m; axial stiffness EA / l0 N/m; torsional stiffness GJ / l0 N m/rad."""
@@ -20,7 +20,7 @@ SPRING = np.dtype([(name, np.float64) for name in ("length", "axial", "torsional
 class Links(NamedTuple):
     """Link i of ``SPRING`` (n,) joins bodies i and i + 1.
 
-    ``damping`` is the Kelvin-Voigt time of both stiffnesses, s (0: none); ``scratch`` is zeros (13, 6).
+    ``damping`` is the Kelvin-Voigt time of both stiffnesses, s (0: none); ``scratch`` is zeros (3, 6, 6).
     """
 
     curve: Curve
@@ -86,7 +86,7 @@ def _stretch_hessian(g, i, q, hessian):
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    hessian, turned, block = g.scratch[:6], g.scratch[6], g.scratch[7:13]
+    hessian, block, turned = g.scratch[0], g.scratch[1], g.scratch[2, 0]
     for i in range(g.springs.size):
         spring = g.springs[i]
         stretch, gradient = stretch_of(g, i, q)
@@ -104,7 +104,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             for l in range(BOTH):
                 block[k, l] = ck * tension * hessian[k, l] + gradient[k] * (along * gradient[l] + ck * lag * turned[l])
         o, p = PER_BODY * i, PER_BODY * (i + 1)
-        add_block(matrix, dofs, o, PER_BODY, 3, block)
+        add_block(matrix, dofs, o, STRIDE, PLACES, block)
         x = (ck + cc * g.damping) * spring.torsional
         add_entry(matrix, dofs, o + 3, o + 3, x)
         add_entry(matrix, dofs, p + 3, p + 3, x)
