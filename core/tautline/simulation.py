@@ -160,7 +160,7 @@ class _Run:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
         system = self.model.system
         march(
-            self.method, system.groups, system.dofs, system.functions, self.state,
+            self.method, system, self.state,
             np.zeros(1), np.zeros(1, np.int64), 0.0, self.frames,
         )  # fmt: skip
         self._store(store, self.frames, 1)
@@ -174,7 +174,7 @@ class _Run:
         before = time.perf_counter()
         self._check_step()
         status, filled, reached = march(
-            self.method, system.groups, system.dofs, system.functions, self.state,
+            self.method, system, self.state,
             self.ends[some], self.steps[some], self.time, self.frames,
         )  # fmt: skip
         spent = time.perf_counter() - before

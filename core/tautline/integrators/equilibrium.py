@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.linearise import evaluate_scene
+from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.lapack import band_of, factorise, solve
@@ -78,7 +78,7 @@ def _search(
     band, pivots, integers = band_of(n, k, k), np.zeros(n, np.int32), np.zeros(8, np.int32)
     x, shift, previous, worst = np.zeros(n), first_shift, np.inf, 0
     for iteration in range(ITERATIONS):
-        evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, 1.0, True, shift, 0.0, 1.0, band, x)
+        evaluate(system, state, 0.0, 1.0, True, shift, 0.0, 1.0, band, x)
         for row in system.at_rest:
             columns = np.arange(max(0, row - k), min(n, row + k + 1))
             band[columns, 2 * k + row - columns] = 0.0

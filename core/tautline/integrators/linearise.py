@@ -14,14 +14,23 @@ from tautline.kernels.lapack import band_of, factorise, solve
 from tautline.system.system import System
 
 
-@entry
-def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, band, residual):
+SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
+
+
+def evaluate(system, state, t, h, at_rest, cm, cc, ck, band, residual):
     """Reduced residual ``residual`` (n,) and ``band`` = cm M + cc C + ck K at the state's position, at time t.
 
     ``at_rest`` leaves velocities and accelerations out; else velocities are the state's and accelerations are zero but
     for those that are prescribed. Every group begins an explicit step of ``h`` s, so that laws and arcs fit
     the state; with h = 0 a run under way is looked at and not touched.
     """
+    groups = system.link(SUMS)
+    evaluate_scene(groups, system.dofs, system.functions, state, t, h, at_rest, cm, cc, ck, band, residual)
+
+
+@entry
+def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, band, residual):
+    """The compiled part of :func:`evaluate`."""
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
@@ -60,15 +69,14 @@ def start_moving(system: System, state: State, step: float) -> None:
     band, pivots, integers = band_of(n, k, k), np.zeros(n, np.int32), np.zeros(8, np.int32)
     state.v[:] = system.v[system.free]
     acceleration = np.zeros(n)
-    groups, dofs, functions = system.groups, system.dofs, system.functions
-    evaluate_scene(groups, dofs, functions, state, 0.0, step, False, 1.0, 0.0, 0.0, band, acceleration)
+    evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, band, acceleration)
     row = factorise(band, pivots, n, k, k, integers)
     if row:
         raise StoppedEarly(Status.SINGULAR, 0.0, system.names[row - 1])
     solve(band, pivots, n, k, k, integers, acceleration)
     state.a[:] = -acceleration
     state.auxiliary[:] = state.a
-    evaluate_scene(groups, dofs, functions, state, 0.0, step, False, 1.0, 0.0, 0.0, band, acceleration)
+    evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, band, acceleration)
 
 
 def largest_frequency(system: System, state: State, t: float, iterations: int = 60) -> tuple[float, int]:
@@ -80,9 +88,7 @@ def largest_frequency(system: System, state: State, t: float, iterations: int = 
     bands = [band_of(n, k, k), band_of(n, k, k)]
     keep, residual = state.residual.copy(), np.zeros(n)
     for band, (cm, ck) in zip(bands, ((0.0, 1.0), (1.0, 0.0)), strict=True):
-        evaluate_scene(
-            system.groups, system.dofs, system.functions, state, t, 0.0, False, cm, 0.0, ck, band, residual
-        )
+        evaluate(system, state, t, 0.0, False, cm, 0.0, ck, band, residual)
     state.residual[:] = keep
     offsets = np.arange(-k, k + 1)
     diagonals = np.array([bands[0][:, 2 * k - d] for d in offsets])
@@ -115,7 +121,7 @@ def matrices(system: System, state: State, at_rest: bool = True) -> tuple[np.nda
     dense = []
     for part in np.eye(3):
         band, residual = band_of(n, k, k), np.zeros(n)
-        evaluate_scene(system.groups, system.dofs, system.functions, state, 0.0, 1.0, at_rest, *part, band, residual)
+        evaluate(system, state, 0.0, 1.0, at_rest, *part, band, residual)
         matrix = np.zeros((n, n))
         for j in range(n):
             first, last = max(0, j - k), min(n, j + k + 1)

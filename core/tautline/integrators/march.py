@@ -144,18 +144,23 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
     return DONE, ends.size, t0
 
 
-MARCHES = {GeneralizedAlpha: march_implicit, RungeKutta4: march_explicit}
-"""The compiled loop of each method: a new method is one line here."""
+_ALWAYS = ("begin", "residual", "energy", "dissipation", "commit", "record")
+MARCHES = {
+    GeneralizedAlpha: (march_implicit, lambda m: (*_ALWAYS, "switch", "smooth_tangent", "switching_tangent")),
+    RungeKutta4: (march_explicit, lambda m: (*_ALWAYS, "diagonal_mass" if m.mass.ndim == 1 else "mass")),
+}
+"""The compiled loop of each method and the sums that it asks of the groups: a new method is one line here."""
 
 
-def march(method, groups, dofs, functions, state, ends, steps, begin, frames):
+def march(method, system, state, ends, steps, begin, frames):
     """Go through output frames and record each, in compiled code.
 
     Parameters
     ----------
     method : GeneralizedAlpha or RungeKutta4
-    groups, dofs, functions, state
-        The system and its state at time ``begin``.
+    system : System
+    state : State
+        At time ``begin``.
     ends : (m,) array
         Time of each frame, s.
     steps : (m,) int array
@@ -170,4 +175,6 @@ def march(method, groups, dofs, functions, state, ends, steps, begin, frames):
     (int, int, float)
         Status, frames filled, time reached.
     """
-    return MARCHES[type(method)](method, groups, dofs, functions, state, ends, steps, begin, frames.rows)
+    loop, sums = MARCHES[type(method)]
+    groups = system.link(sums(method))
+    return loop(method, groups, system.dofs, system.functions, state, ends, steps, begin, frames.rows)

@@ -53,13 +53,14 @@ def solve_mass(matrix, pivots, integers, groups, dofs, q, right_side):
     """Solve M x = right_side for x, in place; returns 0 or the row whose mass is missing."""
     n = right_side.size
     matrix.fill(0.0)
-    over.mass(groups, q, matrix, dofs)
     if matrix.ndim == 1:
+        over.diagonal_mass(groups, q, matrix, dofs)
         for i in range(n):
             if matrix[i] <= 0.0:
                 return i + 1
             right_side[i] /= matrix[i]
         return 0
+    over.mass(groups, q, matrix, dofs)
     k = (matrix.shape[1] - 1) // 3
     row = factorise(matrix, pivots, n, k, k, integers)
     if row == 0:

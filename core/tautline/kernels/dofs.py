@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import typeof
 from numba.core import types
 from numba.extending import overload
 
@@ -35,6 +36,10 @@ class Dofs(NamedTuple):
     held: np.ndarray
     motion: np.ndarray
     offset: np.ndarray
+
+
+DOFS = typeof(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
+"""The type of :class:`Dofs` in compiled code."""
 
 
 @kernel

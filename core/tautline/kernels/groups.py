@@ -1,9 +1,10 @@
-"""The dispatch: a scene is a tuple of groups, and the types in the tuple choose the code.
+"""The dispatch: a scene is a list of groups, and the type of each chooses its code.
 
-A *group* is a ``NamedTuple`` of contiguous arrays: all bodies of a string, all links, all wall contacts. A kind of
-group registers compiled kernels for some of the hooks below. The sum of a hook over a tuple of groups is one
-recursion over the tuple's types, resolved when the integrator is compiled: a hook that a kind does not offer, and a
-kind that the scene does not have, leave nothing behind in the machine code.
+A *group* is a ``NamedTuple`` of contiguous arrays and numbers: all bodies of a string, all links, all wall contacts. A
+kind of group registers compiled kernels for some of the hooks below. Each of them is compiled for the group's type as a
+function of its own, and :func:`link` lists their addresses with that of the group in memory: the integrators call what
+stands in the list. A hook that a kind does not offer, and a kind that the scene does not have, are not in the list and
+cost nothing; an integrator is compiled once for all scenes, a kind of group once for all integrators.
 
 Hooks (``g`` the group; ``q, v, a`` full vectors of position, velocity and acceleration; forces are residuals,
 ``r = M a - F``, so a group that pushes along +q subtracts from ``r``):
@@ -16,7 +17,7 @@ begin          t, h, beta, gamma, q, v, a                       at the start of 
 switch         t, q, v, converged, changed                      lets a law change its status (stick, slip); counts the
                                                                 changes into ``changed[0]``
 residual       t, q, v, a, r                                    r += M a - F
-mass           q, matrix, dofs                                  matrix += M
+mass           q, matrix, dofs                                  matrix += M, a band or a diagonal
 tangent        t, q, v, a, cm, cc, ck, matrix, dofs             matrix += cm dr/da + cc dr/dv + ck dr/dq
 energy         t, q, v, e                                       e += (kinetic, strain, potential) in J
 dissipation    t, q, v, p                                       p[0] += power lost, p[1] += power put in by a drive, W
@@ -28,24 +29,76 @@ record         out, at                                          writes its own n
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
-from numba.core import types
-from numba.extending import overload
+import numpy as np
+from numba import config, typeof
+from numba.core import cgutils, types
+from numba.extending import intrinsic, overload
 
-HOOKS = ("begin", "switch", "residual", "mass", "tangent", "energy", "dissipation", "commit", "record")
+from tautline.kernels.dofs import DOFS
+from tautline.kernels.jit import address_of, kernel
+from tautline.kernels.memory import load, words_of
 
-KINDS: dict[type, dict[str, Callable[..., None]]] = {}
+Kernel = Callable[..., None]
+
+NUMBER, VECTOR, COUNTS, BAND = types.float64, types.float64[::1], types.int64[::1], types.float64[:, ::1]
+HOOKS = {
+    "begin": {"t": NUMBER, "h": NUMBER, "beta": NUMBER, "gamma": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
+    "switch": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "converged": types.boolean, "changed": COUNTS},
+    "residual": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "r": VECTOR},
+    "mass": {"q": VECTOR, "matrix": BAND, "dofs": DOFS},
+    "tangent": {
+        "t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "cm": NUMBER, "cc": NUMBER, "ck": NUMBER, "matrix": BAND,
+        "dofs": DOFS,
+    },
+    "energy": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "e": VECTOR},
+    "dissipation": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "p": VECTOR},
+    "commit": {"t": NUMBER, "h": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
+    "record": {"out": VECTOR, "at": COUNTS},
+}  # fmt: skip
+"""Names and types of each hook's arguments after the group."""
+
+KINDS: dict[type, dict[str, Kernel]] = {}
 """The kernels of each kind of group, by hook."""
 
 
-def register(kind: type, **hooks: Callable[..., None]) -> None:
+class Sum(NamedTuple):
+    """A sum of a hook over the groups: over all that offer it or some of them, and the types of its arguments."""
+
+    hook: str
+    arguments: dict[str, types.Type]
+    among: Callable[[dict[str, Kernel]], bool]
+
+
+def _any_kind(hooks: dict[str, Kernel]) -> bool:
+    return True
+
+
+def _switches(hooks: dict[str, Kernel]) -> bool:
+    return "switch" in hooks
+
+
+def _is_smooth(hooks: dict[str, Kernel]) -> bool:
+    return "switch" not in hooks
+
+
+SUMS = {hook: Sum(hook, arguments, _any_kind) for hook, arguments in HOOKS.items() if hook != "tangent"} | {
+    "diagonal_mass": Sum("mass", HOOKS["mass"] | {"matrix": VECTOR}, _any_kind),
+    "smooth_tangent": Sum("tangent", HOOKS["tangent"], _is_smooth),
+    "switching_tangent": Sum("tangent", HOOKS["tangent"], _switches),
+}
+"""What an integrator may ask for."""
+ROWS = {name: row for row, name in enumerate(SUMS)}
+
+
+def register(kind: type, **hooks: Kernel) -> None:
     """Register the kernels of a kind of group.
 
     Parameters
     ----------
     kind : type
-        A ``NamedTuple`` class of contiguous arrays, scalars and other such tuples.
+        A ``NamedTuple`` class of contiguous arrays, integers, floats and other such tuples.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -65,28 +118,104 @@ def offers(groups: tuple[Any, ...], hook: str) -> bool:
     return any(hook in KINDS[type(g)] for g in groups)
 
 
-def _any_kind(hooks: dict[str, Callable[..., None]]) -> bool:
-    return True
+def link(groups: tuple[Any, ...], *sums: str) -> Any:
+    """Compile the groups' kernels for the sums that are named, or load them, and list where they are.
 
+    The list is one array of integers: for each sum the place of its own part, which is a count and, for every group
+    that it sums over, the address of the code and that of the group; then the groups themselves. The groups' arrays are
+    referred to and must live on. Without a compiler (``NUMBA_DISABLE_JIT=1``) the groups themselves are the list.
 
-def _switches(hooks: dict[str, Callable[..., None]]) -> bool:
-    return "switch" in hooks
-
-
-def _is_smooth(hooks: dict[str, Callable[..., None]]) -> bool:
-    return "switch" not in hooks
-
-
-def _over_groups(
-    hook: str, arguments: str, among: Callable[[dict[str, Callable[..., None]]], bool] = _any_kind
-) -> Callable[..., None]:
-    """Make the sum of a hook over a tuple of groups, callable from compiled code and (slowly) from Python.
-
-    ``among`` picks the kinds that are summed over, by the hooks that they offer.
-
-    The calls are written out one after another for the tuple's types: a chain of calls through the tuple would compile
-    the rest of the chain again at every link.
+    Raises
+    ------
+    TypeError
+        For a group that holds what compiled code cannot, and for one whose kind is not registered.
     """
+    if config.DISABLE_JIT:
+        return groups
+    words = [words_of(g) for g in groups]
+    kinds = [types.TypeRef(typeof(g)) for g in groups]
+    calls: list[list[tuple[int, int]]] = [[] for _ in SUMS]
+    for name in sums:
+        row, (hook, _, among) = ROWS[name], SUMS[name]
+        for i, g in enumerate(groups):
+            if type(g) not in KINDS:
+                raise TypeError(f"{type(g).__name__} is no registered kind of group")
+            hooks = KINDS[type(g)]
+            if hook in hooks and among(hooks):
+                calls[row].append((address_of(run_hook, (types.literal(row), kinds[i], types.intp, types.intp)), i))
+    table = np.zeros(len(SUMS) + sum(1 + 2 * len(c) for c in calls) + sum(map(len, words)), dtype=np.int64)
+    places = table.size - np.cumsum([len(w) for w in reversed(words)], dtype=np.int64)[::-1]
+    for place, word in zip(places, words, strict=True):
+        table[place : place + len(word)] = word
+    at = len(SUMS)
+    for row, members in enumerate(calls):
+        table[row], table[at] = at, len(members)
+        for k, (address, i) in enumerate(members):
+            table[at + 1 + 2 * k : at + 3 + 2 * k] = address, table.ctypes.data + 8 * places[i]
+        at += 1 + 2 * len(members)
+    return table
+
+
+def apply(row, group, arguments):
+    """Call a group's kernel of the hook in a row of ``SUMS``; ``arguments`` is where the arguments lie."""
+
+
+@overload(apply, prefer_literal=True)
+def _apply(row, group, arguments):
+    hook, expected, _ = list(SUMS.values())[row.literal_value]
+    names = ", ".join(expected)
+    contract = types.TypeRef(types.Tuple(tuple(expected.values())))
+
+    @intrinsic
+    def take(typing, address):
+        def code(context, builder, signature, values):
+            return builder.load(builder.inttoptr(values[0], context.get_value_type(signature.return_type).as_pointer()))
+
+        return contract.instance_type(address), code
+
+    source = f"def apply(row, group, arguments):\n    {names} = take(arguments)\n    kernel(group, {names})"
+    return _define(source, {"take": take, "kernel": KINDS[group.instance_class][hook]}, "apply")
+
+
+@kernel
+def run_hook(row, kind, group, arguments):
+    """The function whose address stands in the list: the same signature for every hook and every kind of group."""
+    apply(row, load(kind, group), arguments)
+
+
+def _caller(row: int, expected: tuple[types.Type, ...]) -> Any:
+    """A function for compiled code that calls the code at an address with a group and the arguments of a sum."""
+
+    @intrinsic
+    def call(typing, address, group, arguments):
+        def code(context, builder, signature, values):
+            given = cgutils.unpack_tuple(builder, values[2])
+            cast = [
+                context.cast(builder, x, actual, wanted)
+                for x, actual, wanted in zip(given, arguments.types, expected, strict=True)
+            ]
+            place = cgutils.alloca_once(builder, context.get_value_type(types.Tuple(expected)))
+            for i, x in enumerate(cast):
+                builder.store(x, cgutils.gep_inbounds(builder, place, 0, i))
+            at = builder.ptrtoint(place, context.get_value_type(types.intp))
+            signature = (types.literal(row), types.TypeRef(types.none), types.intp, types.intp)
+            function = context.call_conv.get_function_type(types.none, signature)
+            result, error = (cgutils.alloca_once(builder, t.pointee) for t in function.args[:2])
+            constant = [context.get_constant(types.intp, row), cgutils.get_null_value(function.args[3])]
+            builder.call(
+                builder.inttoptr(values[0], function.as_pointer()), [result, error, *constant, values[1], at]
+            )
+            return context.get_dummy_value()
+
+        return types.void(address, group, arguments), code
+
+    return call
+
+
+def _over_groups(name: str) -> Kernel:
+    """Make a sum over linked groups, callable from compiled code and, uncompiled, from Python."""
+    hook, arguments, among = SUMS[name]
+    names = ", ".join(arguments)
 
     def total(groups, *args):
         for g in groups:
@@ -94,16 +223,16 @@ def _over_groups(
             if hook in hooks and among(hooks):
                 hooks[hook](g, *args)
 
-    def resolve(groups, *args):
-        members = groups.types if isinstance(groups, types.BaseTuple) else ()
-        offered = {f"kernel_{i}": KINDS[g.instance_class] for i, g in enumerate(members)}
-        kernels = {name: hooks[hook] for name, hooks in offered.items() if hook in hooks and among(hooks)}
-        calls = [f"{name}(groups[{name[7:]}], {arguments})" for name in kernels]
-        return _define(f"def total(groups, {arguments}):\n    " + "\n    ".join(calls or ["pass"]), kernels, "total")
-
-    typed = _define(f"def resolve(groups, {arguments}):\n    return choose(groups)", {"choose": resolve}, "resolve")
-    stub = _define(f"def {hook}(groups, {arguments}):\n    total(groups, {arguments})", {"total": total}, hook)
-    overload(stub)(typed)
+    loop = (
+        f"def {name}(groups, {names}):\n"
+        f"    first = groups[{ROWS[name]}]\n"
+        f"    for k in range(groups[first]):\n"
+        f"        call(groups[first + 1 + 2 * k], groups[first + 2 + 2 * k], ({names},))"
+    )
+    compiled = _define(loop, {"call": _caller(ROWS[name], tuple(arguments.values()))}, name)
+    stub = _define(f"def {name}(groups, {names}):\n    total(groups, {names})", {"total": total}, name)
+    chosen = _define(f"def choose(groups, {names}):\n    return compiled", {"compiled": compiled}, "choose")
+    overload(stub)(chosen)
     return stub
 
 
@@ -114,14 +243,14 @@ def _define(source: str, names: dict[str, Any], name: str) -> Callable[..., Any]
     return space[name]
 
 
-begin = _over_groups("begin", "t, h, beta, gamma, q, v, a")
-switch = _over_groups("switch", "t, q, v, converged, changed")
-residual = _over_groups("residual", "t, q, v, a, r")
-mass = _over_groups("mass", "q, matrix, dofs")
-tangent = _over_groups("tangent", "t, q, v, a, cm, cc, ck, matrix, dofs")
-smooth_tangent = _over_groups("tangent", "t, q, v, a, cm, cc, ck, matrix, dofs", _is_smooth)
-switching_tangent = _over_groups("tangent", "t, q, v, a, cm, cc, ck, matrix, dofs", _switches)
-energy = _over_groups("energy", "t, q, v, e")
-dissipation = _over_groups("dissipation", "t, q, v, p")
-commit = _over_groups("commit", "t, h, q, v, a")
-record = _over_groups("record", "out, at")
+begin = _over_groups("begin")
+switch = _over_groups("switch")
+residual = _over_groups("residual")
+mass = _over_groups("mass")
+diagonal_mass = _over_groups("diagonal_mass")
+smooth_tangent = _over_groups("smooth_tangent")
+switching_tangent = _over_groups("switching_tangent")
+energy = _over_groups("energy")
+dissipation = _over_groups("dissipation")
+commit = _over_groups("commit")
+record = _over_groups("record")

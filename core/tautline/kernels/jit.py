@@ -15,9 +15,10 @@ import shutil
 import sys
 from importlib import metadata, util
 from pathlib import Path
+from typing import Any
 
 import numba
-from numba import njit
+from numba import njit, types
 from numba.core.caching import IndexDataCacheFile
 
 FOLDERS_KEPT = 6
@@ -106,3 +107,14 @@ that would allocate an array does not compile. The time loop allocates nothing, 
 kernel = functools.partial(entry, no_cpython_wrapper=True)
 """Decorator of compiled code that only compiled code calls: without the wrappers that unpack a scene's many arrays,
 which would take longer to compile than the kernel."""
+
+
+def address_of(function: Any, signature: tuple[types.Type, ...]) -> int:
+    """Address of a kernel's machine code for the types of its arguments, compiled or loaded now if it was not yet.
+
+    It follows numba's own calling convention and stays where it is for the life of the process.
+    """
+    if signature not in function.overloads:
+        function.compile(signature)
+    compiled = function.overloads[signature]
+    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))

@@ -11,6 +11,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from tautline.kernels.dofs import HELD, TIED, Dofs
+from tautline.kernels.groups import link
 from tautline.kernels.time_function import TimeFunctions
 
 
@@ -73,6 +74,8 @@ class System:
         Reduced unknowns that stay where they are while an equilibrium is sought.
     bandwidth, mass_bandwidth : int
         Sub- and superdiagonals of the tangent and of the mass matrix; 0 is diagonal.
+    linked : dict
+        What :meth:`link` made.
     """
 
     groups: tuple[Any, ...]
@@ -87,6 +90,13 @@ class System:
     at_rest: np.ndarray
     bandwidth: int
     mass_bandwidth: int
+    linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
+
+    def link(self, sums: tuple[str, ...]) -> Any:
+        """The groups as compiled code calls them for some sums; kernels that were never compiled are compiled now."""
+        if sums not in self.linked:
+            self.linked[sums] = link(self.groups, *sums)
+        return self.linked[sums]
 
     @property
     def size(self) -> int:
