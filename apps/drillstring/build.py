@@ -220,9 +220,7 @@ def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):
     if isinstance(drive, Controller):
         limit = drive.torque_limit if drive.torque_limit is not None else np.inf
         groups.append(
-            TopDrive(
-                functions, ROTATION, 3, drive.inertia, drive.proportional, drive.integral, limit, np.zeros(1)
-            )
+            TopDrive(functions, ROTATION, 3, drive.inertia, drive.proportional, drive.integral, limit, np.zeros(1))
         )
     return tuple(groups), weight
 

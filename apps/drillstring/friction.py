@@ -293,9 +293,7 @@ def _nothing_to_settle(law, i, touch):
     return
 
 
-prepare = by_type(
-    {Projection: _prepare_projection, Karnopp: _prepare_karnopp, Regularised: _nothing_to_prepare}
-)
+prepare = by_type({Projection: _prepare_projection, Karnopp: _prepare_karnopp, Regularised: _nothing_to_prepare})
 status = by_type({Projection: _status_projection, Karnopp: _never_changes, Regularised: _never_changes})
 act = by_type({Projection: _act_projection, Karnopp: _act_karnopp, Regularised: _act_regularised})
 settle = by_type({Projection: _settle_projection, Karnopp: _settle_karnopp, Regularised: _nothing_to_settle})

@@ -92,9 +92,7 @@ def bodies_of(
     """
     mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
     polar = lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)
-    e1, e2 = (
-        lumps.of_lumps(lambda tube, k=k: tube.mass_per_length * tube.eccentricity[k]) / mass for k in (0, 1)
-    )
+    e1, e2 = (lumps.of_lumps(lambda tube, k=k: tube.mass_per_length * tube.eccentricity[k]) / mass for k in (0, 1))
     rows = records(
         mass.size, LUMP, mass=mass, polar=polar, transverse=0.5 * polar, lateral_mass=lateral, weight=weight,
         e1=e1, e2=e2,

@@ -12,7 +12,7 @@ import numpy as np
 
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.linearise import largest_frequency, start_moving
-from tautline.integrators.march import Frames, march, new_frames
+from tautline.integrators.march import Frames, compile_for, march, new_frames
 from tautline.integrators.method import method_for
 from tautline.integrators.rk4 import RK4_LIMIT, RungeKutta4
 from tautline.integrators.state import FACTORISATIONS, HALVINGS, ITERATIONS, STEPS, THROUGHPUT, WORST, new_state
@@ -42,6 +42,7 @@ def simulate(
     path: str | Path | None = None,
     progress: Callable[[float, float], None] | None = None,
     resume: Result | None = None,
+    announce: Callable[[int], None] | None = None,
 ) -> Result:
     """Run a model and store its frames.
 
@@ -55,6 +56,8 @@ def simulate(
         Called with simulated and wall time, s, after every batch of frames.
     resume : Result or None
         An earlier result of the same scene, to go on from where it ended; its frames come first in the new one.
+    announce : callable or None
+        Called before kernels are compiled, with their number: a scene of a kind that was never run here has to wait.
 
     Returns
     -------
@@ -73,6 +76,7 @@ def simulate(
     earlier = run.take_up(resume) if resume is not None else None
     with Store(path, model.variables, model.coordinates, {**model.attributes, "version": __version__}) as store:
         try:
+            compile_for(run.method, model.system, run.state, announce)
             if earlier is not None:
                 store.append(earlier)
             else:

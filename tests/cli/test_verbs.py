@@ -62,8 +62,8 @@ def test_quiet_prints_nothing(folder):
 
 
 @pytest.mark.parametrize(("cold", "said"), [("1", True), ("0", False)])
-def test_a_cold_cache_is_announced_before_the_wait(folder, cold, said):
-    assert ("First run on this machine" in fake("simulate", "good.yaml", FAKE_COLD=cold).stderr) is said
+def test_kernels_to_be_compiled_are_announced_before_the_wait(folder, cold, said):
+    assert ("first run of this kind of scene" in fake("simulate", "good.yaml", FAKE_COLD=cold).stderr) is said
 
 
 def test_warnings_are_printed_before_a_run_and_by_check(folder):

@@ -84,9 +84,7 @@ def run(well, block, damped, steps, on_axis=False):
     # The first frame, of no steps, is the start.
     each = np.minimum(np.arange(steps + 1), 1)
     ends = END * np.arange(steps + 1) / steps
-    status, filled, _ = march(
-        method, system.groups, system.dofs, system.functions, state, ends, each, 0.0, frames
-    )
+    status, filled, _ = march(method, system, state, ends, each, 0.0, frames)
     assert (Status(status), filled) == (Status.DONE, steps + 1)
     return frames.energy.copy(), frames.q.copy(), state.counters.copy()
 

@@ -6,7 +6,7 @@ from kane_of_many import Numbers, equations
 
 from drillstring import wellbore
 from drillstring.lumped_string import curve_of
-from tautline.integrators.linearise import evaluate_scene
+from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import new_state
 from tautline.kernels.lapack import band_of
 from tautline.lumped import derive
@@ -76,9 +76,7 @@ def test_the_looped_body_link_and_bend_are_the_equations_of_all_bodies_at_once(b
         state = new_state(system)
         state.q[at], state.v[at] = q, w
         band, r = band_of(full, system.bandwidth, system.bandwidth), np.zeros(full)
-        evaluate_scene(
-            system.groups, system.dofs, system.functions, state, 0.0, 1.0, False, 1.0, 0.0, 0.0, band, r
-        )
+        evaluate(system, state, 0.0, 1.0, False, 1.0, 0.0, 0.0, band, r)
         depth = q.copy()
         depth[::PER_BODY] += numbers.place
         mass, forcing = whole(depth, w)

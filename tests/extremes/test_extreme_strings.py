@@ -122,9 +122,7 @@ def test_2000_rpm_runs():
 # steps
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 1.0])
 def test_steps_of_1_s_are_warned_of_and_keep_the_bit_within_half_a_metre(rho_inf):
-    scene = shipped(
-        "jwell", solver__step=1.0, output__interval=1.0, solver__rho_inf=rho_inf, well__wall__friction=0.2
-    )
+    scene = shipped("jwell", solver__step=1.0, output__interval=1.0, solver__rho_inf=rho_inf, well__wall__friction=0.2)
     assert any(caution.where == "solver.step" for caution in cautions(scene))
     result = run(scene, energy=np.inf)
     history = planar.history()

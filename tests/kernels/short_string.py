@@ -11,7 +11,7 @@ from drillstring import wellbore
 from drillstring.lumped_string import curve_of
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import Dofs
-from tautline.kernels.jit import entry
+from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lapack import band_of
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, Bodies, EccentricBodies
@@ -100,15 +100,21 @@ def _down(curve, i, x, out):
     out[3] = vertical_depth(curve, i, x)
 
 
+@kernel
+def add_tangent(groups, t, q, v, a, cm, cc, ck, matrix, dofs):
+    over.smooth_tangent(groups, t, q, v, a, cm, cc, ck, matrix, dofs)
+    over.switching_tangent(groups, t, q, v, a, cm, cc, ck, matrix, dofs)
+
+
 @entry
-def add_parts(groups, t, q, v, a, r, parts, e):
+def _add_parts(groups, t, q, v, a, r, parts, e):
     """Residual; tangent by cm, cc and ck; mass; energy."""
     over.residual(groups, t, q, v, a, r)
     over.energy(groups, t, q, v, e)
-    over.tangent(groups, t, q, v, a, 1.0, 0.0, 0.0, parts.mass, parts.dofs)
-    over.tangent(groups, t, q, v, a, 0.0, 1.0, 0.0, parts.damping, parts.dofs)
-    over.tangent(groups, t, q, v, a, 0.0, 0.0, 1.0, parts.stiffness, parts.dofs)
-    over.tangent(groups, t, q, v, a, 0.7, -1.3, 2.1, parts.mixed, parts.dofs)
+    add_tangent(groups, t, q, v, a, 1.0, 0.0, 0.0, parts.mass, parts.dofs)
+    add_tangent(groups, t, q, v, a, 0.0, 1.0, 0.0, parts.damping, parts.dofs)
+    add_tangent(groups, t, q, v, a, 0.0, 0.0, 1.0, parts.stiffness, parts.dofs)
+    add_tangent(groups, t, q, v, a, 0.7, -1.3, 2.1, parts.mixed, parts.dofs)
     over.mass(groups, q, parts.hook, parts.dofs)
 
 
@@ -116,6 +122,14 @@ def add_parts(groups, t, q, v, a, r, parts, e):
 def _lose(groups, t, q, v, a, p):
     over.commit(groups, t, 0.0, q, v, a)
     over.dissipation(groups, t, q, v, p)
+
+
+PARTS = ("residual", "energy", "smooth_tangent", "switching_tangent", "mass")
+
+
+def add_parts(groups, t, q, v, a, r, parts, e):
+    """Add what the hooks of the groups give to r, e and the bands of ``parts``."""
+    _add_parts(over.link(groups, *PARTS), t, q, v, a, r, parts, e)
 
 
 class Parts(NamedTuple):
@@ -155,7 +169,7 @@ def evaluate(groups, state, t=0.0):
 def losses(groups, state, t=0.0):
     """Power lost and power put in by a drive, W, once the state is accepted."""
     p = np.zeros(2)
-    _lose(groups, t, *state, p)
+    _lose(over.link(groups, "commit", "dissipation"), t, *state, p)
     return p
 
 
@@ -169,6 +183,7 @@ def energy(groups, state, t=0.0):
 
 def derivative(f, x, step=2e-3):
     """Derivative of f(x) by x: central differences of two steps, extrapolated (Richardson) to an error of step^4."""
+
     def slope(h):
         columns = [(np.asarray(f(x + d)) - np.asarray(f(x - d))) / (2 * h) for d in h * np.eye(x.size)]
         return np.stack(columns, axis=-1)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import short_string as string
 
-from tautline.integrators.linearise import evaluate_scene, matrices
+from tautline.integrators.linearise import evaluate, matrices
 from tautline.integrators.state import new_state
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, reduce
@@ -61,7 +61,7 @@ def _reduce(dofs, full, reduced):
 
 @entry
 def _add_mass(groups, q, matrix, dofs):
-    over.mass(groups, q, matrix, dofs)
+    over.diagonal_mass(groups, q, matrix, dofs)
 
 
 def test_expand_multiplies_by_the_transformation_and_reduce_by_its_transpose():
@@ -86,10 +86,7 @@ def test_matrices_and_residual_of_a_tied_system_are_those_of_the_free_one_transf
     state.v[:] = rng.standard_normal(system.size)
     reduced = matrices(system, state, at_rest=False)
     residual, k = np.zeros(system.size), system.bandwidth
-    evaluate_scene(
-        system.groups, system.dofs, system.functions, state, 0.0, 1.0, False, 1.0, 0.0, 0.0,
-        band_of(system.size, k, k), residual,
-    )  # fmt: skip
+    evaluate(system, state, 0.0, 1.0, False, 1.0, 0.0, 0.0, band_of(system.size, k, k), residual)
     # What the groups saw: free and tied accelerations zero, the prescribed one its function's.
     acceleration = np.where(np.arange(FULL) == 0, state.full_a, 0.0)
     full = string.State(state.full_q, state.full_v, acceleration)
@@ -118,7 +115,7 @@ def test_a_mass_matrix_that_comes_out_diagonal_takes_the_blocks_of_eccentric_bod
     system, state = scene({}, held=lateral, prescribed=(), mass_stencils=own)
     assert system.mass_bandwidth == 0
     diagonal = np.zeros(system.size)
-    _add_mass(system.groups[:1], state.q, diagonal, system.dofs)
+    _add_mass(over.link(system.groups[:1], "diagonal_mass"), state.q, diagonal, system.dofs)
     free = string.evaluate(system.groups[:1], state)[2]["hook"]
     T = transformation(system, {})
     assert np.allclose(np.diag(diagonal), T.T @ free @ T, rtol=0, atol=1e-12)

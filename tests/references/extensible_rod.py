@@ -56,13 +56,15 @@ def solve(case, second_moments=TABLE_I, tol=1e-8):
         _, _, theta, m, v = z
         weight, h = part * w[j] / shear, part * force / shear
         stretch = 1 + shear * (h * np.cos(theta) + v * np.sin(theta)) / (E * a[j])
-        d = np.array([
-            stretch * np.cos(theta),
-            stretch * np.sin(theta),
-            m * couple * total / ei[j],
-            stretch * (h * np.sin(theta) - v * np.cos(theta)) * shear * total / couple,
-            np.full_like(theta, weight * total),
-        ])
+        d = np.array(
+            [
+                stretch * np.cos(theta),
+                stretch * np.sin(theta),
+                m * couple * total / ei[j],
+                stretch * (h * np.sin(theta) - v * np.cos(theta)) * shear * total / couple,
+                np.full_like(theta, weight * total),
+            ]
+        )
         return d * length[j] / total
 
     def boundary(p, q):
@@ -76,7 +78,11 @@ def solve(case, second_moments=TABLE_I, tol=1e-8):
     for part in (0.05, 0.2, 0.5, 1.0) if not force else (0.02, 0.1, 0.3, 1.0):
         run = solve_bvp(
             lambda _, z, part=part: np.vstack([section(0, z[:5], part), section(1, z[5:], part)]),
-            boundary, mesh, z, tol=tol if part == 1.0 else 1e-4, max_nodes=200000,
+            boundary,
+            mesh,
+            z,
+            tol=tol if part == 1.0 else 1e-4,
+            max_nodes=200000,
         )
         if not run.success:
             raise RuntimeError(f"{case}: {run.message}")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
 
-FIRST_RUN = "First run on this machine: compiling the solver for this kind of scene (about 15 s, once)"
+FIRST_RUN = "first run of this kind of scene: compiling the solver for it, once (10 to 20 s)"
 
 POOR_BALANCE = 0.05
 """Error of the energy balance from which a run's accuracy is in doubt."""
@@ -80,10 +80,6 @@ def simulate(
     earlier = _earlier(resume)
     print_cautions(application.cautions(read))
 
-    from tautline.kernels.jit import is_cold
-
-    if is_cold():
-        say(FIRST_RUN, "cyan")
     model = application.build(read)
 
     from tautline.integrators.status import Interrupted, StoppedEarly
@@ -98,7 +94,7 @@ def simulate(
         say(f"simulating {scene}{length}")
     try:
         with Bar(end, shown=not quiet) as bar:
-            result = march(model, target, progress=bar, resume=earlier)
+            result = march(model, target, progress=bar, resume=earlier, announce=lambda _: say(FIRST_RUN, "cyan"))
     except StoppedEarly as stop:
         report = _report(scene, stop.result, end) | {
             "status": stop.status.name.lower().replace("_", " "),

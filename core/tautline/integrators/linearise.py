@@ -13,7 +13,6 @@ from tautline.kernels.jit import entry
 from tautline.kernels.lapack import band_of, factorise, solve
 from tautline.system.system import System
 
-
 SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
 
 

@@ -5,14 +5,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import typeof
 
 from tautline.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha_step
+from tautline.integrators.linearise import SUMS, evaluate_scene
 from tautline.integrators.newton import DONE
 from tautline.integrators.rk4 import RungeKutta4, accelerate, account, rk4_step
 from tautline.integrators.state import DISSIPATED, HALVINGS, LOSS, POWER, STEPS, TIME, WORK, supplied_power
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand
+from tautline.kernels.groups import hook_jobs
 from tautline.kernels.jit import entry, kernel
+from tautline.kernels.workshop import compile_all
 
 ENERGIES = 5
 """Numbers of a frame that are energies."""
@@ -144,12 +148,25 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
     return DONE, ends.size, t0
 
 
-_ALWAYS = ("begin", "residual", "energy", "dissipation", "commit", "record")
+_ALWAYS = ("begin", "commit", "record", "energy", "dissipation", "residual")
 MARCHES = {
     GeneralizedAlpha: (march_implicit, lambda m: (*_ALWAYS, "switch", "smooth_tangent", "switching_tangent")),
     RungeKutta4: (march_explicit, lambda m: (*_ALWAYS, "diagonal_mass" if m.mass.ndim == 1 else "mass")),
 }
 """The compiled loop of each method and the sums that it asks of the groups: a new method is one line here."""
+
+
+def compile_for(method, system, state, announce=None):
+    """Compile what a run will need, or load it, with the processors there are; see :func:`compile_all`."""
+    loop, sums = MARCHES[type(method)]
+    groups, scene = np.zeros(0, np.int64), (system.dofs, system.functions, state)
+    none, rows = np.zeros(0), np.zeros((0, 0))
+    calls = [
+        (loop, (method, groups, *scene, none, groups, 0.0, rows)),
+        (evaluate_scene, (groups, *scene, 0.0, 0.0, False, 0.0, 0.0, 0.0, rows, none)),
+    ]
+    jobs = [(function, tuple(typeof(x) for x in given)) for function, given in calls]
+    compile_all(jobs + hook_jobs(system.groups, *dict.fromkeys((*sums(method), *SUMS))), announce)
 
 
 def march(method, system, state, ends, steps, begin, frames):

@@ -38,7 +38,8 @@ from numba.extending import intrinsic, overload
 
 from tautline.kernels.dofs import DOFS
 from tautline.kernels.jit import address_of, kernel
-from tautline.kernels.memory import load, words_of
+from tautline.kernels.memory import words_of
+from tautline.kernels.workshop import Job
 
 Kernel = Callable[..., None]
 
@@ -118,6 +119,20 @@ def offers(groups: tuple[Any, ...], hook: str) -> bool:
     return any(hook in KINDS[type(g)] for g in groups)
 
 
+def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
+    """The kernels that :func:`link` needs for some sums, for the workshop; sums that are heavy belong at the end."""
+    return [
+        (run_hook, _signature(ROWS[name], g))
+        for name in sums
+        for g in groups
+        if SUMS[name].hook in KINDS[type(g)] and SUMS[name].among(KINDS[type(g)])
+    ]
+
+
+def _signature(row: int, group: Any) -> tuple[types.Type, ...]:
+    return types.literal(row), types.TypeRef(typeof(group)), types.intp, types.intp
+
+
 def link(groups: tuple[Any, ...], *sums: str) -> Any:
     """Compile the groups' kernels for the sums that are named, or load them, and list where they are.
 
@@ -133,7 +148,6 @@ def link(groups: tuple[Any, ...], *sums: str) -> Any:
     if config.DISABLE_JIT:
         return groups
     words = [words_of(g) for g in groups]
-    kinds = [types.TypeRef(typeof(g)) for g in groups]
     calls: list[list[tuple[int, int]]] = [[] for _ in SUMS]
     for name in sums:
         row, (hook, _, among) = ROWS[name], SUMS[name]
@@ -142,7 +156,7 @@ def link(groups: tuple[Any, ...], *sums: str) -> Any:
                 raise TypeError(f"{type(g).__name__} is no registered kind of group")
             hooks = KINDS[type(g)]
             if hook in hooks and among(hooks):
-                calls[row].append((address_of(run_hook, (types.literal(row), kinds[i], types.intp, types.intp)), i))
+                calls[row].append((address_of(run_hook, _signature(row, g)), i))
     table = np.zeros(len(SUMS) + sum(1 + 2 * len(c) for c in calls) + sum(map(len, words)), dtype=np.int64)
     places = table.size - np.cumsum([len(w) for w in reversed(words)], dtype=np.int64)[::-1]
     for place, word in zip(places, words, strict=True):
@@ -156,31 +170,33 @@ def link(groups: tuple[Any, ...], *sums: str) -> Any:
     return table
 
 
-def apply(row, group, arguments):
-    """Call a group's kernel of the hook in a row of ``SUMS``; ``arguments`` is where the arguments lie."""
-
-
-@overload(apply, prefer_literal=True)
-def _apply(row, group, arguments):
+@intrinsic(prefer_literal=True)
+def _apply(typing, row, kind, group, arguments):
+    """Call the kernel of a kind of group for the sum in a row; group and arguments are taken from their addresses."""
     hook, expected, _ = list(SUMS.values())[row.literal_value]
-    names = ", ".join(expected)
-    contract = types.TypeRef(types.Tuple(tuple(expected.values())))
+    member, values = kind.instance_type, types.Tuple(tuple(expected.values()))
+    function = KINDS[member.instance_class][hook]
+    signature = (member, *values.types)
+    address_of(function, signature)
+    compiled = function.overloads[signature]
 
-    @intrinsic
-    def take(typing, address):
-        def code(context, builder, signature, values):
-            return builder.load(builder.inttoptr(values[0], context.get_value_type(signature.return_type).as_pointer()))
+    def code(context, builder, _, given):
+        places = (
+            builder.inttoptr(address, context.get_value_type(t).as_pointer())
+            for address, t in zip(given[2:], (member, values), strict=True)
+        )
+        g, rest = (builder.load(place) for place in places)
+        context.add_linking_libs([compiled.library])
+        context.call_internal(builder, compiled.fndesc, compiled.signature, [g, *cgutils.unpack_tuple(builder, rest)])
+        return context.get_dummy_value()
 
-        return contract.instance_type(address), code
-
-    source = f"def apply(row, group, arguments):\n    {names} = take(arguments)\n    kernel(group, {names})"
-    return _define(source, {"take": take, "kernel": KINDS[group.instance_class][hook]}, "apply")
+    return types.void(row, kind, group, arguments), code
 
 
 @kernel
 def run_hook(row, kind, group, arguments):
     """The function whose address stands in the list: the same signature for every hook and every kind of group."""
-    apply(row, load(kind, group), arguments)
+    _apply(row, kind, group, arguments)
 
 
 def _caller(row: int, expected: tuple[types.Type, ...]) -> Any:
@@ -202,9 +218,7 @@ def _caller(row: int, expected: tuple[types.Type, ...]) -> Any:
             function = context.call_conv.get_function_type(types.none, signature)
             result, error = (cgutils.alloca_once(builder, t.pointee) for t in function.args[:2])
             constant = [context.get_constant(types.intp, row), cgutils.get_null_value(function.args[3])]
-            builder.call(
-                builder.inttoptr(values[0], function.as_pointer()), [result, error, *constant, values[1], at]
-            )
+            builder.call(builder.inttoptr(values[0], function.as_pointer()), [result, error, *constant, values[1], at])
             return context.get_dummy_value()
 
         return types.void(address, group, arguments), code

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from filelock import FileLock
 from numba import njit, types
 from numba.core.caching import IndexDataCacheFile
 
@@ -72,29 +73,39 @@ def _prune(root: Path, keep: Path) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def is_cold() -> bool:
-    """Whether nothing was compiled into the cache folder yet: the first run has to wait."""
-    return not any(cache_folder().rglob("*.nbi"))
+def _mend_index() -> None:
+    """Three repairs of numba's cache index, one file a function that lists its compiled signatures.
 
-
-def _tolerate_foreign_entries() -> None:
-    """Let a cache index that names classes which cannot be imported here count as empty.
-
-    A group may live in a user's own script; numba reads every entry of a function's index, so that one run of such a
-    script would otherwise stop all runs elsewhere.
+    It is read once while it stays as it is: a run loads dozens of signatures of one function. It counts as empty where
+    it names classes that cannot be imported here: a group may live in a user's own script, and one run of it would
+    otherwise stop all runs elsewhere. And processes write it one after another: two that compile different signatures
+    at once would give them the same file, and one of them would later be run as the other.
     """
-    load = IndexDataCacheFile._load_index
+    load, save = IndexDataCacheFile._load_index, IndexDataCacheFile.save
+    known: dict[str, tuple[Any, dict]] = {}
 
     def load_index(self: IndexDataCacheFile) -> dict:
         try:
-            return load(self)
-        except (ImportError, AttributeError):
+            file = os.stat(self._index_path)
+        except OSError:
             return {}
+        stamp = file.st_mtime_ns, file.st_size, file.st_ino
+        if known.get(self._index_path, (None,))[0] != stamp:
+            try:
+                known[self._index_path] = stamp, load(self)
+            except (ImportError, AttributeError):
+                return {}
+        return dict(known[self._index_path][1])
+
+    def save_alone(self: IndexDataCacheFile, key: Any, data: Any) -> None:
+        with FileLock(f"{self._index_path}.lock"):
+            save(self, key, data)
 
     IndexDataCacheFile._load_index = load_index
+    IndexDataCacheFile.save = save_alone
 
 
-_tolerate_foreign_entries()
+_mend_index()
 numba.config.CACHE_DIR = str(cache_folder())
 
 entry = functools.partial(njit, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False)
@@ -107,6 +118,14 @@ that would allocate an array does not compile. The time loop allocates nothing, 
 kernel = functools.partial(entry, no_cpython_wrapper=True)
 """Decorator of compiled code that only compiled code calls: without the wrappers that unpack a scene's many arrays,
 which would take longer to compile than the kernel."""
+
+
+def is_compiled(function: Any, signature: tuple[types.Type, ...]) -> bool:
+    """Whether a kernel is compiled for the types of its arguments, in this process or in the cache."""
+    if signature in function.overloads:
+        return True
+    key = function._cache._index_key(signature, function.targetctx.codegen())
+    return key in function._cache._cache_file._load_index()
 
 
 def address_of(function: Any, signature: tuple[types.Type, ...]) -> int:

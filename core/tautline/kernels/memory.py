@@ -9,8 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba.core import types
-from numba.extending import intrinsic
 
 
 def words_of(value: Any) -> list[int]:
@@ -30,14 +28,3 @@ def words_of(value: Any) -> list[int]:
     if isinstance(value, (int, np.int64)) and not isinstance(value, bool):
         return [int(value)]
     raise TypeError(f"a group holds contiguous arrays, integers, floats and tuples of them, not {value!r}")
-
-
-@intrinsic
-def load(typing, kind, address):
-    """The value of a type, given by ``kind``, that lies at an address."""
-
-    def code(context, builder, signature, arguments):
-        pointer = context.get_value_type(signature.return_type).as_pointer()
-        return builder.load(builder.inttoptr(arguments[1], pointer))
-
-    return kind.instance_type(kind, address), code

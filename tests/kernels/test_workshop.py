@@ -1,0 +1,77 @@
+"""What a first run compiles is shared with helper processes, and nothing depends on their help."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+SCRIPT = """
+import sys
+from typing import NamedTuple
+import numpy as np
+from tautline.elements.load import Loads
+from tautline.integrators.march import compile_for, march, new_frames
+from tautline.integrators.method import METHODS
+from tautline.integrators.state import new_state
+from tautline.kernels import groups, workshop
+from tautline.kernels.jit import kernel
+from tautline.system.model import SolverSettings
+from tautline.system.system import Degrees, assemble
+from tautline.system.time_functions import compile_functions
+
+class Ball(NamedTuple):
+    mass: float
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    r[0] += g.mass * a[0]
+
+@kernel
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    matrix[0, 0] += cm * g.mass
+
+@kernel
+def _energy(g, t, q, v, e):
+    e[0] += 0.5 * g.mass * v[0] ** 2
+
+@kernel
+def _record(g, out, at):
+    at[0] += 0
+
+groups.register(Ball, residual=_residual, tangent=_tangent, energy=_energy, record=_record)
+workshop.HELPERS, workshop.WORTH = HELPERS
+workshop.os.sched_getaffinity = lambda _: range(8)
+things = (Loads(np.array([0]), np.array([2.0])), Ball(4.0))
+system = assemble(things, Degrees(["x"], np.zeros(1), np.ones(1)), compile_functions([]), np.zeros(1), [], [])
+settings = SolverSettings("generalized-alpha", 0, 1, 1, 0.5, 0.5)
+method, state = METHODS["generalized-alpha"](system, settings), new_state(system)
+state.a[:] = state.auxiliary[:] = 0.5
+told = []
+compile_for(method, system, state, told.append)
+from numba.core import event
+late = []
+class Listener(event.Listener):
+    def on_start(self, e): late.append(e)
+    def on_end(self, e): pass
+event.register("numba:compile", Listener())
+frames = new_frames(1, 1, 0)
+march(method, system, state, np.array([1.0]), np.array([10]), 0.0, frames)
+print(told, len(late), round(float(frames.q[0, 0]), 12))
+"""
+
+
+@pytest.mark.parametrize("helpers", ["0, 1", "2, 1"], ids=["alone", "two helpers"])
+def test_a_scene_with_a_group_that_no_helper_can_import_is_compiled_once_and_runs(tmp_path, helpers):
+    """x = F t^2 / (2 m) = 0.25 at 1 s; `Ball` lives in a script that only its own process knows."""
+    answers, script = [], tmp_path / "ball.py"
+    script.write_text(SCRIPT.replace("HELPERS\nworkshop", f"{helpers}\nworkshop"))
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, str(script)], capture_output=True, text=True, cwd=tmp_path,
+            env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr[-2000:]
+        answers.append(done.stdout.split())
+    assert [a[1:] for a in answers] == [["0", "0.25"]] * 2
+    assert answers[0][0] != "[]"
