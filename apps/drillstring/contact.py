@@ -171,14 +171,14 @@ def _energy(g, t, q, v, e):
 
 @kernel
 def _dissipation(g, t, q, v, p):
+    """With the friction of the accepted state, which ``_commit`` has kept."""
     for i in range(g.springs.size):
         c = touch(g, i, q, v)
         depth = c.offset - g.springs[i].clearance
         p[0] += (c.normal - g.springs[i].stiffness * max(0.0, depth)) * c.rate
         if c.normal > 0.0:
-            along, around = force_now(g.law, i, c)
             spin = v[PER_BODY * g.springs[i].body + 3]
-            p[0] += g.springs[i].viscous * spin**2 - along * c.along - around * c.around
+            p[0] += g.springs[i].viscous * spin**2 - g.springs[i].along * c.along - g.springs[i].around * c.around
 
 
 @kernel

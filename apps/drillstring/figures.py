@@ -11,12 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from drillstring.observe import STUCK
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.view.figure import COLOURS, QUIET, Axes, Figure, axes, label, save_all, scale, shade, styled, widen
-
-STUCK = 1e-6
-"""Speeds of the bit below this are sticking, m/s."""
 
 NO_TORQUE = 1.0
 """Torques that stay below this are not drawn, N m."""

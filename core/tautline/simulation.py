@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.linearise import largest_frequency, start_moving
+from tautline.integrators.linearise import FastestMode, start_moving
 from tautline.integrators.march import Frames, compile_for, march, new_frames
 from tautline.integrators.method import method_for
 from tautline.integrators.rk4 import RK4_LIMIT, RungeKutta4
@@ -121,6 +121,7 @@ class _Run:
         self.balance: list[np.ndarray] = []
         self.memory: dict[str, np.ndarray] = {}
         self.frames = self._room(1)
+        self.fastest = FastestMode(model.system)
 
     def _room(self, rows: int) -> Frames:
         return new_frames(rows, self.model.system.q.size, self.model.own)
@@ -200,7 +201,7 @@ class _Run:
         """Stop an explicit run whose step is beyond the critical one: contacts may hide its growth by opening."""
         if not isinstance(self.method, RungeKutta4):
             return
-        omega, worst = largest_frequency(self.model.system, self.state, self.time)
+        omega, worst = self.fastest.search(self.state, self.time)
         step = float((self.ends[self.done] - self.time) / self.steps[self.done])
         if omega * step > RK4_LIMIT:
             detail = f"step {step:g} s, critical step {RK4_LIMIT / omega:.4g} s"

@@ -153,6 +153,13 @@ EDITS = {
         "rpm",
     ),
     "a ramp to nowhere": ("{constant: 0 rpm}", "{ramp: {over: 1}}", 21, "top.rotation.ramp.to", "or `rate: slope`"),
+    "a ramp in next to no time": (
+        "{constant: 0 rpm}",
+        "{ramp: {to: 1, over: 1e-120}}",
+        21,
+        "ramp.over",
+        "in which anything can move",
+    ),
     "a ramp in no time": ("{constant: 0 rpm}", "{ramp: {to: 1, over: 0}}", 21, "ramp.over = 0", "greater than zero"),
     "a table that goes back in time": (
         "{constant: 0 rpm}",

@@ -101,7 +101,10 @@ def _add_entry(matrix, dofs, i, j, x):
     if isinstance(matrix, types.Array) and matrix.ndim == 1:
 
         def diagonal(matrix, dofs, i, j, x):
-            if i == j:
+            number = dofs.number[i]
+            if i == j and number >= 0:
+                matrix[number] += x
+            elif i == j and number == TIED:
                 for k in range(dofs.start[i], dofs.start[i + 1]):
                     matrix[dofs.unknown[k]] += dofs.factor[k] * dofs.factor[k] * x
 

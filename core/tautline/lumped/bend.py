@@ -46,10 +46,11 @@ def _hole(g, i, q):
 
 @kernel
 def _residual(g, t, q, v, a, r):
+    a2, below = chord_of(g.curve, 0, q)
+    u2, v2 = across(0, q)
     for i in range(g.stiffness.size):
-        a1, above = chord_of(g.curve, i, q)
+        a1, above, u1, v1 = a2, below, u2, v2
         a2, below = chord_of(g.curve, i + 1, q)
-        u1, v1 = across(i, q)
         u2, v2 = across(i + 1, q)
         h1, h2 = _hole(g, i, q)
         _, d = generated.bend_gradient(g.length[i] + a1, u1, v1, g.length[i + 1] + a2, u2, v2, h1, h2)

@@ -25,6 +25,7 @@ Duration = Annotated[float, quantity("s", positive=True)]
 Angle = Annotated[float, quantity("rad")]
 Number = Annotated[float, quantity("")]
 MOST_COMPONENTS = 5000
+SHORTEST_RAMP = 1.0e-9
 
 
 class Constant(Model):
@@ -47,6 +48,8 @@ class Ramp(Model):
 
     @model_validator(mode="after")
     def _one_end(self) -> Ramp:
+        if self.over < SHORTEST_RAMP:
+            raise fault("over", "is no time in which anything can move", "take some steps' time, or a constant value")
         if self.to is None and self.rate is None:
             raise fault("to", "is missing", "give `to: value`, or `rate: slope` for a value that grows on")
         if self.to is not None and self.rate is not None:
