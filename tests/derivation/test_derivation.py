@@ -8,7 +8,7 @@ from drillstring import wellbore
 from drillstring.lumped_string import curve_of
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import new_state
-from tautline.kernels.lapack import band_of
+from tautline.kernels.matrix import dense, new_matrix
 from tautline.lumped import derive
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, EccentricBodies
@@ -75,12 +75,11 @@ def test_the_looped_body_link_and_bend_are_the_equations_of_all_bodies_at_once(b
         w = rng.standard_normal(full)
         state = new_state(system)
         state.q[at], state.v[at] = q, w
-        band, r = band_of(full, system.bandwidth, system.bandwidth), np.zeros(full)
-        evaluate(system, state, 0.0, 1.0, False, 1.0, 0.0, 0.0, band, r)
+        matrix, r = new_matrix(full, system.bandwidth), np.zeros(full)
+        evaluate(system, state, 0.0, 1.0, False, 1.0, 0.0, 0.0, matrix, r)
         depth = q.copy()
         depth[::PER_BODY] += numbers.place
         mass, forcing = whole(depth, w)
-        k = system.bandwidth
-        ours = [[band[at[j], 2 * k + at[i] - at[j]] for j in range(full)] for i in range(full)]
+        ours = dense(matrix)[np.ix_(at, at)]
         assert np.allclose(ours, mass, rtol=1e-9, atol=1e-9 * np.abs(mass).max())
         assert np.allclose(r[at], -forcing, rtol=1e-9, atol=1e-9 * np.abs(forcing).max())

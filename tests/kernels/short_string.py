@@ -12,7 +12,7 @@ from drillstring.lumped_string import curve_of
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import Dofs
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.lapack import band_of
+from tautline.kernels.matrix import Matrix, dense, new_matrix
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, Bodies, EccentricBodies
 from tautline.lumped.curve import PER_BODY, downward, hold_arcs, records, vertical_depth
@@ -83,12 +83,6 @@ def all_free(n):
     return Dofs(np.arange(n + 1), each, np.ones(n), each.copy(), none, none.copy(), np.zeros(0))
 
 
-def dense(band):
-    """The matrix (n, n) of a band (n, 3 k + 1)."""
-    n, k = band.shape[0], (band.shape[1] - 1) // 3
-    return np.array([[band[j, 2 * k + i - j] if abs(i - j) <= k else 0.0 for j in range(n)] for i in range(n)])
-
-
 @entry
 def hold(curve, q):
     hold_arcs(curve, q)
@@ -133,13 +127,13 @@ def add_parts(groups, t, q, v, a, r, parts, e):
 
 
 class Parts(NamedTuple):
-    """Bands: dr/da, dr/dv, dr/dq, a mixture of them, and what the mass hook gives."""
+    """Matrices: dr/da, dr/dv, dr/dq, a mixture of them, and what the mass hook gives."""
 
-    mass: np.ndarray
-    damping: np.ndarray
-    stiffness: np.ndarray
-    mixed: np.ndarray
-    hook: np.ndarray
+    mass: Matrix
+    damping: Matrix
+    stiffness: Matrix
+    mixed: Matrix
+    hook: Matrix
     dofs: Dofs
 
 
@@ -161,7 +155,7 @@ def evaluate(groups, state, t=0.0):
         tangents = {name: sum(parts[name] for _, _, parts in each) for name in each[0][2]}
         return sum(r for r, _, _ in each), sum(e for _, e, _ in each), tangents
     r, e = np.zeros(n), np.zeros(3)
-    parts = Parts(*(band_of(n, n - 1, n - 1) for _ in range(5)), all_free(n))
+    parts = Parts(*(new_matrix(n, n - 1) for _ in range(5)), all_free(n))
     add_parts(groups, t, *state, r, parts, e)
     return r, e, {name: dense(band) for name, band in zip(parts._fields[:5], parts, strict=False)}
 

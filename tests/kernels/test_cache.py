@@ -20,14 +20,14 @@ from tautline.elements.load import Loads
 from tautline.integrators.linearise import evaluate, evaluate_scene
 from tautline.integrators.state import new_state
 from tautline.kernels.groups import run_hook
-from tautline.kernels.lapack import band_of, factorise
+from tautline.kernels.matrix import new_matrix
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
 
 GROUPS
 s = assemble(groups, Degrees(["x"], np.zeros(1), np.ones(1)), compile_functions([]), np.zeros(1), [], [])
-band, r = band_of(1, 0, 0), np.zeros(1)
-evaluate(s, new_state(s), 0.0, 0.0, True, 1.0, 0.0, 0.0, band, r)
+matrix, r = new_matrix(1, 0), np.zeros(1)
+evaluate(s, new_state(s), 0.0, 0.0, True, 1.0, 0.0, 0.0, matrix, r)
 count = lambda kind: [sum(getattr(f.stats, kind).values()) for f in (evaluate_scene, run_hook)]
 print(json.dumps([r[0], count("cache_hits"), count("cache_misses")]))
 """

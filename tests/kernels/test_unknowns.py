@@ -9,7 +9,7 @@ from tautline.integrators.state import new_state
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import entry
-from tautline.kernels.lapack import band_of
+from tautline.kernels.matrix import new_matrix
 from tautline.scene.functions import Harmonic
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -86,7 +86,7 @@ def test_matrices_and_residual_of_a_tied_system_are_those_of_the_free_one_transf
     state.v[:] = rng.standard_normal(system.size)
     reduced = matrices(system, state, at_rest=False)
     residual, k = np.zeros(system.size), system.bandwidth
-    evaluate(system, state, 0.0, 1.0, False, 1.0, 0.0, 0.0, band_of(system.size, k, k), residual)
+    evaluate(system, state, 0.0, 1.0, False, 1.0, 0.0, 0.0, new_matrix(system.size, k), residual)
     # What the groups saw: free and tied accelerations zero, the prescribed one its function's.
     acceleration = np.where(np.arange(FULL) == 0, state.full_a, 0.0)
     full = string.State(state.full_q, state.full_v, acceleration)
@@ -101,7 +101,7 @@ def test_matrices_and_residual_of_a_tied_system_are_those_of_the_free_one_transf
 def test_the_mass_hook_of_a_tied_system_is_the_free_one_transformed():
     system, state = scene()
     T = transformation(system)
-    bands = [band_of(system.size, system.mass_bandwidth, system.mass_bandwidth) for _ in range(5)]
+    bands = [new_matrix(system.size, system.mass_bandwidth) for _ in range(5)]
     parts = string.Parts(*bands, system.dofs)
     string.add_parts(system.groups[:1], 0.0, *state, np.zeros(FULL), parts, np.zeros(3))
     free = string.evaluate(system.groups[:1], state)[2]["hook"]

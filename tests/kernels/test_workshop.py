@@ -15,6 +15,7 @@ from tautline.integrators.march import compile_for, march, new_frames
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state
 from tautline.kernels import groups, workshop
+from tautline.kernels.dofs import add_entry
 from tautline.kernels.jit import kernel
 from tautline.system.model import SolverSettings
 from tautline.system.system import Degrees, assemble
@@ -29,7 +30,7 @@ def _residual(g, t, q, v, a, r):
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    matrix[0, 0] += cm * g.mass
+    add_entry(matrix, dofs, 0, 0, cm * g.mass)
 
 @kernel
 def _energy(g, t, q, v, e):

@@ -9,7 +9,7 @@ import numpy as np
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.kernels.lapack import band_of, factorise, solve
+from tautline.kernels.matrix import Matrix, factorise_matrix, new_factors, replace_by_identity, solve_matrix, sparse
 from tautline.system.system import System
 
 SHIFTS = (0.0, 1e-4, 1e-2, 1.0, 100.0)
@@ -60,42 +60,35 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst])
 
 
-def _rounding(band: np.ndarray, q: np.ndarray, k: int) -> np.ndarray:
+def _rounding(matrix: Matrix, q: np.ndarray) -> np.ndarray:
     """Residual that rounding leaves in each row: a few units in the last place of stiffness times position."""
-    n = q.size
-    size = np.zeros(n)
-    for d in range(-k, k + 1):
-        first, last = max(0, d), min(n, n + d)  # columns j with a row j - d
-        size[first - d : last - d] += np.abs(band[first:last, 2 * k - d] * q[first:last])
-    return 4.0 * np.finfo(float).eps * size
+    return 4.0 * np.finfo(float).eps * (abs(sparse(matrix)) @ np.abs(q))
 
 
 def _search(
     system: System, state: State, step_limit: float, tolerance: float, first_shift: float
 ) -> tuple[int, float, int]:
     """One search; returns iterations, the residual it ended with, and the worst row."""
-    n, k = system.size, system.bandwidth
-    band, pivots, integers = band_of(n, k, k), np.zeros(n, np.int32), np.zeros(8, np.int32)
+    n = system.size
+    factors = new_factors(n, system.bandwidth, system.border)
     x, shift, previous, worst = np.zeros(n), first_shift, np.inf, 0
     for iteration in range(ITERATIONS):
-        evaluate(system, state, 0.0, 1.0, True, shift, 0.0, 1.0, band, x)
+        evaluate(system, state, 0.0, 1.0, True, shift, 0.0, 1.0, factors.matrix, x)
         for row in system.at_rest:
-            columns = np.arange(max(0, row - k), min(n, row + k + 1))
-            band[columns, 2 * k + row - columns] = 0.0
-            band[row, 2 * k] = 1.0
+            replace_by_identity(factors.matrix, row)
             x[row] = 0.0
         sizes = np.abs(x) / system.scale
         size, worst = float(sizes.max(initial=0.0)), int(sizes.argmax()) if n else 0
         if not np.isfinite(size):
             return iteration, np.inf, worst
-        if np.all(np.abs(x) <= tolerance * system.scale + _rounding(band, state.q, k)):
+        if np.all(np.abs(x) <= tolerance * system.scale + _rounding(factors.matrix, state.q)):
             return iteration, min(size, tolerance), worst
         if np.isfinite(previous) and shift > 0.0:
             shift *= min(4.0, max(0.1, size / previous))
         previous = size
-        if factorise(band, pivots, n, k, k, integers):
+        if factorise_matrix(factors):
             return iteration, np.inf, worst
-        solve(band, pivots, n, k, k, integers, x)
+        solve_matrix(factors, x)
         largest = float(np.abs(x).max())
         state.q[:] -= x * min(1.0, step_limit / largest) if largest > 0.0 else 0.0
     return ITERATIONS, np.inf, worst

@@ -5,32 +5,31 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import dia_array
 
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import HELD, expand, prescribe, reduce
 from tautline.kernels.jit import entry
-from tautline.kernels.lapack import band_of, factorise, solve
+from tautline.kernels.matrix import clear, dense, factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
 from tautline.system.system import System
 
 SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
 
 
-def evaluate(system, state, t, h, at_rest, cm, cc, ck, band, residual):
-    """Reduced residual ``residual`` (n,) and ``band`` = cm M + cc C + ck K at the state's position, at time t.
+def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual):
+    """Reduced residual ``residual`` (n,) and ``matrix`` = cm M + cc C + ck K at the state's position, at time t.
 
     ``at_rest`` leaves velocities and accelerations out; else velocities are the state's and accelerations are zero but
     for those that are prescribed. Every group begins an explicit step of ``h`` s, so that laws and arcs fit
     the state; with h = 0 a run under way is looked at and not touched.
     """
     groups = system.link(SUMS)
-    evaluate_scene(groups, system.dofs, system.functions, state, t, h, at_rest, cm, cc, ck, band, residual)
+    evaluate_scene(groups, system.dofs, system.functions, state, t, h, at_rest, cm, cc, ck, matrix, residual)
 
 
 @entry
-def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, band, residual):
+def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, matrix, residual):
     """The compiled part of :func:`evaluate`."""
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
     expand(dofs, state.q, state.full_q)
@@ -47,10 +46,10 @@ def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, ba
     state.residual.fill(0.0)
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     reduce(dofs, state.residual, residual)
-    band.fill(0.0)
+    clear(matrix)
     # As the corrector does: what it compiles serves here too.
-    over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, cm, cc, ck, band, dofs)
-    over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, cm, cc, ck, band, dofs)
+    over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, cm, cc, ck, matrix, dofs)
+    over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, cm, cc, ck, matrix, dofs)
     expand(dofs, state.v, state.full_v)
     expand(dofs, state.a, state.full_a)
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
@@ -66,18 +65,18 @@ def start_moving(system: System, state: State, step: float) -> None:
     StoppedEarly
         SINGULAR, naming the unknown that has no mass.
     """
-    n, k = system.size, system.bandwidth
-    band, pivots, integers = band_of(n, k, k), np.zeros(n, np.int32), np.zeros(8, np.int32)
+    n = system.size
+    factors = new_factors(n, system.bandwidth, system.border)
     state.v[:] = system.v[system.free]
     acceleration = np.zeros(n)
-    evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, band, acceleration)
-    row = factorise(band, pivots, n, k, k, integers)
+    evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, factors.matrix, acceleration)
+    row = factorise_matrix(factors)
     if row:
         raise StoppedEarly(Status.SINGULAR, 0.0, system.names[row - 1])
-    solve(band, pivots, n, k, k, integers, acceleration)
+    solve_matrix(factors, acceleration)
     state.a[:] = -acceleration
     state.auxiliary[:] = state.a
-    evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, band, acceleration)
+    evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, factors.matrix, acceleration)
 
 
 class FastestMode:
@@ -93,33 +92,29 @@ class FastestMode:
     """Relative change of omega^2 in one iteration that ends a search."""
 
     def __init__(self, system: System) -> None:
-        n, k = system.size, system.bandwidth
+        size = system.size, system.bandwidth, system.border
         self.system = system
-        self._stiffness, self._mass = band_of(n, k, k), band_of(n, k, k)
-        self._pivots, self._integers = np.zeros(n, np.int32), np.zeros(8, np.int32)
+        self._stiffness, self._mass = new_matrix(*size), new_factors(*size)
         self._random = np.random.default_rng(1)
-        self._mode = np.zeros(n)
+        self._mode = np.zeros(system.size)
 
     def search(self, state: State, t: float) -> tuple[float, int]:
         """Frequency, rad/s, at a state, and the unknown that has most of the mode."""
-        n, k = self.system.size, self.system.bandwidth
-        keep, residual = state.residual.copy(), np.zeros(n)
-        for band, (cm, ck) in ((self._stiffness, (0.0, 1.0)), (self._mass, (1.0, 0.0))):
-            evaluate(self.system, state, t, 0.0, False, cm, 0.0, ck, band, residual)
+        keep, residual = state.residual.copy(), np.zeros(self.system.size)
+        for matrix, (cm, ck) in ((self._stiffness, (0.0, 1.0)), (self._mass.matrix, (1.0, 0.0))):
+            evaluate(self.system, state, t, 0.0, False, cm, 0.0, ck, matrix, residual)
         state.residual[:] = keep
-        if n == 0 or factorise(self._mass, self._pivots, n, k, k, self._integers):
+        if self.system.size == 0 or factorise_matrix(self._mass):
             return 0.0, 0
-        offsets = np.arange(-k, k + 1)
-        stiffness = dia_array((np.array([self._stiffness[:, 2 * k - d] for d in offsets]), offsets), shape=(n, n))
-        return self._iterate(stiffness, n, k)
+        return self._iterate(sparse(self._stiffness))
 
-    def _iterate(self, stiffness: Any, n: int, k: int) -> tuple[float, int]:
-        x = self._random.standard_normal(n)
+    def _iterate(self, stiffness: Any) -> tuple[float, int]:
+        x = self._random.standard_normal(self.system.size)
         x = 0.1 * x / np.linalg.norm(x) + self._mode
         square = 0.0
         for iteration in range(self.MOST):
             y = stiffness @ x
-            solve(self._mass, self._pivots, n, k, k, self._integers, y)
+            solve_matrix(self._mass, y)
             size = float(np.linalg.norm(y))
             if size == 0.0 or not np.isfinite(size):
                 return 0.0, 0
@@ -136,14 +131,9 @@ def matrices(system: System, state: State, at_rest: bool = True) -> tuple[np.nda
 
     ``at_rest`` leaves the velocities out.
     """
-    n, k = system.size, system.bandwidth
-    dense = []
+    parts = []
     for part in np.eye(3):
-        band, residual = band_of(n, k, k), np.zeros(n)
-        evaluate(system, state, 0.0, 1.0, at_rest, *part, band, residual)
-        matrix = np.zeros((n, n))
-        for j in range(n):
-            first, last = max(0, j - k), min(n, j + k + 1)
-            matrix[first:last, j] = band[j, 2 * k + first - j : 2 * k + last - j]
-        dense.append(matrix)
-    return dense[0], dense[1], dense[2]
+        matrix = new_matrix(system.size, system.bandwidth, system.border)
+        evaluate(system, state, 0.0, 1.0, at_rest, *part, matrix, np.zeros(system.size))
+        parts.append(dense(matrix))
+    return parts[0], parts[1], parts[2]

@@ -16,6 +16,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand
 from tautline.kernels.groups import hook_jobs
 from tautline.kernels.jit import entry, kernel
+from tautline.kernels.matrix import new_matrix
 from tautline.kernels.workshop import compile_all
 
 ENERGIES = 5
@@ -151,7 +152,7 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
 _ALWAYS = ("begin", "commit", "record", "energy", "dissipation", "residual")
 MARCHES = {
     GeneralizedAlpha: (march_implicit, lambda m: (*_ALWAYS, "switch", "smooth_tangent", "switching_tangent")),
-    RungeKutta4: (march_explicit, lambda m: (*_ALWAYS, "diagonal_mass" if m.mass.ndim == 1 else "mass")),
+    RungeKutta4: (march_explicit, lambda m: (*_ALWAYS, "diagonal_mass" if isinstance(m.mass, np.ndarray) else "mass")),
 }
 """The compiled loop of each method and the sums that it asks of the groups: a new method is one line here."""
 
@@ -163,7 +164,7 @@ def compile_for(method, system, state, announce=None):
     none, rows = np.zeros(0), np.zeros((0, 0))
     calls = [
         (loop, (method, groups, *scene, none, groups, 0.0, rows)),
-        (evaluate_scene, (groups, *scene, 0.0, 0.0, False, 0.0, 0.0, 0.0, rows, none)),
+        (evaluate_scene, (groups, *scene, 0.0, 0.0, False, 0.0, 0.0, 0.0, new_matrix(0, 0), none)),
     ]
     jobs = [(function, tuple(typeof(x) for x in given)) for function, given in calls]
     compile_all(jobs + hook_jobs(system.groups, *dict.fromkeys((*sums(method), *SUMS))), announce)

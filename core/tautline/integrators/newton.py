@@ -11,7 +11,16 @@ from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import kernel
-from tautline.kernels.lapack import band_of, factorise, solve
+from tautline.kernels.matrix import (
+    Factors,
+    Matrix,
+    clear,
+    copy_matrix,
+    factorise_matrix,
+    new_factors,
+    new_matrix,
+    solve_matrix,
+)
 from tautline.kernels.vector import copy
 from tautline.system.system import System
 
@@ -31,7 +40,7 @@ class Corrector(NamedTuple):
 
     ``tolerance``: with the energy criterion the bound of eq. 2.78 per unit of the largest force scale; with the force
     criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch
-    and ``band`` the factors of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they
+    and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they
     belong to, zeros where they are out of date.
     """
 
@@ -39,10 +48,8 @@ class Corrector(NamedTuple):
     by_energy: bool
     max_iterations: int
     scale: np.ndarray
-    smooth: np.ndarray
-    band: np.ndarray
-    pivots: np.ndarray
-    integers: np.ndarray
+    smooth: Matrix
+    factors: Factors
     increment: np.ndarray
     right_side: np.ndarray
     made_for: np.ndarray
@@ -55,8 +62,8 @@ def corrector(system: System, tolerance: float, by_energy: bool, max_iterations:
     n = system.size
     return Corrector(
         float(tolerance), bool(by_energy), int(max_iterations), system.scale,
-        band_of(n, system.bandwidth, system.bandwidth), band_of(n, system.bandwidth, system.bandwidth),
-        np.zeros(n, np.int32), np.zeros(8, np.int32), np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
+        new_matrix(n, system.bandwidth, system.border), new_factors(n, system.bandwidth, system.border),
+        np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
         np.zeros(1, np.int64),
     )  # fmt: skip
 
@@ -70,8 +77,6 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
     status forces new factors, for which the smooth groups' tangent is used again in turn. Returns a status.
     """
     c = corrector
-    n = state.q.size
-    k = (c.band.shape[1] - 1) // 3
     changed = c.changed
     previous = energy = np.inf
     if abs(c.factored_for[0] - beta) > SAME_STEP * beta:
@@ -112,37 +117,38 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
             c.factored_for[0] = 0.0
             c.made_for[0] = 0.0
         if c.made_for[0] == 0.0:
-            c.smooth.fill(0.0)
+            clear(c.smooth)
             over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, c.smooth, dofs)
             c.made_for[0] = beta
             c.made_for[1] = gamma
         if c.factored_for[0] == 0.0:
-            for i in range(n):
-                for j in range(3 * k + 1):
-                    c.band[i, j] = c.smooth[i, j]
-            over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, c.band, dofs)
+            matrix = c.factors.matrix
+            copy_matrix(c.smooth, matrix)
+            over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, matrix, dofs)
             state.counters[FACTORISATIONS] += 1
-            if factorise(c.band, c.pivots, n, k, k, c.integers) != 0:
+            row = factorise_matrix(c.factors)
+            if row != 0:
+                state.counters[WORST] = row - 1
                 return SINGULAR
             c.factored_for[0] = beta
             c.factored_for[1] = gamma
-        energy = _step(c, state, n, k, beta, gamma, 0.5 if iteration >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
+        energy = _step(c, state, beta, gamma, 0.5 if iteration >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
         state.counters[ITERATIONS] += 1
         previous = size
     return NOT_CONVERGED
 
 
 @kernel
-def _step(c, state, n, k, beta, gamma, fraction):
+def _step(c, state, beta, gamma, fraction):
     """Solve for the increment and add it; returns the energy error of eq. 2.78.
 
     Eq. 2.78 is judged per unit of the scene's largest force scale, so that it is the square root of a length.
     """
     copy(c.increment, c.right_side)
-    solve(c.band, c.pivots, n, k, k, c.integers, c.increment)
+    solve_matrix(c.factors, c.increment)
     energy = 0.0
     unit = 0.0
-    for i in range(n):
+    for i in range(state.q.size):
         step = -fraction * c.increment[i]
         energy += c.right_side[i] * c.increment[i]
         unit = max(unit, c.scale[i])

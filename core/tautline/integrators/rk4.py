@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba.core import types
+from numba.extending import overload
 
 from tautline.integrators.newton import DONE, SINGULAR
 from tautline.integrators.state import WORST, enter, keep, restore, supplied_power
@@ -12,7 +14,7 @@ from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import HELD, expand, prescribe, reduce
 from tautline.kernels.jit import kernel
-from tautline.kernels.lapack import band_of, factorise, solve
+from tautline.kernels.matrix import Factors, clear, factorise_matrix, new_factors, solve_matrix
 from tautline.system.system import System
 
 UNSTABLE = int(Status.UNSTABLE)
@@ -24,14 +26,12 @@ sound in steel."""
 
 
 class RungeKutta4(NamedTuple):
-    """Scratch of the method. ``mass`` is (n,) where the mass matrix is diagonal, else a band.
+    """Scratch of the method. ``mass`` is (n,) where the mass matrix is diagonal, else its factors.
 
     ``coupled`` says whether the mass couples what is held to what is free.
     """
 
-    mass: np.ndarray
-    pivots: np.ndarray
-    integers: np.ndarray
+    mass: np.ndarray | Factors
     slopes: np.ndarray
     power: np.ndarray
     at: np.ndarray
@@ -41,30 +41,44 @@ class RungeKutta4(NamedTuple):
 def runge_kutta_4(system: System) -> RungeKutta4:
     """Make the scratch of the method for a system."""
     n = system.size
-    mass = np.zeros(n) if system.mass_bandwidth == 0 else band_of(n, system.mass_bandwidth, system.mass_bandwidth)
+    diagonal = system.mass_bandwidth == 0
+    mass = np.zeros(n) if diagonal else new_factors(n, system.mass_bandwidth, system.border)
     return RungeKutta4(
-        mass, np.zeros(n, np.int32), np.zeros(8, np.int32), np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64),
+        mass, np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64),
         system.mass_couples_held,
     )  # fmt: skip
 
 
-@kernel
-def solve_mass(matrix, pivots, integers, groups, dofs, q, right_side):
+def solve_mass(mass, groups, dofs, q, right_side):
     """Solve M x = right_side for x, in place; returns 0 or the row whose mass is missing."""
-    n = right_side.size
-    matrix.fill(0.0)
-    if matrix.ndim == 1:
-        over.diagonal_mass(groups, q, matrix, dofs)
-        for i in range(n):
-            if matrix[i] <= 0.0:
-                return i + 1
-            right_side[i] /= matrix[i]
-        return 0
-    over.mass(groups, q, matrix, dofs)
-    k = (matrix.shape[1] - 1) // 3
-    row = factorise(matrix, pivots, n, k, k, integers)
+    chosen = _solve_diagonal if isinstance(mass, np.ndarray) else _solve_factors
+    return chosen(mass, groups, dofs, q, right_side)
+
+
+@overload(solve_mass)
+def _solve_mass(mass, groups, dofs, q, right_side):
+    chosen = _solve_diagonal if isinstance(mass, types.Array) else _solve_factors
+    return lambda mass, groups, dofs, q, right_side: chosen(mass, groups, dofs, q, right_side)
+
+
+@kernel
+def _solve_diagonal(mass, groups, dofs, q, right_side):
+    mass.fill(0.0)
+    over.diagonal_mass(groups, q, mass, dofs)
+    for i in range(right_side.size):
+        if mass[i] <= 0.0:
+            return i + 1
+        right_side[i] /= mass[i]
+    return 0
+
+
+@kernel
+def _solve_factors(mass, groups, dofs, q, right_side):
+    clear(mass.matrix)
+    over.mass(groups, q, mass.matrix, dofs)
+    row = factorise_matrix(mass)
     if row == 0:
-        solve(matrix, pivots, n, k, k, integers, right_side)
+        solve_matrix(mass, right_side)
     return row
 
 
@@ -79,7 +93,7 @@ def accelerate(method, groups, dofs, t, state):
     state.residual.fill(0.0)
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     reduce(dofs, state.residual, state.a)
-    row = solve_mass(method.mass, method.pivots, method.integers, groups, dofs, state.full_q, state.a)
+    row = solve_mass(method.mass, groups, dofs, state.full_q, state.a)
     if row != 0:
         state.counters[WORST] = row - 1
         return SINGULAR

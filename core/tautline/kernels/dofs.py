@@ -15,6 +15,7 @@ from numba.core import types
 from numba.extending import overload
 
 from tautline.kernels.jit import kernel
+from tautline.kernels.matrix import add_at
 from tautline.kernels.time_function import evaluate
 
 HELD, TIED = -1, -2
@@ -86,19 +87,19 @@ def reduce(dofs, full, reduced):
 
 
 def add_entry(matrix, dofs, i, j, x):
-    """Add x at full row i, column j to a reduced matrix: banded (n, 3 k + 1), or diagonal (n,)."""
+    """Add x at full row i, column j to a reduced matrix: a ``Matrix``, or only its diagonal (n,)."""
     for k in range(dofs.start[i], dofs.start[i + 1]):
         for l in range(dofs.start[j], dofs.start[j + 1]):
             row, column, value = dofs.unknown[k], dofs.unknown[l], dofs.factor[k] * dofs.factor[l] * x
-            if matrix.ndim == 2:
-                matrix[column, centre_of(matrix) + row - column] += value
+            if not hasattr(matrix, "ndim"):
+                add_at(matrix, row, column, value)
             elif row == column:
                 matrix[row] += value
 
 
 @overload(add_entry)
 def _add_entry(matrix, dofs, i, j, x):
-    if isinstance(matrix, types.Array) and matrix.ndim == 1:
+    if isinstance(matrix, types.Array):
 
         def diagonal(matrix, dofs, i, j, x):
             number = dofs.number[i]
@@ -110,35 +111,29 @@ def _add_entry(matrix, dofs, i, j, x):
 
         return diagonal
 
-    def banded(matrix, dofs, i, j, x):
-        centre = centre_of(matrix)
+    def bordered(matrix, dofs, i, j, x):
         for k in range(dofs.start[i], dofs.start[i + 1]):
             row = dofs.unknown[k]
             y = dofs.factor[k] * x
             for l in range(dofs.start[j], dofs.start[j + 1]):
-                column = dofs.unknown[l]
-                matrix[column, centre + row - column] += dofs.factor[l] * y
+                add_at(matrix, row, dofs.unknown[l], dofs.factor[l] * y)
 
-    return banded
-
-
-@kernel
-def centre_of(matrix):
-    """Place of the diagonal in a row of a band (n, 3 k + 1): 2 k."""
-    return 2 * ((matrix.shape[1] - 1) // 3)
+    return bordered
 
 
 @kernel
 def add_block(matrix, dofs, first, stride, width, block):
-    """Add a dense block (k, k) to a band: ``width`` degrees of freedom from ``first``, from ``first + stride``, ..."""
+    """Add a dense block (k, k): ``width`` degrees of freedom from ``first``, from ``first + stride``, ..."""
     number = dofs.number
     nodes = block.shape[0] // width
+    n = matrix.band.shape[0]
     for node in range(nodes):
         for k in range(width):
-            if number[first + stride * node + k] == TIED:
-                _add_tied_block(matrix, dofs, first, stride, width, block)
+            row = number[first + stride * node + k]
+            if row == TIED or row >= n:
+                _add_any_block(matrix, dofs, first, stride, width, block)
                 return
-    centre = centre_of(matrix)
+    centre = 2 * ((matrix.band.shape[1] - 1) // 3)
     for left in range(nodes):
         for j in range(width):
             column = number[first + stride * left + j]
@@ -147,11 +142,12 @@ def add_block(matrix, dofs, first, stride, width, block):
                     for i in range(width):
                         row = number[first + stride * right + i]
                         if row >= 0:
-                            matrix[column, centre + row - column] += block[width * right + i, width * left + j]
+                            matrix.band[column, centre + row - column] += block[width * right + i, width * left + j]
 
 
 @kernel
-def _add_tied_block(matrix, dofs, first, stride, width, block):
+def _add_any_block(matrix, dofs, first, stride, width, block):
+    """The same where some of the degrees of freedom are tied or belong to the border."""
     for i in range(block.shape[0]):
         for j in range(block.shape[0]):
             row = first + stride * (i // width) + i % width

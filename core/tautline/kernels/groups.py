@@ -17,7 +17,7 @@ begin          t, h, beta, gamma, q, v, a                       at the start of 
 switch         t, q, v, converged, changed                      lets a law change its status (stick, slip); counts the
                                                                 changes into ``changed[0]``
 residual       t, q, v, a, r                                    r += M a - F
-mass           q, matrix, dofs                                  matrix += M, a band or a diagonal
+mass           q, matrix, dofs                                  matrix += M, a ``Matrix`` or its diagonal
 tangent        t, q, v, a, cm, cc, ck, matrix, dofs             matrix += cm dr/da + cc dr/dv + ck dr/dq
 energy         t, q, v, e                                       e += (kinetic, strain, potential) in J
 dissipation    t, q, v, p                                       p[0] += power lost, p[1] += power put in by a drive, W
@@ -38,19 +38,20 @@ from numba.extending import intrinsic, overload
 
 from tautline.kernels.dofs import DOFS
 from tautline.kernels.jit import address_of, kernel
+from tautline.kernels.matrix import MATRIX
 from tautline.kernels.memory import words_of
 from tautline.kernels.workshop import Job
 
 Kernel = Callable[..., None]
 
-NUMBER, VECTOR, COUNTS, BAND = types.float64, types.float64[::1], types.int64[::1], types.float64[:, ::1]
+NUMBER, VECTOR, COUNTS = types.float64, types.float64[::1], types.int64[::1]
 HOOKS = {
     "begin": {"t": NUMBER, "h": NUMBER, "beta": NUMBER, "gamma": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
     "switch": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "converged": types.boolean, "changed": COUNTS},
     "residual": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "r": VECTOR},
-    "mass": {"q": VECTOR, "matrix": BAND, "dofs": DOFS},
+    "mass": {"q": VECTOR, "matrix": MATRIX, "dofs": DOFS},
     "tangent": {
-        "t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "cm": NUMBER, "cc": NUMBER, "ck": NUMBER, "matrix": BAND,
+        "t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "cm": NUMBER, "cc": NUMBER, "ck": NUMBER, "matrix": MATRIX,
         "dofs": DOFS,
     },
     "energy": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "e": VECTOR},
@@ -173,6 +174,8 @@ def link(groups: tuple[Any, ...], *sums: str) -> Any:
 @intrinsic(prefer_literal=True)
 def _apply(typing, row, kind, group, arguments):
     """Call the kernel of a kind of group for the sum in a row; group and arguments are taken from their addresses."""
+    if not isinstance(row, types.IntegerLiteral):
+        return None  # numba tries again so after an error, which it then reports
     hook, expected, _ = list(SUMS.values())[row.literal_value]
     member, values = kind.instance_type, types.Tuple(tuple(expected.values()))
     function = KINDS[member.instance_class][hook]

@@ -25,6 +25,8 @@ def _routine(name: str, arguments: int) -> types.ExternalFunction:
 
 _dgbtrf = _routine("dgbtrf", 8)
 _dgbtrs = _routine("dgbtrs", 11)
+_dgetrf = _routine("dgetrf", 6)
+_dgetrs = _routine("dgetrs", 9)
 _NO_TRANSPOSE = ord("N")
 
 
@@ -75,6 +77,27 @@ def solve(band, pivots, n, kl, ku, integers, x):
     )  # fmt: skip
 
 
+@entry
+def factorise_dense(matrix, pivots, n, integers):
+    """Factorise a small dense matrix (n, n), stored by columns, in place; returns 0 or the pivot that is zero."""
+    integers[0] = n
+    integers[4] = 0
+    base = integers.ctypes.data
+    _dgetrf(base, base, matrix.ctypes.data, base, pivots.ctypes.data, base + 16)
+    return integers[4]
+
+
+@entry
+def solve_dense(matrix, pivots, n, integers, x):
+    """Solve A x = b with the factors of :func:`factorise_dense`, in place."""
+    integers[0] = n
+    integers[4] = 0
+    integers[5] = 1
+    integers[6] = _NO_TRANSPOSE
+    base = integers.ctypes.data
+    _dgetrs(base + 24, base, base + 20, matrix.ctypes.data, base, pivots.ctypes.data, x.ctypes.data, base, base + 16)
+
+
 def band_of(n: int, kl: int, ku: int) -> np.ndarray:
     """Zero band storage, shape (n, 2 kl + ku + 1)."""
     return np.zeros((n, 2 * kl + ku + 1))
@@ -82,7 +105,7 @@ def band_of(n: int, kl: int, ku: int) -> np.ndarray:
 
 if config.DISABLE_JIT:
     # Uncompiled, an external function does nothing: the same routines by SciPy's own wrapper.
-    from scipy.linalg.lapack import dgbtrf, dgbtrs
+    from scipy.linalg.lapack import dgbtrf, dgbtrs, dgetrf, dgetrs
 
     def factorise(band, pivots, n, kl, ku, integers):
         """Factorise by :func:`scipy.linalg.lapack.dgbtrf`."""
@@ -92,4 +115,14 @@ if config.DISABLE_JIT:
 
     def solve(band, pivots, n, kl, ku, integers, x):
         """Solve by :func:`scipy.linalg.lapack.dgbtrs`."""
-        x[:] = dgbtrs(band.T, kl, ku, x, pivots)[0]
+        x[:n] = dgbtrs(band.T, kl, ku, x[:n], pivots)[0]
+
+    def factorise_dense(matrix, pivots, n, integers):
+        """Factorise by :func:`scipy.linalg.lapack.dgetrf`."""
+        factors, pivots[:], info = dgetrf(matrix.T)
+        matrix[:] = factors.T
+        return info
+
+    def solve_dense(matrix, pivots, n, integers, x):
+        """Solve by :func:`scipy.linalg.lapack.dgetrs`."""
+        x[:] = dgetrs(matrix.T, pivots, x)[0]

@@ -14,6 +14,9 @@ from tautline.kernels.dofs import HELD, TIED, Dofs
 from tautline.kernels.groups import link
 from tautline.kernels.time_function import TimeFunctions
 
+LOCAL = 60
+"""Unknowns that one may depend on and still belong to the band."""
+
 
 @dataclass
 class Degrees:
@@ -74,6 +77,8 @@ class System:
         Reduced unknowns that stay where they are while an equilibrium is sought.
     bandwidth, mass_bandwidth : int
         Sub- and superdiagonals of the tangent and of the mass matrix; 0 is diagonal.
+    border : int
+        Unknowns, the last ones, that are kept out of the band because too many others depend on them.
     linked : dict
         What :meth:`link` made.
     """
@@ -90,6 +95,7 @@ class System:
     at_rest: np.ndarray
     bandwidth: int
     mass_bandwidth: int
+    border: int = 0
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
 
     def link(self, sums: tuple[str, ...]) -> Any:
@@ -140,7 +146,7 @@ def assemble(
     number[free] = np.arange(free.size)
     masters = [_masters(i, number, degrees) for i in range(full)]
     pattern, mass_pattern = (_pattern(masters, free.size, s) for s in (stencils, mass_stencils))
-    order = _narrow(pattern)
+    order, border = _narrow(pattern)
     rank = np.empty_like(order)
     rank[order] = np.arange(order.size)
 
@@ -166,8 +172,9 @@ def assemble(
         free=free[order],
         mass_couples_held=any(_couples(masters, s) for s in mass_stencils),
         at_rest=np.array([rank[number[i]] for i in at_rest if number[i] >= 0], dtype=np.int64),
-        bandwidth=_bandwidth(pattern, rank),
-        mass_bandwidth=_bandwidth(mass_pattern, rank),
+        bandwidth=_bandwidth(pattern, rank, border),
+        mass_bandwidth=_bandwidth(mass_pattern, rank, border) if border == 0 else _bandwidth(pattern, rank, border),
+        border=border,
     )
 
 
@@ -213,15 +220,26 @@ def _pattern(masters: list[list[tuple[int, float]]], size: int, stencils: Sequen
     return csr_matrix((np.ones(i.size, dtype=np.int8), (i, j)), shape=(size, size))
 
 
-def _narrow(pattern: csr_matrix) -> np.ndarray:
-    """The better of reverse Cuthill-McKee and the order in which the scene was built."""
+def _narrow(pattern: csr_matrix) -> tuple[np.ndarray, int]:
+    """Order of the unknowns, and how many of the last are to be a border.
+
+    The border are those that many more others depend on than is usual; the rest is ordered by reverse Cuthill-McKee or
+    as the scene was built, whichever gives the narrower band.
+    """
     natural = np.arange(pattern.shape[0])
-    cuthill = np.asarray(reverse_cuthill_mckee(pattern, symmetric_mode=True), dtype=np.int64)
-    rank = np.empty_like(cuthill)
-    rank[cuthill] = natural
-    return cuthill if _bandwidth(pattern, rank) < _bandwidth(pattern, natural) else natural
+    degree = np.diff(pattern.indptr)
+    wide = degree > max(LOCAL, 4.0 * np.median(degree)) if natural.size else natural.astype(bool)
+    inner, outer = natural[~wide], natural[wide]
+    rest = pattern[inner][:, inner]
+    cuthill = inner[np.asarray(reverse_cuthill_mckee(rest, symmetric_mode=True), dtype=np.int64)]
+    orders = [np.concatenate((order, outer)) for order in (cuthill, inner)]
+    ranks = [np.argsort(order) for order in orders]
+    widths = [_bandwidth(pattern, rank, outer.size) for rank in ranks]
+    return orders[int(widths[1] <= widths[0])], outer.size
 
 
-def _bandwidth(pattern: csr_matrix, rank: np.ndarray) -> int:
+def _bandwidth(pattern: csr_matrix, rank: np.ndarray, border: int) -> int:
     entries = pattern.tocoo()
-    return int(np.abs(rank[entries.row] - rank[entries.col]).max(initial=0))
+    row, column = rank[entries.row], rank[entries.col]
+    inner = np.maximum(row, column) < rank.size - border
+    return int(np.abs(row - column)[inner].max(initial=0))

@@ -1,0 +1,186 @@
+"""The matrix of a scene: a band, with a border of rows and columns for the few unknowns that many others depend on.
+
+One velocity at which a thousand elements of rope flow would fill a band from end to end. Such unknowns are numbered
+last; the band is factorised without them, and they are solved for by their Schur complement.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import typeof
+
+from tautline.kernels.jit import entry, kernel
+from tautline.kernels.lapack import factorise, factorise_dense, solve, solve_dense
+
+
+class Matrix(NamedTuple):
+    """A matrix of n banded and m border unknowns.
+
+    ``band`` (n, 3 k + 1) with entry (i, j) at ``band[j, 2 k + i - j]``; ``right[j]`` (m, n) the border's columns;
+    ``lower[i]`` (m, n) its rows; ``corner`` (m, m) with entry (i, j) at ``corner[j, i]``.
+    """
+
+    band: np.ndarray
+    right: np.ndarray
+    lower: np.ndarray
+    corner: np.ndarray
+
+
+MATRIX = typeof(Matrix(*(np.zeros((0, 0)) for _ in range(4))))
+"""The type of :class:`Matrix` in compiled code."""
+
+
+class Factors(NamedTuple):
+    """A matrix that is factorised in place, and the scratch for it.
+
+    ``columns[j]`` (m, n) is the band's inverse times the border's column j.
+    """
+
+    matrix: Matrix
+    pivots: np.ndarray
+    corner_pivots: np.ndarray
+    columns: np.ndarray
+    integers: np.ndarray
+
+
+def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
+    """Zero matrix of ``size`` unknowns, the last ``border`` of which are no part of the band."""
+    n = size - border
+    return Matrix(
+        np.zeros((n, 3 * bandwidth + 1)), np.zeros((border, n)), np.zeros((border, n)), np.zeros((border, border))
+    )
+
+
+def new_factors(size: int, bandwidth: int, border: int = 0) -> Factors:
+    """Zero matrix with room for its factors."""
+    return Factors(
+        new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
+        np.zeros((border, size - border)), np.zeros(8, np.int32),
+    )  # fmt: skip
+
+
+@kernel
+def clear(matrix):
+    """Set all entries to zero."""
+    matrix.band.fill(0.0)
+    matrix.right.fill(0.0)
+    matrix.lower.fill(0.0)
+    matrix.corner.fill(0.0)
+
+
+@kernel
+def _copy(source, target):
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = source[i, j]
+
+
+@kernel
+def copy_matrix(source, target):
+    """Write one matrix over another of its shape."""
+    _copy(source.band, target.band)
+    _copy(source.right, target.right)
+    _copy(source.lower, target.lower)
+    _copy(source.corner, target.corner)
+
+
+@kernel
+def add_at(matrix, row, column, x):
+    """Add x to an entry."""
+    n = matrix.band.shape[0]
+    if row < n and column < n:
+        matrix.band[column, 2 * ((matrix.band.shape[1] - 1) // 3) + row - column] += x
+    elif row < n:
+        matrix.right[column - n, row] += x
+    elif column < n:
+        matrix.lower[row - n, column] += x
+    else:
+        matrix.corner[column - n, row - n] += x
+
+
+@entry
+def factorise_matrix(factors):
+    """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
+    f = factors
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    row = factorise(f.matrix.band, f.pivots, n, k, k, f.integers)
+    m = f.corner_pivots.size
+    if row != 0 or m == 0:
+        return row
+    for j in range(m):
+        y = f.columns[j]
+        for i in range(n):
+            y[i] = f.matrix.right[j, i]
+        solve(f.matrix.band, f.pivots, n, k, k, f.integers, y)
+        for i in range(m):
+            x = 0.0
+            for l in range(n):
+                x += f.matrix.lower[i, l] * y[l]
+            f.matrix.corner[j, i] -= x
+    row = factorise_dense(f.matrix.corner, f.corner_pivots, m, f.integers)
+    return row + n if row != 0 else 0
+
+
+@entry
+def solve_matrix(factors, x):
+    """Solve A x = b with the factors; ``x`` (n + m,) holds b before and x after."""
+    f = factors
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    solve(f.matrix.band, f.pivots, n, k, k, f.integers, x)
+    m = f.corner_pivots.size
+    if m == 0:
+        return
+    for i in range(m):
+        y = 0.0
+        for l in range(n):
+            y += f.matrix.lower[i, l] * x[l]
+        x[n + i] -= y
+    solve_dense(f.matrix.corner, f.corner_pivots, m, f.integers, x[n:])
+    for j in range(m):
+        for l in range(n):
+            x[l] -= f.columns[j, l] * x[n + j]
+
+
+def dense(matrix: Matrix) -> np.ndarray:
+    """The matrix (n + m, n + m) in full."""
+    n, m = matrix.band.shape[0], matrix.corner.shape[0]
+    k = (matrix.band.shape[1] - 1) // 3
+    full = np.zeros((n + m, n + m))
+    for j in range(n):
+        first, last = max(0, j - k), min(n, j + k + 1)
+        full[first:last, j] = matrix.band[j, 2 * k + first - j : 2 * k + last - j]
+    full[:n, n:], full[n:, :n], full[n:, n:] = matrix.right.T, matrix.lower, matrix.corner.T
+    return full
+
+
+def sparse(matrix: Matrix):
+    """The matrix as a SciPy sparse array (n + m, n + m), for products."""
+    from scipy.sparse import block_array, csr_array, dia_array
+
+    n = matrix.band.shape[0]
+    if n == 0:
+        return csr_array(matrix.corner.T)
+    k = (matrix.band.shape[1] - 1) // 3
+    offsets = np.arange(-k, k + 1)
+    band = dia_array((np.array([matrix.band[:, 2 * k - d] for d in offsets]), offsets), shape=(n, n))
+    if matrix.corner.size == 0:
+        return band
+    return block_array(
+        [[band, csr_array(matrix.right.T)], [csr_array(matrix.lower), csr_array(matrix.corner.T)]], format="csr"
+    )
+
+
+def replace_by_identity(matrix: Matrix, row: int) -> None:
+    """Make a row that of the unit matrix: its unknown stays where it is."""
+    n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
+    if row >= n:
+        matrix.lower[row - n] = 0.0
+        matrix.corner[:, row - n] = 0.0
+        matrix.corner[row - n, row - n] = 1.0
+        return
+    columns = np.arange(max(0, row - k), min(n, row + k + 1))
+    matrix.band[columns, 2 * k + row - columns] = 0.0
+    matrix.right[:, row] = 0.0
+    matrix.band[row, 2 * k] = 1.0

@@ -1,0 +1,64 @@
+"""The bordered band matrix against dense linear algebra."""
+
+import numpy as np
+import pytest
+
+from tautline.kernels.jit import entry
+from tautline.kernels.matrix import (
+    add_at,
+    dense,
+    factorise_matrix,
+    new_factors,
+    new_matrix,
+    replace_by_identity,
+    solve_matrix,
+    sparse,
+)
+
+
+@entry
+def _fill(matrix, full, k):
+    n, size = matrix.band.shape[0], full.shape[0]
+    for i in range(size):
+        for j in range(size):
+            if i >= n or j >= n or abs(i - j) <= k:
+                add_at(matrix, i, j, full[i, j])
+
+
+def random_matrix(size, k, border, seed=3):
+    """A bordered matrix, and the same in full with zeros outside its pattern."""
+    full = np.random.default_rng(seed).standard_normal((size, size))
+    i, j = np.indices(full.shape)
+    full[(np.abs(i - j) > k) & (np.maximum(i, j) < size - border)] = 0.0
+    return full
+
+
+@pytest.mark.parametrize(("size", "k", "border"), [(1, 0, 0), (9, 2, 0), (9, 2, 1), (30, 4, 3), (3, 0, 2), (4, 0, 4)])
+def test_a_bordered_matrix_is_solved_as_the_dense_one_is(size, k, border):
+    full, factors = random_matrix(size, k, border), new_factors(size, k, border)
+    _fill(factors.matrix, full, k)
+    assert np.array_equal(dense(factors.matrix), full)
+    right = np.random.default_rng(4).standard_normal(size)
+    assert np.allclose(sparse(factors.matrix) @ right, full @ right, rtol=1e-13, atol=1e-13)
+    assert factorise_matrix(factors) == 0
+    for _ in range(2):
+        x = right.copy()
+        solve_matrix(factors, x)
+        assert np.allclose(full @ x, right, rtol=0, atol=1e-10 * np.linalg.cond(full))
+
+
+def test_a_border_that_depends_on_the_band_is_found_singular_and_named():
+    full = random_matrix(6, 1, 1)
+    full[5] = full[:, 5] = 0.0
+    factors = new_factors(6, 1, 1)
+    _fill(factors.matrix, full, 1)
+    assert factorise_matrix(factors) == 6
+
+
+@pytest.mark.parametrize("row", [0, 3, 6, 7])
+def test_a_row_can_be_made_that_of_the_unit_matrix(row):
+    full, matrix = random_matrix(8, 2, 2), new_matrix(8, 2, 2)
+    _fill(matrix, full, 2)
+    replace_by_identity(matrix, row)
+    full[row] = np.eye(8)[row]
+    assert np.array_equal(dense(matrix), full)
