@@ -80,7 +80,7 @@ def bends(seats, rng, stiff=True):
 def all_free(n):
     """Every degree of freedom its own unknown."""
     each, none = np.arange(n), np.zeros(0, dtype=np.int64)
-    return Dofs(np.arange(n + 1), each, np.ones(n), each.copy(), none, none.copy(), np.zeros(0))
+    return Dofs(np.arange(n + 1), each, np.ones(n), each.copy(), none, none.copy(), np.zeros(0), none.copy())
 
 
 @entry

@@ -113,14 +113,20 @@ class TestNullMotion:
         assert rope.couple(1, P, (3, 0.5)).sliding() == [3]
         assert rope.couple(1, P, (3, 2.0)).sliding() == [1]
 
+    def test_the_farthest_is_found_where_the_equations_were_solved_for_another(self):
+        rope = along((1, 0, 0)).fix(0, P).fix(4, P)
+        rope.rows = [[(4 + P, 1.0), (8 + P, -1.0), (12 + P, 1.0)], [(8 + P, 1.0), (12 + P, 1.0)]]
+        assert rope.sliding() == [1], "c = (2, 1, -1)"
+
     def test_two_ropes_tied_end_to_end_slide_together_where_they_are_in_line_and_not_at_a_kink(self):
-        def tied(second):
-            rope = Rope([(1, 0, 0), (1, 0, 0), second, second]).fix(0, P).fix(3, P)
+        def tied(first, second):
+            rope = Rope([first, first, second, second]).fix(0, P).fix(3, P)
             return rope.tie(1, 2, X, Y, Z, P).sliding()
 
-        assert tied((1, 0, 0)) in ([1], [2])
-        assert tied((1, 1e-9, 0)) in ([1], [2])
-        assert tied((0.8, 0.6, 0)) == []
+        assert tied((1, 0, 0), (1, 0, 0)) in ([1], [2])
+        assert tied((1, 0, 0), (0.8, 0.6, 0)) == []
+        assert tied((0.6, 0.8, 0), (0.6 + 1e-9, 0.8, 0)) in ([1], [2])
+        assert tied((0.6, 0.8, 0), (0.6 + 1e-4, 0.8, 0)) == []
 
     def test_nodes_without_p_and_degrees_of_freedom_of_no_node_stay_where_they_are(self):
         nodes, material, tangents = np.array([0, 4]), np.array([-1, 7]), np.array([[1.0, 0, 0], [1.0, 0, 0]])

@@ -16,7 +16,7 @@ from tautline.kernels.jit import kernel
 class GeneralizedAlpha(NamedTuple):
     """Parameters of the method and its corrector; Newmark-beta is alpha_m = alpha_f = 0.
 
-    ``power`` (2,) is scratch; ``last_step`` (1,) the length of the last accepted step, s, 0 before the first.
+    ``algebraic`` lists the unknowns that are multipliers; ``power`` (2,) is scratch; ``last_step`` (1,) the length of the last accepted step, s, 0 before the first.
     """
 
     alpha_m: float
@@ -27,6 +27,7 @@ class GeneralizedAlpha(NamedTuple):
     corrector: Corrector
     power: np.ndarray
     last_step: np.ndarray
+    algebraic: np.ndarray
 
 
 def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
@@ -67,6 +68,9 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         expand(dofs, state.a, state.full_a)
         return status
     m.last_step[0] = h
+    for i in m.algebraic:
+        state.q[i] = 0.0
+        state.v[i] = 0.0
     for i in range(state.q.size):
         state.auxiliary[i] += (1.0 - m.alpha_f) / (1.0 - m.alpha_m) * (state.a[i] - state.keep[2, i])
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)

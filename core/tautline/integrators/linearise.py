@@ -9,7 +9,7 @@ import numpy as np
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import HELD, expand, prescribe, reduce
+from tautline.kernels.dofs import expand, expand_held, prescribe, reduce
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import clear, dense, factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
 from tautline.system.system import System
@@ -20,7 +20,7 @@ SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
 def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual):
     """Reduced residual ``residual`` (n,) and ``matrix`` = cm M + cc C + ck K at the state's position, at time t.
 
-    ``at_rest`` leaves velocities and accelerations out; else velocities are the state's and accelerations are zero but
+    ``at_rest`` leaves velocities and accelerations out, and groups begin with beta = -1; else velocities are the state's and accelerations are zero but
     for those that are prescribed. Every group begins an explicit step of ``h`` s, so that laws and arcs fit
     the state; with h = 0 a run under way is looked at and not touched.
     """
@@ -38,11 +38,9 @@ def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, ma
         state.full_v.fill(0.0)
         state.full_a.fill(0.0)
     else:
-        for i in range(dofs.number.size):
-            if dofs.number[i] != HELD:
-                state.full_a[i] = 0.0
+        expand_held(dofs, state.full_a)
     if h > 0.0:
-        over.begin(groups, t, h, 0.0, 0.0, state.full_q, state.full_v, state.full_a)
+        over.begin(groups, t, h, -1.0 if at_rest else 0.0, 0.0, state.full_q, state.full_v, state.full_a)
     state.residual.fill(0.0)
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     reduce(dofs, state.residual, residual)
@@ -68,6 +66,7 @@ def start_moving(system: System, state: State, step: float) -> None:
     n = system.size
     factors = new_factors(n, system.bandwidth, system.border)
     state.v[:] = system.v[system.free]
+    state.q[system.algebraic] = 0.0
     acceleration = np.zeros(n)
     evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, factors.matrix, acceleration)
     row = factorise_matrix(factors)

@@ -18,7 +18,8 @@ def generalized_alpha(system: System, settings: SolverSettings) -> GeneralizedAl
     beta, gamma = coefficients(settings.alpha_m, settings.alpha_f)
     iteration = corrector(system, settings.tolerance, settings.criterion == "energy", settings.max_iterations)
     return GeneralizedAlpha(
-        settings.alpha_m, settings.alpha_f, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1)
+        settings.alpha_m, settings.alpha_f, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1),
+        system.algebraic,
     )
 
 
@@ -26,13 +27,13 @@ def newmark(system: System, settings: SolverSettings) -> GeneralizedAlpha:
     """Newmark-beta, the average acceleration: generalized-alpha with alpha_m = alpha_f = 0, eqs 2.65-2.70."""
     beta, gamma = coefficients(0.0, 0.0)
     iteration = corrector(system, settings.tolerance, settings.criterion == "energy", settings.max_iterations)
-    return GeneralizedAlpha(0.0, 0.0, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1))
+    return GeneralizedAlpha(0.0, 0.0, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic)
 
 
 METHODS: dict[str, Callable[[System, SolverSettings], GeneralizedAlpha | RungeKutta4]] = {
     "generalized-alpha": generalized_alpha,
     "newmark": newmark,
-    "rk4": lambda system, settings: runge_kutta_4(system),
+    "rk4": lambda system, settings: runge_kutta_4(system, settings.projection, settings.stabilise),
 }
 """Makers of a method's scratch; the order test runs over all of them."""
 

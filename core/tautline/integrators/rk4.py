@@ -12,9 +12,10 @@ from tautline.integrators.newton import DONE, SINGULAR
 from tautline.integrators.state import WORST, enter, keep, restore, supplied_power
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import HELD, expand, prescribe, reduce
-from tautline.kernels.jit import kernel
-from tautline.kernels.matrix import Factors, clear, factorise_matrix, new_factors, solve_matrix
+from tautline.kernels.dofs import expand, expand_held, prescribe, reduce
+from tautline.kernels.groups import has_constant_mass
+from tautline.kernels.jit import entry, kernel
+from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_matrix
 from tautline.system.system import System
 
 UNSTABLE = int(Status.UNSTABLE)
@@ -28,43 +29,110 @@ sound in steel."""
 class RungeKutta4(NamedTuple):
     """Scratch of the method. ``mass`` is (n,) where the mass matrix is diagonal, else its factors.
 
-    ``coupled`` says whether the mass couples what is held to what is free.
+    ``constant`` says whether the mass matrix stays what it is, and ``made`` (1,) whether its factors are there;
+    ``coupled`` whether the mass couples what is held to what is free. ``projection`` are the factors of (B, G^T; G, 0)
+    that put a step back onto the constraints ``stabilise`` times, B being the unit matrix (eq. 2.128), or empty where
+    B = M (eq. 2.127); ``algebraic`` lists the multipliers.
     """
 
     mass: np.ndarray | Factors
+    made: np.ndarray
+    constant: bool
     slopes: np.ndarray
     power: np.ndarray
     at: np.ndarray
     coupled: bool
+    projection: Factors
+    stabilise: int
+    algebraic: np.ndarray
+    change: np.ndarray
 
 
-def runge_kutta_4(system: System) -> RungeKutta4:
+def runge_kutta_4(system: System, projection: str = "mass", stabilise: int = 1) -> RungeKutta4:
     """Make the scratch of the method for a system."""
     n = system.size
-    diagonal = system.mass_bandwidth == 0
-    mass = np.zeros(n) if diagonal else new_factors(n, system.mass_bandwidth, system.border)
+    diagonal = system.mass_bandwidth == 0 and system.border == 0
+    size = n, system.mass_bandwidth, system.border
+    identity = projection == "identity" and system.algebraic.size > 0 and stabilise > 0
+    factors = new_factors(*size) if identity else new_factors(0, 0)
+    if identity:
+        _write_projection(system.link(("constraint_mass",)), system.dofs, system.q, factors.matrix, system.algebraic)
+        factorise_matrix(factors)
     return RungeKutta4(
-        mass, np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64),
-        system.mass_couples_held,
+        np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), has_constant_mass(system.groups),
+        np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64), system.mass_couples_held, factors,
+        int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
     )  # fmt: skip
 
 
-def solve_mass(mass, groups, dofs, q, right_side):
-    """Solve M x = right_side for x, in place; returns 0 or the row whose mass is missing."""
-    chosen = _solve_diagonal if isinstance(mass, np.ndarray) else _solve_factors
-    return chosen(mass, groups, dofs, q, right_side)
-
-
-@overload(solve_mass)
-def _solve_mass(mass, groups, dofs, q, right_side):
-    chosen = _solve_diagonal if isinstance(mass, types.Array) else _solve_factors
-    return lambda mass, groups, dofs, q, right_side: chosen(mass, groups, dofs, q, right_side)
+@entry
+def _write_projection(groups, dofs, q, matrix, algebraic):
+    """(1, G^T; G, 0), in the columns and rows that the constraints themselves write."""
+    over.constraint_mass(groups, q, matrix, dofs)
+    n = matrix.band.shape[0]
+    for i in range(n + matrix.corner.shape[0]):
+        free = True
+        for k in algebraic:
+            if k == i:
+                free = False
+        if free:
+            add_at(matrix, i, i, 1.0)
 
 
 @kernel
-def _solve_diagonal(mass, groups, dofs, q, right_side):
-    mass.fill(0.0)
-    over.diagonal_mass(groups, q, mass, dofs)
+def project(method, groups, dofs, order, state):
+    """Put positions (order 0) or velocities (1) back onto the constraints: q -= F phi, eqs 2.127-2.128."""
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
+    state.residual.fill(0.0)
+    over.violation(groups, order, state.full_q, state.full_v, state.residual)
+    x = method.change
+    reduce(dofs, state.residual, x)
+    if method.projection.pivots.size + method.projection.corner_pivots.size > 0:
+        solve_matrix(method.projection, x)
+    else:
+        solve_with(method.mass, x)
+    target = state.q if order == 0 else state.v
+    for i in range(x.size):
+        target[i] -= x[i]
+    for i in method.algebraic:
+        state.q[i] = 0.0
+        state.v[i] = 0.0
+
+
+def solve_with(mass, x):
+    """Solve by factors that are there; a diagonal mass has no constraints to be put back onto."""
+    if not isinstance(mass, np.ndarray):
+        solve_matrix(mass, x)
+
+
+@overload(solve_with)
+def _solve_with(mass, x):
+    if isinstance(mass, types.Array):
+        return lambda mass, x: None
+    return lambda mass, x: solve_matrix(mass, x)
+
+
+def solve_mass(mass, fresh, groups, dofs, q, right_side):
+    """Solve M x = right_side for x, in place; returns 0 or the row whose mass is missing.
+
+    ``fresh`` says whether M has to be made first.
+    """
+    chosen = _solve_diagonal if isinstance(mass, np.ndarray) else _solve_factors
+    return chosen(mass, fresh, groups, dofs, q, right_side)
+
+
+@overload(solve_mass)
+def _solve_mass(mass, fresh, groups, dofs, q, right_side):
+    chosen = _solve_diagonal if isinstance(mass, types.Array) else _solve_factors
+    return lambda mass, fresh, groups, dofs, q, right_side: chosen(mass, fresh, groups, dofs, q, right_side)
+
+
+@kernel
+def _solve_diagonal(mass, fresh, groups, dofs, q, right_side):
+    if fresh:
+        mass.fill(0.0)
+        over.diagonal_mass(groups, q, mass, dofs)
     for i in range(right_side.size):
         if mass[i] <= 0.0:
             return i + 1
@@ -73,10 +141,12 @@ def _solve_diagonal(mass, groups, dofs, q, right_side):
 
 
 @kernel
-def _solve_factors(mass, groups, dofs, q, right_side):
-    clear(mass.matrix)
-    over.mass(groups, q, mass.matrix, dofs)
-    row = factorise_matrix(mass)
+def _solve_factors(mass, fresh, groups, dofs, q, right_side):
+    row = 0
+    if fresh:
+        clear(mass.matrix)
+        over.mass(groups, q, mass.matrix, dofs)
+        row = factorise_matrix(mass)
     if row == 0:
         solve_matrix(mass, right_side)
     return row
@@ -87,13 +157,13 @@ def accelerate(method, groups, dofs, t, state):
     """Set the acceleration at time t from position and velocity, what is held being where it is then: M a = F."""
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
-    for i in range(dofs.number.size):
-        if dofs.number[i] != HELD:
-            state.full_a[i] = 0.0
+    expand_held(dofs, state.full_a)
     state.residual.fill(0.0)
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     reduce(dofs, state.residual, state.a)
-    row = solve_mass(method.mass, groups, dofs, state.full_q, state.a)
+    fresh = not (method.constant and method.made[0] == 1.0)
+    row = solve_mass(method.mass, fresh, groups, dofs, state.full_q, state.a)
+    method.made[0] = 1.0
     if row != 0:
         state.counters[WORST] = row - 1
         return SINGULAR
@@ -147,10 +217,17 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
     for i in range(q.size):
         state.q[i] = q[i] + h * sum_v[i]
         state.v[i] = v[i] + h * sum_a[i]
+    for i in method.algebraic:
+        state.q[i] = 0.0
+        state.v[i] = 0.0
+    for i in range(q.size):
         if not abs(state.v[i]) < SPEED_LIMIT:
             state.counters[WORST] = i
             restore(state)
             return UNSTABLE
+    for _ in range(method.stabilise):
+        project(method, groups, dofs, 0, state)
+        project(method, groups, dofs, 1, state)
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)

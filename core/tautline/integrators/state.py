@@ -75,6 +75,10 @@ def supplied_power(dofs, state):
         if dofs.motion[k] >= 0:
             i = dofs.held[k]
             power += state.residual[i] * state.full_v[i]
+    for i in dofs.carried:
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            if dofs.unknown[k] < 0:
+                power += dofs.factor[k] * state.residual[i] * state.full_v[-1 - dofs.unknown[k]]
     return power
 
 

@@ -27,6 +27,7 @@ class Dofs(NamedTuple):
 
     ``unknown[start[i]:start[i + 1]]`` (n,) and ``factor[...]`` are the masters of full degree of freedom i;
     ``number[i]`` is its only master where that has factor 1, ``HELD`` where it has none and ``TIED`` otherwise;
+    a master that is held stands in ``unknown`` as -1 less its full number, and ``carried`` lists what has such masters;
     ``held`` lists those that are fixed (``motion`` -1) or follow a function of time, and ``offset`` is added to it.
     """
 
@@ -37,6 +38,7 @@ class Dofs(NamedTuple):
     held: np.ndarray
     motion: np.ndarray
     offset: np.ndarray
+    carried: np.ndarray
 
 
 DOFS = typeof(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
@@ -69,8 +71,22 @@ def expand(dofs, reduced, full):
         elif number[i] == TIED:
             x = 0.0
             for k in range(dofs.start[i], dofs.start[i + 1]):
-                x += dofs.factor[k] * reduced[dofs.unknown[k]]
+                master = dofs.unknown[k]
+                x += dofs.factor[k] * (reduced[master] if master >= 0 else full[-1 - master])
             full[i] = x
+
+
+@kernel
+def expand_held(dofs, full):
+    """Write into the full vector what it is while all reduced unknowns are zero."""
+    number = dofs.number
+    for i in range(number.size):
+        if number[i] != HELD:
+            full[i] = 0.0
+    for i in dofs.carried:
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            if dofs.unknown[k] < 0:
+                full[i] += dofs.factor[k] * full[-1 - dofs.unknown[k]]
 
 
 @kernel
@@ -83,7 +99,8 @@ def reduce(dofs, full, reduced):
             reduced[number[i]] += full[i]
         elif number[i] == TIED:
             for k in range(dofs.start[i], dofs.start[i + 1]):
-                reduced[dofs.unknown[k]] += dofs.factor[k] * full[i]
+                if dofs.unknown[k] >= 0:
+                    reduced[dofs.unknown[k]] += dofs.factor[k] * full[i]
 
 
 def add_entry(matrix, dofs, i, j, x):
@@ -91,6 +108,8 @@ def add_entry(matrix, dofs, i, j, x):
     for k in range(dofs.start[i], dofs.start[i + 1]):
         for l in range(dofs.start[j], dofs.start[j + 1]):
             row, column, value = dofs.unknown[k], dofs.unknown[l], dofs.factor[k] * dofs.factor[l] * x
+            if row < 0 or column < 0:
+                continue
             if not hasattr(matrix, "ndim"):
                 add_at(matrix, row, column, value)
             elif row == column:
@@ -107,7 +126,8 @@ def _add_entry(matrix, dofs, i, j, x):
                 matrix[number] += x
             elif i == j and number == TIED:
                 for k in range(dofs.start[i], dofs.start[i + 1]):
-                    matrix[dofs.unknown[k]] += dofs.factor[k] * dofs.factor[k] * x
+                    if dofs.unknown[k] >= 0:
+                        matrix[dofs.unknown[k]] += dofs.factor[k] * dofs.factor[k] * x
 
         return diagonal
 
@@ -116,7 +136,8 @@ def _add_entry(matrix, dofs, i, j, x):
             row = dofs.unknown[k]
             y = dofs.factor[k] * x
             for l in range(dofs.start[j], dofs.start[j + 1]):
-                add_at(matrix, row, dofs.unknown[l], dofs.factor[l] * y)
+                if row >= 0 and dofs.unknown[l] >= 0:
+                    add_at(matrix, row, dofs.unknown[l], dofs.factor[l] * y)
 
     return bordered
 

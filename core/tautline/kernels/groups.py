@@ -23,6 +23,8 @@ energy         t, q, v, e                                       e += (kinetic, s
 dissipation    t, q, v, p                                       p[0] += power lost, p[1] += power put in by a drive, W
 commit         t, h, q, v, a                                    the step to t is accepted
 record         out, at                                          writes its own numbers from ``out[at[0]]``, moves at[0]
+violation      order, q, v, r                                   r += what is missing for an equation of its own between
+                                                                positions (order 0) or velocities (1)
 =============  ===============================================  =====================================================
 """
 
@@ -58,11 +60,14 @@ HOOKS = {
     "dissipation": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "p": VECTOR},
     "commit": {"t": NUMBER, "h": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
     "record": {"out": VECTOR, "at": COUNTS},
+    "violation": {"order": types.int64, "q": VECTOR, "v": VECTOR, "r": VECTOR},
 }  # fmt: skip
 """Names and types of each hook's arguments after the group."""
 
 KINDS: dict[type, dict[str, Kernel]] = {}
 """The kernels of each kind of group, by hook."""
+CONSTANT_MASS: set[type] = set()
+"""Kinds whose mass matrix does not depend on positions."""
 
 
 class Sum(NamedTuple):
@@ -81,12 +86,17 @@ def _switches(hooks: dict[str, Kernel]) -> bool:
     return "switch" in hooks
 
 
+def _constrains(hooks: dict[str, Kernel]) -> bool:
+    return "violation" in hooks
+
+
 def _is_smooth(hooks: dict[str, Kernel]) -> bool:
     return "switch" not in hooks
 
 
 SUMS = {hook: Sum(hook, arguments, _any_kind) for hook, arguments in HOOKS.items() if hook != "tangent"} | {
     "diagonal_mass": Sum("mass", HOOKS["mass"] | {"matrix": VECTOR}, _any_kind),
+    "constraint_mass": Sum("mass", HOOKS["mass"], _constrains),
     "smooth_tangent": Sum("tangent", HOOKS["tangent"], _is_smooth),
     "switching_tangent": Sum("tangent", HOOKS["tangent"], _switches),
 }
@@ -94,13 +104,15 @@ SUMS = {hook: Sum(hook, arguments, _any_kind) for hook, arguments in HOOKS.items
 ROWS = {name: row for row, name in enumerate(SUMS)}
 
 
-def register(kind: type, **hooks: Kernel) -> None:
+def register(kind: type, *, constant_mass: bool = False, **hooks: Kernel) -> None:
     """Register the kernels of a kind of group.
 
     Parameters
     ----------
     kind : type
         A ``NamedTuple`` class of contiguous arrays, integers, floats and other such tuples.
+    constant_mass : bool
+        Whether its mass matrix does not depend on positions.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -113,11 +125,18 @@ def register(kind: type, **hooks: Kernel) -> None:
         if name not in HOOKS:
             raise ValueError(f"{kind.__name__}: no hook is called {name!r}: one of {', '.join(HOOKS)}")
     KINDS[kind] = hooks
+    if constant_mass or "mass" not in hooks:
+        CONSTANT_MASS.add(kind)
 
 
 def offers(groups: tuple[Any, ...], hook: str) -> bool:
     """Whether any of the groups has a kernel for this hook."""
     return any(hook in KINDS[type(g)] for g in groups)
+
+
+def has_constant_mass(groups: tuple[Any, ...]) -> bool:
+    """Whether the mass matrix of the groups stays what it is."""
+    return all(type(g) in CONSTANT_MASS for g in groups)
 
 
 def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
@@ -264,6 +283,7 @@ begin = _over_groups("begin")
 switch = _over_groups("switch")
 residual = _over_groups("residual")
 mass = _over_groups("mass")
+constraint_mass = _over_groups("constraint_mass")
 diagonal_mass = _over_groups("diagonal_mass")
 smooth_tangent = _over_groups("smooth_tangent")
 switching_tangent = _over_groups("switching_tangent")
@@ -271,3 +291,4 @@ energy = _over_groups("energy")
 dissipation = _over_groups("dissipation")
 commit = _over_groups("commit")
 record = _over_groups("record")
+violation = _over_groups("violation")

@@ -16,7 +16,8 @@ class SolverSettings:
     """What the integrator is told.
 
     method ``generalized-alpha``, ``newmark`` or ``rk4``; alpha_m and alpha_f of eqs 2.79-2.80; nominal step, end and
-    output interval s; tolerance and criterion (``force``: residual over scale; ``energy``: eq. 2.78); limits.
+    output interval s; how an explicit method is put back onto its constraints (``mass``: eq. 2.127, ``identity``: 2.128)
+    and how often a step; tolerance and criterion (``force``: residual over scale; ``energy``: eq. 2.78); limits.
     """
 
     method: str
@@ -29,6 +30,8 @@ class SolverSettings:
     criterion: str = "force"
     max_iterations: int = 20
     max_halvings: int = 10
+    projection: str = "mass"
+    stabilise: int = 1
 
 
 @dataclass

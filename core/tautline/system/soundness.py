@@ -1,7 +1,8 @@
 """Whether a scene has equations enough, and none twice: null motions of the mesh, redundant constraint rows.
 
 Both questions are about linear equations of a few entries each, and are answered by elimination, one equation after
-the other, without a matrix: a scene of 10 000 nodes takes a fraction of a second.
+the other, without a matrix. Chains, rings and trees of ties and interpolation between masters stay sparse: 10 000 of
+them in any order take a fraction of a second. Rows that fill in do not: 2 500 of five entries in a net take seconds.
 
 A row is a sequence of (full degree of freedom, factor); it says that the sum of factor times change vanishes.
 """

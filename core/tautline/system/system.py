@@ -46,9 +46,26 @@ class Degrees:
         """Let a degree of freedom follow its value plus a function of time (its index in the scene)."""
         self.motion[i] = function
 
-    def tie(self, i: int, masters: list[tuple[int, float]]) -> None:
-        """Make a degree of freedom the sum of factors times free others."""
-        self.masters[i] = masters
+    def tie(self, i: int, masters: list[tuple[int, float]], offset: float = 0.0) -> None:
+        """Make a degree of freedom the sum of factors times others, which may be held or tied in turn, and an offset."""
+        self.masters[i] = [*masters, (self._constant(offset), 1.0)] if offset != 0.0 else masters
+
+    def _constant(self, value: float) -> int:
+        """A further degree of freedom, held at a value that no group sees."""
+        self.names.append("a constant")
+        self.value, self.scale = np.append(self.value, value), np.append(self.scale, 1.0)
+        self.fix(self.value.size - 1)
+        return self.value.size - 1
+
+    def resolved(self, i: int) -> list[tuple[int, float]]:
+        """Masters of a degree of freedom that are not tied themselves."""
+        if i not in self.masters:
+            return [(i, 1.0)]
+        sums: dict[int, float] = {}
+        for j, factor in self.masters[i]:
+            for k, further in self.resolved(j):
+                sums[k] = sums.get(k, 0.0) + factor * further
+        return [(k, f) for k, f in sums.items() if f != 0.0]
 
 
 @dataclass
@@ -79,6 +96,8 @@ class System:
         Sub- and superdiagonals of the tangent and of the mass matrix; 0 is diagonal.
     border : int
         Unknowns, the last ones, that are kept out of the band because too many others depend on them.
+    algebraic : (k,) int array
+        Reduced unknowns that are multipliers.
     linked : dict
         What :meth:`link` made.
     """
@@ -96,6 +115,7 @@ class System:
     bandwidth: int
     mass_bandwidth: int
     border: int = 0
+    algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
 
     def link(self, sums: tuple[str, ...]) -> Any:
@@ -118,6 +138,7 @@ def assemble(
     stencils: Sequence[np.ndarray],
     mass_stencils: Sequence[np.ndarray],
     at_rest: Sequence[int] = (),
+    algebraic: Sequence[int] = (),
 ) -> System:
     """Number the unknowns and order them for a narrow band.
 
@@ -135,6 +156,8 @@ def assemble(
         Each row lists full degrees of freedom that a member of a group couples, in the tangent and in the mass.
     at_rest : sequence of int
         Free full degrees of freedom that stay where they are while an equilibrium is sought: driven ones.
+    algebraic : sequence of int
+        Full degrees of freedom that are multipliers: they have an acceleration and nothing else.
 
     Returns
     -------
@@ -154,19 +177,20 @@ def assemble(
     held = np.array(sorted(degrees.motion), dtype=np.int64)
     dofs = Dofs(
         start=start.astype(np.int64),
-        unknown=np.array([rank[k] for m in masters for k, _ in m], dtype=np.int64),
+        unknown=np.array([rank[k] if k >= 0 else k for m in masters for k, _ in m], dtype=np.int64),
         factor=np.array([f for m in masters for _, f in m], dtype=np.float64),
         number=np.array([_number(m, rank) for m in masters], dtype=np.int64),
         held=held,
         motion=np.array([degrees.motion[i] for i in held], dtype=np.int64),
         offset=degrees.value[held].astype(np.float64),
+        carried=np.array([i for i, m in enumerate(masters) if any(k < 0 for k, _ in m)], dtype=np.int64),
     )
     return System(
         groups=groups,
         dofs=dofs,
         functions=functions,
         q=degrees.value.astype(np.float64),
-        v=velocity.astype(np.float64),
+        v=np.append(velocity, np.zeros(full - len(velocity))).astype(np.float64),
         scale=degrees.scale[free][order].astype(np.float64),
         names=[degrees.names[free[k]] for k in order],
         free=free[order],
@@ -175,25 +199,25 @@ def assemble(
         bandwidth=_bandwidth(pattern, rank, border),
         mass_bandwidth=_bandwidth(mass_pattern, rank, border) if border == 0 else _bandwidth(pattern, rank, border),
         border=border,
+        algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
     )
 
 
 def _number(masters: list[tuple[int, float]], rank: np.ndarray) -> int:
     if not masters:
         return HELD
-    return int(rank[masters[0][0]]) if len(masters) == 1 and masters[0][1] == 1.0 else TIED
+    (first, factor), *others = masters
+    return int(rank[first]) if first >= 0 and factor == 1.0 and not others else TIED
 
 
 def _masters(i: int, number: np.ndarray, degrees: Degrees) -> list[tuple[int, float]]:
     if i in degrees.motion:
         return []
-    if i not in degrees.masters:
-        return [(int(number[i]), 1.0)]
-    return [(int(number[j]), f) for j, f in degrees.masters[i] if number[j] >= 0]
+    return [(int(number[j]) if number[j] >= 0 else -1 - j, f) for j, f in degrees.resolved(i)]
 
 
 def _couples(masters: list[list[tuple[int, float]]], stencil: np.ndarray) -> bool:
-    free = np.array([bool(m) for m in masters])[stencil]
+    free = np.array([any(k >= 0 for k, _ in m) for m in masters])[stencil]
     return bool(np.any(free.any(axis=-1) & ~free.all(axis=-1))) if stencil.size else False
 
 
@@ -213,7 +237,7 @@ def _pattern(masters: list[list[tuple[int, float]]], size: int, stencils: Sequen
             columns.append(j[keep])
         else:
             for places in stencil:
-                u = np.array([k for p in places for k, _ in masters[p]], dtype=np.int64)
+                u = np.array([k for p in places for k, _ in masters[p] if k >= 0], dtype=np.int64)
                 rows.append(np.repeat(u, u.size))
                 columns.append(np.tile(u, u.size))
     i, j = np.concatenate(rows), np.concatenate(columns)

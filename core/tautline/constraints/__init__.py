@@ -1,0 +1,1 @@
+"""Linear equations between degrees of freedom: Lagrange multipliers, penalty springs, and both at once."""

@@ -1,0 +1,364 @@
+"""Bending stiffness and damping of cubic elements: the second terms of eqs 2.48 and 2.49.
+
+The energy is EJ kappa^2 / 2 per metre of material. The dissipation is EJ c (k.k.)^2 / (k.k + k0^2) / 2 with the vector of
+curvature k, whose rate along itself is half that of kappa^2: smooth through the straight curve, and zero for a bent rod
+that turns as a rigid body. ``smoothing`` k0 is a few per cent of the curvatures that occur; without a bend much stronger
+than k0 the damping fades, with one it is the eq. 2.49 of planar bending.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
+from tautline.elements.curvature import square_of, write_gradient, write_hessian
+from tautline.elements.flow import combine
+from tautline.kernels.dofs import add_block
+from tautline.kernels.groups import register
+from tautline.kernels.hermite import FIRST, PLACE, SECOND, THIRD, WEIGHT
+from tautline.kernels.jit import kernel
+
+BENDING = np.dtype([("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("smoothing", "f8")])
+"""An element: its nodes' places, EJ N m^2, c s, smoothing 1/m."""
+BOTH = 6
+"""Components of z = (r', r'')."""
+
+
+class Bending(NamedTuple):
+    """Elements (n,) of ``BENDING`` through whose nodes nothing moves.
+
+    ``points`` (k, 18) is the table of the shape functions; scratch are ``shapes`` (5, 4), ``vector`` (4, 6), ``stress``
+    (2, 6, 6) and ``block`` (12, 12).
+    """
+
+    rows: np.recarray
+    points: np.ndarray
+    shapes: np.ndarray
+    vector: np.ndarray
+    stress: np.ndarray
+    block: np.ndarray
+
+
+class FlowingBending(NamedTuple):
+    """The same with moving material; ``vector`` is (14, 6) and ``block`` (14, 14)."""
+
+    rows: np.recarray
+    points: np.ndarray
+    shapes: np.ndarray
+    vector: np.ndarray
+    stress: np.ndarray
+    block: np.ndarray
+
+
+NX, NXX, NXXX, NXL, NXXL = range(5)
+"""Rows of ``shapes``: N', N'', N''' and the derivatives of the first two by L at a fixed place."""
+Z, RATE, GRADIENT, TURNED, BY_L, BY_P, BYY_L, BY_PL, RATE_BY_L, Y1, Y2, Y1L, Y2L, PULL = range(14)
+"""Rows of ``vector``: z, its rate, d(kappa^2)/dz, its rate with z; z_L and z' at a point, z_LL and z'_L, (z.)_L; how a
+particle's z moves with p_1 and p_2, and that by L; scratch."""
+
+
+@kernel
+def _write_shapes(point, length, shapes):
+    h = 1.0 / length
+    for k in range(VECTORS):
+        first, second, third = point[FIRST + k], point[SECOND + k], point[THIRD + k]
+        slope = k % 2 == 1
+        shapes[NX, k] = first if slope else first * h
+        shapes[NXX, k] = second * h if slope else second * h * h
+        shapes[NXXX, k] = third * h * h if slope else third * h * h * h
+        shapes[NXL, k] = 0.0 if slope else -first * h * h
+        shapes[NXXL, k] = -second * h * h if slope else -2.0 * second * h * h * h
+
+
+@kernel
+def _viscosity(row, square):
+    """Viscous force over the rate of kappa^2 and its gradient, and the logarithmic derivative of that by kappa^2."""
+    if row.damping == 0.0:
+        return 0.0, 0.0
+    depth = square + row.smoothing * row.smoothing
+    return 0.25 * row.stiffness * row.damping / depth, -1.0 / depth
+
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    s, z = g.shapes, g.vector
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        first = vectors(row.a, row.b)
+        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
+        for k in range(g.points.shape[0]):
+            _write_shapes(g.points[k], length, s)
+            for c in range(AXES):
+                z[Z, c], z[Z, 3 + c] = combine(s[NX], q, first, c), combine(s[NXX], q, first, c)
+            square = write_gradient(z[Z], z[GRADIENT])
+            force = 0.5 * row.stiffness
+            if row.damping != 0.0:
+                rate = 0.0
+                for c in range(AXES):
+                    rate += z[GRADIENT, c] * combine(s[NX], v, first, c)
+                    rate += z[GRADIENT, 3 + c] * combine(s[NXX], v, first, c)
+                force += _viscosity(row, square)[0] * rate
+            force *= g.points[k, WEIGHT] * length
+            for c in range(AXES):
+                f, m = force * z[GRADIENT, c], force * z[GRADIENT, 3 + c]
+                for i in range(VECTORS):
+                    r[first[i] + c] += s[NX, i] * f + s[NXX, i] * m
+
+
+@kernel
+def _write_stress(row, z, stress, square, rate, cc, ck):
+    """How the force changes: ``stress[0]`` = ck dF/dz + cc dF/dz. and ``stress[1]`` the elastic part of dF/dz.
+
+    F is the elastic force EJ/2 grad(kappa^2) plus the viscous one.
+    """
+    write_hessian(z[Z], stress[0])
+    viscosity, fading = _viscosity(row, square)
+    for x in range(BOTH):
+        z[TURNED, x] = 0.0
+        for y in range(BOTH):
+            z[TURNED, x] += stress[0, x, y] * z[RATE, y]
+    for x in range(BOTH):
+        for y in range(BOTH):
+            both = z[GRADIENT, x] * z[GRADIENT, y]
+            viscous = viscosity * (fading * rate * both + z[GRADIENT, x] * z[TURNED, y] + rate * stress[0, x, y])
+            stress[1, x, y] = 0.5 * row.stiffness * stress[0, x, y]
+            stress[0, x, y] = ck * (stress[1, x, y] + viscous) + cc * viscosity * both
+
+
+@kernel
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    s, z, stress, block = g.shapes, g.vector, g.stress, g.block
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        first = vectors(row.a, row.b)
+        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
+        block.fill(0.0)
+        for k in range(g.points.shape[0]):
+            _write_shapes(g.points[k], length, s)
+            for c in range(AXES):
+                z[Z, c], z[Z, 3 + c] = combine(s[NX], q, first, c), combine(s[NXX], q, first, c)
+                z[RATE, c], z[RATE, 3 + c] = combine(s[NX], v, first, c), combine(s[NXX], v, first, c)
+            square = write_gradient(z[Z], z[GRADIENT])
+            rate = 0.0
+            for x in range(BOTH):
+                rate += z[GRADIENT, x] * z[RATE, x]
+            _write_stress(row, z, stress, square, rate, cc, ck)
+            weight = g.points[k, WEIGHT] * length
+            for x in range(AXES):
+                for y in range(AXES):
+                    ee, ek = weight * stress[0, x, y], weight * stress[0, x, 3 + y]
+                    ke, kk = weight * stress[0, 3 + x, y], weight * stress[0, 3 + x, 3 + y]
+                    for i in range(VECTORS):
+                        by_e = s[NX, i] * ee + s[NXX, i] * ke
+                        by_k = s[NX, i] * ek + s[NXX, i] * kk
+                        for j in range(VECTORS):
+                            block[3 * i + x, 3 * j + y] += by_e * s[NX, j] + by_k * s[NXX, j]
+        add_block(matrix, dofs, row.a, row.b - row.a, 2 * AXES, block)
+
+
+@kernel
+def _energy(g, t, q, v, energy):
+    s, z = g.shapes, g.vector
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        first = vectors(row.a, row.b)
+        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
+        for k in range(g.points.shape[0]):
+            _write_shapes(g.points[k], length, s)
+            for c in range(AXES):
+                z[Z, c], z[Z, 3 + c] = combine(s[NX], q, first, c), combine(s[NXX], q, first, c)
+            energy[1] += 0.5 * g.points[k, WEIGHT] * length * row.stiffness * square_of(z[Z])
+
+
+@kernel
+def _dissipation(g, t, q, v, p):
+    s, z = g.shapes, g.vector
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        if row.damping == 0.0:
+            continue
+        first = vectors(row.a, row.b)
+        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
+        for k in range(g.points.shape[0]):
+            _write_shapes(g.points[k], length, s)
+            for c in range(AXES):
+                z[Z, c], z[Z, 3 + c] = combine(s[NX], q, first, c), combine(s[NXX], q, first, c)
+            square = write_gradient(z[Z], z[GRADIENT])
+            rate = 0.0
+            for c in range(AXES):
+                rate += z[GRADIENT, c] * combine(s[NX], v, first, c)
+                rate += z[GRADIENT, 3 + c] * combine(s[NXX], v, first, c)
+            p[0] += g.points[k, WEIGHT] * length * _viscosity(row, square)[0] * rate * rate
+
+
+register(Bending, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation)
+
+
+# -- with moving material ------------------------------------------------------------------------------------------
+
+
+@kernel
+def _write_point(g, row, k, q, v):
+    """Shapes and vectors of a point; returns length, its rate, u, x, kappa^2 and its rate for a particle."""
+    s, z = g.shapes, g.vector
+    first = vectors(row.a, row.b)
+    p1, p2 = row.a + MATERIAL, row.b + MATERIAL
+    length = q[p2] - q[p1]
+    l_d = v[p2] - v[p1]
+    _write_shapes(g.points[k], length, s)
+    x = g.points[k, PLACE]
+    u = (1.0 - x) * v[p1] + x * v[p2]
+    for c in range(AXES):
+        e, turn, third = combine(s[NX], q, first, c), combine(s[NXX], q, first, c), combine(s[NXXX], q, first, c)
+        e_l, turn_l = combine(s[NXL], q, first, c), combine(s[NXXL], q, first, c)
+        of_slopes = s[NXX, 1] * q[first[1] + c] + s[NXX, 3] * q[first[3] + c]
+        third_of_slopes = s[NXXX, 1] * q[first[1] + c] + s[NXXX, 3] * q[first[3] + c]
+        z[Z, c], z[Z, 3 + c] = e, turn
+        z[BY_L, c], z[BY_L, 3 + c] = e_l, turn_l
+        z[BY_P, c], z[BY_P, 3 + c] = turn, third
+        z[BYY_L, c], z[BYY_L, 3 + c] = -2.0 * e_l / length, (6.0 * turn - 4.0 * of_slopes) / (length * length)
+        z[BY_PL, c], z[BY_PL, 3 + c] = turn_l, (third_of_slopes - 3.0 * third) / length
+        z[RATE, c], z[RATE, 3 + c] = combine(s[NX], v, first, c), combine(s[NXX], v, first, c)
+        z[RATE_BY_L, c], z[RATE_BY_L, 3 + c] = combine(s[NXL], v, first, c), combine(s[NXXL], v, first, c)
+    for c in range(BOTH):
+        z[RATE, c] += l_d * z[BY_L, c] - u * z[BY_P, c]
+        z[RATE_BY_L, c] += l_d * z[BYY_L, c] - u * z[BY_PL, c]
+        z[Y1, c], z[Y2, c] = -z[BY_L, c] - (1.0 - x) * z[BY_P, c], z[BY_L, c] - x * z[BY_P, c]
+        z[Y1L, c], z[Y2L, c] = -z[BYY_L, c] - (1.0 - x) * z[BY_PL, c], z[BYY_L, c] - x * z[BY_PL, c]
+    square = write_gradient(z[Z], z[GRADIENT])
+    rate = 0.0
+    for c in range(BOTH):
+        rate += z[GRADIENT, c] * z[RATE, c]
+    return length, l_d, u, x, square, rate
+
+
+@kernel
+def _flowing_residual(g, t, q, v, a, r):
+    s, z = g.shapes, g.vector
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        first = vectors(row.a, row.b)
+        p1, p2 = row.a + MATERIAL, row.b + MATERIAL
+        for k in range(g.points.shape[0]):
+            length, _, _, _, square, rate = _write_point(g, row, k, q, v)
+            weight = g.points[k, WEIGHT]
+            elastic, viscous = 0.5 * row.stiffness, _viscosity(row, square)[0] * rate
+            stored = elastic * square
+            drop1 = drop2 = 0.0
+            for c in range(BOTH):
+                gradient = z[GRADIENT, c]
+                shape = s[NX] if c < AXES else s[NXX]
+                for i in range(VECTORS):
+                    r[first[i] + c % AXES] += weight * length * shape[i] * (elastic + viscous) * gradient
+                stored += length * elastic * gradient * z[BY_L, c]
+                drop1 += viscous * gradient * z[Y1, c]
+                drop2 += viscous * gradient * z[Y2, c]
+            r[p1] += weight * (length * drop1 - stored)
+            r[p2] += weight * (length * drop2 + stored)
+
+
+@kernel
+def _flowing_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        g.block.fill(0.0)
+        for k in range(g.points.shape[0]):
+            length, l_d, u, x, square, rate = _write_point(g, row, k, q, v)
+            _write_stress(row, g.vector, g.stress, square, rate, 0.0, 1.0)
+            _add_vectors(g, row, k, length, l_d, u, x, square, rate, cc, ck)
+            _add_material(g, row, k, length, square, rate, cc, ck)
+        add_block(matrix, dofs, row.a, row.b - row.a, NODE, g.block)
+
+
+@kernel
+def _add_vectors(g, row, k, length, l_d, u, x, square, rate, cc, ck):
+    """Columns of X1 ... X4 of a point's part of the block."""
+    s, z, stress, block = g.shapes, g.vector, g.stress, g.block
+    weight = g.points[k, WEIGHT]
+    elastic, viscosity = 0.5 * row.stiffness, _viscosity(row, square)[0]
+    viscous = viscosity * rate
+    for j in range(VECTORS):
+        moved_e, moved_k = l_d * s[NXL, j] - u * s[NXX, j], l_d * s[NXXL, j] - u * s[NXXX, j]
+        for y in range(AXES):
+            column = row_of(j) + y
+            along = z[GRADIENT, y] * s[NX, j] + z[GRADIENT, 3 + y] * s[NXX, j]
+            along_moved = z[GRADIENT, y] * moved_e + z[GRADIENT, 3 + y] * moved_k
+            along_l = z[GRADIENT, y] * s[NXL, j] + z[GRADIENT, 3 + y] * s[NXXL, j]
+            along_p = z[GRADIENT, y] * s[NXX, j] + z[GRADIENT, 3 + y] * s[NXXX, j]
+            drop1 = ck * viscous * (-along_l - (1.0 - x) * along_p)
+            drop2 = ck * viscous * (along_l - x * along_p)
+            pull = 0.0
+            for c in range(BOTH):
+                by_x = stress[0, c, y] * s[NX, j] + stress[0, c, 3 + y] * s[NXX, j]
+                rated = viscosity * z[GRADIENT, c] * (ck * along_moved + cc * along)
+                change = ck * by_x + rated
+                shape = s[NX] if c < AXES else s[NXX]
+                for i in range(VECTORS):
+                    block[row_of(i) + c % AXES, column] += weight * length * shape[i] * change
+                elastic_by = stress[1, c, y] * s[NX, j] + stress[1, c, 3 + y] * s[NXX, j]
+                viscous_by = ck * (by_x - elastic_by) + rated
+                drop1 += viscous_by * z[Y1, c]
+                drop2 += viscous_by * z[Y2, c]
+                pull += elastic_by * z[BY_L, c]
+            stored = ck * (elastic * along + length * (pull + elastic * along_l))
+            block[MATERIAL, column] += weight * (length * drop1 - stored)
+            block[NODE + MATERIAL, column] += weight * (length * drop2 + stored)
+
+
+@kernel
+def _add_material(g, row, k, length, square, rate, cc, ck):
+    """Columns of p1 and p2 of a point's part of the block."""
+    s, z, stress, block = g.shapes, g.vector, g.stress, g.block
+    weight = g.points[k, WEIGHT]
+    elastic, viscosity = 0.5 * row.stiffness, _viscosity(row, square)[0]
+    viscous = viscosity * rate
+    along_rate = 0.0
+    for c in range(BOTH):
+        along_rate += z[GRADIENT, c] * z[RATE_BY_L, c]
+    for side in range(2):
+        sign = 2.0 * side - 1.0
+        column = side * NODE + MATERIAL
+        along_y = 0.0
+        for c in range(BOTH):
+            along_y += z[GRADIENT, c] * z[Y1 + side, c]
+        drop1 = drop2 = stored = 0.0
+        for c in range(BOTH):
+            whole = elastic_l = 0.0
+            for y in range(BOTH):
+                whole += stress[0, c, y] * z[BY_L, y]
+                elastic_l += stress[1, c, y] * z[BY_L, y]
+            rated = viscosity * z[GRADIENT, c] * (ck * sign * along_rate + cc * along_y)
+            by_p = ck * sign * (whole - elastic_l) + rated
+            change = ck * sign * whole + rated
+            grown = ck * sign * (elastic + viscous) * z[GRADIENT, c]
+            shape, shape_l = (s[NX], s[NXL]) if c < AXES else (s[NXX], s[NXXL])
+            for i in range(VECTORS):
+                block[row_of(i) + c % AXES, column] += weight * (
+                    length * shape[i] * change + (shape[i] + length * shape_l[i]) * grown
+                )
+            held = ck * sign * viscous * z[GRADIENT, c]
+            drop1 += length * (by_p * z[Y1, c] + held * z[Y1L, c]) + held * z[Y1, c]
+            drop2 += length * (by_p * z[Y2, c] + held * z[Y2L, c]) + held * z[Y2, c]
+            stored += 2.0 * elastic * z[GRADIENT, c] * z[BY_L, c]
+            stored += length * (elastic_l * z[BY_L, c] + elastic * z[GRADIENT, c] * z[BYY_L, c])
+        block[MATERIAL, column] += weight * (drop1 - ck * sign * stored)
+        block[NODE + MATERIAL, column] += weight * (drop2 + ck * sign * stored)
+
+
+@kernel
+def _flowing_dissipation(g, t, q, v, p):
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        if row.damping == 0.0:
+            continue
+        for k in range(g.points.shape[0]):
+            length, _, _, _, square, rate = _write_point(g, row, k, q, v)
+            p[0] += g.points[k, WEIGHT] * length * _viscosity(row, square)[0] * rate * rate
+
+
+register(
+    FlowingBending, residual=_flowing_residual, tangent=_flowing_tangent, energy=_energy,
+    dissipation=_flowing_dissipation,
+)  # fmt: skip

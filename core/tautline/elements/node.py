@@ -1,0 +1,223 @@
+"""What hangs on single nodes and pairs of nodes: masses, forces for a time, springs and dampers (thesis section 3.1)."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.kernels.dofs import add_block, add_entry
+from tautline.kernels.groups import register
+from tautline.kernels.jit import kernel
+
+AXES = 3
+
+
+class PointMasses(NamedTuple):
+    """Masses (n,) kg at the positions that begin at ``place`` (n,), damped in proportion (1/s), in a field of gravity."""
+
+    place: np.ndarray
+    mass: np.ndarray
+    damping: float
+    gravity: np.ndarray
+
+
+@kernel
+def _mass_residual(g, t, q, v, a, r):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            o = g.place[i] + c
+            r[o] += g.mass[i] * (a[o] + g.damping * v[o] - g.gravity[c])
+
+
+@kernel
+def _mass_mass(g, q, matrix, dofs):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            add_entry(matrix, dofs, g.place[i] + c, g.place[i] + c, g.mass[i])
+
+
+@kernel
+def _mass_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            add_entry(matrix, dofs, g.place[i] + c, g.place[i] + c, g.mass[i] * (cm + cc * g.damping))
+
+
+@kernel
+def _mass_energy(g, t, q, v, e):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            o = g.place[i] + c
+            e[0] += 0.5 * g.mass[i] * v[o] * v[o]
+            e[2] -= g.mass[i] * g.gravity[c] * q[o]
+
+
+@kernel
+def _mass_dissipation(g, t, q, v, p):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            p[0] += g.damping * g.mass[i] * v[g.place[i] + c] ** 2
+
+
+register(
+    PointMasses, residual=_mass_residual, mass=_mass_mass, tangent=_mass_tangent, energy=_mass_energy,
+    dissipation=_mass_dissipation, constant_mass=True,
+)  # fmt: skip
+
+
+class TimedForces(NamedTuple):
+    """Forces ``value`` (n, 3) N at the positions ``place`` (n,), from ``interval[i, 0]`` to ``interval[i, 1]`` s.
+
+    A force acts during a whole step or not at all, as it does in the middle of it; ``acts`` (n,) keeps that. What it
+    does is work from outside.
+    """
+
+    place: np.ndarray
+    value: np.ndarray
+    interval: np.ndarray
+    acts: np.ndarray
+
+
+@kernel
+def _force_begin(g, t, h, beta, gamma, q, v, a):
+    # An equilibrium is one under the forces that act from the start.
+    middle = t if beta < 0.0 else t + 0.5 * h
+    for i in range(g.place.size):
+        g.acts[i] = 1.0 if g.interval[i, 0] <= middle < g.interval[i, 1] else 0.0
+
+
+@kernel
+def _force_residual(g, t, q, v, a, r):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            r[g.place[i] + c] -= g.acts[i] * g.value[i, c]
+
+
+@kernel
+def _force_dissipation(g, t, q, v, p):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            p[1] += g.acts[i] * g.value[i, c] * v[g.place[i] + c]
+
+
+register(TimedForces, begin=_force_begin, residual=_force_residual, dissipation=_force_dissipation)
+
+
+class Anchors(NamedTuple):
+    """Springs (n,) N/m with dampers N s/m from the positions ``place`` (n,) to the fixed points ``home`` (n, 3), eqs
+    3.1-3.4: each axis for itself."""
+
+    place: np.ndarray
+    stiffness: np.ndarray
+    damping: np.ndarray
+    home: np.ndarray
+
+
+@kernel
+def _anchor_residual(g, t, q, v, a, r):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            o = g.place[i] + c
+            r[o] += g.stiffness[i] * (q[o] - g.home[i, c]) + g.damping[i] * v[o]
+
+
+@kernel
+def _anchor_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            o = g.place[i] + c
+            add_entry(matrix, dofs, o, o, ck * g.stiffness[i] + cc * g.damping[i])
+
+
+@kernel
+def _anchor_energy(g, t, q, v, e):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            e[1] += 0.5 * g.stiffness[i] * (q[g.place[i] + c] - g.home[i, c]) ** 2
+
+
+@kernel
+def _anchor_dissipation(g, t, q, v, p):
+    for i in range(g.place.size):
+        for c in range(AXES):
+            p[0] += g.damping[i] * v[g.place[i] + c] ** 2
+
+
+register(
+    Anchors, residual=_anchor_residual, tangent=_anchor_tangent, energy=_anchor_energy, dissipation=_anchor_dissipation
+)
+
+SPRING = np.dtype([("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("length", "f8")])
+"""A spring with damper between two positions: places, N/m, N s/m, free length m."""
+
+
+class Springs(NamedTuple):
+    """Springs (n,) of ``SPRING`` along the line between two nodes; ``block`` is zeros (6, 6)."""
+
+    rows: np.recarray
+    block: np.ndarray
+
+
+@kernel
+def _line(s, q, v):
+    """Unit vector from the first to the second end, distance and its rate; a spring of no length has no direction."""
+    x, y, z = q[s.b] - q[s.a], q[s.b + 1] - q[s.a + 1], q[s.b + 2] - q[s.a + 2]
+    size = sqrt(x * x + y * y + z * z)
+    if size == 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    x, y, z = x / size, y / size, z / size
+    rate = x * (v[s.b] - v[s.a]) + y * (v[s.b + 1] - v[s.a + 1]) + z * (v[s.b + 2] - v[s.a + 2])
+    return x, y, z, size, rate
+
+
+@kernel
+def _spring_residual(g, t, q, v, a, r):
+    for i in range(g.rows.size):
+        s = g.rows[i]
+        x, y, z, size, rate = _line(s, q, v)
+        force = s.stiffness * (size - s.length) + s.damping * rate
+        r[s.a] -= force * x
+        r[s.a + 1] -= force * y
+        r[s.a + 2] -= force * z
+        r[s.b] += force * x
+        r[s.b + 1] += force * y
+        r[s.b + 2] += force * z
+
+
+@kernel
+def _spring_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    for i in range(g.rows.size):
+        s = g.rows[i]
+        x, y, z, size, rate = _line(s, q, v)
+        n = (x, y, z)
+        across = 1.0 / size if size > 0.0 else 0.0
+        tension = (s.stiffness * (size - s.length) + s.damping * rate) * across
+        for c in range(AXES):
+            for d in range(AXES):
+                one = 1.0 if c == d else 0.0
+                # The rate changes with position as well: its gradient is the velocity across the line over the length.
+                across_d = (v[s.b + d] - v[s.a + d] - rate * n[d]) * across
+                entry = ck * ((s.stiffness - tension) * n[c] * n[d] + tension * one + s.damping * n[c] * across_d)
+                entry += cc * s.damping * n[c] * n[d]
+                g.block[c, d] = g.block[3 + c, 3 + d] = entry
+                g.block[c, 3 + d] = g.block[3 + c, d] = -entry
+        add_block(matrix, dofs, s.a, s.b - s.a, AXES, g.block)
+
+
+@kernel
+def _spring_energy(g, t, q, v, e):
+    for i in range(g.rows.size):
+        e[1] += 0.5 * g.rows[i].stiffness * (_line(g.rows[i], q, v)[3] - g.rows[i].length) ** 2
+
+
+@kernel
+def _spring_dissipation(g, t, q, v, p):
+    for i in range(g.rows.size):
+        p[0] += g.rows[i].damping * _line(g.rows[i], q, v)[4] ** 2
+
+
+register(
+    Springs, residual=_spring_residual, tangent=_spring_tangent, energy=_spring_energy, dissipation=_spring_dissipation
+)

@@ -1,0 +1,341 @@
+"""Axial stiffness and damping of cubic elements: the first terms of eqs 2.48 and 2.49.
+
+With e = r' and a measure of strain eps(e.e), the energy EA eps^2 / 2 and the dissipation EA c eps.^2 / 2 per metre of
+material give the force S h e against e, where h = 2 d(eps)/d(e.e) and S = EA (eps + c eps.): h = 1 for Green's strain
+(eq. 2.52), 1/|e| for engineering strain. A rope that takes tension only has S = 0 where it is slack. Where material
+moves past the nodes the strain rate is that of a particle, e. = r'[v] - L. W - u r'', and the rows of p are the
+derivative of the stored energy by L and the power of the damping (the print of 2.48 leaves the former out).
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
+from tautline.elements.flow import NX, NXL, NXX, NXXL, combine, write_shapes
+from tautline.kernels.dofs import add_block
+from tautline.kernels.groups import register
+from tautline.kernels.hermite import FIRST, PLACE, WEIGHT
+from tautline.kernels.jit import kernel
+
+TENSION = np.dtype(
+    [("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("engineering", "i8"), ("slack", "i8")]
+)
+"""An element: its nodes' places, EA N, c s, whether strain is engineering strain, whether it goes slack."""
+
+
+class Tension(NamedTuple):
+    """Elements (n,) of ``TENSION`` through whose nodes nothing moves.
+
+    ``points`` (k, 18) is the table of the shape functions; scratch are ``vector`` (2, 3) and ``block`` (12, 12).
+    """
+
+    rows: np.recarray
+    points: np.ndarray
+    vector: np.ndarray
+    block: np.ndarray
+
+
+class FlowingTension(NamedTuple):
+    """The same with moving material; scratch are ``shapes`` (6, 4), ``vector`` (12, 3) and ``block`` (14, 14)."""
+
+    rows: np.recarray
+    points: np.ndarray
+    shapes: np.ndarray
+    vector: np.ndarray
+    block: np.ndarray
+
+
+@kernel
+def strain_of(row, square):
+    """Strain for e.e, and h = 2 d(eps)/d(e.e) with twice its own derivative."""
+    if row.engineering == 0:
+        return 0.5 * (square - 1.0), 1.0, 0.0
+    size = sqrt(square)
+    return size - 1.0, 1.0 / size, -1.0 / (square * size)
+
+
+@kernel
+def is_slack(row, strain):
+    return row.slack == 1 and strain < 0.0
+
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        i, j = row.a, row.b
+        length = q[j + MATERIAL] - q[i + MATERIAL]
+        h = 1.0 / length
+        for k in range(g.points.shape[0]):
+            p = g.points[k]
+            n1, n2, n3, n4 = p[FIRST] * h, p[FIRST + 1], p[FIRST + 2] * h, p[FIRST + 3]
+            x = n1 * q[i] + n2 * q[i + 3] + n3 * q[j] + n4 * q[j + 3]
+            y = n1 * q[i + 1] + n2 * q[i + 4] + n3 * q[j + 1] + n4 * q[j + 4]
+            z = n1 * q[i + 2] + n2 * q[i + 5] + n3 * q[j + 2] + n4 * q[j + 5]
+            strain, factor, _ = strain_of(row, x * x + y * y + z * z)
+            if is_slack(row, strain):
+                continue
+            if row.damping != 0.0:
+                x_d = n1 * v[i] + n2 * v[i + 3] + n3 * v[j] + n4 * v[j + 3]
+                y_d = n1 * v[i + 1] + n2 * v[i + 4] + n3 * v[j + 1] + n4 * v[j + 4]
+                z_d = n1 * v[i + 2] + n2 * v[i + 5] + n3 * v[j + 2] + n4 * v[j + 5]
+                strain += row.damping * factor * (x * x_d + y * y_d + z * z_d)
+            force = p[WEIGHT] * length * row.stiffness * strain * factor
+            fx, fy, fz = force * x, force * y, force * z
+            r[i] += n1 * fx
+            r[i + 1] += n1 * fy
+            r[i + 2] += n1 * fz
+            r[i + 3] += n2 * fx
+            r[i + 4] += n2 * fy
+            r[i + 5] += n2 * fz
+            r[j] += n3 * fx
+            r[j + 1] += n3 * fy
+            r[j + 2] += n3 * fz
+            r[j + 3] += n4 * fx
+            r[j + 4] += n4 * fy
+            r[j + 5] += n4 * fz
+
+
+@kernel
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    e, e_d = g.vector[0], g.vector[1]
+    block = g.block
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        first = vectors(row.a, row.b)
+        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
+        h = 1.0 / length
+        block.fill(0.0)
+        for k in range(g.points.shape[0]):
+            p = g.points[k]
+            shape = (p[FIRST] * h, p[FIRST + 1], p[FIRST + 2] * h, p[FIRST + 3])
+            square = rate = 0.0
+            for c in range(AXES):
+                e[c], e_d[c] = combine(shape, q, first, c), combine(shape, v, first, c)
+                square += e[c] * e[c]
+                rate += e[c] * e_d[c]
+            strain, factor, bent = strain_of(row, square)
+            if is_slack(row, strain):
+                continue
+            weight = p[WEIGHT] * length * row.stiffness
+            stress = strain + row.damping * factor * rate
+            along = ck * (factor * factor + row.damping * factor * bent * rate + stress * bent)
+            along += cc * row.damping * factor * factor
+            mixed = ck * row.damping * factor * factor
+            for x in range(AXES):
+                for y in range(AXES):
+                    entry = weight * (along * e[x] * e[y] + mixed * e[x] * e_d[y])
+                    if x == y:
+                        entry += weight * ck * stress * factor
+                    for i in range(VECTORS):
+                        for j in range(VECTORS):
+                            block[3 * i + x, 3 * j + y] += shape[i] * shape[j] * entry
+        add_block(matrix, dofs, row.a, row.b - row.a, 2 * AXES, block)
+
+
+@kernel
+def _energy(g, t, q, v, energy):
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        first = vectors(row.a, row.b)
+        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
+        h = 1.0 / length
+        for k in range(g.points.shape[0]):
+            p = g.points[k]
+            shape = (p[FIRST] * h, p[FIRST + 1], p[FIRST + 2] * h, p[FIRST + 3])
+            square = 0.0
+            for c in range(AXES):
+                square += combine(shape, q, first, c) ** 2
+            strain, _, _ = strain_of(row, square)
+            if not is_slack(row, strain):
+                energy[1] += 0.5 * p[WEIGHT] * length * row.stiffness * strain * strain
+
+
+@kernel
+def _dissipation(g, t, q, v, p):
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        if row.damping == 0.0:
+            continue
+        first = vectors(row.a, row.b)
+        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
+        h = 1.0 / length
+        for k in range(g.points.shape[0]):
+            at = g.points[k]
+            shape = (at[FIRST] * h, at[FIRST + 1], at[FIRST + 2] * h, at[FIRST + 3])
+            square = rate = 0.0
+            for c in range(AXES):
+                slope = combine(shape, q, first, c)
+                square += slope * slope
+                rate += slope * combine(shape, v, first, c)
+            strain, factor, _ = strain_of(row, square)
+            if not is_slack(row, strain):
+                p[0] += at[WEIGHT] * length * row.stiffness * row.damping * (factor * rate) ** 2
+
+
+register(Tension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation)
+
+
+# -- with moving material ------------------------------------------------------------------------------------------
+
+SLOPE, RATE, BY_L, RATE_BY_L, Y1, Y2, Y1L, Y2L, BYY_L = range(9)
+"""Rows of ``vector``: e, e., e_L, (e.)_L at a fixed place; how a particle's e moves with p_1 and p_2, and that by L;
+e_LL."""
+
+
+@kernel
+def _write_slopes(g, row, k, q, v):
+    """Shapes and vectors of a point; returns strain, h, its derivative, and the strain rate."""
+    s, z = g.shapes, g.vector
+    first = vectors(row.a, row.b)
+    p1, p2 = row.a + MATERIAL, row.b + MATERIAL
+    length = q[p2] - q[p1]
+    l_d = v[p2] - v[p1]
+    write_shapes(g.points[k], length, s)
+    x = g.points[k, PLACE]
+    u = (1.0 - x) * v[p1] + x * v[p2]
+    square = rate = 0.0
+    for c in range(AXES):
+        e, turn, e_l = combine(s[NX], q, first, c), combine(s[NXX], q, first, c), combine(s[NXL], q, first, c)
+        turn_l = combine(s[NXXL], q, first, c)
+        e_ll = -2.0 * e_l / length
+        e_d = combine(s[NX], v, first, c) + l_d * e_l - u * turn
+        z[SLOPE, c], z[RATE, c], z[BY_L, c], z[BYY_L, c] = e, e_d, e_l, e_ll
+        z[RATE_BY_L, c] = combine(s[NXL], v, first, c) + l_d * e_ll - u * turn_l
+        z[Y1, c], z[Y2, c] = -e_l - (1.0 - x) * turn, e_l - x * turn
+        z[Y1L, c], z[Y2L, c] = -e_ll - (1.0 - x) * turn_l, e_ll - x * turn_l
+        square += e * e
+        rate += e * e_d
+    strain, factor, bent = strain_of(row, square)
+    return length, l_d, u, x, strain, factor, bent, rate
+
+
+@kernel
+def _flowing_residual(g, t, q, v, a, r):
+    s, z = g.shapes, g.vector
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        first = vectors(row.a, row.b)
+        p1, p2 = row.a + MATERIAL, row.b + MATERIAL
+        for k in range(g.points.shape[0]):
+            length, _, _, _, strain, factor, _, rate = _write_slopes(g, row, k, q, v)
+            if is_slack(row, strain):
+                continue
+            weight = g.points[k, WEIGHT]
+            elastic = row.stiffness * strain * factor
+            viscous = row.stiffness * row.damping * factor * factor * rate
+            stored = 0.5 * row.stiffness * strain * strain
+            drop1 = drop2 = 0.0
+            for c in range(AXES):
+                force = weight * length * (elastic + viscous) * z[SLOPE, c]
+                for i in range(VECTORS):
+                    r[first[i] + c] += s[NX, i] * force
+                stored += length * elastic * z[SLOPE, c] * z[BY_L, c]
+                drop1 += viscous * z[SLOPE, c] * z[Y1, c]
+                drop2 += viscous * z[SLOPE, c] * z[Y2, c]
+            r[p1] += weight * (length * drop1 - stored)
+            r[p2] += weight * (length * drop2 + stored)
+
+
+@kernel
+def _flowing_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    s, z, block = g.shapes, g.vector, g.block
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        block.fill(0.0)
+        for k in range(g.points.shape[0]):
+            length, l_d, u, x, strain, factor, bent, rate = _write_slopes(g, row, k, q, v)
+            if not is_slack(row, strain):
+                _add_point(g, row, k, length, l_d, u, x, strain, factor, bent, rate, cc, ck)
+        add_block(matrix, dofs, row.a, row.b - row.a, NODE, block)
+
+
+@kernel
+def _add_point(g, row, k, length, l_d, u, x, strain, factor, bent, rate, cc, ck):
+    """A point's part of the block (14, 14)."""
+    s, z, block = g.shapes, g.vector, g.block
+    weight, stiffness, viscosity = g.points[k, WEIGHT], row.stiffness, row.stiffness * row.damping
+    elastic, viscous = stiffness * strain * factor, viscosity * factor * factor * rate
+    # Derivatives of the elastic force F = elastic e and of the viscous one T = viscous e, by e and by e.:
+    # F_e = f1 e e^T + elastic I; T_e = t1 e e^T + t2 e e.^T + viscous I; T_e. = t2 e e^T.
+    f1 = stiffness * (factor * factor + strain * bent)
+    t1 = 2.0 * viscosity * factor * bent * rate
+    t2 = viscosity * factor * factor
+    e, e_d, e_l = z[SLOPE], z[RATE], z[BY_L]
+    along_l = rate_along_l = along_rate_l = 0.0
+    for c in range(AXES):
+        along_l += e[c] * e_l[c]
+        rate_along_l += e_d[c] * e_l[c]
+        along_rate_l += e[c] * z[RATE_BY_L, c]
+    for j in range(VECTORS):
+        shape, moved = s[NX, j], l_d * s[NXL, j] - u * s[NXX, j]
+        for y in range(AXES):
+            column = row_of(j) + y
+            # The force's change with X_j and its rate; what the rows of p see of it.
+            drop1 = drop2 = pull = 0.0
+            for c in range(AXES):
+                by_x = shape * ((f1 + t1) * e[c] * e[y] + t2 * e[c] * e_d[y]) + moved * t2 * e[c] * e[y]
+                viscous_by = shape * (t1 * e[c] * e[y] + t2 * e[c] * e_d[y]) + moved * t2 * e[c] * e[y]
+                elastic_by = shape * f1 * e[c] * e[y]
+                if c == y:
+                    by_x += shape * (elastic + viscous)
+                    viscous_by += shape * viscous
+                    elastic_by += shape * elastic
+                change = ck * by_x + cc * shape * t2 * e[c] * e[y]
+                for i in range(VECTORS):
+                    block[row_of(i) + c, column] += weight * length * s[NX, i] * change
+                viscous_by = ck * viscous_by + cc * shape * t2 * e[c] * e[y]
+                drop1 += viscous_by * z[Y1, c]
+                drop2 += viscous_by * z[Y2, c]
+                pull += elastic_by * e_l[c]
+            drop1 += ck * viscous * e[y] * (-s[NXL, j] - (1.0 - x) * s[NXX, j])
+            drop2 += ck * viscous * e[y] * (s[NXL, j] - x * s[NXX, j])
+            stored = ck * (elastic * e[y] * shape + length * (pull + elastic * e[y] * s[NXL, j]))
+            block[MATERIAL, column] += weight * (length * drop1 - stored)
+            block[NODE + MATERIAL, column] += weight * (length * drop2 + stored)
+    for side in range(2):
+        sign = 2.0 * side - 1.0
+        column = side * NODE + MATERIAL
+        along_y = 0.0
+        for c in range(AXES):
+            along_y += e[c] * z[Y1 + side, c]
+        drop1 = drop2 = stored = 0.0
+        for c in range(AXES):
+            viscous_l = e[c] * (t1 * along_l + t2 * (rate_along_l + along_rate_l)) + viscous * e_l[c]
+            elastic_l = f1 * e[c] * along_l + elastic * e_l[c]
+            by_p = ck * sign * viscous_l + cc * t2 * e[c] * along_y
+            change = by_p + ck * sign * elastic_l
+            grown = ck * sign * (elastic + viscous) * e[c]
+            for i in range(VECTORS):
+                block[row_of(i) + c, column] += weight * (
+                    length * s[NX, i] * change + (s[NX, i] + length * s[NXL, i]) * grown
+                )
+            drop1 += length * (by_p * z[Y1, c] + ck * sign * viscous * e[c] * z[Y1L, c])
+            drop1 += ck * sign * viscous * e[c] * z[Y1, c]
+            drop2 += length * (by_p * z[Y2, c] + ck * sign * viscous * e[c] * z[Y2L, c])
+            drop2 += ck * sign * viscous * e[c] * z[Y2, c]
+            stored += 2.0 * elastic * e[c] * e_l[c] + length * (elastic_l * e_l[c] + elastic * e[c] * z[BYY_L, c])
+        block[MATERIAL, column] += weight * (drop1 - ck * sign * stored)
+        block[NODE + MATERIAL, column] += weight * (drop2 + ck * sign * stored)
+
+
+@kernel
+def _flowing_dissipation(g, t, q, v, p):
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        if row.damping == 0.0:
+            continue
+        for k in range(g.points.shape[0]):
+            length, _, _, _, strain, factor, _, rate = _write_slopes(g, row, k, q, v)
+            if not is_slack(row, strain):
+                p[0] += g.points[k, WEIGHT] * length * row.stiffness * row.damping * (factor * rate) ** 2
+
+
+register(
+    FlowingTension, residual=_flowing_residual, tangent=_flowing_tangent, energy=_energy,
+    dissipation=_flowing_dissipation,
+)  # fmt: skip
