@@ -32,6 +32,9 @@ FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 LONGEST_INTEGER = 300
+REPEATABLE = frozenset({"plotpoints"})
+"""Keys that may stand twice, the last one counting, since the example in the thesis' Appendix A does it: told in
+`Document.repeats`, for the reader to warn of. Any other duplicate key is an error."""
 
 
 @dataclass
@@ -73,6 +76,8 @@ class Document:
         Plain values: dict, list, str, int, float, bool, None.
     origins : dict
         Where values came from that are not in the text: key path -> option such as ``--step``.
+    repeats : tuple
+        Keys of `REPEATABLE` that stand more than once: key path, line of the one that was passed over.
     """
 
     path: Path
@@ -80,6 +85,7 @@ class Document:
     root: dict[str, Any]
     tree: Node = field(repr=False)
     origins: dict[Path_, str] = field(default_factory=dict)
+    repeats: tuple[tuple[Path_, int], ...] = ()
 
     @property
     def folder(self) -> Path:
@@ -107,8 +113,9 @@ class Document:
             If it is not one YAML mapping of plain values.
         """
         path = Path(path)
-        tree = _Composer(text, path).compose()
-        return cls(path, text, tree.value, tree)
+        composer = _Composer(text, path)
+        tree = composer.compose()
+        return cls(path, text, tree.value, tree, repeats=tuple(composer.repeats))
 
     def line(self, key: str | Path_) -> int | None:
         """Line of a key path such as ``("string", 1, "od")`` or ``"string[1].od"``, or of the nearest above it."""
@@ -163,7 +170,7 @@ class Document:
                     place[part] = {}
                 place = place[part]
         origins = self.origins | {path: origin for path, (_, origin) in values.items()}
-        return Document(self.path, self.text, root, self.tree, origins)
+        return Document(self.path, self.text, root, self.tree, origins, self.repeats)
 
     def problem(self, key: str | Path_, cause: str, cure: str = "", value: str | None = None) -> Problem:
         """Build a problem at a key path; the value is shown as written."""
@@ -200,15 +207,20 @@ class _Composer:
         self.stack: list[tuple[Node, str | None]] = []
         self.keys: list[tuple[str, int] | None] = []
         self.root: Node | None = None
+        self.repeats: list[tuple[Path_, int]] = []
 
     def refuse(self, line: int | None, cause: str, cure: str = "", value: str | None = None) -> SceneError:
+        return SceneError([Problem(str(self.path), line, join_key(self._place()), value, cause, cure)])
+
+    def _place(self) -> Path_:
+        """Key path of what is being read."""
         keys: list[Key] = []
         for (node, _), key in zip(self.stack, self.keys, strict=True):
             if node.mapping and key is not None:
                 keys.append(key[0])
             elif not node.mapping:
                 keys.append(len(node.children))
-        return SceneError([Problem(str(self.path), line, join_key(tuple(keys)), value, cause, cure)])
+        return tuple(keys)
 
     def compose(self) -> Node:
         bad = UNPRINTABLE.search(self.text.removeprefix("\ufeff"))
@@ -292,6 +304,9 @@ class _Composer:
         self.keys[-1] = (key, line)
         if key in node.children:
             first = node.key_lines[key]
+            if key in REPEATABLE:
+                self.repeats.append((self._place(), first))
+                return
             raise self.refuse(line, f"duplicate key: it stands in line {first} already", "keep one of the two")
 
     def _end(self, line: int) -> None:

@@ -1,0 +1,189 @@
+"""Elements of a scene as groups: each term of the equations for the elements that have it, and for no others."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from tautline.cable.layout import Layout
+from tautline.cable.parts import Element
+from tautline.elements.bending import BENDING, Bending, FlowingBending
+from tautline.elements.flow import Flow
+from tautline.elements.inertia import INERTIA, Inertia
+from tautline.elements.linear import LinearInertia, LinearTension
+from tautline.elements.linear_flow import LINEAR_FLOW, LinearFlow
+from tautline.elements.outlet import OUTLET, Outlets
+from tautline.elements.tension import TENSION, FlowingTension, Tension
+from tautline.kernels.hermite import gauss, lobatto, table
+
+SMOOTHING = 0.01
+"""Curvature from which bending is damped in full, over that of an element bent to a radius of its own length."""
+
+
+def records(kind: np.dtype, rows: Sequence[dict[str, Any]]) -> np.recarray:
+    """A record array with a row for each dict; what a dict leaves out is zero."""
+    made = np.zeros(len(rows), kind).view(np.recarray)
+    for i, row in enumerate(rows):
+        for name, value in row.items():
+            made[name][i] = value
+    return made
+
+
+def is_moving(layout: Layout, element: Element) -> bool:
+    """Whether material moves through a node of the element, or may."""
+    return not all(layout.is_still(layout.material(node)) for node in element.nodes)
+
+
+def element_groups(layout: Layout) -> list[Any]:
+    """Groups of inertia, tension, bending and open ends, of the kinds that the scene has."""
+    scene = layout.scene
+    sorts: dict[tuple, list[Element]] = {}
+    for element in scene.elements:
+        sorts.setdefault((element.kind, is_moving(layout, element)), []).append(element)
+    groups: list[Any] = []
+    for (kind, moving), elements in sorts.items():
+        massive = [e for e in elements if e.rhoA > 0.0 or any(e.load)]
+        if massive:
+            groups.append(_inertia(layout, kind, moving, massive))
+        for quadrature in ("gauss", "lobatto"):
+            stiff = [e for e in elements if e.EA > 0.0 and _quadrature(e) == quadrature]
+            if stiff:
+                groups.append(_tension(layout, kind, moving, stiff, quadrature))
+        bent = [e for e in elements if e.EJ > 0.0 and kind == "cubic"]
+        if bent:
+            groups.append(_bending(layout, moving, bent))
+    open_ends = _outlets(layout)
+    if open_ends:
+        groups.append(Outlets(records(OUTLET, open_ends), np.zeros((4, 4)), np.zeros((3, 6))))
+    return groups
+
+
+def _quadrature(element: Element) -> str:
+    """Three Gauss points along a rope; with bending three Lobatto points, which do not lock."""
+    if element.kind == "linear":
+        return "gauss"
+    return element.quadrature or ("lobatto" if element.EJ > 0.0 else "gauss")
+
+
+def _ends(layout: Layout, element: Element) -> dict[str, int]:
+    return {"a": layout.start[element.nodes[0]], "b": layout.start[element.nodes[1]]}
+
+
+def _inertia(layout: Layout, kind: str, moving: bool, elements: list[Element]) -> Any:
+    scene = layout.scene
+    rows = [
+        _ends(layout, e)
+        | {
+            "mass": e.rhoA,
+            "damping": scene.solver.mass_damping,
+            "load": [e.rhoA * g + f for g, f in zip(scene.gravity, e.load, strict=True)],
+        }
+        for e in elements
+    ]
+    if kind == "linear" and moving:
+        goes_on = Counter(node for e in scene.elements if e.kind == "linear" for node in e.nodes)
+        for row, element in zip(rows, elements, strict=True):
+            row["kinks"] = [float(goes_on[node] > 1) for node in element.nodes]
+        return LinearFlow(records(LINEAR_FLOW, rows), np.zeros((3, 3)), np.zeros((8, 8)))
+    if kind == "linear":
+        return LinearInertia(records(INERTIA, rows))
+    if moving:
+        shapes = np.zeros((6, 4)), np.zeros((10, 3)), np.zeros((14, 14))
+        return Flow(records(INERTIA, rows), table(*gauss(4)), *shapes)
+    return Inertia(records(INERTIA, rows), np.zeros((4, 4)))
+
+
+def _strain(element: Element) -> dict[str, Any]:
+    return {
+        "stiffness": element.EA,
+        "engineering": int(element.strain == "engineering"),
+        "slack": int(not element.compression),
+    }
+
+
+def _tension(layout: Layout, kind: str, moving: bool, elements: list[Element], quadrature: str) -> Any:
+    rows = records(TENSION, [_ends(layout, e) | _strain(e) | {"damping": e.damping} for e in elements])
+    points = table(*(gauss(3) if quadrature == "gauss" else lobatto()))
+    if kind == "linear":
+        return LinearTension(rows, np.zeros((4, 3)), np.zeros((8, 8)))
+    if moving:
+        return FlowingTension(rows, points, np.zeros((6, 4)), np.zeros((9, 3)), np.zeros((14, 14)))
+    return Tension(rows, points, np.zeros((2, 3)), np.zeros((12, 12)))
+
+
+def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
+    rows = [
+        _ends(layout, e)
+        | {"stiffness": e.EJ, "damping": e.damping, "smoothing": SMOOTHING / length_of(layout, e)}
+        for e in elements
+    ]
+    common = records(BENDING, rows), table(*gauss(3)), np.zeros((5, 4))
+    stress = np.zeros((2, 6, 6))
+    if moving:
+        return FlowingBending(*common, np.zeros((14, 6)), stress, np.zeros((14, 14)))
+    return Bending(*common, np.zeros((4, 6)), stress, np.zeros((12, 12)))
+
+
+def length_of(layout: Layout, element: Element) -> float:
+    """Material length of an element at t = 0, m."""
+    first, second = (layout.initial[layout.material(node)] for node in element.nodes)
+    return float(second - first)
+
+
+def _outlets(layout: Layout) -> list[dict[str, Any]]:
+    """Open ends: where a rope stops at a node that lets material through without prescribing how much."""
+    uses = Counter(node for e in layout.scene.elements for node in e.nodes)
+    joined = {node for tie in layout.scene.ties if tie.what == 1 for node in tie.nodes}
+    ends = []
+    for element in layout.scene.elements:
+        for end, node in enumerate(element.nodes):
+            free = not layout.is_held(layout.material(node)) and node not in joined
+            if element.kind == "cubic" and uses[node] == 1 and free and not _follows_a_neighbour(layout, node):
+                ends.append(_ends(layout, element) | _strain(element) | {"end": end, "bending": element.EJ})
+    return ends
+
+
+def _follows_a_neighbour(layout: Layout, node: int) -> bool:
+    """Whether the node stands where another stands, by coupling its position: the rope goes on there."""
+    first = layout.start[node]
+    others = {i for place in range(first, first + 3) for i, _ in layout.degrees.resolved(place)}
+    coupled = any(i < first or i >= first + layout.kind[node] for i in others)
+    followed = any(
+        layout.start[c.slave[0]] != first and any(layout.start[m] == first for m, dof, _ in c.masters if dof <= 3)
+        for c in layout.scene.couplings
+        if c.slave[1] <= 3
+    )
+    return coupled or followed
+
+
+Stencil = np.ndarray
+
+
+def stencils(layout: Layout, groups: Sequence[Any]) -> tuple[list[Stencil], list[Stencil]]:
+    """Degrees of freedom that elements couple in the tangent, and in the mass matrix."""
+    whole: list[Stencil] = []
+    massive: list[Stencil] = []
+    for kind, size in (("cubic", 7), ("linear", 4)):
+        pairs = [_ends(layout, e) for e in layout.scene.elements if e.kind == kind]
+        if pairs:
+            ends = np.array([[pair["a"], pair["b"]] for pair in pairs])
+            whole.append((ends[:, :, None] + np.arange(size)).reshape(len(pairs), -1))
+    shapes: dict[type, Callable[[np.ndarray], np.ndarray]] = {
+        Inertia: lambda ends: _axes(ends, (0, 3)),
+        LinearInertia: lambda ends: _axes(ends, (0,)),
+        Flow: lambda ends: (ends[:, :, None] + np.arange(7)).reshape(len(ends), -1),
+        LinearFlow: lambda ends: (ends[:, :, None] + np.arange(4)).reshape(len(ends), -1),
+    }
+    for group in groups:
+        if type(group) in shapes:
+            massive.append(shapes[type(group)](np.column_stack([group.rows.a, group.rows.b])))
+    return whole, massive
+
+
+def _axes(ends: np.ndarray, vectors: tuple[int, ...]) -> np.ndarray:
+    """A row for each element and axis: its component of the vectors at both nodes."""
+    places = (ends[:, :, None] + np.array(vectors)).reshape(len(ends), 1, -1)
+    return (places + np.arange(3)[None, :, None]).reshape(3 * len(ends), -1)

@@ -1,0 +1,94 @@
+"""``GeneralizedAlpha``: the integrator, by the names of the thesis' section 3.1.9 in the file and the house's here."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from tautline.scene.model import Model, Switch, Whole, word
+from tautline.scene.quantity import quantity
+from tautline.scene.refusal import fault
+from tautline.scene.solver import METHODS, MOST_FRAMES, MOST_STEPS, Step
+
+DEFAULT_RHO = 0.8
+"""Spectral radius at infinite frequency where a scene gives neither it nor the alphas."""
+
+
+class CableSolver(Model):
+    """How a cable is solved.
+
+    Theirs: ``type`` RK4, G-alpha or Newmark; ``alpha_m`` and ``alpha_f`` of eqs 2.79 to 2.83, passed over by the other
+    methods; ``eps_energy`` of eq. 2.78; ``plotpoints`` frames a second, 0 for every step.
+
+    Ours: ``rho_inf`` in place of the alphas. ``start: static`` looks for equilibrium first. RK4 with multipliers comes
+    back to the constraints after each step by ``stabilise`` projections (two in the thesis, eqs 2.124-2.125), in the
+    metric of the ``mass`` (eq. 2.127) or of ``identity`` (eq. 2.128). ``control: error`` halves and doubles the step
+    to keep the local error below ``tolerance``, m.
+    """
+
+    method: Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS] = Field(
+        "generalized-alpha", alias="type"
+    )
+    rho_inf: Annotated[float, quantity("", nonnegative=True, at_most=1.0)] | None = None
+    alpha_m: Annotated[float, quantity("")] | None = None
+    alpha_f: Annotated[float, quantity("")] | None = None
+    tolerance: Annotated[float, quantity("", positive=True, below=1.0)] = Field(1.0e-8, alias="eps_energy")
+    max_iterations: Annotated[Whole, Field(ge=1, le=1000)] = Field(20, alias="maxIter")
+    mass_damping: Annotated[float, quantity("1/s", nonnegative=True)] = Field(0.0, alias="massDamp")
+    step: Step = Field(alias="time_step")
+    end: Step = Field(alias="time_end")
+    plotpoints: Annotated[float, quantity("", nonnegative=True)] = 0.0
+    skip_vtk: Switch = Field(True, alias="skipVTK")
+    start: Annotated[Literal["static", "as given"], word("static", "as given")] = "as given"
+    projection: Annotated[Literal["mass", "identity", "none"], word("mass", "identity", "none")] = "identity"
+    stabilise: Annotated[Whole, Field(ge=0, le=2)] = 2
+    control: Annotated[Literal["fixed", "error"], word("fixed", "error")] = "fixed"
+    error_tolerance: Annotated[float, quantity("m", positive=True)] | None = Field(None, alias="tolerance")
+
+    @model_validator(mode="after")
+    def _alphas(self) -> CableSolver:
+        given = [name for name in ("rho_inf", "alpha_m", "alpha_f") if getattr(self, name) is not None]
+        if "rho_inf" in given and len(given) > 1:
+            raise fault("rho_inf", f"is given together with {given[1]}", "keep rho_inf, or alpha_m and alpha_f")
+        if given in (["alpha_m"], ["alpha_f"]):
+            lacking = "alpha_f" if given == ["alpha_m"] else "alpha_m"
+            raise fault(lacking, f"is missing beside {given[0]}", f"add `{lacking}:`, or give rho_inf instead of both")
+        if self.alpha_m is not None and self.alpha_f is not None:
+            if self.alpha_f > 0.5:
+                raise fault("alpha_f", "must not be more than 0.5: the method is unstable beyond", "give 0.5 or less")
+            if self.alpha_m > self.alpha_f:
+                cause = f"must not be more than alpha_f = {self.alpha_f:g}: the method is unstable so (eq. 2.83)"
+                raise fault("alpha_m", cause, "lower alpha_m, or give rho_inf instead of both")
+        return self
+
+    @model_validator(mode="after")
+    def _times(self) -> CableSolver:
+        if self.end < self.step:
+            cause = f"is before the first step ends ({self.step:g} s)"
+            raise fault("time_end", cause, "end later, or take a smaller time_step")
+        if self.end / self.step > MOST_STEPS:
+            cause = f"makes {self.end / self.step:.1e} steps to the end, more than {MOST_STEPS:.0e}"
+            raise fault("time_step", cause, "take a larger step, or end earlier")
+        if self.end / self.interval > MOST_FRAMES:
+            cause = f"keeps {self.end / self.interval:.1e} frames, more than {MOST_FRAMES:.0e}"
+            raise fault("plotpoints", cause, "ask for fewer frames a second, such as 100, or end earlier")
+        if self.control == "error" and self.error_tolerance is None:
+            raise fault("tolerance", "is missing beside control: error", "add `tolerance:`, a length such as 1.0e-5")
+        return self
+
+    @property
+    def interval(self) -> float:
+        """Time between the frames that are kept, s: no shorter than a step, no longer than the run."""
+        asked = 1.0 / self.plotpoints if self.plotpoints * self.step > 0.0 else self.step
+        return min(max(asked, self.step), self.end)
+
+    @property
+    def alphas(self) -> tuple[float, float]:
+        """``alpha_m, alpha_f`` of generalized-alpha (zero for the others); `rho_inf` defaults to 0.8."""
+        if self.method != "generalized-alpha":
+            return 0.0, 0.0
+        if self.alpha_m is not None and self.alpha_f is not None:
+            return self.alpha_m, self.alpha_f
+        rho = DEFAULT_RHO if self.rho_inf is None else self.rho_inf
+        return (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
