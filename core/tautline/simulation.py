@@ -33,8 +33,10 @@ ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_wor
 """Variables that every application stores, J."""
 STORED_SHARE = 1.0e-6
 """Share of the stored energy that counts as going through the system."""
-FRAMES_UNCHECKED = 20
-"""Frames that an explicit run may go on before its step is checked again."""
+FRAMES_UNCHECKED, FRAMES_SAFE = 20, 400
+"""Frames that an explicit run may go on before its step is checked again: near the critical step, and far from it."""
+FAR = 0.7
+"""Share of the critical step below which a step is far from it."""
 
 
 def simulate(
@@ -121,7 +123,7 @@ class _Run:
         self.balance: list[np.ndarray] = []
         self.memory: dict[str, np.ndarray] = {}
         self.frames = self._room(1)
-        self.fastest = FastestMode(model.system)
+        self.fastest, self.unchecked = FastestMode(model.system), FRAMES_UNCHECKED
 
     def _room(self, rows: int) -> Frames:
         return new_frames(rows, self.model.system.q.size, self.model.own)
@@ -193,7 +195,7 @@ class _Run:
             raise StoppedEarly(Status(status), reached, system.names[worst])
         limit = max(1, BATCH_NUMBERS // (4 * system.q.size + self.model.own + 6))
         if isinstance(self.method, RungeKutta4):
-            limit = min(limit, FRAMES_UNCHECKED)
+            limit = min(limit, self.unchecked)
         per_frame = spent / rows
         self.batch = int(min(limit, max(1.0, min(4.0 * rows, BATCH / max(per_frame, 1e-9)))))
 
@@ -203,6 +205,7 @@ class _Run:
             return
         omega, worst = self.fastest.search(self.state, self.time)
         step = float((self.ends[self.done] - self.time) / self.steps[self.done])
+        self.unchecked = FRAMES_SAFE if omega * step < FAR * RK4_LIMIT else FRAMES_UNCHECKED
         if omega * step > RK4_LIMIT:
             detail = f"step {step:g} s, critical step {RK4_LIMIT / omega:.4g} s"
             raise StoppedEarly(Status.UNSTABLE, self.time, self.model.system.names[worst], detail)

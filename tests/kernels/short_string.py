@@ -80,7 +80,9 @@ def bends(seats, rng, stiff=True):
 def all_free(n):
     """Every degree of freedom its own unknown."""
     each, none = np.arange(n), np.zeros(0, dtype=np.int64)
-    return Dofs(np.arange(n + 1), each, np.ones(n), each.copy(), none, none.copy(), np.zeros(0), none.copy())
+    whole = {"start": np.arange(n + 1), "unknown": each, "factor": np.ones(n), "number": each.copy(), "free": each.copy()}
+    empty = {name: np.zeros(0) if name == "offset" else none.copy() for name in Dofs._fields if name not in whole}
+    return Dofs(**whole, **empty)
 
 
 @entry

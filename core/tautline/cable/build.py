@@ -10,7 +10,7 @@ import numpy as np
 from tautline.cable.joined import check_sound, constraint_groups, equations_of
 from tautline.cable.layout import Layout
 from tautline.cable.material import material_coordinates
-from tautline.cable.members import element_groups, length_of, records, stencils
+from tautline.cable.members import element_groups, records, stencils
 from tautline.cable.observe import Observer, headline, variables
 from tautline.cable.scene import CableScene
 from tautline.constraints.multiplier import Multipliers
@@ -69,7 +69,7 @@ def build(scene: CableScene) -> Model:
         system=system,
         solver=SolverSettings(
             solver.method, solver.step, solver.end, solver.interval, alpha_m, alpha_f, solver.tolerance, "energy",
-            solver.max_iterations, projection=solver.projection, stabilise=solver.stabilise,
+            solver.max_iterations, projection=solver.projection, stabilise=solver.stabilise, energy_unit=1.0,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),
@@ -118,7 +118,9 @@ def _node_groups(layout: Layout) -> list[Any]:
     if masses:
         places, values = zip(*masses, strict=True)
         groups.append(
-            PointMasses(np.array(places), np.array(values, float), scene.solver.mass_damping, np.array(scene.gravity, float))
+            PointMasses(
+                np.array(places), np.array(values, float), scene.solver.mass_damping, np.array(scene.gravity, float)
+            )
         )
     forces = [(layout.start[node], f.force, f.interval) for f in scene.forces for node in f.nodes]
     if forces:

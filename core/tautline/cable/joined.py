@@ -75,7 +75,9 @@ def check_sound(layout: Layout, made: Sequence[Equation]) -> None:
     )
     for i in found:
         cause = f"{rows[i].name}: follows from the other constraints"
-        problems.append(layout.scene.problem(rows[i].tie.place, cause, "remove it: a constraint said twice has no force"))
+        problems.append(
+            layout.scene.problem(rows[i].tie.place, cause, "remove it: a constraint said twice has no force")
+        )
     problems += _null_motions(layout, rows)
     if problems:
         raise SceneError(problems)

@@ -59,6 +59,19 @@ class Layout:
         """Whether a degree of freedom stays what it is at t = 0."""
         return all(self.degrees.motion.get(i, 0) == -1 for i, _ in self.degrees.resolved(place))
 
+    def rate_of(self, place: int) -> frozenset:
+        """What the rate of a degree of freedom is made of: free masters and motions, each with its factor."""
+        parts = []
+        for i, factor in self.degrees.resolved(place):
+            motion = self.degrees.motion.get(i)
+            if motion is None:
+                parts.append((i, factor))
+            elif motion >= 0:
+                given = self.scene.motions[motion]
+                what = (given.times, given.velocities) if given.function is None else motion
+                parts.append((("motion", what), factor))
+        return frozenset(parts)
+
     def is_held(self, place: int) -> bool:
         """Whether a degree of freedom is fixed, prescribed, or follows only such ones."""
         return all(i in self.degrees.motion for i, _ in self.degrees.resolved(place))

@@ -16,6 +16,7 @@ from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.linear import LinearInertia, LinearTension
 from tautline.elements.linear_flow import LINEAR_FLOW, LinearFlow
 from tautline.elements.outlet import OUTLET, Outlets
+from tautline.elements.shared_flow import SharedFlow, unit_matrices
 from tautline.elements.tension import TENSION, FlowingTension, Tension
 from tautline.kernels.hermite import gauss, lobatto, table
 
@@ -32,9 +33,17 @@ def records(kind: np.dtype, rows: Sequence[dict[str, Any]]) -> np.recarray:
     return made
 
 
-def is_moving(layout: Layout, element: Element) -> bool:
-    """Whether material moves through a node of the element, or may."""
-    return not all(layout.is_still(layout.material(node)) for node in element.nodes)
+STILL, SHARED, MOVING = "still", "shared", "moving"
+"""How material moves through an element: not at all, through both nodes at one rate, or anyhow."""
+
+
+def flow_of(layout: Layout, element: Element) -> str:
+    """How material moves through an element, or may."""
+    places = [layout.material(node) for node in element.nodes]
+    if all(layout.is_still(place) for place in places):
+        return STILL
+    first, second = (layout.rate_of(place) for place in places)
+    return SHARED if element.kind == "cubic" and first == second else MOVING
 
 
 def element_groups(layout: Layout) -> list[Any]:
@@ -42,19 +51,22 @@ def element_groups(layout: Layout) -> list[Any]:
     scene = layout.scene
     sorts: dict[tuple, list[Element]] = {}
     for element in scene.elements:
-        sorts.setdefault((element.kind, is_moving(layout, element)), []).append(element)
+        sorts.setdefault((element.kind, flow_of(layout, element)), []).append(element)
     groups: list[Any] = []
-    for (kind, moving), elements in sorts.items():
+    for (kind, flow), elements in sorts.items():
         massive = [e for e in elements if e.rhoA > 0.0 or any(e.load)]
         if massive:
-            groups.append(_inertia(layout, kind, moving, massive))
-        for quadrature in ("gauss", "lobatto"):
-            stiff = [e for e in elements if e.EA > 0.0 and _quadrature(e) == quadrature]
-            if stiff:
-                groups.append(_tension(layout, kind, moving, stiff, quadrature))
-        bent = [e for e in elements if e.EJ > 0.0 and kind == "cubic"]
-        if bent:
-            groups.append(_bending(layout, moving, bent))
+            groups.append(_inertia(layout, kind, flow, massive))
+        # At a constant length only damping sees the material move: without it the stored energy is all there is.
+        for moving in (False, True):
+            some = [e for e in elements if (flow == MOVING or (flow == SHARED and e.damping > 0.0)) == moving]
+            for quadrature in ("gauss", "lobatto"):
+                stiff = [e for e in some if e.EA > 0.0 and _quadrature(e) == quadrature]
+                if stiff:
+                    groups.append(_tension(layout, kind, moving, stiff, quadrature))
+            bent = [e for e in some if e.EJ > 0.0 and kind == "cubic"]
+            if bent:
+                groups.append(_bending(layout, moving, bent))
     open_ends = _outlets(layout)
     if open_ends:
         groups.append(Outlets(records(OUTLET, open_ends), np.zeros((4, 4)), np.zeros((3, 6))))
@@ -72,7 +84,7 @@ def _ends(layout: Layout, element: Element) -> dict[str, int]:
     return {"a": layout.start[element.nodes[0]], "b": layout.start[element.nodes[1]]}
 
 
-def _inertia(layout: Layout, kind: str, moving: bool, elements: list[Element]) -> Any:
+def _inertia(layout: Layout, kind: str, flow: str, elements: list[Element]) -> Any:
     scene = layout.scene
     rows = [
         _ends(layout, e)
@@ -83,14 +95,16 @@ def _inertia(layout: Layout, kind: str, moving: bool, elements: list[Element]) -
         }
         for e in elements
     ]
-    if kind == "linear" and moving:
+    if kind == "linear" and flow != STILL:
         goes_on = Counter(node for e in scene.elements if e.kind == "linear" for node in e.nodes)
         for row, element in zip(rows, elements, strict=True):
             row["kinks"] = [float(goes_on[node] > 1) for node in element.nodes]
         return LinearFlow(records(LINEAR_FLOW, rows), np.zeros((3, 3)), np.zeros((8, 8)))
     if kind == "linear":
         return LinearInertia(records(INERTIA, rows))
-    if moving:
+    if flow == SHARED:
+        return SharedFlow(records(INERTIA, rows), unit_matrices(), np.zeros((4, 3, 4)), np.zeros((14, 14)))
+    if flow == MOVING:
         shapes = np.zeros((6, 4)), np.zeros((10, 3)), np.zeros((14, 14))
         return Flow(records(INERTIA, rows), table(*gauss(4)), *shapes)
     return Inertia(records(INERTIA, rows), np.zeros((4, 4)))
@@ -116,8 +130,7 @@ def _tension(layout: Layout, kind: str, moving: bool, elements: list[Element], q
 
 def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
     rows = [
-        _ends(layout, e)
-        | {"stiffness": e.EJ, "damping": e.damping, "smoothing": SMOOTHING / length_of(layout, e)}
+        _ends(layout, e) | {"stiffness": e.EJ, "damping": e.damping, "smoothing": SMOOTHING / length_of(layout, e)}
         for e in elements
     ]
     common = records(BENDING, rows), table(*gauss(3)), np.zeros((5, 4))
@@ -174,6 +187,7 @@ def stencils(layout: Layout, groups: Sequence[Any]) -> tuple[list[Stencil], list
     shapes: dict[type, Callable[[np.ndarray], np.ndarray]] = {
         Inertia: lambda ends: _axes(ends, (0, 3)),
         LinearInertia: lambda ends: _axes(ends, (0,)),
+        SharedFlow: lambda ends: (ends[:, :, None] + np.arange(7)).reshape(len(ends), -1),
         Flow: lambda ends: (ends[:, :, None] + np.arange(7)).reshape(len(ends), -1),
         LinearFlow: lambda ends: (ends[:, :, None] + np.arange(4)).reshape(len(ends), -1),
     }

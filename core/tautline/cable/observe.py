@@ -30,7 +30,9 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("strain_energy", time, "J", "strain energy, of springs too"),
         Variable("potential_energy", time, "J", "potential energy of weight and loads"),
         Variable("dissipated_energy", time, "J", "energy lost to damping"),
-        Variable("external_work", time, "J", "work of forces and prescribed motion, and energy that material brings in"),
+        Variable(
+            "external_work", time, "J", "work of forces and prescribed motion, and energy that material brings in"
+        ),
     ]
 
 

@@ -1,8 +1,8 @@
 """Lagrange multipliers, eqs 2.33-2.36 and 2.56-2.60, with the scaling of eqs 2.90-2.93.
 
-A multiplier is an unknown with an acceleration and nothing else: lambda = w x.., w a typical mass. An implicit step then
-writes beta' w G^T into the columns, and with the row w beta' phi = 0 it writes the same into the rows: the matrix is
-beta' (M, w G^T; w G, 0) + ..., as well conditioned for a short step as for a long one. An explicit step has the row
+A multiplier is an unknown with an acceleration and nothing else: lambda = w x.., w a typical mass. An implicit step
+then writes beta' w G^T into the columns, and with the row w beta' phi = 0 it writes the same into the rows: the matrix
+is beta' (M, w G^T; w G, 0) + ..., as well conditioned for a short step as for a long one. An explicit step has the row
 w G q.. = 0 (eq. 2.117; G is constant), and statics takes lambda = w x and w phi = 0.
 """
 

@@ -1,9 +1,9 @@
 """Bending stiffness and damping of cubic elements: the second terms of eqs 2.48 and 2.49.
 
-The energy is EJ kappa^2 / 2 per metre of material. The dissipation is EJ c (k.k.)^2 / (k.k + k0^2) / 2 with the vector of
-curvature k, whose rate along itself is half that of kappa^2: smooth through the straight curve, and zero for a bent rod
-that turns as a rigid body. ``smoothing`` k0 is a few per cent of the curvatures that occur; without a bend much stronger
-than k0 the damping fades, with one it is the eq. 2.49 of planar bending.
+The energy is EJ kappa^2 / 2 per metre of material. The dissipation is EJ c (k.k.)^2 / (k.k + k0^2) / 2 with the vector
+of curvature k, whose rate along itself is half that of kappa^2: smooth through the straight curve, and zero for a bent
+rod that turns as a rigid body. ``smoothing`` k0 is a few per cent of the curvatures that occur: a beam that is bent far
+less than k0 is hardly damped, one that is bent more is damped as eq. 2.49 says for bending in a plane.
 """
 
 from __future__ import annotations

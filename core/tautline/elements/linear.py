@@ -93,7 +93,7 @@ register(
 
 
 class LinearTension(NamedTuple):
-    """Elements (n,) of ``TENSION``, their material moving or not; scratch are ``vector`` (4, 3) and ``block`` (8, 8)."""
+    """Elements (n,) of ``TENSION``, moving material or not; scratch are ``vector`` (4, 3) and ``block`` (8, 8)."""
 
     rows: np.recarray
     vector: np.ndarray

@@ -1,4 +1,4 @@
-"""What hangs on single nodes and pairs of nodes: masses, forces for a time, springs and dampers (thesis section 3.1)."""
+"""What hangs on nodes and between two of them: masses, forces for a time, springs, dampers (thesis section 3.1)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ AXES = 3
 
 
 class PointMasses(NamedTuple):
-    """Masses (n,) kg at the positions that begin at ``place`` (n,), damped in proportion (1/s), in a field of gravity."""
+    """Masses (n,) kg at the positions that begin at ``place`` (n,), damped in proportion (1/s), under gravity m/s^2."""
 
     place: np.ndarray
     mass: np.ndarray

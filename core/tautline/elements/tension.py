@@ -40,7 +40,7 @@ class Tension(NamedTuple):
 
 
 class FlowingTension(NamedTuple):
-    """The same with moving material; scratch are ``shapes`` (6, 4), ``vector`` (12, 3) and ``block`` (14, 14)."""
+    """The same with moving material; scratch are ``shapes`` (6, 4), ``vector`` (9, 3) and ``block`` (14, 14)."""
 
     rows: np.recarray
     points: np.ndarray
@@ -60,6 +60,7 @@ def strain_of(row, square):
 
 @kernel
 def is_slack(row, strain):
+    """Whether the rope carries nothing at a strain."""
     return row.slack == 1 and strain < 0.0
 
 
@@ -243,7 +244,7 @@ def _flowing_residual(g, t, q, v, a, r):
 
 @kernel
 def _flowing_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    s, z, block = g.shapes, g.vector, g.block
+    block = g.block
     for n in range(g.rows.size):
         row = g.rows[n]
         block.fill(0.0)

@@ -16,7 +16,8 @@ from tautline.kernels.jit import kernel
 class GeneralizedAlpha(NamedTuple):
     """Parameters of the method and its corrector; Newmark-beta is alpha_m = alpha_f = 0.
 
-    ``algebraic`` lists the unknowns that are multipliers; ``power`` (2,) is scratch; ``last_step`` (1,) the length of the last accepted step, s, 0 before the first.
+    ``algebraic`` lists the unknowns that are multipliers; ``power`` (2,) is scratch; ``last_step`` (1,) the length of
+    the last accepted step, s, 0 before the first.
     """
 
     alpha_m: float

@@ -20,9 +20,9 @@ SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
 def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual):
     """Reduced residual ``residual`` (n,) and ``matrix`` = cm M + cc C + ck K at the state's position, at time t.
 
-    ``at_rest`` leaves velocities and accelerations out, and groups begin with beta = -1; else velocities are the state's and accelerations are zero but
-    for those that are prescribed. Every group begins an explicit step of ``h`` s, so that laws and arcs fit
-    the state; with h = 0 a run under way is looked at and not touched.
+    ``at_rest`` leaves velocities and accelerations out, and groups begin with beta = -1; else velocities are the
+    state's and accelerations are zero but for those that are prescribed. Every group begins an explicit step of ``h``
+    s, so that laws and arcs fit the state; with h = 0 a run under way is looked at and not touched.
     """
     groups = system.link(SUMS)
     evaluate_scene(groups, system.dofs, system.functions, state, t, h, at_rest, cm, cc, ck, matrix, residual)

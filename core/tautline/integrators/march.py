@@ -152,7 +152,10 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
 _ALWAYS = ("begin", "commit", "record", "energy", "dissipation", "residual")
 MARCHES = {
     GeneralizedAlpha: (march_implicit, lambda m: (*_ALWAYS, "switch", "smooth_tangent", "switching_tangent")),
-    RungeKutta4: (march_explicit, lambda m: (*_ALWAYS, "violation", "diagonal_mass" if isinstance(m.mass, np.ndarray) else "mass")),
+    RungeKutta4: (
+        march_explicit,
+        lambda m: (*_ALWAYS, "violation", "diagonal_mass" if isinstance(m.mass, np.ndarray) else "mass"),
+    ),
 }
 """The compiled loop of each method and the sums that it asks of the groups: a new method is one line here."""
 

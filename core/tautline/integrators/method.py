@@ -16,9 +16,18 @@ from tautline.system.system import System
 def generalized_alpha(system: System, settings: SolverSettings) -> GeneralizedAlpha:
     """Generalized-alpha with the parameters of the settings."""
     beta, gamma = coefficients(settings.alpha_m, settings.alpha_f)
-    iteration = corrector(system, settings.tolerance, settings.criterion == "energy", settings.max_iterations)
+    iteration = corrector(
+        system, settings.tolerance, settings.criterion == "energy", settings.max_iterations, settings.energy_unit
+    )
     return GeneralizedAlpha(
-        settings.alpha_m, settings.alpha_f, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1),
+        settings.alpha_m,
+        settings.alpha_f,
+        beta,
+        gamma,
+        settings.max_halvings,
+        iteration,
+        np.zeros(2),
+        np.zeros(1),
         system.algebraic,
     )
 
@@ -26,8 +35,12 @@ def generalized_alpha(system: System, settings: SolverSettings) -> GeneralizedAl
 def newmark(system: System, settings: SolverSettings) -> GeneralizedAlpha:
     """Newmark-beta, the average acceleration: generalized-alpha with alpha_m = alpha_f = 0, eqs 2.65-2.70."""
     beta, gamma = coefficients(0.0, 0.0)
-    iteration = corrector(system, settings.tolerance, settings.criterion == "energy", settings.max_iterations)
-    return GeneralizedAlpha(0.0, 0.0, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic)
+    iteration = corrector(
+        system, settings.tolerance, settings.criterion == "energy", settings.max_iterations, settings.energy_unit
+    )
+    return GeneralizedAlpha(
+        0.0, 0.0, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic
+    )
 
 
 METHODS: dict[str, Callable[[System, SolverSettings], GeneralizedAlpha | RungeKutta4]] = {

@@ -38,13 +38,14 @@ SAME_STEP = 1.0e-9
 class Corrector(NamedTuple):
     """Settings and scratch of the iteration.
 
-    ``tolerance``: with the energy criterion the bound of eq. 2.78 per unit of the largest force scale; with the force
+    ``tolerance``: with the energy criterion the bound of eq. 2.78 with the energy over ``unit``; with the force
     criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch
     and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they
     belong to, zeros where they are out of date.
     """
 
     tolerance: float
+    unit: float
     by_energy: bool
     max_iterations: int
     scale: np.ndarray
@@ -57,11 +58,14 @@ class Corrector(NamedTuple):
     changed: np.ndarray
 
 
-def corrector(system: System, tolerance: float, by_energy: bool, max_iterations: int) -> Corrector:
-    """Make the scratch of the iteration for a system."""
+def corrector(
+    system: System, tolerance: float, by_energy: bool, max_iterations: int, unit: float | None = None
+) -> Corrector:
+    """Make the scratch of the iteration for a system; the unit of energy is that of its largest force by default."""
     n = system.size
+    unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
     return Corrector(
-        float(tolerance), bool(by_energy), int(max_iterations), system.scale,
+        float(tolerance), float(unit), bool(by_energy), int(max_iterations), system.scale,
         new_matrix(n, system.bandwidth, system.border), new_factors(n, system.bandwidth, system.border),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
         np.zeros(1, np.int64),
@@ -134,28 +138,29 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
             c.factored_for[1] = gamma
         energy = _step(c, state, beta, gamma, 0.5 if iteration >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
         state.counters[ITERATIONS] += 1
+        if c.by_energy and energy <= c.tolerance and not over.may_switch(groups):
+            # What is left of the residual is below what the criterion cares for: it is not evaluated again.
+            expand(dofs, state.q, state.full_q)
+            expand(dofs, state.v, state.full_v)
+            expand(dofs, state.a, state.full_a)
+            return DONE
         previous = size
     return NOT_CONVERGED
 
 
 @kernel
 def _step(c, state, beta, gamma, fraction):
-    """Solve for the increment and add it; returns the energy error of eq. 2.78.
-
-    Eq. 2.78 is judged per unit of the scene's largest force scale, so that it is the square root of a length.
-    """
+    """Solve for the increment and add it; returns the energy error of eq. 2.78."""
     copy(c.increment, c.right_side)
     solve_matrix(c.factors, c.increment)
     energy = 0.0
-    unit = 0.0
     for i in range(state.q.size):
         step = -fraction * c.increment[i]
         energy += c.right_side[i] * c.increment[i]
-        unit = max(unit, c.scale[i])
         state.q[i] += step
         state.v[i] += gamma * step
         state.a[i] += beta * step
-    return np.sqrt(abs(energy) / unit)
+    return np.sqrt(abs(energy) / c.unit)
 
 
 @kernel

@@ -30,7 +30,7 @@ class RungeKutta4(NamedTuple):
     """Scratch of the method. ``mass`` is (n,) where the mass matrix is diagonal, else its factors.
 
     ``constant`` says whether the mass matrix stays what it is, and ``made`` (1,) whether its factors are there;
-    ``coupled`` whether the mass couples what is held to what is free. ``projection`` are the factors of (B, G^T; G, 0)
+    ``coupled`` whether the mass couples what is moved to what is free. ``projection`` are the factors of (B, G^T; G, 0)
     that put a step back onto the constraints ``stabilise`` times, B being the unit matrix (eq. 2.128), or empty where
     B = M (eq. 2.127); ``algebraic`` lists the multipliers.
     """
@@ -51,6 +51,7 @@ class RungeKutta4(NamedTuple):
 def runge_kutta_4(system: System, projection: str = "mass", stabilise: int = 1) -> RungeKutta4:
     """Make the scratch of the method for a system."""
     n = system.size
+    moves = (system.dofs.motion >= 0).any()
     diagonal = system.mass_bandwidth == 0 and system.border == 0
     size = n, system.mass_bandwidth, system.border
     identity = projection == "identity" and system.algebraic.size > 0 and stabilise > 0
@@ -60,7 +61,7 @@ def runge_kutta_4(system: System, projection: str = "mass", stabilise: int = 1) 
         factorise_matrix(factors)
     return RungeKutta4(
         np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), has_constant_mass(system.groups),
-        np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64), system.mass_couples_held, factors,
+        np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64), bool(system.mass_couples_held and moves), factors,
         int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
     )  # fmt: skip
 
@@ -101,58 +102,52 @@ def project(method, groups, dofs, order, state):
 
 
 def solve_with(mass, x):
-    """Solve by factors that are there; a diagonal mass has no constraints to be put back onto."""
-    if not isinstance(mass, np.ndarray):
-        solve_matrix(mass, x)
+    """Solve M x = b by what :func:`make_mass` made, in place."""
+    (_divide if isinstance(mass, np.ndarray) else solve_matrix)(mass, x)
 
 
 @overload(solve_with)
 def _solve_with(mass, x):
-    if isinstance(mass, types.Array):
-        return lambda mass, x: None
-    return lambda mass, x: solve_matrix(mass, x)
-
-
-def solve_mass(mass, fresh, groups, dofs, q, right_side):
-    """Solve M x = right_side for x, in place; returns 0 or the row whose mass is missing.
-
-    ``fresh`` says whether M has to be made first.
-    """
-    chosen = _solve_diagonal if isinstance(mass, np.ndarray) else _solve_factors
-    return chosen(mass, fresh, groups, dofs, q, right_side)
-
-
-@overload(solve_mass)
-def _solve_mass(mass, fresh, groups, dofs, q, right_side):
-    chosen = _solve_diagonal if isinstance(mass, types.Array) else _solve_factors
-    return lambda mass, fresh, groups, dofs, q, right_side: chosen(mass, fresh, groups, dofs, q, right_side)
+    chosen = _divide if isinstance(mass, types.Array) else solve_matrix
+    return lambda mass, x: chosen(mass, x)
 
 
 @kernel
-def _solve_diagonal(mass, fresh, groups, dofs, q, right_side):
-    if fresh:
-        mass.fill(0.0)
-        over.diagonal_mass(groups, q, mass, dofs)
-    for i in range(right_side.size):
+def _divide(mass, x):
+    for i in range(x.size):
+        x[i] /= mass[i]
+
+
+def make_mass(mass, groups, dofs, q):
+    """Make the mass matrix and its factors; returns 0 or the row whose mass is missing."""
+    chosen = _make_diagonal if isinstance(mass, np.ndarray) else _make_factors
+    return chosen(mass, groups, dofs, q)
+
+
+@overload(make_mass)
+def _make_mass(mass, groups, dofs, q):
+    chosen = _make_diagonal if isinstance(mass, types.Array) else _make_factors
+    return lambda mass, groups, dofs, q: chosen(mass, groups, dofs, q)
+
+
+@kernel
+def _make_diagonal(mass, groups, dofs, q):
+    mass.fill(0.0)
+    over.diagonal_mass(groups, q, mass, dofs)
+    for i in range(mass.size):
         if mass[i] <= 0.0:
             return i + 1
-        right_side[i] /= mass[i]
     return 0
 
 
 @kernel
-def _solve_factors(mass, fresh, groups, dofs, q, right_side):
-    row = 0
-    if fresh:
-        clear(mass.matrix)
-        over.mass(groups, q, mass.matrix, dofs)
-        row = factorise_matrix(mass)
-    if row == 0:
-        solve_matrix(mass, right_side)
-    return row
+def _make_factors(mass, groups, dofs, q):
+    clear(mass.matrix)
+    over.mass(groups, q, mass.matrix, dofs)
+    return factorise_matrix(mass)
 
 
-@kernel
+@kernel(inline="always")
 def accelerate(method, groups, dofs, t, state):
     """Set the acceleration at time t from position and velocity, what is held being where it is then: M a = F."""
     expand(dofs, state.q, state.full_q)
@@ -161,18 +156,19 @@ def accelerate(method, groups, dofs, t, state):
     state.residual.fill(0.0)
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     reduce(dofs, state.residual, state.a)
-    fresh = not (method.constant and method.made[0] == 1.0)
-    row = solve_mass(method.mass, fresh, groups, dofs, state.full_q, state.a)
-    method.made[0] = 1.0
-    if row != 0:
-        state.counters[WORST] = row - 1
-        return SINGULAR
+    if not (method.constant and method.made[0] == 1.0):
+        row = make_mass(method.mass, groups, dofs, state.full_q)
+        if row != 0:
+            state.counters[WORST] = row - 1
+            return SINGULAR
+        method.made[0] = 1.0
+    solve_with(method.mass, state.a)
     for i in range(state.a.size):
         state.a[i] = -state.a[i]
     return DONE
 
 
-@kernel
+@kernel(inline="always")
 def account(method, groups, dofs, t, state):
     """Book work and losses at time t, after :func:`accelerate`.
 

@@ -27,8 +27,10 @@ class Dofs(NamedTuple):
 
     ``unknown[start[i]:start[i + 1]]`` (n,) and ``factor[...]`` are the masters of full degree of freedom i;
     ``number[i]`` is its only master where that has factor 1, ``HELD`` where it has none and ``TIED`` otherwise;
+    ``free`` (n,) is the full degree of freedom that each unknown is, and ``tied`` lists those with masters;
     a master that is held stands in ``unknown`` as -1 less its full number, and ``carried`` lists what has such masters;
-    ``held`` lists those that are fixed (``motion`` -1) or follow a function of time, and ``offset`` is added to it.
+    ``held`` lists those that are fixed (``motion`` -1) or follow a function of time, and ``offset`` is added to it;
+    ``driven`` says which of ``held`` follow one.
     """
 
     start: np.ndarray
@@ -38,7 +40,10 @@ class Dofs(NamedTuple):
     held: np.ndarray
     motion: np.ndarray
     offset: np.ndarray
+    driven: np.ndarray
     carried: np.ndarray
+    free: np.ndarray
+    tied: np.ndarray
 
 
 DOFS = typeof(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
@@ -47,60 +52,50 @@ DOFS = typeof(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.i
 
 @kernel
 def prescribe(dofs, functions, t, q, v, a):
-    """Set the held degrees of freedom in the full vectors to their motion at time t."""
-    for k in range(dofs.held.size):
+    """Set the degrees of freedom that follow a function of time in the full vectors; what is fixed stays as it is."""
+    for k in dofs.driven:
         i = dofs.held[k]
-        if dofs.motion[k] >= 0:
-            value, rate, second = evaluate(functions, dofs.motion[k], t)
-            q[i] = dofs.offset[k] + value
-            v[i] = rate
-            a[i] = second
-        else:
-            q[i] = dofs.offset[k]
-            v[i] = 0.0
-            a[i] = 0.0
+        value, rate, second = evaluate(functions, dofs.motion[k], t)
+        q[i] = dofs.offset[k] + value
+        v[i] = rate
+        a[i] = second
 
 
 @kernel
 def expand(dofs, reduced, full):
     """Write reduced unknowns into the full vector; held degrees of freedom are left as they are."""
-    number = dofs.number
-    for i in range(number.size):
-        if number[i] >= 0:
-            full[i] = reduced[number[i]]
-        elif number[i] == TIED:
-            x = 0.0
-            for k in range(dofs.start[i], dofs.start[i + 1]):
-                master = dofs.unknown[k]
-                x += dofs.factor[k] * (reduced[master] if master >= 0 else full[-1 - master])
-            full[i] = x
+    for i in range(dofs.free.size):
+        full[dofs.free[i]] = reduced[i]
+    for i in dofs.tied:
+        x = 0.0
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            master = dofs.unknown[k]
+            x += dofs.factor[k] * (reduced[master] if master >= 0 else full[-1 - master])
+        full[i] = x
 
 
 @kernel
 def expand_held(dofs, full):
     """Write into the full vector what it is while all reduced unknowns are zero."""
-    number = dofs.number
-    for i in range(number.size):
-        if number[i] != HELD:
-            full[i] = 0.0
-    for i in dofs.carried:
+    for i in dofs.free:
+        full[i] = 0.0
+    for i in dofs.tied:
+        x = 0.0
         for k in range(dofs.start[i], dofs.start[i + 1]):
             if dofs.unknown[k] < 0:
-                full[i] += dofs.factor[k] * full[-1 - dofs.unknown[k]]
+                x += dofs.factor[k] * full[-1 - dofs.unknown[k]]
+        full[i] = x
 
 
 @kernel
 def reduce(dofs, full, reduced):
     """Sum full residuals into the reduced rows they belong to."""
-    reduced.fill(0.0)
-    number = dofs.number
-    for i in range(number.size):
-        if number[i] >= 0:
-            reduced[number[i]] += full[i]
-        elif number[i] == TIED:
-            for k in range(dofs.start[i], dofs.start[i + 1]):
-                if dofs.unknown[k] >= 0:
-                    reduced[dofs.unknown[k]] += dofs.factor[k] * full[i]
+    for i in range(dofs.free.size):
+        reduced[i] = full[dofs.free[i]]
+    for i in dofs.tied:
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            if dofs.unknown[k] >= 0:
+                reduced[dofs.unknown[k]] += dofs.factor[k] * full[i]
 
 
 def add_entry(matrix, dofs, i, j, x):
@@ -169,7 +164,18 @@ def add_block(matrix, dofs, first, stride, width, block):
 @kernel
 def _add_any_block(matrix, dofs, first, stride, width, block):
     """The same where some of the degrees of freedom are tied or belong to the border."""
+    number = dofs.number
     for i in range(block.shape[0]):
+        place = first + stride * (i // width) + i % width
+        row = number[place]
+        if row == HELD:
+            continue
         for j in range(block.shape[0]):
-            row = first + stride * (i // width) + i % width
-            add_entry(matrix, dofs, row, first + stride * (j // width) + j % width, block[i, j])
+            if block[i, j] == 0.0:
+                continue
+            other = first + stride * (j // width) + j % width
+            column = number[other]
+            if row >= 0 and column >= 0:
+                add_at(matrix, row, column, block[i, j])
+            elif column != HELD:
+                add_entry(matrix, dofs, place, other, block[i, j])

@@ -34,9 +34,11 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from llvmlite import ir
 from numba import config, typeof
 from numba.core import cgutils, types
 from numba.extending import intrinsic, overload
+from numba.np.arrayobj import make_array, populate_array
 
 from tautline.kernels.dofs import DOFS
 from tautline.kernels.jit import address_of, kernel
@@ -196,20 +198,18 @@ def _apply(typing, row, kind, group, arguments):
     if not isinstance(row, types.IntegerLiteral):
         return None  # numba tries again so after an error, which it then reports
     hook, expected, _ = list(SUMS.values())[row.literal_value]
-    member, values = kind.instance_type, types.Tuple(tuple(expected.values()))
+    member, given_types = kind.instance_type, tuple(expected.values())
     function = KINDS[member.instance_class][hook]
-    signature = (member, *values.types)
+    signature = (member, *given_types)
     address_of(function, signature)
     compiled = function.overloads[signature]
 
     def code(context, builder, _, given):
-        places = (
-            builder.inttoptr(address, context.get_value_type(t).as_pointer())
-            for address, t in zip(given[2:], (member, values), strict=True)
-        )
-        g, rest = (builder.load(place) for place in places)
+        g = builder.load(builder.inttoptr(given[2], context.get_value_type(member).as_pointer()))
+        packet = builder.load(builder.inttoptr(given[3], _packet(context, given_types).as_pointer()))
+        rest = [_unpacked(context, builder, builder.extract_value(packet, i), t) for i, t in enumerate(given_types)]
         context.add_linking_libs([compiled.library])
-        context.call_internal(builder, compiled.fndesc, compiled.signature, [g, *cgutils.unpack_tuple(builder, rest)])
+        context.call_internal(builder, compiled.fndesc, compiled.signature, [g, *rest])
         return context.get_dummy_value()
 
     return types.void(row, kind, group, arguments), code
@@ -219,6 +219,41 @@ def _apply(typing, row, kind, group, arguments):
 def run_hook(row, kind, group, arguments):
     """The function whose address stands in the list: the same signature for every hook and every kind of group."""
     _apply(row, kind, group, arguments)
+
+
+def _is_vector(t: types.Type) -> bool:
+    return isinstance(t, types.Array) and t.ndim == 1
+
+
+def _packet(context: Any, given: tuple[types.Type, ...]) -> ir.Type:
+    """How the arguments of a hook lie in memory: vectors as pointer and size, all else as numba holds it."""
+    size = context.get_value_type(types.intp)
+    return ir.LiteralStructType(
+        [
+            ir.LiteralStructType([context.get_data_type(t.dtype).as_pointer(), size])
+            if _is_vector(t)
+            else context.get_value_type(t)
+            for t in given
+        ]
+    )
+
+
+def _packed(context: Any, builder: Any, x: Any, t: types.Type) -> Any:
+    if not _is_vector(t):
+        return x
+    array = make_array(t)(context, builder, x)
+    packed = cgutils.get_null_value(_packet(context, (t,)).elements[0])
+    packed = builder.insert_value(packed, array.data, 0)
+    return builder.insert_value(packed, array.nitems, 1)
+
+
+def _unpacked(context: Any, builder: Any, x: Any, t: types.Type) -> Any:
+    if not _is_vector(t):
+        return x
+    array = make_array(t)(context, builder)
+    size, step = builder.extract_value(x, 1), context.get_constant(types.intp, t.dtype.bitwidth // 8)
+    populate_array(array, builder.extract_value(x, 0), [size], [step], step, None)
+    return array._getvalue()
 
 
 def _caller(row: int, expected: tuple[types.Type, ...]) -> Any:
@@ -232,9 +267,9 @@ def _caller(row: int, expected: tuple[types.Type, ...]) -> Any:
                 context.cast(builder, x, actual, wanted)
                 for x, actual, wanted in zip(given, arguments.types, expected, strict=True)
             ]
-            place = cgutils.alloca_once(builder, context.get_value_type(types.Tuple(expected)))
-            for i, x in enumerate(cast):
-                builder.store(x, cgutils.gep_inbounds(builder, place, 0, i))
+            place = cgutils.alloca_once(builder, _packet(context, expected))
+            for i, (x, wanted) in enumerate(zip(cast, expected, strict=True)):
+                builder.store(_packed(context, builder, x, wanted), cgutils.gep_inbounds(builder, place, 0, i))
             at = builder.ptrtoint(place, context.get_value_type(types.intp))
             signature = (types.literal(row), types.TypeRef(types.none), types.intp, types.intp)
             function = context.call_conv.get_function_type(types.none, signature)
@@ -270,6 +305,17 @@ def _over_groups(name: str) -> Kernel:
     chosen = _define(f"def choose(groups, {names}):\n    return compiled", {"compiled": compiled}, "choose")
     overload(stub)(chosen)
     return stub
+
+
+def may_switch(groups):
+    """Whether any of the linked groups has a law that switches."""
+    return offers(groups, "switch")
+
+
+@overload(may_switch)
+def _may_switch(groups):
+    row = ROWS["switch"]
+    return lambda groups: groups[groups[row]] > 0
 
 
 def _define(source: str, names: dict[str, Any], name: str) -> Callable[..., Any]:

@@ -6,13 +6,14 @@ last; the band is factorised without them, and they are solved for by their Schu
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numba import typeof
 
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.lapack import factorise, factorise_dense, solve, solve_dense
+from tautline.kernels.lapack import factorise, factorise_dense, solve_dense
 
 
 class Matrix(NamedTuple):
@@ -35,13 +36,20 @@ MATRIX = typeof(Matrix(*(np.zeros((0, 0)) for _ in range(4))))
 class Factors(NamedTuple):
     """A matrix that is factorised in place, and the scratch for it.
 
-    ``columns[j]`` (m, n) is the band's inverse times the border's column j.
+    ``columns[j]`` (m, n) is the band's inverse times the border's column j. ``above`` and ``below`` (n,) say how far
+    from the diagonal a column of the band's factors goes, and ``inverse`` (n,) is one over their diagonal. ``scale``
+    (n,) has made the diagonal of the band one: slopes and positions are of one size then, and rows are seldom
+    exchanged, which would fill the band.
     """
 
     matrix: Matrix
     pivots: np.ndarray
     corner_pivots: np.ndarray
     columns: np.ndarray
+    above: np.ndarray
+    below: np.ndarray
+    inverse: np.ndarray
+    scale: np.ndarray
     integers: np.ndarray
 
 
@@ -57,7 +65,8 @@ def new_factors(size: int, bandwidth: int, border: int = 0) -> Factors:
     """Zero matrix with room for its factors."""
     return Factors(
         new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
-        np.zeros((border, size - border)), np.zeros(8, np.int32),
+        np.zeros((border, size - border)), np.zeros(size - border, np.int32), np.zeros(size - border, np.int32),
+        np.zeros(size - border), np.zeros(size - border), np.zeros(8, np.int32),
     )  # fmt: skip
 
 
@@ -100,20 +109,81 @@ def add_at(matrix, row, column, x):
         matrix.corner[column - n, row - n] += x
 
 
+@kernel
+def _equilibrate(f, n, k):
+    """Scale rows and columns of the band by one over the square root of its diagonal."""
+    band, scale = f.matrix.band, f.scale
+    for j in range(n):
+        size = abs(band[j, 2 * k])
+        scale[j] = 1.0 / sqrt(size) if size > 0.0 else 1.0
+    for j in range(n):
+        column = band[j]
+        first, last = max(0, j - k), min(n, j + k + 1)
+        for i in range(first, last):
+            column[2 * k + i - j] *= scale[i] * scale[j]
+
+
+@kernel
+def _measure(f, n, k):
+    """Find how far the columns of the band's factors go."""
+    for j in range(n):
+        column = f.matrix.band[j]
+        above = min(j, 2 * k)
+        while above > 0 and column[2 * k - above] == 0.0:
+            above -= 1
+        below = min(n - 1 - j, k)
+        while below > 0 and column[2 * k + below] == 0.0:
+            below -= 1
+        f.above[j] = above
+        f.below[j] = below
+        f.inverse[j] = 1.0 / column[2 * k]
+
+
+@kernel(inline="always")
+def _substitute(f, n, k, x):
+    """Solve by the band's factors: LAPACK's dgbtrs without its calls, and without the zeros of a band half full."""
+    band = f.matrix.band
+    for j in range(n):
+        x[j] *= f.scale[j]
+    for j in range(n):
+        row = f.pivots[j] - 1
+        y = x[row]
+        if row != j:
+            x[row] = x[j]
+            x[j] = y
+        column = band[j]
+        for i in range(1, f.below[j] + 1):
+            x[j + i] -= column[2 * k + i] * y
+    for j in range(n - 1, -1, -1):
+        column = band[j]
+        y = x[j] * f.inverse[j]
+        x[j] = y
+        above = f.above[j]
+        first, place = j - above, 2 * k - above
+        for i in range(above):
+            x[first + i] -= column[place + i] * y
+    for j in range(n):
+        x[j] *= f.scale[j]
+
+
 @entry
 def factorise_matrix(factors):
     """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    _equilibrate(f, n, k)
     row = factorise(f.matrix.band, f.pivots, n, k, k, f.integers)
     m = f.corner_pivots.size
-    if row != 0 or m == 0:
+    if row != 0:
         return row
+    _measure(f, n, k)
+    if m == 0:
+        return 0
     for j in range(m):
         y = f.columns[j]
         for i in range(n):
             y[i] = f.matrix.right[j, i]
-        solve(f.matrix.band, f.pivots, n, k, k, f.integers, y)
+        _substitute(f, n, k, y)
         for i in range(m):
             x = 0.0
             for l in range(n):
@@ -128,10 +198,14 @@ def solve_matrix(factors, x):
     """Solve A x = b with the factors; ``x`` (n + m,) holds b before and x after."""
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    solve(f.matrix.band, f.pivots, n, k, k, f.integers, x)
+    _substitute(f, n, k, x)
+    if f.corner_pivots.size > 0:
+        _solve_border(f, n, x)
+
+
+@kernel
+def _solve_border(f, n, x):
     m = f.corner_pivots.size
-    if m == 0:
-        return
     for i in range(m):
         y = 0.0
         for l in range(n):

@@ -16,8 +16,9 @@ class SolverSettings:
     """What the integrator is told.
 
     method ``generalized-alpha``, ``newmark`` or ``rk4``; alpha_m and alpha_f of eqs 2.79-2.80; nominal step, end and
-    output interval s; how an explicit method is put back onto its constraints (``mass``: eq. 2.127, ``identity``: 2.128)
-    and how often a step; tolerance and criterion (``force``: residual over scale; ``energy``: eq. 2.78); limits.
+    output interval s; how an explicit method is put back onto its constraints (``mass``: eq. 2.127, ``identity``:
+    eq. 2.128) and how often a step; tolerance and criterion (``force``: residual over scale; ``energy``: eq. 2.78 with
+    the energy over ``energy_unit`` J, by default that of the largest force through one metre); limits.
     """
 
     method: str
@@ -32,6 +33,7 @@ class SolverSettings:
     max_halvings: int = 10
     projection: str = "mass"
     stabilise: int = 1
+    energy_unit: float | None = None
 
 
 @dataclass

@@ -47,7 +47,7 @@ class Degrees:
         self.motion[i] = function
 
     def tie(self, i: int, masters: list[tuple[int, float]], offset: float = 0.0) -> None:
-        """Make a degree of freedom the sum of factors times others, which may be held or tied in turn, and an offset."""
+        """Make a degree of freedom an offset and the sum of factors times others, which may be held or tied in turn."""
         self.masters[i] = [*masters, (self._constant(offset), 1.0)] if offset != 0.0 else masters
 
     def _constant(self, value: float) -> int:
@@ -183,7 +183,10 @@ def assemble(
         held=held,
         motion=np.array([degrees.motion[i] for i in held], dtype=np.int64),
         offset=degrees.value[held].astype(np.float64),
+        driven=np.array([k for k, i in enumerate(held) if degrees.motion[i] >= 0], dtype=np.int64),
         carried=np.array([i for i, m in enumerate(masters) if any(k < 0 for k, _ in m)], dtype=np.int64),
+        free=free[order],
+        tied=np.array(sorted(degrees.masters), dtype=np.int64),
     )
     return System(
         groups=groups,
