@@ -80,7 +80,8 @@ def bends(seats, rng, stiff=True):
 def all_free(n):
     """Every degree of freedom its own unknown."""
     each, none = np.arange(n), np.zeros(0, dtype=np.int64)
-    whole = {"start": np.arange(n + 1), "unknown": each, "factor": np.ones(n), "number": each.copy(), "free": each.copy()}
+    whole = {"start": np.arange(n + 1), "factor": np.ones(n)}
+    whole |= {name: each.copy() for name in ("unknown", "number", "free")}
     empty = {name: np.zeros(0) if name == "offset" else none.copy() for name in Dofs._fields if name not in whole}
     return Dofs(**whole, **empty)
 

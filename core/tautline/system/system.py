@@ -193,7 +193,7 @@ def assemble(
         dofs=dofs,
         functions=functions,
         q=degrees.value.astype(np.float64),
-        v=np.append(velocity, np.zeros(full - len(velocity))).astype(np.float64),
+        v=_velocity(velocity, degrees),
         scale=degrees.scale[free][order].astype(np.float64),
         names=[degrees.names[free[k]] for k in order],
         free=free[order],
@@ -204,6 +204,13 @@ def assemble(
         border=border,
         algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
     )
+
+
+def _velocity(given: np.ndarray, degrees: Degrees) -> np.ndarray:
+    """Velocity at t = 0 of every degree of freedom: what is fixed has none."""
+    v = np.append(given, np.zeros(len(degrees.names) - len(given))).astype(np.float64)
+    v[[i for i, function in degrees.motion.items() if function < 0]] = 0.0
+    return v
 
 
 def _number(masters: list[tuple[int, float]], rank: np.ndarray) -> int:
