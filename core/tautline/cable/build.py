@@ -62,6 +62,7 @@ def build(scene: CableScene) -> Model:
             whole += [np.concatenate([row.a + np.arange(3), row.b + np.arange(3)])[None, :] for row in group.rows]
     system = assemble(groups, layout.degrees, layout.functions, layout.velocity, whole, massive, algebraic=algebraic)
     system.q[: layout.initial.size] = layout.initial
+    system.force = force
     observer = Observer(layout, groups, [e.name for e in made if e.tie.method != "penalty"])
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
@@ -70,6 +71,7 @@ def build(scene: CableScene) -> Model:
         solver=SolverSettings(
             solver.method, solver.step, solver.end, solver.interval, alpha_m, alpha_f, solver.tolerance, "energy",
             solver.max_iterations, projection=solver.projection, stabilise=solver.stabilise, energy_unit=1.0,
+            step_error=(solver.error_tolerance or 0.0) if solver.control == "error" else 0.0,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),

@@ -7,17 +7,23 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.newton import DONE, Corrector, correct
-from tautline.integrators.state import enter, keep, restore, supplied_power
+from tautline.integrators.state import WORST, enter, keep, restore, supplied_power
+from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
+
+
+INACCURATE = int(Status.INACCURATE)
 
 
 class GeneralizedAlpha(NamedTuple):
     """Parameters of the method and its corrector; Newmark-beta is alpha_m = alpha_f = 0.
 
     ``algebraic`` lists the unknowns that are multipliers; ``power`` (2,) is scratch; ``last_step`` (1,) the length of
-    the last accepted step, s, 0 before the first.
+    the last accepted step, s, 0 before the first. ``tolerance`` m bounds the error of a step, 0 for no bound, ``length``
+    (n,) says what length an unknown's change counts as, and ``control`` (2,) keeps the last error and the part of the
+    nominal step that is taken.
     """
 
     alpha_m: float
@@ -29,6 +35,9 @@ class GeneralizedAlpha(NamedTuple):
     power: np.ndarray
     last_step: np.ndarray
     algebraic: np.ndarray
+    tolerance: float
+    length: np.ndarray
+    control: np.ndarray
 
 
 def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
@@ -40,6 +49,18 @@ def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
 def alphas(rho_inf: float) -> tuple[float, float]:
     """alpha_m and alpha_f for a spectral radius rho_inf at infinite frequency, eqs 2.79-2.80."""
     return (2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0)
+
+
+@kernel
+def _local_error(m, state, h):
+    """Error of one step in position, m: (beta - 1/6) h^2 times the largest change of an acceleration."""
+    worst = 0.0
+    for i in range(state.q.size):
+        change = m.length[i] * abs(state.a[i] - state.keep[2, i])
+        if change > worst:
+            worst = change
+            state.counters[WORST] = i
+    return abs(m.beta - 1.0 / 6.0) * h * h * worst
 
 
 @kernel(inline="always")
@@ -61,6 +82,10 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         state.auxiliary[i] = new
     prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
     status = correct(m.corrector, groups, dofs, state, t + h, beta, gamma)
+    if status == DONE and m.tolerance > 0.0:
+        m.control[0] = _local_error(m, state, h)
+        if m.control[0] > m.tolerance:
+            status = INACCURATE
     if status != DONE:
         restore(state)
         prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)

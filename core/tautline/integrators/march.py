@@ -82,11 +82,19 @@ def open_run(groups, dofs, state, t, power):
     state.ledger[POWER] = supplied_power(dofs, state) + power[1]
 
 
+DOUBLED_BELOW = 1.0 / 12.0
+"""Share of the tolerance below which a step's error lets the next be twice as long: the error grows by about eight."""
+
+
 @kernel(inline="always")
 def divide_and_advance(method, groups, dofs, functions, state, t, h):
-    """One implicit step of length h, in halves, quarters, ... where it does not converge whole. Returns a status."""
+    """One implicit step of length h, in halves, quarters, ... where it is not solved or not accurate. Returns a status.
+
+    With a tolerance the next step goes on in parts of the size that this one ended with.
+    """
     finest = 2**method.max_halvings
-    size = finest
+    controlled = method.tolerance > 0.0
+    size = max(1, int(method.control[1] * finest)) if controlled else finest
     at = 0
     while at < finest:
         status = generalized_alpha_step(
@@ -95,13 +103,15 @@ def divide_and_advance(method, groups, dofs, functions, state, t, h):
         if status == DONE:
             state.counters[STEPS] += 1
             at += size
-            if size < finest and at % (2 * size) == 0:
+            may_grow = not controlled or method.control[0] < DOUBLED_BELOW * method.tolerance
+            if size < finest and at % (2 * size) == 0 and may_grow:
                 size *= 2
         elif size == 1:
             return status
         else:
             size //= 2
             state.counters[HALVINGS] += 1
+    method.control[1] = size / finest
     return DONE
 
 

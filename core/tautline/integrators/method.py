@@ -15,32 +15,25 @@ from tautline.system.system import System
 
 def generalized_alpha(system: System, settings: SolverSettings) -> GeneralizedAlpha:
     """Generalized-alpha with the parameters of the settings."""
-    beta, gamma = coefficients(settings.alpha_m, settings.alpha_f)
-    iteration = corrector(
-        system, settings.tolerance, settings.criterion == "energy", settings.max_iterations, settings.energy_unit
-    )
-    return GeneralizedAlpha(
-        settings.alpha_m,
-        settings.alpha_f,
-        beta,
-        gamma,
-        settings.max_halvings,
-        iteration,
-        np.zeros(2),
-        np.zeros(1),
-        system.algebraic,
-    )
+    return _implicit(system, settings, settings.alpha_m, settings.alpha_f)
 
 
 def newmark(system: System, settings: SolverSettings) -> GeneralizedAlpha:
     """Newmark-beta, the average acceleration: generalized-alpha with alpha_m = alpha_f = 0, eqs 2.65-2.70."""
-    beta, gamma = coefficients(0.0, 0.0)
-    iteration = corrector(
-        system, settings.tolerance, settings.criterion == "energy", settings.max_iterations, settings.energy_unit
-    )
+    return _implicit(system, settings, 0.0, 0.0)
+
+
+def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f: float) -> GeneralizedAlpha:
+    beta, gamma = coefficients(alpha_m, alpha_f)
+    by_energy = settings.criterion == "energy"
+    iteration = corrector(system, settings.tolerance, by_energy, settings.max_iterations, settings.energy_unit)
+    # A row's moment over the force that counts as large is the length by which its unknown counts.
+    length = system.scale / (system.force or system.scale.max(initial=1.0))
+    length[system.algebraic] = 0.0
     return GeneralizedAlpha(
-        0.0, 0.0, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic
-    )
+        alpha_m, alpha_f, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
+        settings.step_error, length, np.array([0.0, 1.0]),
+    )  # fmt: skip
 
 
 METHODS: dict[str, Callable[[System, SolverSettings], GeneralizedAlpha | RungeKutta4]] = {

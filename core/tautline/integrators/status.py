@@ -15,6 +15,7 @@ class Status(IntEnum):
     NOT_FINITE = 3
     UNSTABLE = 4
     NO_EQUILIBRIUM = 5
+    INACCURATE = 6
 
 
 SENTENCES = {
@@ -28,6 +29,10 @@ SENTENCES = {
     Status.UNSTABLE: (
         "the explicit method is unstable at this step, which is longer than the critical step 2.8 / omega_max "
         "(eq. 2.170); take a smaller solver.step, or method: generalized-alpha"
+    ),
+    Status.INACCURATE: (
+        "the error of a step stays above the tolerance of solver.control: error, even with the step halved as far as "
+        "solver.max_halvings allows; allow a larger error, or take a smaller nominal step"
     ),
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }

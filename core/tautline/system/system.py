@@ -98,6 +98,8 @@ class System:
         Unknowns, the last ones, that are kept out of the band because too many others depend on them.
     algebraic : (k,) int array
         Reduced unknowns that are multipliers.
+    force : float
+        Force that counts as large, N; 0 for the largest of ``scale``.
     linked : dict
         What :meth:`link` made.
     """
@@ -116,6 +118,7 @@ class System:
     mass_bandwidth: int
     border: int = 0
     algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
+    force: float = 0.0
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
 
     def link(self, sums: tuple[str, ...]) -> Any:

@@ -1,0 +1,61 @@
+"""Step control: the step follows the error that a run may make, and no further than it has to."""
+
+import numpy as np
+import pytest
+
+from tautline.cable.build import build
+from tautline.cable.scene import parse
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.simulation import simulate
+
+SCENE = """
+CableModelMaterial: {{Gravity: [0, 0, -9.81]}}
+CableModel:
+  - Node4Dof: {{id: 0, xyz: [0, 0, 0], BC: [1, 1, 1, 1]}}
+  - Node4Dof: {{id: 1, xyz: [1, 0, 0], BC: [0, 0, 0, 1]}}
+  - CableALEelementLin: {{id: 0, nodes4: [0, 1], EA: 2.0e3, EJ: 0, rhoA: 1.0e-3, cDamp: 0, compression: false}}
+  - PointMass: {{id: 0, nodes4: [1], mass: 1.0}}
+GeneralizedAlpha: {{type: G-alpha, rho_inf: 0.9, eps_energy: 1.0e-10, time_step: {step}, time_end: 2.0, plotpoints: 50,
+                   control: {control}, {tolerance}}}
+"""
+
+
+def run(step, tolerance=None):
+    more = "" if tolerance is None else f"tolerance: {tolerance!r}"
+    control = "fixed" if tolerance is None else "error"
+    return simulate(build(parse(SCENE.format(step=step, control=control, tolerance=more))))
+
+
+@pytest.fixture(scope="module")
+def exact():
+    """The swing of the mass on its elastic rope, by a step at which it has converged."""
+    return np.asarray(run(1e-5)["position"])[:, 1]
+
+
+def error(result, exact):
+    return np.abs(np.asarray(result["position"])[:, 1] - exact).max()
+
+
+def test_a_tenth_of_the_tolerance_gives_a_smaller_error_by_more_steps(exact):
+    runs = [run(0.02, tolerance) for tolerance in (1e-5, 1e-6, 1e-7)]
+    errors, steps = [error(r, exact) for r in runs], [r.attributes["steps"] for r in runs]
+    assert errors[0] > 2.0 * errors[1] > 4.0 * errors[2]
+    assert steps[0] < steps[1] < steps[2]
+
+
+def test_control_reaches_an_error_that_the_nominal_step_misses(exact):
+    assert error(run(0.02), exact) > 20.0 * error(run(0.02, 1e-7), exact)
+
+
+def test_steps_grow_back_after_they_were_halved():
+    """A step that would have to be as short as the shortest all the way would need many more of them."""
+    attributes = run(0.02, 1e-6).attributes
+    assert 0 < attributes["halvings"]
+    assert attributes["steps"] < 100 * 2 ** min(6, attributes["halvings"])
+
+
+def test_an_error_that_no_halving_reaches_stops_the_run_by_its_name():
+    with pytest.raises(StoppedEarly) as stop:
+        run(0.02, 1e-30)
+    assert stop.value.status == Status.INACCURATE
+    assert stop.value.part.startswith("node 1")
