@@ -68,7 +68,7 @@ class Tie:
     """Two nodes made equal: what 0 r = r, 1 p = p, 2 r' = r'.
 
     ``offset``, m, is kept between the second position and the first: r_2 - r_1 = offset. ``stiffness`` of a penalty or
-    an augmented multiplier is N/m (N for p on p alike, N m for slopes); None leaves it to the builder.
+    an augmented multiplier is N/m (N m for slopes); None leaves it to the builder.
     """
 
     id: int
