@@ -70,8 +70,9 @@ register(
 class TimedForces(NamedTuple):
     """Forces ``value`` (n, 3) N at the positions ``place`` (n,), from ``interval[i, 0]`` to ``interval[i, 1]`` s.
 
-    A force acts during a whole step or not at all, as it does in the middle of it; ``acts`` (n,) keeps that. What it
-    does is work from outside.
+    ``acts`` (n,) is the share of a step for which a force acts: of the step itself in an explicit method, and of the
+    time around its end in an implicit one, where a force that has just stopped still counts by half. So its impulse is
+    right, and the order of the method stays what it is. What it does is work from outside.
     """
 
     place: np.ndarray
@@ -82,10 +83,13 @@ class TimedForces(NamedTuple):
 
 @kernel
 def _force_begin(g, t, h, beta, gamma, q, v, a):
-    # An equilibrium is one under the forces that act from the start.
-    middle = t if beta < 0.0 else t + 0.5 * h
+    first = t + 0.5 * h if beta > 0.0 else t
     for i in range(g.place.size):
-        g.acts[i] = 1.0 if g.interval[i, 0] <= middle < g.interval[i, 1] else 0.0
+        if beta < 0.0 or h == 0.0:
+            # An equilibrium is one under the forces that act from the start.
+            g.acts[i] = 1.0 if g.interval[i, 0] <= t < g.interval[i, 1] else 0.0
+        else:
+            g.acts[i] = max(0.0, min(first + h, g.interval[i, 1]) - max(first, g.interval[i, 0])) / h
 
 
 @kernel

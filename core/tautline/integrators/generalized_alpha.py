@@ -13,7 +13,6 @@ from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
 
-
 INACCURATE = int(Status.INACCURATE)
 
 
@@ -21,8 +20,8 @@ class GeneralizedAlpha(NamedTuple):
     """Parameters of the method and its corrector; Newmark-beta is alpha_m = alpha_f = 0.
 
     ``algebraic`` lists the unknowns that are multipliers; ``power`` (2,) is scratch; ``last_step`` (1,) the length of
-    the last accepted step, s, 0 before the first. ``tolerance`` m bounds the error of a step, 0 for no bound, ``length``
-    (n,) says what length an unknown's change counts as, and ``control`` (2,) keeps the last error and the part of the
+    the last accepted step, s, 0 before the first. ``tolerance`` m bounds the error of a step, 0 for no bound; ``length``
+    (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part of the
     nominal step that is taken.
     """
 
