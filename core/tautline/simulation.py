@@ -33,6 +33,8 @@ ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_wor
 """Variables that every application stores, J."""
 STORED_SHARE = 1.0e-6
 """Share of the stored energy that counts as going through the system."""
+ROUNDING = 1.0e-14
+"""Way, m, through which the largest force does work that is rounding."""
 FRAMES_UNCHECKED, FRAMES_SAFE = 20, 400
 """Frames that an explicit run may go on before its step is checked again: near the critical step, and far from it."""
 FAR = 0.7
@@ -170,6 +172,8 @@ class _Run:
             self.method, system, self.state,
             np.zeros(1), np.zeros(1, np.int64), 0.0, self.frames,
         )  # fmt: skip
+        if not np.isfinite(self.frames.rows[0]).all():
+            raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
         self._store(store, self.frames, 1)
 
     def advance(self, store: Store) -> None:
@@ -249,5 +253,6 @@ class _Run:
         total = kinetic + strain + potential
         missing = total[-1] - total[0] - (work[-1] - lost[-1])
         through = float(self.state.ledger[THROUGHPUT]) + lost[-1] + kinetic.max() + np.ptp(strain)
+        through += ROUNDING * float(self.model.system.scale.max(initial=0.0))
         through += STORED_SHARE * float(strain.max() + np.abs(potential).max())
         return float(abs(missing) / through) if through > 0.0 else 0.0

@@ -165,9 +165,9 @@ def evaluate(groups, state, t=0.0):
 
 def losses(groups, state, t=0.0):
     """Power lost and power put in by a drive, W, once the state is accepted."""
-    p = np.zeros(2)
+    p = np.zeros(3)
     _lose(over.link(groups, "commit", "dissipation"), t, *state, p)
-    return p
+    return p[:2]
 
 
 def residual(groups, state, t=0.0):

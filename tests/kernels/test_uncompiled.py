@@ -13,6 +13,8 @@ SOME = {
     "test_contact_groups.py": "(spatial and 1 and power) or drag or drive or load",
     "test_unknowns.py": "transpose or transformed",
     "test_lapack.py": "numpy",
+    "test_matrix.py": "dense or singular",
+    "test_cable_groups.py": "residual and anyhow",
 }
 
 

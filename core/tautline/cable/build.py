@@ -127,7 +127,13 @@ def _node_groups(layout: Layout) -> list[Any]:
     forces = [(layout.start[node], f.force, f.interval) for f in scene.forces for node in f.nodes]
     if forces:
         places, values, intervals = zip(*forces, strict=True)
-        shape = np.array(places), np.array(values, float), np.array(intervals, float), np.zeros(len(forces))
+        shape = (
+            np.array(places),
+            np.array(values, float),
+            np.array(intervals, float),
+            np.zeros(len(forces)),
+            np.zeros(len(forces)),
+        )
         groups.append(TimedForces(*shape))
     anchors = [(layout.start[node], a.stiffness, a.damping) for a in scene.anchors for node in a.nodes]
     if anchors:

@@ -259,7 +259,7 @@ def _penalties(scene: CableScene) -> Sentences:
         if tie.what == 0 and tie.stiffness is not None and tie.stiffness > STIFF_PENALTY * stiffest > 0.0:
             text = (
                 f"{tie.stiffness:.2g} N/m is {tie.stiffness / stiffest:.1g} times the stiffest element: rounding eats "
-                f"the forces; give {1e5 * stiffest:.1g}, or leave it out"
+                f"the forces; give {1e5 * stiffest:.1g}"
             )
             yield (*tie.place, "p_spring"), text
 

@@ -24,6 +24,10 @@ SMOOTHING = 0.01
 """Curvature from which bending is damped in full, over that of an element bent to a radius of its own length."""
 
 
+TOGETHER = 1.0e-9
+"""Distance, m, below which two ends of ropes are one corner."""
+
+
 def records(kind: np.dtype, rows: Sequence[dict[str, Any]]) -> np.recarray:
     """A record array with a row for each dict; what a dict leaves out is zero."""
     made = np.zeros(len(rows), kind).view(np.recarray)
@@ -150,26 +154,31 @@ def _outlets(layout: Layout) -> list[dict[str, Any]]:
     """Open ends: where a rope stops at a node that lets material through without prescribing how much."""
     uses = Counter(node for e in layout.scene.elements for node in e.nodes)
     joined = {node for tie in layout.scene.ties if tie.what == 1 for node in tie.nodes}
+    joined |= {node for c in layout.scene.couplings for node in _coupled_in_place(layout, c)}
+    last = [node for node, count in uses.items() if count == 1]
     ends = []
     for element in layout.scene.elements:
         for end, node in enumerate(element.nodes):
-            free = not layout.is_held(layout.material(node)) and node not in joined
-            if element.kind == "cubic" and uses[node] == 1 and free and not _follows_a_neighbour(layout, node):
+            lets_through = uses[node] == 1 and not layout.is_held(layout.material(node)) and node not in joined
+            if element.kind == "cubic" and lets_through and not any(_goes_on(layout, node, other) for other in last):
                 ends.append(_ends(layout, element) | _strain(element) | {"end": end, "bending": element.EJ})
     return ends
 
 
-def _follows_a_neighbour(layout: Layout, node: int) -> bool:
-    """Whether the node stands where another stands, by coupling its position: the rope goes on there."""
-    first = layout.start[node]
-    others = {i for place in range(first, first + 3) for i, _ in layout.degrees.resolved(place)}
-    coupled = any(i < first or i >= first + layout.kind[node] for i in others)
-    followed = any(
-        layout.start[c.slave[0]] != first and any(layout.start[m] == first for m, dof, _ in c.masters if dof <= 3)
-        for c in layout.scene.couplings
-        if c.slave[1] <= 3
-    )
-    return coupled or followed
+def _coupled_in_place(layout: Layout, coupling: Any) -> list[int]:
+    """Nodes of which one takes its position from the other: the rope goes on from the one to the other."""
+    return [coupling.slave[0], *(m[0] for m in coupling.masters)] if coupling.slave[1] <= 3 else []
+
+
+def _goes_on(layout: Layout, node: int, other: int) -> bool:
+    """Whether two ends stand at one point with the same p, which moves alike: a corner, for the rope."""
+    if node == other:
+        return False
+    start, there = layout.start[node], layout.start[other]
+    apart = layout.initial[start : start + 3] - layout.initial[there : there + 3]
+    p, q = layout.material(node), layout.material(other)
+    together = np.abs(apart).max() <= TOGETHER and abs(layout.initial[p] - layout.initial[q]) <= TOGETHER
+    return bool(together and layout.rate_of(p) == layout.rate_of(q))
 
 
 Stencil = np.ndarray

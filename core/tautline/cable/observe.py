@@ -11,6 +11,9 @@ from tautline.constraints.multiplier import Multipliers
 from tautline.kernels.hermite import FIRST, SECOND, table
 from tautline.results.variable import Variable
 
+SHORTEST_SLOPE = 1.0e-90
+"""Slope below which a curve has no direction, and no curvature to speak of."""
+
 
 def variables(observer: Observer) -> list[Variable]:
     """Everything that is stored, with units."""
@@ -114,7 +117,7 @@ class Observer:
         stress = strain + self.damping * factor * (e * e_d).sum(axis=-1)
         force = np.where(self.slack & (strain < 0.0), 0.0, self.stiffness * stress * factor * size)
         across = np.linalg.norm(np.cross(e, turn), axis=-1)
-        return force, across / np.maximum(size, 1e-300) ** 3
+        return force, across / np.maximum(size, SHORTEST_SLOPE) ** 3
 
     @staticmethod
     def _middle(shape: np.ndarray, x: list[np.ndarray], length: np.ndarray, order: int) -> np.ndarray:

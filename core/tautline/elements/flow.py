@@ -245,4 +245,15 @@ def _dissipation(g, t, q, v, p):
         p[1] += _carried(e, e.b, q, v) - _carried(e, e.a, q, v)
 
 
-register(Flow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation)
+@kernel
+def count_empty(g, t, q, count):
+    """Count the elements whose length is gone."""
+    for n in range(g.rows.size):
+        if not q[g.rows[n].b + MATERIAL] > q[g.rows[n].a + MATERIAL]:
+            count[0] += 1
+
+
+register(
+    Flow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    alarm=count_empty,
+)  # fmt: skip

@@ -203,4 +203,14 @@ def _dissipation(g, t, q, v, p):
             p[0] += row.stiffness * row.damping * (factor * rate) ** 2 / h
 
 
-register(LinearTension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation)
+@kernel
+def count_empty(g, t, q, count):
+    """Count the elements whose length is gone."""
+    for n in range(g.rows.size):
+        if not q[g.rows[n].b + MATERIAL] > q[g.rows[n].a + MATERIAL]:
+            count[0] += 1
+
+
+register(
+    LinearTension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation, alarm=count_empty
+)

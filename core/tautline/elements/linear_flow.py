@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.linear import AXES, MATERIAL, NODE
+from tautline.elements.linear import AXES, MATERIAL, NODE, count_empty
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -176,13 +176,17 @@ def _energy(g, t, q, v, energy):
 
 
 @kernel
-def _carried(e, node, q, v):
-    """Energy that moving material carries past a node towards larger p, W: what leaves the element before it."""
+def _carried(e, node, kink, q, v):
+    """Energy that moving material carries past a node towards larger p, W: what leaves the element before it.
+
+    Where the momentum is turned at the node, the force that turns it makes up for what both sides differ by: what is
+    carried is what moves with the node.
+    """
     length = q[e.b + MATERIAL] - q[e.a + MATERIAL]
     rate = v[node + MATERIAL]
     total = 0.0
     for c in range(AXES):
-        speed = v[node + c] - rate * (q[e.b + c] - q[e.a + c]) / length
+        speed = v[node + c] - (1.0 - kink) * rate * (q[e.b + c] - q[e.a + c]) / length
         total += 0.5 * e.mass * speed * speed - e.load[c] * q[node + c]
     return total * rate
 
@@ -193,7 +197,10 @@ def _dissipation(g, t, q, v, p):
     for n in range(g.rows.size):
         e = g.rows[n]
         p[0] += e.damping * _energies(e, q, v)[0]
-        p[1] += _carried(e, e.b, q, v) - _carried(e, e.a, q, v)
+        p[1] += _carried(e, e.b, e.kinks[1], q, v) - _carried(e, e.a, e.kinks[0], q, v)
 
 
-register(LinearFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation)
+register(
+    LinearFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    alarm=count_empty,
+)  # fmt: skip

@@ -72,13 +72,15 @@ class TimedForces(NamedTuple):
 
     ``acts`` (n,) is the share of a step for which a force acts: of the step itself in an explicit method, and of the
     time around its end in an implicit one, where a force that has just stopped still counts by half. So its impulse is
-    right, and the order of the method stays what it is. What it does is work from outside.
+    right, and the order of the method stays what it is. What it does is work from outside; ``before`` (n,) is what
+    ``acts`` was when that was last asked for.
     """
 
     place: np.ndarray
     value: np.ndarray
     interval: np.ndarray
     acts: np.ndarray
+    before: np.ndarray
 
 
 @kernel
@@ -90,6 +92,8 @@ def _force_begin(g, t, h, beta, gamma, q, v, a):
             g.acts[i] = 1.0 if g.interval[i, 0] <= t < g.interval[i, 1] else 0.0
         else:
             g.acts[i] = max(0.0, min(first + h, g.interval[i, 1]) - max(first, g.interval[i, 0])) / h
+        if beta > 0.0:
+            g.before[i] = g.acts[i]
 
 
 @kernel
@@ -103,7 +107,10 @@ def _force_residual(g, t, q, v, a, r):
 def _force_dissipation(g, t, q, v, p):
     for i in range(g.place.size):
         for c in range(AXES):
-            p[1] += g.acts[i] * g.value[i, c] * v[g.place[i] + c]
+            power = g.value[i, c] * v[g.place[i] + c]
+            p[1] += g.before[i] * power
+            p[2] += (g.acts[i] - g.before[i]) * power
+        g.before[i] = g.acts[i]
 
 
 register(TimedForces, begin=_force_begin, residual=_force_residual, dissipation=_force_dissipation)

@@ -13,16 +13,16 @@ from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
 
-INACCURATE = int(Status.INACCURATE)
+INACCURATE, NO_LENGTH = int(Status.INACCURATE), int(Status.NO_LENGTH)
 
 
 class GeneralizedAlpha(NamedTuple):
     """Parameters of the method and its corrector; Newmark-beta is alpha_m = alpha_f = 0.
 
-    ``algebraic`` lists the unknowns that are multipliers; ``power`` (2,) is scratch; ``last_step`` (1,) the length of
-    the last accepted step, s, 0 before the first. ``tolerance`` m bounds the error of a step, 0 for no bound; ``length``
-    (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part of the
-    nominal step that is taken.
+    ``algebraic`` lists the unknowns that are multipliers; ``power`` (3,) is scratch; ``last_step`` (1,) the length of
+    the last accepted step, s, 0 before the first. ``tolerance`` m bounds the error of a step, 0 for no bound;
+    ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
+    of the nominal step that is taken.
     """
 
     alpha_m: float
@@ -85,6 +85,12 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         m.control[0] = _local_error(m, state, h)
         if m.control[0] > m.tolerance:
             status = INACCURATE
+    if status == DONE:
+        count = m.corrector.changed
+        count[0] = 0
+        over.alarm(groups, t + h, state.full_q, count)
+        if count[0] > 0:
+            status = NO_LENGTH
     if status != DONE:
         restore(state)
         prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
@@ -101,5 +107,5 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
     m.power.fill(0.0)
     over.dissipation(groups, t + h, state.full_q, state.full_v, m.power)
-    enter(state.ledger, t + h, supplied_power(dofs, state) + m.power[1], m.power[0])
+    enter(state.ledger, t + h, supplied_power(dofs, state) + m.power[1], m.power[0], m.power[2])
     return DONE

@@ -79,7 +79,7 @@ def open_run(groups, dofs, state, t, power):
     over.dissipation(groups, t, state.full_q, state.full_v, power)
     state.ledger[TIME] = t
     state.ledger[LOSS] = power[0]
-    state.ledger[POWER] = supplied_power(dofs, state) + power[1]
+    state.ledger[POWER] = supplied_power(dofs, state) + power[1] + power[2]
 
 
 DOUBLED_BELOW = 1.0 / 12.0
@@ -90,11 +90,12 @@ DOUBLED_BELOW = 1.0 / 12.0
 def divide_and_advance(method, groups, dofs, functions, state, t, h):
     """One implicit step of length h, in halves, quarters, ... where it is not solved or not accurate. Returns a status.
 
-    With a tolerance the next step goes on in parts of the size that this one ended with.
+    The next step goes on in parts of the size that this one ended with, or twice that: a step much longer than the last
+    would carry what is left of a disturbance too far.
     """
     finest = 2**method.max_halvings
     controlled = method.tolerance > 0.0
-    size = max(1, int(method.control[1] * finest)) if controlled else finest
+    size = max(1, int(method.control[1] * finest))
     at = 0
     while at < finest:
         status = generalized_alpha_step(
@@ -159,7 +160,7 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
     return DONE, ends.size, t0
 
 
-_ALWAYS = ("begin", "commit", "record", "energy", "dissipation", "residual")
+_ALWAYS = ("begin", "alarm", "commit", "record", "energy", "dissipation", "residual")
 MARCHES = {
     GeneralizedAlpha: (march_implicit, lambda m: (*_ALWAYS, "switch", "smooth_tangent", "switching_tangent")),
     RungeKutta4: (

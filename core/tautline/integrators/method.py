@@ -31,7 +31,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
     length = system.scale / (system.force or system.scale.max(initial=1.0))
     length[system.algebraic] = 0.0
     return GeneralizedAlpha(
-        alpha_m, alpha_f, beta, gamma, settings.max_halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
+        alpha_m, alpha_f, beta, gamma, settings.max_halvings, iteration, np.zeros(3), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
     )  # fmt: skip
 

@@ -18,9 +18,11 @@ from tautline.kernels.jit import entry, kernel
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_matrix
 from tautline.system.system import System
 
-UNSTABLE = int(Status.UNSTABLE)
+UNSTABLE, NO_LENGTH = int(Status.UNSTABLE), int(Status.NO_LENGTH)
 RK4_LIMIT = 2.8
 """omega h on the imaginary axis beyond which the method is unstable, eq. 2.137."""
+BEFORE = 1.0 - 1.0e-9
+"""Where in a step its last stage sees what is prescribed: a kink at the step's end belongs to the next step."""
 SPEED_LIMIT = 1.0e4
 """Speed (m/s or rad/s) beyond which an explicit run has plainly left physics: no slender thing moves twice as fast as
 sound in steel."""
@@ -61,7 +63,7 @@ def runge_kutta_4(system: System, projection: str = "mass", stabilise: int = 1) 
         factorise_matrix(factors)
     return RungeKutta4(
         np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), has_constant_mass(system.groups),
-        np.zeros((2, n)), np.zeros(2), np.zeros(1, np.int64), bool(system.mass_couples_held and moves), factors,
+        np.zeros((2, n)), np.zeros(3), np.zeros(1, np.int64), bool(system.mass_couples_held and moves), factors,
         int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
     )  # fmt: skip
 
@@ -180,7 +182,7 @@ def account(method, groups, dofs, t, state):
         over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     method.power.fill(0.0)
     over.dissipation(groups, t, state.full_q, state.full_v, method.power)
-    enter(state.ledger, t, supplied_power(dofs, state) + method.power[1], method.power[0])
+    enter(state.ledger, t, supplied_power(dofs, state) + method.power[1], method.power[0], method.power[2])
 
 
 @kernel(inline="always")
@@ -193,7 +195,7 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
     sum_v.fill(0.0)
     sum_a.fill(0.0)
     for stage in range(4):
-        now = t + h * (0.0, 0.5, 0.5, 1.0)[stage]
+        now = t + h * (0.0, 0.5, 0.5, BEFORE)[stage]
         if stage % 2 == 1:
             # The first stage is where the last step ended, and the middle two share their time.
             prescribe(dofs, functions, now, state.full_q, state.full_v, state.full_a)
@@ -216,6 +218,7 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
     for i in method.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0
+    prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
     for i in range(q.size):
         if not abs(state.v[i]) < SPEED_LIMIT:
             state.counters[WORST] = i
@@ -226,5 +229,10 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
         project(method, groups, dofs, 1, state)
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
+    method.at[0] = 0
+    over.alarm(groups, t + h, state.full_q, method.at)
+    if method.at[0] > 0:
+        restore(state)
+        return NO_LENGTH
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
     return DONE

@@ -83,13 +83,13 @@ def supplied_power(dofs, state):
 
 
 @kernel
-def enter(ledger, t, power, loss):
-    """Book work and dissipation up to time t by the trapezoidal rule."""
+def enter(ledger, t, power, loss, jump):
+    """Book work and dissipation up to time t by the trapezoidal rule; from t on the power is larger by ``jump``."""
     h = t - ledger[TIME]
     work = 0.5 * h * (power + ledger[POWER])
     ledger[WORK] += work
     ledger[THROUGHPUT] += abs(work)
     ledger[DISSIPATED] += 0.5 * h * (loss + ledger[LOSS])
     ledger[TIME] = t
-    ledger[POWER] = power
+    ledger[POWER] = power + jump
     ledger[LOSS] = loss

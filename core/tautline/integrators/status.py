@@ -16,6 +16,7 @@ class Status(IntEnum):
     UNSTABLE = 4
     NO_EQUILIBRIUM = 5
     INACCURATE = 6
+    NO_LENGTH = 7
 
 
 SENTENCES = {
@@ -27,12 +28,17 @@ SENTENCES = {
     Status.SINGULAR: "the tangent matrix is singular: a part is held by nothing, or two conditions hold the same thing",
     Status.NOT_FINITE: "a number overflowed: the motion has become unphysical; try a smaller solver.step",
     Status.UNSTABLE: (
-        "the explicit method is unstable at this step, which is longer than the critical step 2.8 / omega_max "
-        "(eq. 2.170); take a smaller solver.step, or method: generalized-alpha"
+        "the explicit method is unstable at this step: it is longer than the critical step 2.8 / omega_max "
+        "(eq. 2.170), which strong damping c makes shorter, 2.8 / (c omega_max^2); take a smaller solver.step, or "
+        "method: generalized-alpha"
     ),
     Status.INACCURATE: (
         "the error of a step stays above the tolerance of solver.control: error, even with the step halved as far as "
         "solver.max_halvings allows; allow a larger error, or take a smaller nominal step"
+    ),
+    Status.NO_LENGTH: (
+        "an element has lost its length: all of its material has moved out through its nodes; end the run earlier, or "
+        "begin with a longer element"
     ),
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }

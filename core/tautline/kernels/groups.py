@@ -20,9 +20,12 @@ residual       t, q, v, a, r                                    r += M a - F
 mass           q, matrix, dofs                                  matrix += M, a ``Matrix`` or its diagonal
 tangent        t, q, v, a, cm, cc, ck, matrix, dofs             matrix += cm dr/da + cc dr/dv + ck dr/dq
 energy         t, q, v, e                                       e += (kinetic, strain, potential) in J
-dissipation    t, q, v, p                                       p[0] += power lost, p[1] += power put in by a drive, W
+dissipation    t, q, v, p                                       p[0] += power lost, p[1] += power put in by a drive, W,
+                                                                p[2] += by how much that jumps at t
 commit         t, h, q, v, a                                    the step to t is accepted
 record         out, at                                          writes its own numbers from ``out[at[0]]``, moves at[0]
+alarm          t, q, count                                      counts into ``count[0]`` what must not be: elements that
+                                                                have lost their length
 violation      order, q, v, r                                   r += what is missing for an equation of its own between
                                                                 positions (order 0) or velocities (1)
 =============  ===============================================  =====================================================
@@ -62,6 +65,7 @@ HOOKS = {
     "dissipation": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "p": VECTOR},
     "commit": {"t": NUMBER, "h": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
     "record": {"out": VECTOR, "at": COUNTS},
+    "alarm": {"t": NUMBER, "q": VECTOR, "count": COUNTS},
     "violation": {"order": types.int64, "q": VECTOR, "v": VECTOR, "r": VECTOR},
 }  # fmt: skip
 """Names and types of each hook's arguments after the group."""
@@ -337,4 +341,5 @@ energy = _over_groups("energy")
 dissipation = _over_groups("dissipation")
 commit = _over_groups("commit")
 record = _over_groups("record")
+alarm = _over_groups("alarm")
 violation = _over_groups("violation")

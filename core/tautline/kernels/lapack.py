@@ -109,13 +109,14 @@ if config.DISABLE_JIT:
 
     def factorise(band, pivots, n, kl, ku, integers):
         """Factorise by :func:`scipy.linalg.lapack.dgbtrf`."""
-        factors, pivots[:], info = dgbtrf(band.T, kl, ku)
+        factors, rows, info = dgbtrf(band.T, kl, ku)
+        pivots[:] = rows + 1
         band[:] = factors.T
         return info
 
     def solve(band, pivots, n, kl, ku, integers, x):
         """Solve by :func:`scipy.linalg.lapack.dgbtrs`."""
-        x[:n] = dgbtrs(band.T, kl, ku, x[:n], pivots)[0]
+        x[:n] = dgbtrs(band.T, kl, ku, x[:n], pivots - 1)[0]
 
     def factorise_dense(matrix, pivots, n, integers):
         """Factorise by :func:`scipy.linalg.lapack.dgetrf`."""

@@ -18,8 +18,8 @@ class SolverSettings:
     method ``generalized-alpha``, ``newmark`` or ``rk4``; alpha_m and alpha_f of eqs 2.79-2.80; nominal step, end and
     output interval s; how an explicit method is put back onto its constraints (``mass``: eq. 2.127, ``identity``:
     eq. 2.128) and how often a step; tolerance and criterion (``force``: residual over scale; ``energy``: eq. 2.78 with
-    the energy over ``energy_unit`` J, by default that of the largest force through one metre); limits; ``step_error`` m, above
-    which the error of an implicit step halves it, or 0.
+    the energy over ``energy_unit`` J, by default that of the largest force through one metre); limits;
+    ``step_error`` m, above which the error of an implicit step halves it, or 0.
     """
 
     method: str

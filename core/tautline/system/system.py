@@ -264,6 +264,8 @@ def _narrow(pattern: csr_matrix) -> tuple[np.ndarray, int]:
     as the scene was built, whichever gives the narrower band.
     """
     natural = np.arange(pattern.shape[0])
+    if natural.size == 0:
+        return natural, 0
     degree = np.diff(pattern.indptr)
     wide = degree > max(LOCAL, 4.0 * np.median(degree)) if natural.size else natural.astype(bool)
     inner, outer = natural[~wide], natural[wide]
