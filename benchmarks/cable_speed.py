@@ -26,7 +26,7 @@ def _cases(quick: bool) -> list[tuple[str, int, str, str]]:
     sizes, long = ((1, 4), (20,)) if quick else ((1, 4, 16, 64), (100, 1000))
     cases = []
     for n in sizes:
-        steps = 2000 if quick else 40000 // n
+        steps = 2000 if quick else 400000 // n
         cases.append(("bar", n, "RK4", ropes.bar(n, "RK4", 1e-4, 1e-4 * steps)))
         cases.append(("bar", n, "G-alpha", ropes.bar(n, "G-alpha", 1e-3, 1e-3 * steps)))
     for n in long:

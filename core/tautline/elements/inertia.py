@@ -49,10 +49,12 @@ def _residual(g, t, q, v, a, r):
         h = _length(q, i, j)
         m = e.mass * h / 420.0
         for c in range(AXES):
-            x1 = a[i + c] + e.damping * v[i + c]
-            x2 = h * (a[i + 3 + c] + e.damping * v[i + 3 + c])
-            x3 = a[j + c] + e.damping * v[j + c]
-            x4 = h * (a[j + 3 + c] + e.damping * v[j + 3 + c])
+            x1, x2, x3, x4 = a[i + c], h * a[i + 3 + c], a[j + c], h * a[j + 3 + c]
+            if e.damping != 0.0:
+                x1 += e.damping * v[i + c]
+                x2 += e.damping * h * v[i + 3 + c]
+                x3 += e.damping * v[j + c]
+                x4 += e.damping * h * v[j + 3 + c]
             half = 0.5 * e.load[c] * h
             sixth = half * h / 6.0
             r[i + c] += m * (156.0 * x1 + 22.0 * x2 + 54.0 * x3 - 13.0 * x4) - half

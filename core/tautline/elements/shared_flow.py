@@ -61,35 +61,55 @@ def _gather(g, e, q, v, a):
 
 
 @kernel
+def _times_c(x1, x2, x3, x4):
+    """C X of an element of length and mass one."""
+    return (
+        0.5 * (x3 - x1) + 0.1 * (x2 - x4), 0.1 * (x3 - x1) - x4 / 60.0,
+        0.5 * (x3 - x1) - 0.1 * (x2 - x4), 0.1 * (x1 - x3) + x2 / 60.0,
+    )  # fmt: skip
+
+
+@kernel
+def _times_e(x1, x2, x3, x4):
+    """E X of an element of length and mass one, but for the third row, which is the first's opposite."""
+    return (
+        1.2 * (x1 - x3) + 0.1 * (x2 + x4), 0.1 * (x1 - x3) + (4.0 * x2 - x4) / 30.0,
+        0.1 * (x1 - x3) + (4.0 * x4 - x2) / 30.0,
+    )  # fmt: skip
+
+
+@kernel
 def _residual(g, t, q, v, a, r):
-    y, unit = g.y, g.unit
     for n in range(g.rows.size):
         e = g.rows[n]
-        length = _gather(g, e, q, v, a)
-        first = vectors(e.a, e.b)
-        u, b = v[e.a + MATERIAL], a[e.a + MATERIAL]
-        turned = u * u / length
-        pull = 0.0
+        i, j, alpha = e.a, e.b, e.damping
+        length = q[j + MATERIAL] - q[i + MATERIAL]
+        u, b = v[i + MATERIAL], a[i + MATERIAL]
+        turned, m420, pull = u * u / length, length / 420.0, 0.0
         for c in range(AXES):
-            for i in range(VECTORS):
-                row = along = 0.0
-                for j in range(VECTORS):
-                    x, x_d = y[X, c, j], y[V, c, j]
-                    flow = -b * x - 2.0 * u * x_d - e.damping * u * x
-                    mass = y[A, c, j] + e.damping * x_d
-                    row += length * unit[M, i, j] * mass + unit[C, i, j] * flow + turned * unit[D, i, j] * x
-                    along += unit[C, i, j] * x * (y[A, c, i] + e.damping * y[V, c, i])
-                    along += unit[E, i, j] * flow * y[X, c, i] / length
-                factor = length if i % 2 == 1 else 1.0
-                r[first[i] + c] += factor * e.mass * row
-                pull -= e.mass * along
-            r[first[0] + c] -= 0.5 * length * e.load[c]
-            r[first[1] + c] -= length * length / 12.0 * e.load[c]
-            r[first[2] + c] -= 0.5 * length * e.load[c]
-            r[first[3] + c] += length * length / 12.0 * e.load[c]
-            s1, s2 = q[first[1] + c], q[first[3] + c]
-            pull += e.load[c] * (q[first[2] + c] - q[first[0] + c]) - 0.5 * e.mass * u * u * (s2 * s2 - s1 * s1)
-        r[e.a + MATERIAL] += pull
+            x1, x2, x3, x4 = q[i + c], length * q[i + 3 + c], q[j + c], length * q[j + 3 + c]
+            v1, v2, v3, v4 = v[i + c], length * v[i + 3 + c], v[j + c], length * v[j + 3 + c]
+            a1, a2 = a[i + c] + alpha * v1, length * a[i + 3 + c] + alpha * v2
+            a3, a4 = a[j + c] + alpha * v3, length * a[j + 3 + c] + alpha * v4
+            # What C is applied to: -(b + alpha u) X - 2 u v. D = -E but for its ends, where N N' is left.
+            f, w = -(b + alpha * u), -2.0 * u
+            w1, w2, w3, w4 = f * x1 + w * v1, f * x2 + w * v2, f * x3 + w * v3, f * x4 + w * v4
+            c1, c2, c3, c4 = _times_c(w1, w2, w3, w4)
+            e1, e2, e4 = _times_e(x1, x2, x3, x4)
+            half = 0.5 * e.load[c] * length
+            sixth = half * length / 6.0
+            flow1, flow3 = c1 - turned * (e1 + x2), c3 + turned * (e1 + x4)
+            r[i + c] += e.mass * (m420 * (156.0 * a1 + 22.0 * a2 + 54.0 * a3 - 13.0 * a4) + flow1) - half
+            r[j + c] += e.mass * (m420 * (54.0 * a1 + 13.0 * a2 + 156.0 * a3 - 22.0 * a4) + flow3) - half
+            slope = e.mass * length
+            r[i + 3 + c] += slope * (m420 * (22.0 * a1 + 4.0 * a2 + 13.0 * a3 - 3.0 * a4) + c2 - turned * e2) - sixth
+            r[j + 3 + c] += slope * (m420 * (-13.0 * a1 - 3.0 * a2 - 22.0 * a3 + 4.0 * a4) + c4 - turned * e4) + sixth
+            c1, c2, c3, c4 = _times_c(x1, x2, x3, x4)
+            along = a1 * c1 + a2 * c2 + a3 * c3 + a4 * c4
+            along += ((w1 - w3) * e1 + w2 * e2 + w4 * e4) / length
+            s1, s2 = q[i + 3 + c], q[j + 3 + c]
+            pull += e.load[c] * (x3 - x1) - e.mass * (along + 0.5 * u * u * (s2 * s2 - s1 * s1))
+        r[i + MATERIAL] += pull
 
 
 @kernel

@@ -71,34 +71,46 @@ def _residual(g, t, q, v, a, r):
         i, j = row.a, row.b
         length = q[j + MATERIAL] - q[i + MATERIAL]
         h = 1.0 / length
+        # Forces on position (their sum is zero) and on both slopes.
+        rx = ry = rz = sx = sy = sz = tx = ty = tz = 0.0
         for k in range(g.points.shape[0]):
             p = g.points[k]
-            n1, n2, n3, n4 = p[FIRST] * h, p[FIRST + 1], p[FIRST + 2] * h, p[FIRST + 3]
-            x = n1 * q[i] + n2 * q[i + 3] + n3 * q[j] + n4 * q[j + 3]
-            y = n1 * q[i + 1] + n2 * q[i + 4] + n3 * q[j + 1] + n4 * q[j + 4]
-            z = n1 * q[i + 2] + n2 * q[i + 5] + n3 * q[j + 2] + n4 * q[j + 5]
+            # The first functions of both positions are opposite: position enters by its difference.
+            n1, n2, n4 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
+            x = n1 * (q[j] - q[i]) + n2 * q[i + 3] + n4 * q[j + 3]
+            y = n1 * (q[j + 1] - q[i + 1]) + n2 * q[i + 4] + n4 * q[j + 4]
+            z = n1 * (q[j + 2] - q[i + 2]) + n2 * q[i + 5] + n4 * q[j + 5]
             strain, factor, _ = strain_of(row, x * x + y * y + z * z)
             if is_slack(row, strain):
                 continue
             if row.damping != 0.0:
-                x_d = n1 * v[i] + n2 * v[i + 3] + n3 * v[j] + n4 * v[j + 3]
-                y_d = n1 * v[i + 1] + n2 * v[i + 4] + n3 * v[j + 1] + n4 * v[j + 4]
-                z_d = n1 * v[i + 2] + n2 * v[i + 5] + n3 * v[j + 2] + n4 * v[j + 5]
+                x_d = n1 * (v[j] - v[i]) + n2 * v[i + 3] + n4 * v[j + 3]
+                y_d = n1 * (v[j + 1] - v[i + 1]) + n2 * v[i + 4] + n4 * v[j + 4]
+                z_d = n1 * (v[j + 2] - v[i + 2]) + n2 * v[i + 5] + n4 * v[j + 5]
                 strain += row.damping * factor * (x * x_d + y * y_d + z * z_d)
             force = p[WEIGHT] * length * row.stiffness * strain * factor
             fx, fy, fz = force * x, force * y, force * z
-            r[i] += n1 * fx
-            r[i + 1] += n1 * fy
-            r[i + 2] += n1 * fz
-            r[i + 3] += n2 * fx
-            r[i + 4] += n2 * fy
-            r[i + 5] += n2 * fz
-            r[j] += n3 * fx
-            r[j + 1] += n3 * fy
-            r[j + 2] += n3 * fz
-            r[j + 3] += n4 * fx
-            r[j + 4] += n4 * fy
-            r[j + 5] += n4 * fz
+            rx += n1 * fx
+            ry += n1 * fy
+            rz += n1 * fz
+            sx += n2 * fx
+            sy += n2 * fy
+            sz += n2 * fz
+            tx += n4 * fx
+            ty += n4 * fy
+            tz += n4 * fz
+        r[i] -= rx
+        r[i + 1] -= ry
+        r[i + 2] -= rz
+        r[i + 3] += sx
+        r[i + 4] += sy
+        r[i + 5] += sz
+        r[j] += rx
+        r[j + 1] += ry
+        r[j + 2] += rz
+        r[j + 3] += tx
+        r[j + 4] += ty
+        r[j + 5] += tz
 
 
 @kernel

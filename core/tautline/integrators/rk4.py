@@ -195,7 +195,7 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
     sum_v.fill(0.0)
     sum_a.fill(0.0)
     for stage in range(4):
-        now = t + h * (0.0, 0.5, 0.5, BEFORE)[stage]
+        now = t + h * (0.5 if stage == 1 or stage == 2 else BEFORE if stage == 3 else 0.0)
         if stage % 2 == 1:
             # The first stage is where the last step ended, and the middle two share their time.
             prescribe(dofs, functions, now, state.full_q, state.full_v, state.full_a)
@@ -205,8 +205,8 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
             return status
         if stage == 0:
             account(method, groups, dofs, t, state)
-        weight = (1.0, 2.0, 2.0, 1.0)[stage] / 6.0
-        ahead = (0.5, 0.5, 1.0, 0.0)[stage] * h
+        weight = 1.0 / 3.0 if stage == 1 or stage == 2 else 1.0 / 6.0
+        ahead = h if stage == 2 else 0.5 * h
         for i in range(q.size):
             sum_v[i] += weight * state.v[i]
             sum_a[i] += weight * state.a[i]
