@@ -15,7 +15,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held, prescribe, reduce
 from tautline.kernels.groups import has_constant_mass
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_matrix
+from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix
 from tautline.system.system import System
 
 UNSTABLE, NO_LENGTH = int(Status.UNSTABLE), int(Status.NO_LENGTH)
@@ -108,9 +108,9 @@ def solve_with(mass, x):
     (_divide if isinstance(mass, np.ndarray) else solve_matrix)(mass, x)
 
 
-@overload(solve_with)
+@overload(solve_with, inline="always")
 def _solve_with(mass, x):
-    chosen = _divide if isinstance(mass, types.Array) else solve_matrix
+    chosen = _divide if isinstance(mass, types.Array) else solve_inside
     return lambda mass, x: chosen(mass, x)
 
 
@@ -177,12 +177,21 @@ def account(method, groups, dofs, t, state):
     The force that moves what is held depends on the free accelerations where the mass couples the two.
     """
     if method.coupled:
-        expand(dofs, state.a, state.full_a)
-        state.residual.fill(0.0)
-        over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
+        _react(groups, dofs, t, state)
     method.power.fill(0.0)
     over.dissipation(groups, t, state.full_q, state.full_v, method.power)
-    enter(state.ledger, t, supplied_power(dofs, state) + method.power[1], method.power[0], method.power[2])
+    work = method.power[1]
+    if dofs.driven.size > 0:
+        work += supplied_power(dofs, state)
+    enter(state.ledger, t, work, method.power[0], method.power[2])
+
+
+@kernel
+def _react(groups, dofs, t, state):
+    """The residual with the accelerations that there are: the forces that hold what is held."""
+    expand(dofs, state.a, state.full_a)
+    state.residual.fill(0.0)
+    over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
 
 
 @kernel(inline="always")

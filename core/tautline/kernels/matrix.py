@@ -196,6 +196,12 @@ def factorise_matrix(factors):
 @entry
 def solve_matrix(factors, x):
     """Solve A x = b with the factors; ``x`` (n + m,) holds b before and x after."""
+    solve_inside(factors, x)
+
+
+@kernel(inline="always")
+def solve_inside(factors, x):
+    """The same, written out where it is called: for a few unknowns the call is most of the work."""
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     _substitute(f, n, k, x)
