@@ -111,7 +111,12 @@ def solve_with(mass, x):
 @overload(solve_with, inline="always")
 def _solve_with(mass, x):
     chosen = _divide if isinstance(mass, types.Array) else solve_inside
-    return lambda mass, x: chosen(mass, x)
+
+    def solve(mass, x):
+        chosen(mass, x)
+        return 0
+
+    return solve
 
 
 @kernel
