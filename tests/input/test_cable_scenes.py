@@ -529,12 +529,25 @@ def test_the_appendix_itself_is_read_with_warnings(whole):
     assert any("tied by r = r more than once (multiplier, penalty, coupling)" in text for text in more)
 
 
-def test_the_appendix_passes_check_at_the_command_line(tmp_path, capsys):
+def test_the_appendix_is_read_and_refused_for_saying_each_tie_three_times(tmp_path, capsys):
+    """It lists the syntax and is no model: multiplier and coupling tie the same nodes, and a node slides freely."""
     path = tmp_path / "appendix.yaml"
     path.write_text(APPENDIX)
     with pytest.raises(SystemExit) as left:
         run(make_app(Installed()), ["check", str(path)])
-    assert left.value.code == 0 and "can be run" in "".join(capsys.readouterr())
+    told = "".join(capsys.readouterr())
+    assert left.value.code == 2 and "Traceback" not in told
+    assert "appendix.yaml:45: CableModel[8].LagMultipl7: r = r of nodes 2 and 3, x: follows from" in told
+    assert "appendix.yaml:27: CableModel[2].Node7Dof.BC: node 2 may slide along the rope" in told
+
+
+def test_check_refuses_what_only_the_builder_can_tell(tmp_path, capsys):
+    path = tmp_path / "sliding.yaml"
+    text = (DATA / "cantilever_bar.yaml").read_text(encoding="utf8")
+    path.write_text(text.replace("BC: [0, 1, 1, 0, 1, 1, 1]", "BC: [0, 1, 1, 0, 1, 1, 0]"), encoding="utf8")
+    with pytest.raises(SystemExit) as left:
+        run(make_app(Installed()), ["check", str(path)])
+    assert left.value.code == 2 and "node 1 may slide along the rope" in "".join(capsys.readouterr())
 
 
 def test_the_linear_alternative_by_itself_is_read_and_its_slope_constraints_are_ignored():

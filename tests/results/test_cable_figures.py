@@ -71,7 +71,14 @@ def test_a_scene_without_plots_has_an_overview():
     assert list(drawn) == ["overview"]
     force, place, energy = lines(drawn["overview"])
     assert list(force) == ["cable 0", "cable 1", "cable 2"] and list(place) == ["x", "y", "z"] and len(energy) == 5
-    np.testing.assert_allclose(place["y"], 4 + 10 + 0.1 * np.arange(50))
+    np.testing.assert_allclose(place["y"], 10 + 0.1 * np.arange(50))  # all nodes move alike: the first stands for them
+
+
+def test_the_overview_shows_the_node_that_moves_most():
+    run = result(BARE)
+    run["position"][:, 2] += np.linspace(0.0, 9.0, 50)[:, None]
+    _, place, _ = lines(draw([run])["overview"])
+    np.testing.assert_allclose(place["y"], 12 + (0.1 + 9 / 49) * np.arange(50))
 
 
 @pytest.mark.parametrize("kind", [{}, {"frames": 1}, {"frames": 2}, {"scale": 0.0}, {"scale": 1e7}], ids=str)

@@ -17,7 +17,7 @@ from tautline.view.figure import COLOURS, Axes, Figure, axes, label, save_all, s
 
 FIGURES: Mapping[str, str] = {
     "plots": "the panels that the scene lists under Plots",
-    "overview": "axial forces, the last node's position, energies",
+    "overview": "axial forces, the position of the node that moves most, energies",
 }
 """Names for ``--what``."""
 
@@ -77,7 +77,9 @@ def plots(results: Sequence[Result]) -> Figure:
 
 @styled
 def overview(results: Sequence[Result]) -> Figure:
-    """Axial forces, position of the last node and energies against time."""
+    """Axial forces, position of the node that moves most in the first result, and energies against time."""
+    position = np.asarray(results[0]["position"])
+    node = int(np.linalg.norm(position - position[0], axis=-1).max(axis=0).argmax())
     figure, drawn = axes(3, 1, 8.0, 7.6, _title(results), sharex=True)
     force, place, energy = drawn[:, 0]
     newton, force_unit = scale([result["axial_force"] for result in results], "N")
@@ -88,18 +90,23 @@ def overview(results: Sequence[Result]) -> Figure:
         ending = f", {_stem(result)}" if len(results) > 1 else ""
         _forces(force, result, newton, style, ending)
         for axis, name in enumerate(AXES):
-            values = result["position"][:, -1, axis]
+            values = result["position"][:, min(node, result["position"].shape[1] - 1), axis]
             place.plot(result.time, values, color=COLOURS[axis], label=name + ending, **style)
         for number, (name, values) in enumerate(change.items()):
             text = ENERGIES[name] + ending
             energy.plot(result.time, values / joule, color=COLOURS[number], label=text, **style)
     force.set_ylabel(label("axial force", force_unit))
-    place.set_ylabel(label("last node", "m"))
+    place.set_ylabel(label(f"node {_node_name(results[0], node)}", "m"))
     energy.set_ylabel(label("energy, change", energy_unit))
     for plot in (force, place, energy):
         plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, borderaxespad=0.2)
     _finish(figure, drawn, results)
     return figure
+
+
+def _node_name(result: Result, node: int) -> str:
+    """A node's id in the scene; its place where the result does not say."""
+    return str(result["node"][node]) if "node" in result else str(node)
 
 
 def _forces(plot: Axes, result: Result, factor: float, style: dict[str, str], ending: str) -> None:

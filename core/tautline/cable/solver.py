@@ -9,10 +9,7 @@ from pydantic import Field, model_validator
 from tautline.scene.model import Model, Switch, Whole, word
 from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
-from tautline.scene.solver import METHODS, MOST_FRAMES, MOST_STEPS, Step
-
-DEFAULT_RHO = 0.8
-"""Spectral radius at infinite frequency where a scene gives neither it nor the alphas."""
+from tautline.scene.solver import METHODS, MOST_FRAMES, MOST_STEPS, Step, alphas_of, check_alphas
 
 
 class CableSolver(Model):
@@ -51,15 +48,7 @@ class CableSolver(Model):
         given = [name for name in ("rho_inf", "alpha_m", "alpha_f") if getattr(self, name) is not None]
         if "rho_inf" in given and len(given) > 1:
             raise fault("rho_inf", f"is given together with {given[1]}", "keep rho_inf, or alpha_m and alpha_f")
-        if given in (["alpha_m"], ["alpha_f"]):
-            lacking = "alpha_f" if given == ["alpha_m"] else "alpha_m"
-            raise fault(lacking, f"is missing beside {given[0]}", f"add `{lacking}:`, or give rho_inf instead of both")
-        if self.alpha_m is not None and self.alpha_f is not None:
-            if self.alpha_f > 0.5:
-                raise fault("alpha_f", "must not be more than 0.5: the method is unstable beyond", "give 0.5 or less")
-            if self.alpha_m > self.alpha_f:
-                cause = f"must not be more than alpha_f = {self.alpha_f:g}: the method is unstable so (eq. 2.83)"
-                raise fault("alpha_m", cause, "lower alpha_m, or give rho_inf instead of both")
+        check_alphas(self.alpha_m, self.alpha_f)
         return self
 
     @model_validator(mode="after")
@@ -86,9 +75,4 @@ class CableSolver(Model):
     @property
     def alphas(self) -> tuple[float, float]:
         """``alpha_m, alpha_f`` of generalized-alpha (zero for the others); `rho_inf` defaults to 0.8."""
-        if self.method != "generalized-alpha":
-            return 0.0, 0.0
-        if self.alpha_m is not None and self.alpha_f is not None:
-            return self.alpha_m, self.alpha_f
-        rho = DEFAULT_RHO if self.rho_inf is None else self.rho_inf
-        return (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+        return alphas_of(self.method, self.rho_inf, self.alpha_m, self.alpha_f)

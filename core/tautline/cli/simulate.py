@@ -31,6 +31,10 @@ def check(catalogue: Catalogue, scene: Path, as_json: bool) -> None:
     cautions = application.cautions(read)
     figures = application.check_figures(read)
     print_cautions(cautions)
+    # What only the builder can tell, such as a constraint said twice, is refused here too; nothing is run.
+    model = application.build(read)
+    for note in getattr(model, "notes", ()):
+        say(f"note: {note}")
     count = len(cautions)
     warned = f", {count} warning{'s' * (count > 1)}" if count else ""
     say(f"{scene} can be run{warned}. Next: {catalogue.name} simulate {scene}", "green")

@@ -73,6 +73,25 @@ def _write_shapes(point, length, shapes):
 
 
 @kernel
+def _write_curve(g, k, q, first, length):
+    """Write the shapes and z at a point."""
+    s, z = g.shapes, g.vector
+    _write_shapes(g.points[k], length, s)
+    for c in range(AXES):
+        z[Z, c], z[Z, 3 + c] = combine(s[NX], q, first, c), combine(s[NXX], q, first, c)
+
+
+@kernel
+def _rate(g, v, first):
+    """Rate of kappa^2 at the point that was written last, where nothing moves through the nodes."""
+    s, z = g.shapes, g.vector
+    rate = 0.0
+    for c in range(AXES):
+        rate += z[GRADIENT, c] * combine(s[NX], v, first, c) + z[GRADIENT, 3 + c] * combine(s[NXX], v, first, c)
+    return rate
+
+
+@kernel
 def _viscosity(row, square):
     """Viscous force over the rate of kappa^2 and its gradient, and the logarithmic derivative of that by kappa^2."""
     if row.damping == 0.0:
@@ -89,17 +108,11 @@ def _residual(g, t, q, v, a, r):
         first = vectors(row.a, row.b)
         length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
         for k in range(g.points.shape[0]):
-            _write_shapes(g.points[k], length, s)
-            for c in range(AXES):
-                z[Z, c], z[Z, 3 + c] = combine(s[NX], q, first, c), combine(s[NXX], q, first, c)
+            _write_curve(g, k, q, first, length)
             square = write_gradient(z[Z], z[GRADIENT])
             force = 0.5 * row.stiffness
             if row.damping != 0.0:
-                rate = 0.0
-                for c in range(AXES):
-                    rate += z[GRADIENT, c] * combine(s[NX], v, first, c)
-                    rate += z[GRADIENT, 3 + c] * combine(s[NXX], v, first, c)
-                force += _viscosity(row, square)[0] * rate
+                force += _viscosity(row, square)[0] * _rate(g, v, first)
             force *= g.points[k, WEIGHT] * length
             for c in range(AXES):
                 f, m = force * z[GRADIENT, c], force * z[GRADIENT, 3 + c]
@@ -136,9 +149,8 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
         block.fill(0.0)
         for k in range(g.points.shape[0]):
-            _write_shapes(g.points[k], length, s)
+            _write_curve(g, k, q, first, length)
             for c in range(AXES):
-                z[Z, c], z[Z, 3 + c] = combine(s[NX], q, first, c), combine(s[NXX], q, first, c)
                 z[RATE, c], z[RATE, 3 + c] = combine(s[NX], v, first, c), combine(s[NXX], v, first, c)
             square = write_gradient(z[Z], z[GRADIENT])
             rate = 0.0
@@ -160,21 +172,19 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 
 @kernel
 def _energy(g, t, q, v, energy):
-    s, z = g.shapes, g.vector
+    z = g.vector
     for n in range(g.rows.size):
         row = g.rows[n]
         first = vectors(row.a, row.b)
         length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
         for k in range(g.points.shape[0]):
-            _write_shapes(g.points[k], length, s)
-            for c in range(AXES):
-                z[Z, c], z[Z, 3 + c] = combine(s[NX], q, first, c), combine(s[NXX], q, first, c)
+            _write_curve(g, k, q, first, length)
             energy[1] += 0.5 * g.points[k, WEIGHT] * length * row.stiffness * square_of(z[Z])
 
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    s, z = g.shapes, g.vector
+    z = g.vector
     for n in range(g.rows.size):
         row = g.rows[n]
         if row.damping == 0.0:
@@ -182,14 +192,9 @@ def _dissipation(g, t, q, v, p):
         first = vectors(row.a, row.b)
         length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
         for k in range(g.points.shape[0]):
-            _write_shapes(g.points[k], length, s)
-            for c in range(AXES):
-                z[Z, c], z[Z, 3 + c] = combine(s[NX], q, first, c), combine(s[NXX], q, first, c)
+            _write_curve(g, k, q, first, length)
             square = write_gradient(z[Z], z[GRADIENT])
-            rate = 0.0
-            for c in range(AXES):
-                rate += z[GRADIENT, c] * combine(s[NX], v, first, c)
-                rate += z[GRADIENT, 3 + c] * combine(s[NXX], v, first, c)
+            rate = _rate(g, v, first)
             p[0] += g.points[k, WEIGHT] * length * _viscosity(row, square)[0] * rate * rate
 
 

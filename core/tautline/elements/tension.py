@@ -202,7 +202,7 @@ e_LL."""
 
 @kernel
 def _write_slopes(g, row, k, q, v):
-    """Shapes and vectors of a point; returns strain, h, its derivative, and the strain rate."""
+    """Shapes and vectors of a point; returns L, its rate, u, x, strain, h, its derivative, and the strain rate."""
     s, z = g.shapes, g.vector
     first = vectors(row.a, row.b)
     p1, p2 = row.a + MATERIAL, row.b + MATERIAL
@@ -261,15 +261,16 @@ def _flowing_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         row = g.rows[n]
         block.fill(0.0)
         for k in range(g.points.shape[0]):
-            length, l_d, u, x, strain, factor, bent, rate = _write_slopes(g, row, k, q, v)
-            if not is_slack(row, strain):
-                _add_point(g, row, k, length, l_d, u, x, strain, factor, bent, rate, cc, ck)
+            at = _write_slopes(g, row, k, q, v)
+            if not is_slack(row, at[4]):
+                _add_point(g, row, k, at, cc, ck)
         add_block(matrix, dofs, row.a, row.b - row.a, NODE, block)
 
 
 @kernel
-def _add_point(g, row, k, length, l_d, u, x, strain, factor, bent, rate, cc, ck):
-    """A point's part of the block (14, 14)."""
+def _add_point(g, row, k, at, cc, ck):
+    """A point's part of the block (14, 14); ``at`` is what :func:`_write_slopes` returned for it."""
+    length, l_d, u, x, strain, factor, bent, rate = at
     s, z, block = g.shapes, g.vector, g.block
     weight, stiffness, viscosity = g.points[k, WEIGHT], row.stiffness, row.stiffness * row.damping
     elastic, viscous = stiffness * strain * factor, viscosity * factor * factor * rate

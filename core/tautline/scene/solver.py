@@ -23,6 +23,34 @@ Method = Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS]
 Step = Annotated[float, quantity("s", positive=True)]
 
 
+DEFAULT_RHO = 0.8
+"""Spectral radius at infinite frequency where a scene gives neither it nor the alphas."""
+
+
+def check_alphas(alpha_m: float | None, alpha_f: float | None) -> None:
+    """Refuse one of the alphas without the other, and pairs that are unstable (eq. 2.83)."""
+    if (alpha_m is None) != (alpha_f is None):
+        there, lacking = ("alpha_f", "alpha_m") if alpha_m is None else ("alpha_m", "alpha_f")
+        raise fault(lacking, f"is missing beside {there}", f"add `{lacking}:`, or give rho_inf instead of both")
+    if alpha_m is None or alpha_f is None:
+        return
+    if alpha_f > 0.5:
+        raise fault("alpha_f", "must not be more than 0.5: the method is unstable beyond", "give 0.5 or less")
+    if alpha_m > alpha_f:
+        cause = f"must not be more than alpha_f = {alpha_f:g}: the method is unstable so (eq. 2.83)"
+        raise fault("alpha_m", cause, "lower alpha_m, or give rho_inf instead of both")
+
+
+def alphas_of(method: str, rho_inf: float | None, alpha_m: float | None, alpha_f: float | None) -> tuple[float, float]:
+    """``alpha_m, alpha_f`` as given or from rho_inf (eqs 2.79-2.80); zero for methods without them."""
+    if method != "generalized-alpha":
+        return 0.0, 0.0
+    if alpha_m is not None and alpha_f is not None:
+        return alpha_m, alpha_f
+    rho = DEFAULT_RHO if rho_inf is None else rho_inf
+    return (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+
+
 class Solver(Model):
     """The time integrator.
 
@@ -47,15 +75,7 @@ class Solver(Model):
         given = [name for name in ("rho_inf", "alpha_m", "alpha_f") if getattr(self, name) is not None]
         if "rho_inf" in given and len(given) > 1:
             raise fault(given[1], "is given together with rho_inf", "keep rho_inf, or alpha_m and alpha_f")
-        if given in (["alpha_m"], ["alpha_f"]):
-            lacking = "alpha_f" if given == ["alpha_m"] else "alpha_m"
-            raise fault(lacking, f"is missing beside {given[0]}", f"add `{lacking}:`, or give rho_inf instead of both")
-        if self.alpha_m is not None and self.alpha_f is not None:
-            if self.alpha_f > 0.5:
-                raise fault("alpha_f", "must not be more than 0.5: the method is unstable beyond", "give 0.5 or less")
-            if self.alpha_m > self.alpha_f:
-                cause = f"must not be more than alpha_f = {self.alpha_f:g}: the method is unstable so (eq. 2.83)"
-                raise fault("alpha_m", cause, "lower alpha_m, or give rho_inf instead of both")
+        check_alphas(self.alpha_m, self.alpha_f)
         if self.end < self.step:
             raise fault("end", f"is before the first step ends ({self.step:g} s)", "end later, or take a smaller step")
         if self.end / self.step > MOST_STEPS:
@@ -66,12 +86,7 @@ class Solver(Model):
     @property
     def alphas(self) -> tuple[float, float]:
         """``alpha_m, alpha_f`` of generalized-alpha (zero for Newmark); `rho_inf` defaults to 0.8."""
-        if self.method != "generalized-alpha":
-            return 0.0, 0.0
-        if self.alpha_m is not None and self.alpha_f is not None:
-            return self.alpha_m, self.alpha_f
-        rho = 0.8 if self.rho_inf is None else self.rho_inf
-        return (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+        return alphas_of(self.method, self.rho_inf, self.alpha_m, self.alpha_f)
 
 
 class Output(Model):
