@@ -33,6 +33,7 @@ from tautline.lumped.bend import Bends
 from tautline.lumped.body import EccentricBodies
 from tautline.lumped.curve import PER_BODY
 from tautline.scene.errors import SceneError
+from tautline.scene.solver import error_of_steps, longest_step
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -43,6 +44,8 @@ ROUNDING = 1.0e-6
 the rounding of its stiffness."""
 TOLERANCE = 1.0e-9
 """Largest residual over the string's weight that counts as solved: a millinewton on a meganewton."""
+STEP_ERROR = 1.0e-5
+"""Error of a step, m, where the step is chosen and the scene gives none."""
 BLOCK, ROTATION = 0, 1
 """Functions of time of a scene: the block's position m, and the angle of the rotary rad."""
 
@@ -140,8 +143,9 @@ def build(scene: DrillstringScene) -> Model:
     return Model(
         system=system,
         solver=SolverSettings(
-            solver.method, solver.step, solver.end, scene.output.interval, alpha_m, alpha_f,
-            solver.tolerance or TOLERANCE, criterion, solver.max_iterations, solver.max_halvings,
+            solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
+            alpha_m, alpha_f, solver.tolerance or TOLERANCE, criterion, solver.max_iterations,
+            solver.max_halvings, step_error=error_of_steps(solver, STEP_ERROR), automatic=solver.step == "auto",
         ),
         variables=variables(),
         coordinates=observer.coordinates(),
@@ -154,7 +158,7 @@ def build(scene: DrillstringScene) -> Model:
         },
         observe=observer.observe,
         headline=lambda result: headline(result, lumps),
-        at_rest=scene.start == "static",
+        start="as given" if scene.start == "straight" else scene.start,
         step_limit=0.3 * float(lumps.length.min()),
         own=3 * contacts + (1 if driven else 0),
         notes=notes,

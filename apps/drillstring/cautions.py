@@ -14,6 +14,7 @@ from drillstring.string import Lumps, cut
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import Caution
+from tautline.scene.solver import longest_step
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIP_FOR_NEWTON = 1.0e-3
@@ -55,31 +56,32 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
     found = []
     solver, wall = scene.solver, scene.well.wall
     critical = contact_critical_step(scene, lumps)
-    if solver.method == "rk4" and solver.step > critical:
+    step = longest_step(solver, 0.0)
+    if solver.method == "rk4" and step > critical:
         found.append(
             Caution(
                 "solver.step",
-                f"{solver.step:g} s is longer than RK4's critical step of {critical:.3g} s (stiffest wall contact, "
+                f"{step:g} s is longer than RK4's critical step of {critical:.3g} s (stiffest wall contact, "
                 "eq. 2.170): the run will become unstable; take a smaller step, or method: generalized-alpha",
             )
         )
-    ratio = scene.output.interval / solver.step
+    ratio = scene.output.interval / step if step > 0.0 else 1.0
     if abs(ratio - round(ratio)) > 1e-6:
         steps = int(np.ceil(ratio))
         found.append(
             Caution(
                 "output.interval",
-                f"{scene.output.interval:g} s is not a whole number of steps of {solver.step:g} s: "
+                f"{scene.output.interval:g} s is not a whole number of steps of {step:g} s: "
                 f"the step taken is {scene.output.interval / steps:.6g} s",
             )
         )
     sound = min(sqrt(tube.youngs_modulus / tube.density) for tube in lumps.tubes)
     period = 4.0 * lumps.total / sound
-    if solver.method != "rk4" and solver.step > LONG_FOR_MOTION * period:
+    if solver.method != "rk4" and step > LONG_FOR_MOTION * period:
         found.append(
             Caution(
                 "solver.step",
-                f"{solver.step:g} s is long against the string's first axial period of about {period:.2g} s: its "
+                f"{step:g} s is long against the string's first axial period of about {period:.2g} s: its "
                 f"motion is damped by the algorithm; take {0.01 * period:.1g} s or less",
             )
         )

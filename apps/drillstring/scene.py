@@ -158,7 +158,7 @@ class DrillstringScene(Scene):
     top: Top = Top()
     bit: Bit = Bit()
     model: LumpedModel = Field(examples=["{kind: lumped, elements: 12}"])
-    start: Annotated[Literal["static", "straight"], word("static", "straight")] = "static"
+    start: Annotated[Literal["static", "relaxed", "straight"], word("static", "relaxed", "straight")] = "static"
     solver: Solver = Field(examples=["{method: generalized-alpha, step: 1 ms, end: 40 s}"])
     output: Output = Field(examples=["{interval: 50 ms}"])
 

@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from tautline.integrators.critical_step import CriticalStep
 from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.linearise import FastestMode, start_moving
+from tautline.integrators.linearise import start_moving
 from tautline.integrators.march import Frames, compile_for, march, new_frames
 from tautline.integrators.method import method_for
-from tautline.integrators.rk4 import RK4_LIMIT, RungeKutta4
+from tautline.integrators.relaxation import relax
+from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.state import FACTORISATIONS, HALVINGS, ITERATIONS, STEPS, THROUGHPUT, WORST, new_state
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.results.errors import ResultError
@@ -39,6 +41,10 @@ FRAMES_UNCHECKED, FRAMES_SAFE = 20, 400
 """Frames that an explicit run may go on before its step is checked again: near the critical step, and far from it."""
 FAR = 0.7
 """Share of the critical step below which a step is far from it."""
+SAFE = 0.8
+"""Share of the critical step that an explicit run takes where its step is chosen for it."""
+LOST = 0.1
+"""Share of the energy that went through a run above which what is not accounted for makes its result wrong."""
 
 
 def simulate(
@@ -70,7 +76,8 @@ def simulate(
     Raises
     ------
     StoppedEarly
-        Where no start was found or a step failed, with the status and what was stored until then.
+        Where no start was found or a step failed, with the status and what was stored until then; and IMBALANCE where
+        the run came to its end with more than a tenth of its energy unaccounted for.
     Interrupted
         On Ctrl-C, with what was stored until then.
     ResultError
@@ -97,6 +104,9 @@ def simulate(
             raise
         result = run.finish(store, "done")
     assert result is not None
+    lost = float(result.attributes["energy_error"])
+    if lost > LOST:
+        raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", f"{100.0 * lost:.2g} % is missing", result)
     return result
 
 
@@ -125,7 +135,7 @@ class _Run:
         self.balance: list[np.ndarray] = []
         self.memory: dict[str, np.ndarray] = {}
         self.frames = self._room(1)
-        self.fastest, self.unchecked = FastestMode(model.system), FRAMES_UNCHECKED
+        self.critical, self.unchecked = CriticalStep(model.system), FRAMES_UNCHECKED
 
     def _room(self, rows: int) -> Frames:
         return new_frames(rows, self.model.system.q.size, self.model.own)
@@ -161,8 +171,12 @@ class _Run:
 
     def start(self) -> None:
         """Find the equilibrium the scene asks for, and set it moving."""
-        if self.model.at_rest:
-            find_equilibrium(self.model.system, self.state, self.model.step_limit)
+        model = self.model
+        if model.start == "static":
+            find_equilibrium(model.system, self.state, model.step_limit)
+        elif model.start == "relaxed":
+            relax(model.system, self.state, self.method, self._stable_step(), model.own)
+            self.method = method_for(model.system, model.solver)
         start_moving(self.model.system, self.state, self.step)
 
     def store_first(self, store: Store) -> None:
@@ -204,15 +218,27 @@ class _Run:
         self.batch = int(min(limit, max(1.0, min(4.0 * rows, BATCH / max(per_frame, 1e-9)))))
 
     def _check_step(self) -> None:
-        """Stop an explicit run whose step is beyond the critical one: contacts may hide its growth by opening."""
+        """Stop an explicit run whose step is beyond the critical one: contacts may hide its growth by opening.
+
+        Where the step is chosen for it the next frames are divided into steps that are well below.
+        """
         if not isinstance(self.method, RungeKutta4):
             return
-        omega, worst = self.fastest.search(self.state, self.time)
+        critical, worst = self.critical.search(self.state, self.time)
+        if self.model.solver.automatic:
+            spans = np.diff(self.ends[self.done :], prepend=self.time)
+            self.steps[self.done :] = np.maximum(1, np.ceil(spans / (SAFE * critical) - 1e-9)).astype(np.int64)
         step = float((self.ends[self.done] - self.time) / self.steps[self.done])
-        self.unchecked = FRAMES_SAFE if omega * step < FAR * RK4_LIMIT else FRAMES_UNCHECKED
-        if omega * step > RK4_LIMIT:
-            detail = f"step {step:g} s, critical step {RK4_LIMIT / omega:.4g} s"
+        self.unchecked = FRAMES_SAFE if step < FAR * critical else FRAMES_UNCHECKED
+        if step > critical:
+            detail = f"step {step:g} s, critical step {critical:.4g} s"
             raise StoppedEarly(Status.UNSTABLE, self.time, self.model.system.names[worst], detail)
+
+    def _stable_step(self) -> float:
+        """The scene's step, or one that an explicit method can take where it is to be chosen."""
+        if not (self.model.solver.automatic and isinstance(self.method, RungeKutta4)):
+            return self.step
+        return min(self.step, SAFE * self.critical.search(self.state, self.time)[0])
 
     def _store(self, store: Store, frames: Frames, filled: int) -> None:
         part = Frames(*(array[:filled] for array in frames))
@@ -230,7 +256,7 @@ class _Run:
         attributes: dict[str, Any] = {
             "status": status,
             "method": self.model.solver.method,
-            "step": self.step,
+            "step": self.time / counters[STEPS] if self.model.solver.automatic and counters[STEPS] else self.step,
             "end": float(self.model.solver.end),
             "wall_time": self.wall,
             "real_time_factor": self.wall / self.time if self.time > 0.0 else 0.0,

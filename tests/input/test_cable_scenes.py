@@ -476,7 +476,7 @@ def test_additions_of_ours_are_read():
     assert (scene.springs[0].nodes, scene.springs[0].stiffness, scene.springs[0].length) == ((0, 2), 5.0, 0.3)
     assert scene.motions[0].pos0 == pytest.approx(0.2) and scene.motions[0].function.to == 1.0
     solver = scene.solver
-    assert (solver.start, solver.projection, solver.stabilise, solver.control, solver.error_tolerance) == (
+    assert (solver.start, solver.projection, solver.stabilise, solver.control, solver.step_error) == (
         "static",
         "mass",
         1,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.cable.eyelets import eyelets
 from tautline.cable.joined import check_sound, constraint_groups, equations_of
 from tautline.cable.layout import Layout
 from tautline.cable.material import material_coordinates
@@ -15,11 +16,14 @@ from tautline.cable.observe import Observer, headline, variables
 from tautline.cable.scene import CableScene
 from tautline.constraints.multiplier import Multipliers
 from tautline.elements.node import SPRING, Anchors, PointMasses, Springs, TimedForces
+from tautline.scene.solver import error_of_steps, longest_step
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import assemble
 
 STIFF_SHARE = 1.0e-4
 """Share of the largest axial stiffness that counts as a large force."""
+ERROR = 1.0e-6
+"""Error of a step over the length of all ropes, where the step is chosen and the scene gives none."""
 
 
 def build(scene: CableScene) -> Model:
@@ -45,7 +49,7 @@ def build(scene: CableScene) -> Model:
     whole, massive = stencils(layout, elements)
     constraints, notes = constraint_groups(layout, made, mass / max(1, len(scene.nodes)) or 1.0)
     loose = _node_groups(layout)
-    groups = (*elements, *loose, *constraints)
+    groups = (*elements, *loose, *constraints, *eyelets(layout, made))
     algebraic: list[int] = []
     for group in constraints:
         table = group.equations
@@ -66,12 +70,16 @@ def build(scene: CableScene) -> Model:
     observer = Observer(layout, groups, [e.name for e in made if e.tie.method != "penalty"])
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
+    error = error_of_steps(solver, ERROR * sum(lengths))
+    if solver.step == "auto" and error > 0.0:
+        notes.append(f"time_step: auto keeps the error of a step below {error:.2g} m")
     return Model(
         system=system,
         solver=SolverSettings(
-            solver.method, solver.step, solver.end, solver.interval, alpha_m, alpha_f, solver.tolerance, "energy",
+            solver.method, longest_step(solver, solver.interval), solver.end, solver.interval,
+            alpha_m, alpha_f, solver.tolerance, "energy",
             solver.max_iterations, projection=solver.projection, stabilise=solver.stabilise, energy_unit=1.0,
-            step_error=(solver.error_tolerance or 0.0) if solver.control == "error" else 0.0,
+            step_error=error, automatic=solver.step == "auto",
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),
@@ -84,7 +92,7 @@ def build(scene: CableScene) -> Model:
         },
         observe=observer.observe,
         headline=lambda result: headline(result),
-        at_rest=solver.start == "static",
+        start=solver.start,
         step_limit=max(0.5 * min(lengths), 1e-9),
         notes=notes,
     )  # fmt: skip

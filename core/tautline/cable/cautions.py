@@ -15,6 +15,7 @@ from tautline.cable.parts import Element, Node, Place, Tie
 from tautline.cable.scene import CableScene
 from tautline.scene.document import join_key
 from tautline.scene.errors import Caution
+from tautline.scene.solver import longest_step
 
 RK4_LIMIT = 2.8
 """omega h on the imaginary axis beyond which RK4 is unstable, eq. 2.137."""
@@ -119,7 +120,7 @@ def _squares(scene: CableScene, p: dict[int, float]) -> list[tuple[float, Place]
 
 def _steps(scene: CableScene) -> Sentences:
     square, place = _fastest(scene, material_coordinates(scene))
-    step = scene.solver.step
+    step = longest_step(scene.solver, 0.0)
     if scene.solver.method == "rk4" and step * math.sqrt(square) > RK4_LIMIT:
         text = (
             f"{step:g} s is longer than RK4's critical step of about {RK4_LIMIT / math.sqrt(square):.2g} s (eq. 2.137, "
@@ -132,18 +133,19 @@ def _steps(scene: CableScene) -> Sentences:
 def _frames(scene: CableScene) -> Sentences:
     solver = scene.solver
     place = ("GeneralizedAlpha", "plotpoints")
-    if solver.plotpoints * solver.step > 1.0 + 1e-9:
+    step = longest_step(solver, solver.interval)
+    if solver.plotpoints * step > 1.0 + 1e-9:
         text = (
-            f"{solver.plotpoints:g} frames a second are more than there are steps of {solver.step:g} s: every step "
+            f"{solver.plotpoints:g} frames a second are more than there are steps of {step:g} s: every step "
             "is kept; ask for fewer, or take smaller steps"
         )
         yield place, text
     elif 0.0 < solver.plotpoints * solver.end < 1.0 - 1e-9:
         yield place, f"{solver.plotpoints:g} frames a second leave only the first and the last of {solver.end:g} s"
-    ratio = solver.interval / solver.step
+    ratio = solver.interval / step
     if abs(ratio - round(ratio)) > 1e-6 * ratio:
         text = (
-            f"a frame every {solver.interval:g} s is not a whole number of steps of {solver.step:g} s: the step "
+            f"a frame every {solver.interval:g} s is not a whole number of steps of {step:g} s: the step "
             f"taken is {solver.interval / math.ceil(ratio):.6g} s"
         )
         yield place, text

@@ -9,7 +9,20 @@ from pydantic import Field, model_validator
 from tautline.scene.model import Model, Switch, Whole, word
 from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
-from tautline.scene.solver import METHODS, MOST_FRAMES, MOST_STEPS, Step, alphas_of, check_alphas
+from tautline.scene.solver import (
+    METHODS,
+    MOST_FRAMES,
+    MOST_STEPS,
+    Control,
+    Step,
+    Time,
+    alphas_of,
+    check_alphas,
+    check_control,
+)
+
+FRAMES_OF_AUTO = 1000
+"""Frames of a run whose step is chosen, where the scene does not say how many it wants."""
 
 
 class CableSolver(Model):
@@ -18,10 +31,11 @@ class CableSolver(Model):
     Theirs: ``type`` RK4, G-alpha or Newmark; ``alpha_m`` and ``alpha_f`` of eqs 2.79 to 2.83, passed over by the other
     methods; ``eps_energy`` of eq. 2.78; ``plotpoints`` frames a second, 0 for every step.
 
-    Ours: ``rho_inf`` in place of the alphas. ``start: static`` looks for equilibrium first. RK4 with multipliers comes
+    Ours: ``rho_inf`` in place of the alphas. ``start: static`` looks for equilibrium first, ``relaxed`` lets
+    the scene come to rest by dynamic relaxation. RK4 with multipliers comes
     back to the constraints after each step by ``stabilise`` projections (two in the thesis, eqs 2.124-2.125), in the
     metric of the ``mass`` (eq. 2.127) or of ``identity`` (eq. 2.128). ``control: error`` halves and doubles the step
-    to keep the local error below ``tolerance``, m.
+    to keep the local error below ``tolerance``, m; ``time_step: auto`` chooses the longest step as well.
     """
 
     method: Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS] = Field(
@@ -34,14 +48,14 @@ class CableSolver(Model):
     max_iterations: Annotated[Whole, Field(ge=1, le=1000)] = Field(20, alias="maxIter")
     mass_damping: Annotated[float, quantity("1/s", nonnegative=True)] = Field(0.0, alias="massDamp")
     step: Step = Field(alias="time_step")
-    end: Step = Field(alias="time_end")
+    end: Time = Field(alias="time_end")
     plotpoints: Annotated[float, quantity("", nonnegative=True)] = 0.0
     skip_vtk: Switch = Field(True, alias="skipVTK")
-    start: Annotated[Literal["static", "as given"], word("static", "as given")] = "as given"
+    start: Annotated[Literal["static", "relaxed", "as given"], word("static", "relaxed", "as given")] = "as given"
     projection: Annotated[Literal["mass", "identity", "none"], word("mass", "identity", "none")] = "identity"
     stabilise: Annotated[Whole, Field(ge=0, le=2)] = 2
-    control: Annotated[Literal["fixed", "error"], word("fixed", "error")] = "fixed"
-    error_tolerance: Annotated[float, quantity("m", positive=True)] | None = Field(None, alias="tolerance")
+    control: Control = "fixed"
+    step_error: Annotated[float, quantity("m", positive=True)] | None = Field(None, alias="tolerance")
 
     @model_validator(mode="after")
     def _alphas(self) -> CableSolver:
@@ -53,6 +67,9 @@ class CableSolver(Model):
 
     @model_validator(mode="after")
     def _times(self) -> CableSolver:
+        check_control(self, "tolerance")
+        if self.step == "auto":
+            return self
         if self.end < self.step:
             cause = f"is before the first step ends ({self.step:g} s)"
             raise fault("time_end", cause, "end later, or take a smaller time_step")
@@ -62,13 +79,13 @@ class CableSolver(Model):
         if self.end / self.interval > MOST_FRAMES:
             cause = f"keeps {self.end / self.interval:.1e} frames, more than {MOST_FRAMES:.0e}"
             raise fault("plotpoints", cause, "ask for fewer frames a second, such as 100, or end earlier")
-        if self.control == "error" and self.error_tolerance is None:
-            raise fault("tolerance", "is missing beside control: error", "add `tolerance:`, a length such as 1.0e-5")
         return self
 
     @property
     def interval(self) -> float:
         """Time between the frames that are kept, s: no shorter than a step, no longer than the run."""
+        if self.step == "auto":
+            return min(1.0 / self.plotpoints if self.plotpoints > 0.0 else self.end / FRAMES_OF_AUTO, self.end)
         asked = 1.0 / self.plotpoints if self.plotpoints * self.step > 0.0 else self.step
         return min(max(asked, self.step), self.end)
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
 from tautline.kernels.dofs import add_block
-from tautline.kernels.groups import register
+from tautline.kernels.groups import EMPTY, register
 from tautline.kernels.hermite import FIRST, PLACE, SECOND, SHAPE, WEIGHT
 from tautline.kernels.jit import kernel
 
@@ -246,14 +246,15 @@ def _dissipation(g, t, q, v, p):
 
 
 @kernel
-def count_empty(g, t, q, count):
-    """Count the elements whose length is gone."""
+def watch_length(g, t, q, alarm):
+    """Tell of an element whose length is gone."""
     for n in range(g.rows.size):
         if not q[g.rows[n].b + MATERIAL] > q[g.rows[n].a + MATERIAL]:
-            count[0] += 1
+            alarm[0] = EMPTY
+            alarm[1] = g.rows[n].a + MATERIAL
 
 
 register(
     Flow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
-    alarm=count_empty,
+    alarm=watch_length,
 )  # fmt: skip

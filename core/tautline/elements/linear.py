@@ -12,7 +12,7 @@ import numpy as np
 
 from tautline.elements.tension import is_slack, strain_of
 from tautline.kernels.dofs import add_block, add_entry
-from tautline.kernels.groups import register
+from tautline.kernels.groups import EMPTY, register
 from tautline.kernels.jit import kernel
 
 NODE, MATERIAL, AXES = 4, 3, 3
@@ -204,13 +204,14 @@ def _dissipation(g, t, q, v, p):
 
 
 @kernel
-def count_empty(g, t, q, count):
-    """Count the elements whose length is gone."""
+def watch_length(g, t, q, alarm):
+    """Tell of an element whose length is gone."""
     for n in range(g.rows.size):
         if not q[g.rows[n].b + MATERIAL] > q[g.rows[n].a + MATERIAL]:
-            count[0] += 1
+            alarm[0] = EMPTY
+            alarm[1] = g.rows[n].a + MATERIAL
 
 
 register(
-    LinearTension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation, alarm=count_empty
+    LinearTension, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation, alarm=watch_length
 )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.linear import AXES, MATERIAL, NODE, count_empty
+from tautline.elements.linear import AXES, MATERIAL, NODE, watch_length
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -202,5 +202,5 @@ def _dissipation(g, t, q, v, p):
 
 register(
     LinearFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
-    alarm=count_empty,
+    alarm=watch_length,
 )  # fmt: skip

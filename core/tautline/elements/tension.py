@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
-from tautline.elements.flow import NX, NXL, NXX, NXXL, combine, count_empty, write_shapes
+from tautline.elements.flow import NX, NXL, NXX, NXXL, combine, watch_length, write_shapes
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, WEIGHT
@@ -351,5 +351,5 @@ def _flowing_dissipation(g, t, q, v, p):
 
 register(
     FlowingTension, residual=_flowing_residual, tangent=_flowing_tangent, energy=_energy,
-    dissipation=_flowing_dissipation, alarm=count_empty,
+    dissipation=_flowing_dissipation, alarm=watch_length,
 )  # fmt: skip

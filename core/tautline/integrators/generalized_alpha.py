@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.newton import DONE, Corrector, correct
-from tautline.integrators.state import WORST, enter, keep, restore, supplied_power
+from tautline.integrators.state import WORST, enter, keep, restore, supplied_power, watch
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
 
-INACCURATE, NO_LENGTH = int(Status.INACCURATE), int(Status.NO_LENGTH)
+INACCURATE = int(Status.INACCURATE)
 
 
 class GeneralizedAlpha(NamedTuple):
@@ -86,11 +86,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         if m.control[0] > m.tolerance:
             status = INACCURATE
     if status == DONE:
-        count = m.corrector.changed
-        count[0] = 0
-        over.alarm(groups, t + h, state.full_q, count)
-        if count[0] > 0:
-            status = NO_LENGTH
+        status = watch(groups, dofs, state, t + h, m.corrector.changed)
     if status != DONE:
         restore(state)
         prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)

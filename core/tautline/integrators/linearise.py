@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand, expand_held, prescribe, reduce
+from tautline.kernels.dofs import expand, expand_held, keep_flowing, prescribe, reduce
 from tautline.kernels.jit import entry
-from tautline.kernels.matrix import clear, dense, factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
+from tautline.kernels.matrix import clear, dense, factorise_matrix, new_factors, new_matrix, solve_matrix
 from tautline.system.system import System
 
 SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
@@ -20,9 +18,10 @@ SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
 def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual):
     """Reduced residual ``residual`` (n,) and ``matrix`` = cm M + cc C + ck K at the state's position, at time t.
 
-    ``at_rest`` leaves velocities and accelerations out, and groups begin with beta = -1; else velocities are the
-    state's and accelerations are zero but for those that are prescribed. Every group begins an explicit step of ``h``
-    s, so that laws and arcs fit the state; with h = 0 a run under way is looked at and not touched.
+    ``at_rest`` leaves velocities and accelerations out, but for the rate of material that flows steadily, and groups
+    begin with beta = -1; else velocities are the state's and accelerations are zero but for those that are prescribed.
+    Every group begins an explicit step of ``h`` s, so that laws and arcs fit the state; with h = 0 a run under way is
+    looked at and not touched.
     """
     groups = system.link(SUMS)
     evaluate_scene(groups, system.dofs, system.functions, state, t, h, at_rest, cm, cc, ck, matrix, residual)
@@ -35,8 +34,7 @@ def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, ma
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
     if at_rest:
-        state.full_v.fill(0.0)
-        state.full_a.fill(0.0)
+        keep_flowing(dofs, state.full_v, state.full_a)
     else:
         expand_held(dofs, state.full_a)
     if h > 0.0:
@@ -76,53 +74,6 @@ def start_moving(system: System, state: State, step: float) -> None:
     state.a[:] = -acceleration
     state.auxiliary[:] = state.a
     evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, factors.matrix, acceleration)
-
-
-class FastestMode:
-    """The largest natural frequency of small undamped vibrations of a system, looked at again and again along a run.
-
-    The spectral radius of M^-1 K by power iteration, from below; friction and damping do not count (eq. 2.170). Each
-    search starts from the mode that the last one found, with a little of every other.
-    """
-
-    FEWEST, MOST = 6, 60
-    """Iterations of a search."""
-    SETTLED = 1.0e-3
-    """Relative change of omega^2 in one iteration that ends a search."""
-
-    def __init__(self, system: System) -> None:
-        size = system.size, system.bandwidth, system.border
-        self.system = system
-        self._stiffness, self._mass = new_matrix(*size), new_factors(*size)
-        self._random = np.random.default_rng(1)
-        self._mode = np.zeros(system.size)
-
-    def search(self, state: State, t: float) -> tuple[float, int]:
-        """Frequency, rad/s, at a state, and the unknown that has most of the mode."""
-        keep, residual = state.residual.copy(), np.zeros(self.system.size)
-        for matrix, (cm, ck) in ((self._stiffness, (0.0, 1.0)), (self._mass.matrix, (1.0, 0.0))):
-            evaluate(self.system, state, t, 0.0, False, cm, 0.0, ck, matrix, residual)
-        state.residual[:] = keep
-        if self.system.size == 0 or factorise_matrix(self._mass):
-            return 0.0, 0
-        return self._iterate(sparse(self._stiffness))
-
-    def _iterate(self, stiffness: Any) -> tuple[float, int]:
-        x = self._random.standard_normal(self.system.size)
-        x = 0.1 * x / np.linalg.norm(x) + self._mode
-        square = 0.0
-        for iteration in range(self.MOST):
-            y = stiffness @ x
-            solve_matrix(self._mass, y)
-            size = float(np.linalg.norm(y))
-            if size == 0.0 or not np.isfinite(size):
-                return 0.0, 0
-            last, square = square, float(x @ y) / float(x @ x)
-            x = y / size
-            if iteration >= self.FEWEST and self._mode.any() and abs(square - last) < self.SETTLED * abs(square):
-                break
-        self._mode = x
-        return max(0.0, square) ** 0.5, int(np.abs(x).argmax())
 
 
 def matrices(system: System, state: State, at_rest: bool = True) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

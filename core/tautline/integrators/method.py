@@ -12,6 +12,9 @@ from tautline.integrators.rk4 import RungeKutta4, runge_kutta_4
 from tautline.system.model import SolverSettings
 from tautline.system.system import System
 
+HALVINGS_OF_AUTO = 24
+"""Times that a step may be halved at least where the longest is as long as an output interval."""
+
 
 def generalized_alpha(system: System, settings: SolverSettings) -> GeneralizedAlpha:
     """Generalized-alpha with the parameters of the settings."""
@@ -25,13 +28,14 @@ def newmark(system: System, settings: SolverSettings) -> GeneralizedAlpha:
 
 def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f: float) -> GeneralizedAlpha:
     beta, gamma = coefficients(alpha_m, alpha_f)
+    halvings = max(settings.max_halvings, HALVINGS_OF_AUTO) if settings.automatic else settings.max_halvings
     by_energy = settings.criterion == "energy"
     iteration = corrector(system, settings.tolerance, by_energy, settings.max_iterations, settings.energy_unit)
     # A row's moment over the force that counts as large is the length by which its unknown counts.
     length = system.scale / (system.force or system.scale.max(initial=1.0))
     length[system.algebraic] = 0.0
     return GeneralizedAlpha(
-        alpha_m, alpha_f, beta, gamma, settings.max_halvings, iteration, np.zeros(3), np.zeros(1), system.algebraic,
+        alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(3), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
     )  # fmt: skip
 

@@ -68,7 +68,7 @@ def corrector(
         float(tolerance), float(unit), bool(by_energy), int(max_iterations), system.scale,
         new_matrix(n, system.bandwidth, system.border), new_factors(n, system.bandwidth, system.border),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
-        np.zeros(1, np.int64),
+        np.zeros(2, np.int64),
     )  # fmt: skip
 
 

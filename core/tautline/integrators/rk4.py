@@ -9,7 +9,7 @@ from numba.core import types
 from numba.extending import overload
 
 from tautline.integrators.newton import DONE, SINGULAR
-from tautline.integrators.state import WORST, enter, keep, restore, supplied_power
+from tautline.integrators.state import WORST, enter, keep, restore, supplied_power, watch
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held, prescribe, reduce
@@ -18,7 +18,7 @@ from tautline.kernels.jit import entry, kernel
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix
 from tautline.system.system import System
 
-UNSTABLE, NO_LENGTH = int(Status.UNSTABLE), int(Status.NO_LENGTH)
+UNSTABLE = int(Status.UNSTABLE)
 RK4_LIMIT = 2.8
 """omega h on the imaginary axis beyond which the method is unstable, eq. 2.137."""
 BEFORE = 1.0 - 1.0e-9
@@ -63,7 +63,7 @@ def runge_kutta_4(system: System, projection: str = "mass", stabilise: int = 1) 
         factorise_matrix(factors)
     return RungeKutta4(
         np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), has_constant_mass(system.groups),
-        np.zeros((2, n)), np.zeros(3), np.zeros(1, np.int64), bool(system.mass_couples_held and moves), factors,
+        np.zeros((2, n)), np.zeros(3), np.zeros(2, np.int64), bool(system.mass_couples_held and moves), factors,
         int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
     )  # fmt: skip
 
@@ -243,10 +243,9 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
         project(method, groups, dofs, 1, state)
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
-    method.at[0] = 0
-    over.alarm(groups, t + h, state.full_q, method.at)
-    if method.at[0] > 0:
+    status = watch(groups, dofs, state, t + h, method.at)
+    if status != DONE:
         restore(state)
-        return NO_LENGTH
+        return status
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
     return DONE

@@ -6,11 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.integrators.status import Status
+from tautline.kernels import groups as over
 from tautline.kernels.jit import kernel
 from tautline.system.system import System
 
 STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST = range(5)
 """Places in ``counters``: steps taken, Newton iterations, factorisations, halvings, the worst reduced row."""
+
+DONE, BEFORE_ALARMS = int(Status.DONE), int(Status.NO_LENGTH) - 1
+"""The statuses of the groups' alarms follow one another."""
 
 TIME, POWER, LOSS, WORK, DISSIPATED, THROUGHPUT = range(6)
 """Places in ``ledger``: time of the last entry (s), power supplied and lost then (W), work done on the system, energy
@@ -55,6 +60,18 @@ def keep(state):
         state.keep[1, i] = state.v[i]
         state.keep[2, i] = state.a[i]
         state.keep[3, i] = state.auxiliary[i]
+
+
+@kernel
+def watch(groups, dofs, state, t, alarm):
+    """Ask the groups whether the state is one that they can go on from. Returns a status."""
+    alarm[0] = 0
+    over.alarm(groups, t, state.full_q, alarm)
+    if alarm[0] == 0:
+        return DONE
+    if dofs.number[alarm[1]] >= 0:
+        state.counters[WORST] = dofs.number[alarm[1]]
+    return BEFORE_ALARMS + alarm[0]
 
 
 @kernel

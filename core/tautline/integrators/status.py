@@ -17,6 +17,8 @@ class Status(IntEnum):
     NO_EQUILIBRIUM = 5
     INACCURATE = 6
     NO_LENGTH = 7
+    NULL_MOTION = 8
+    IMBALANCE = 9
 
 
 SENTENCES = {
@@ -39,6 +41,14 @@ SENTENCES = {
     Status.NO_LENGTH: (
         "an element has lost its length: all of its material has moved out through its nodes; end the run earlier, or "
         "begin with a longer element"
+    ),
+    Status.NULL_MOTION: (
+        "the rope has turned across all that holds its node, whose p is free: the node may slide along the rope "
+        "without moving any of it, and nothing resists; hold the node in a further direction, or hold its p"
+    ),
+    Status.IMBALANCE: (
+        "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "
+        "a smaller solver.step (or control: error), and finer elements where they fold"
     ),
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }

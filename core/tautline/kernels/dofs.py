@@ -30,7 +30,8 @@ class Dofs(NamedTuple):
     ``free`` (n,) is the full degree of freedom that each unknown is, and ``tied`` lists those with masters;
     a master that is held stands in ``unknown`` as -1 less its full number, and ``carried`` lists what has such masters;
     ``held`` lists those that are fixed (``motion`` -1) or follow a function of time, and ``offset`` is added to it;
-    ``driven`` says which of ``held`` follow one.
+    ``driven`` says which of ``held`` follow one. ``flowing`` lists held and tied ones whose rate counts at rest:
+    material that flows steadily past nodes that stand still.
     """
 
     start: np.ndarray
@@ -44,6 +45,7 @@ class Dofs(NamedTuple):
     carried: np.ndarray
     free: np.ndarray
     tied: np.ndarray
+    flowing: np.ndarray
 
 
 DOFS = typeof(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
@@ -85,6 +87,17 @@ def expand_held(dofs, full):
             if dofs.unknown[k] < 0:
                 x += dofs.factor[k] * full[-1 - dofs.unknown[k]]
         full[i] = x
+
+
+@kernel
+def keep_flowing(dofs, v, a):
+    """Put everything to rest but material that flows steadily."""
+    a.fill(0.0)
+    for i in dofs.flowing:
+        a[i] = v[i]
+    for i in range(v.size):
+        v[i] = a[i]
+        a[i] = 0.0
 
 
 @kernel(inline="always")

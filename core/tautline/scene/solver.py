@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -20,7 +20,9 @@ METHODS = word(
     aliases={"G-alpha": "generalized-alpha", "generalised-alpha": "generalized-alpha", "runge-kutta": "rk4"},
 )
 Method = Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS]
-Step = Annotated[float, quantity("s", positive=True)]
+Time = Annotated[float, quantity("s", positive=True)]
+Step = Annotated[float | Literal["auto"], quantity("s", positive=True, words=("auto",))]
+Control = Annotated[Literal["fixed", "error"], word("fixed", "error")]
 
 
 DEFAULT_RHO = 0.8
@@ -51,12 +53,50 @@ def alphas_of(method: str, rho_inf: float | None, alpha_m: float | None, alpha_f
     return (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
 
 
+def check_control(solver: Any, key: str) -> None:
+    """Refuse step control without an error to keep to, and for a method that has none.
+
+    Parameters
+    ----------
+    solver : Solver or CableSolver
+    key : str
+        What the error is called in the file.
+
+    Raises
+    ------
+    ValidationError
+        At ``key`` or ``control``.
+    """
+    error = solver.step_error
+    if solver.method == "rk4" and solver.control == "error":
+        raise fault("control", "rk4 has no control of its error", "use generalized-alpha, or step: auto")
+    if error is None and solver.control == "error" and solver.step != "auto":
+        raise fault(key, "is missing beside control: error", f"add `{key}:`, a length such as 1.0e-5")
+    if error is not None and solver.control == "fixed" and solver.step != "auto":
+        raise fault(key, "is not used with a fixed step", f"add `control: error`, or remove {key}")
+
+
+def longest_step(solver: Any, interval: float) -> float:
+    """Longest step of a run, s: the scene's, or the output's interval where the step is chosen."""
+    return interval if solver.step == "auto" else float(solver.step)
+
+
+def error_of_steps(solver: Any, usual: float) -> float:
+    """Error in position that a step may have, m: the scene's, `usual` where the step is chosen, 0 for no control."""
+    if solver.method == "rk4" or (solver.control == "fixed" and solver.step != "auto"):
+        return 0.0
+    return usual if solver.step_error is None else float(solver.step_error)
+
+
 class Solver(Model):
     """The time integrator.
 
     Generalized-alpha takes `rho_inf` (spectral radius at infinite frequency: 1 keeps, 0 kills what the step cannot
     follow), or both `alpha_m` and `alpha_f` (thesis eqs 2.79 to 2.83). The other methods pass them over, so that a
     scene can be run by each.
+
+    With `control: error` an implicit method halves and doubles the step to keep the error of one below `step_error`, m.
+    `step: auto` chooses the longest step as well: the output's interval, and for rk4 what is stable.
     """
 
     method: Method = "generalized-alpha"
@@ -64,7 +104,9 @@ class Solver(Model):
     alpha_m: Annotated[float, quantity("")] | None = None
     alpha_f: Annotated[float, quantity("")] | None = None
     step: Step
-    end: Step
+    end: Time
+    control: Control = "fixed"
+    step_error: Annotated[float, quantity("m", positive=True)] | None = None
     tolerance: Annotated[float, quantity("", positive=True, below=1.0)] | None = None
     max_iterations: Annotated[Whole, Field(ge=1, le=1000)] = 20
     max_halvings: Annotated[Whole, Field(ge=0, le=40)] = 10
@@ -76,6 +118,9 @@ class Solver(Model):
         if "rho_inf" in given and len(given) > 1:
             raise fault(given[1], "is given together with rho_inf", "keep rho_inf, or alpha_m and alpha_f")
         check_alphas(self.alpha_m, self.alpha_f)
+        check_control(self, "step_error")
+        if self.step == "auto":
+            return self
         if self.end < self.step:
             raise fault("end", f"is before the first step ends ({self.step:g} s)", "end later, or take a smaller step")
         if self.end / self.step > MOST_STEPS:
@@ -104,7 +149,7 @@ def check_output(solver: Solver, output: Output) -> None:
         At ``output.interval``.
     """
     at = ("output", "interval")
-    if output.interval < solver.step * (1.0 - 1e-9):
+    if solver.step != "auto" and output.interval < solver.step * (1.0 - 1e-9):
         cause = f"is shorter than the step ({solver.step:g} s): there is nothing between two steps to keep"
         raise fault(at, cause, "give at least solver.step, or take smaller steps")
     if output.interval > solver.end * (1.0 + 1e-9):

@@ -19,7 +19,8 @@ class SolverSettings:
     output interval s; how an explicit method is put back onto its constraints (``mass``: eq. 2.127, ``identity``:
     eq. 2.128) and how often a step; tolerance and criterion (``force``: residual over scale; ``energy``: eq. 2.78 with
     the energy over ``energy_unit`` J, by default that of the largest force through one metre); limits;
-    ``step_error`` m, above which the error of an implicit step halves it, or 0.
+    ``step_error`` m, above which the error of an implicit step halves it, or 0; ``automatic``: ``step`` is the longest,
+    an explicit method takes what is stable.
     """
 
     method: str
@@ -36,6 +37,7 @@ class SolverSettings:
     stabilise: int = 1
     energy_unit: float | None = None
     step_error: float = 0.0
+    automatic: bool = False
 
 
 @dataclass
@@ -56,8 +58,8 @@ class Model:
         Frames (``integrators.march.Frames``) of a batch -> dict of arrays, leading axis time.
     headline : callable
         Result -> dict of name -> {"value", "unit", "text"}: the application's own figures.
-    at_rest : bool
-        Whether the run starts from static equilibrium.
+    start : str
+        ``static``: from equilibrium, ``relaxed``: from where dynamic relaxation comes to rest, or ``as given``.
     step_limit : float
         Largest change of an unknown in one iteration of the search for it, m or rad.
     own : int
@@ -73,7 +75,7 @@ class Model:
     attributes: dict[str, Any]
     observe: Callable[[Any], dict[str, np.ndarray]]
     headline: Callable[[Any], dict[str, dict[str, Any]]]
-    at_rest: bool = True
+    start: str = "static"
     step_limit: float = 1.0
     own: int = 0
     notes: list[str] = field(default_factory=list)

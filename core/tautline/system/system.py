@@ -142,6 +142,7 @@ def assemble(
     mass_stencils: Sequence[np.ndarray],
     at_rest: Sequence[int] = (),
     algebraic: Sequence[int] = (),
+    flowing: Sequence[int] = (),
 ) -> System:
     """Number the unknowns and order them for a narrow band.
 
@@ -161,6 +162,8 @@ def assemble(
         Free full degrees of freedom that stay where they are while an equilibrium is sought: driven ones.
     algebraic : sequence of int
         Full degrees of freedom that are multipliers: they have an acceleration and nothing else.
+    flowing : sequence of int
+        Held or tied full degrees of freedom whose rate counts while all else is at rest: material that flows steadily.
 
     Returns
     -------
@@ -190,6 +193,7 @@ def assemble(
         carried=np.array([i for i, m in enumerate(masters) if any(k < 0 for k, _ in m)], dtype=np.int64),
         free=free[order],
         tied=np.array(sorted(degrees.masters), dtype=np.int64),
+        flowing=np.array(sorted(flowing), dtype=np.int64),
     )
     return System(
         groups=groups,

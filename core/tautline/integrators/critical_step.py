@@ -1,0 +1,97 @@
+"""The longest step that an explicit method can take, from the fastest modes of small vibrations about a state."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from tautline.integrators.linearise import evaluate
+from tautline.integrators.rk4 import RK4_LIMIT
+from tautline.integrators.state import State
+from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
+from tautline.system.system import System
+
+STABILITY = np.array([1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0])
+"""What one step of RK4 multiplies y by for y. = lambda y: a polynomial in h lambda (Fig. 2.7)."""
+GROWS = 1.0e-6
+"""Growth in one step that is rounding of the boundary."""
+
+
+def critical_step(stiffness: float, damping: float) -> float:
+    """Critical step of RK4, s, for x.. + damping x. + stiffness x = 0.
+
+    On the imaginary axis the method is stable up to 2.8 / omega (eq. 2.137); the roots of a damped mode leave the axis,
+    and beyond critical damping the faster of them, at about -damping, has the limit 2.785 / damping.
+    """
+    roots = np.roots([1.0, max(damping, 0.0), max(stiffness, 0.0)])
+    steps = [_reach(round(float(abs(np.angle(x))), 3)) / abs(x) for x in roots if x != 0.0]
+    return float(min(steps, default=np.inf))
+
+
+@cache
+def _reach(angle: float) -> float:
+    """How far the region of stability reaches in a direction of the complex plane."""
+    r = np.linspace(1e-3, 4.0, 4000)
+    grows = np.abs(np.polynomial.polynomial.polyval(r * np.exp(1j * angle), STABILITY)) > 1.0 + GROWS
+    return float(min(r[np.argmax(grows)], RK4_LIMIT)) if grows.any() else RK4_LIMIT
+
+
+class CriticalStep:
+    """The critical step of a system, looked for again and again along a run.
+
+    The modes that may set it are the stiffest, of M^-1 K, and the most damped, of M^-1 C: both by power iteration, from
+    where the last search ended with a little of every other. Friction does not count.
+    """
+
+    FEWEST, MOST = 6, 60
+    """Iterations of a search."""
+    SETTLED = 1.0e-3
+    """Relative change of a quotient in one iteration that ends a search."""
+
+    def __init__(self, system: System) -> None:
+        size = system.size, system.bandwidth, system.border
+        self.system = system
+        self._stiffness, self._damping, self._mass = new_matrix(*size), new_matrix(*size), new_factors(*size)
+        self._random = np.random.default_rng(1)
+        self._modes = np.zeros((2, system.size))
+
+    def search(self, state: State, t: float) -> tuple[float, int]:
+        """Critical step, s, at a state, infinite where nothing vibrates, and the unknown that has most of the mode."""
+        keep, residual = state.residual.copy(), np.zeros(self.system.size)
+        parts = ((self._stiffness, (0.0, 0.0, 1.0)), (self._damping, (0.0, 1.0, 0.0)))
+        for matrix, part in (*parts, (self._mass.matrix, (1.0, 0.0, 0.0))):
+            evaluate(self.system, state, t, 0.0, False, *part, matrix, residual)
+        state.residual[:] = keep
+        mass = sparse(self._mass.matrix)
+        if self.system.size == 0 or factorise_matrix(self._mass):
+            return np.inf, 0
+        k, c = sparse(self._stiffness), sparse(self._damping)
+        found = [(np.inf, 0)]
+        for which, matrix in enumerate((k, c)):
+            x = self._fastest(matrix, which) if matrix.nnz and np.any(matrix.data) else None
+            if x is not None:
+                inertia = abs(float(x @ (mass @ x))) or 1.0
+                step = critical_step(float(x @ (k @ x)) / inertia, float(x @ (c @ x)) / inertia)
+                found.append((step, int(np.abs(x).argmax())))
+        return min(found)
+
+    def _fastest(self, matrix: Any, which: int) -> np.ndarray | None:
+        """The vector that M^-1 times a matrix stretches most; None where it stretches none."""
+        x = self._random.standard_normal(self.system.size)
+        x = 0.1 * x / np.linalg.norm(x) + self._modes[which]
+        last, known = 0.0, bool(self._modes[which].any())
+        for iteration in range(self.MOST):
+            y = matrix @ x
+            solve_matrix(self._mass, y)
+            size = float(np.linalg.norm(y))
+            if size == 0.0 or not np.isfinite(size):
+                return None
+            quotient = float(x @ y) / float(x @ x)
+            x = y / size
+            if known and iteration >= self.FEWEST and abs(quotient - last) < self.SETTLED * abs(quotient):
+                break
+            last = quotient
+        self._modes[which] = x
+        return x
