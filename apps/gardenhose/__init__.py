@@ -1,1 +1,1 @@
-"""Hoses conveying fluid: the application is being written on the cable elements that the core does not have yet."""
+"""Hoses, risers and pipes that convey fluid: the application built on Tautline's solver."""

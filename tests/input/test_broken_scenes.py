@@ -220,7 +220,13 @@ EDITS = {
     "a list for a string": ("string:  ", "string: []\nstrong:  ", 13, "string", "at least one"),
     "a mapping for a string": ("string:  ", "string: {od: 1}\nstrong:  ", 13, "string", "a list"),
     "a string section that is a word": ("string:  ", "string: [pipe]\nstrong:  ", 13, "string[0]", "a mapping of keys"),
-    "a start of no kind": ("solver:", "start: moving\nsolver:", 24, "start = moving", "known: static, straight"),
+    "a start of no kind": (
+        "solver:",
+        "start: moving\nsolver:",
+        24,
+        "start = moving",
+        "known: static, relaxed, straight",
+    ),
     "gravity upwards": ("solver:", "gravity: -9.81\nsolver:", 24, "gravity = -9.81", "must not be negative"),
     "an added mass of a word": (
         "added_mass: 1.0",

@@ -338,7 +338,7 @@ EDITS = {
     ),
     "alpha_f alone": ("rho_inf: 0.6 ", "alpha_f: 0.1 ", 28, "GeneralizedAlpha.alpha_m", "add `alpha_m:`"),
     "rho_inf over one": ("rho_inf: 0.6 ", "rho_inf: 1.6 ", 30, "rho_inf = 1.6", "not be more than 1"),
-    "an unknown start": (END, END + "\n  start: statical", 38, "start = statical", "known: static, as given"),
+    "an unknown start": (END, END + "\n  start: statical", 38, "start = statical", "known: static, relaxed, as given"),
     "error control without a tolerance": (END, END + "\n  control: error", 28, "tolerance", "such as 1.0e-5"),
     "three projections": (END, END + "\n  stabilise: 3", 38, "GeneralizedAlpha.stabilise = 3", "at most 2"),
     "an unknown projection": (END, END + "\n  projection: mas", 38, "projection = mas", "did you mean 'mass'"),

@@ -1,6 +1,5 @@
 """Scenes with too few equations along the rope, or with the same equation twice, are told from sound ones."""
 
-
 import numpy as np
 import pytest
 

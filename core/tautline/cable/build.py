@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from hashlib import sha256
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,14 +12,14 @@ from tautline.cable.eyelets import eyelets
 from tautline.cable.joined import check_sound, constraint_groups, equations_of
 from tautline.cable.layout import Layout
 from tautline.cable.material import material_coordinates
-from tautline.cable.members import element_groups, records, stencils
+from tautline.cable.members import element_groups, records, steady_flow, stencils
 from tautline.cable.observe import Observer, headline, variables
 from tautline.cable.scene import CableScene
 from tautline.constraints.multiplier import Multipliers
 from tautline.elements.node import SPRING, Anchors, PointMasses, Springs, TimedForces
 from tautline.scene.solver import error_of_steps, longest_step
 from tautline.system.model import Model, SolverSettings
-from tautline.system.system import assemble
+from tautline.system.system import System, assemble
 
 STIFF_SHARE = 1.0e-4
 """Share of the largest axial stiffness that counts as a large force."""
@@ -26,12 +27,20 @@ ERROR = 1.0e-6
 """Error of a step over the length of all ropes, where the step is chosen and the scene gives none."""
 
 
-def build(scene: CableScene) -> Model:
-    """Compile a scene.
+class Assembly(NamedTuple):
+    """A scene's equations: where its unknowns stand, the system, who reads its frames, elements' lengths m, notes."""
 
-    Returns
-    -------
-    Model
+    layout: Layout
+    system: System
+    observer: Observer
+    lengths: list[float]
+    notes: list[str]
+
+
+def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lambda layout: []) -> Assembly:
+    """Number a scene's unknowns and make its groups; ``more`` adds an application's own.
+
+    An application's groups may couple what an element couples already, and nothing else.
 
     Raises
     ------
@@ -49,7 +58,7 @@ def build(scene: CableScene) -> Model:
     whole, massive = stencils(layout, elements)
     constraints, notes = constraint_groups(layout, made, mass / max(1, len(scene.nodes)) or 1.0)
     loose = _node_groups(layout)
-    groups = (*elements, *loose, *constraints, *eyelets(layout, made))
+    groups = (*elements, *loose, *more(layout), *constraints, *eyelets(layout, made))
     algebraic: list[int] = []
     for group in constraints:
         table = group.equations
@@ -64,10 +73,29 @@ def build(scene: CableScene) -> Model:
     for group in loose:
         if isinstance(group, Springs):
             whole += [np.concatenate([row.a + np.arange(3), row.b + np.arange(3)])[None, :] for row in group.rows]
-    system = assemble(groups, layout.degrees, layout.functions, layout.velocity, whole, massive, algebraic=algebraic)
+    system = assemble(
+        groups, layout.degrees, layout.functions, layout.velocity, whole, massive, algebraic=algebraic,
+        flowing=steady_flow(layout),
+    )  # fmt: skip
     system.q[: layout.initial.size] = layout.initial
     system.force = force
     observer = Observer(layout, groups, [e.name for e in made if e.tie.method != "penalty"])
+    return Assembly(layout, system, observer, lengths, notes)
+
+
+def build(scene: CableScene) -> Model:
+    """Compile a scene.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    SceneError
+        As :func:`assemble_cables` does.
+    """
+    _, system, observer, lengths, notes = assemble_cables(scene)
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
     error = error_of_steps(solver, ERROR * sum(lengths))

@@ -7,6 +7,7 @@ import numpy as np
 from tautline.cable.parts import Node
 from tautline.cable.scene import CableScene
 from tautline.kernels.time_function import TimeFunctions, evaluate
+from tautline.scene.document import join_key
 from tautline.scene.functions import Table
 from tautline.system.system import Degrees
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -68,7 +69,7 @@ class Layout:
                 parts.append((i, factor))
             elif motion >= 0:
                 given = self.scene.motions[motion]
-                what = (given.times, given.velocities) if given.function is None else motion
+                what = (given.times, given.velocities) if given.function is None and given.rate is None else motion
                 parts.append((("motion", what), factor))
         return frozenset(parts)
 
@@ -113,6 +114,8 @@ class Layout:
 def _request(motion, end: float) -> FunctionRequest:
     if motion.function is not None:
         return FunctionRequest(motion.function, end=end, key=f"function {motion.id}")
+    if motion.rate is not None:
+        return FunctionRequest(motion.rate, integrate=True, end=end, key=join_key(motion.place), factor=motion.factor)
     rate = Table(time=motion.times, value=motion.velocities, interpolation="linear")
     return FunctionRequest(rate, integrate=True, end=end, key=f"function {motion.id}")
 

@@ -11,6 +11,7 @@ import numpy as np
 from tautline.cable.layout import Layout
 from tautline.cable.parts import Element
 from tautline.elements.bending import BENDING, Bending, FlowingBending
+from tautline.elements.bending_damping import VISCOUS, BendingDamping
 from tautline.elements.flow import Flow
 from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.linear import LinearInertia, LinearTension
@@ -50,6 +51,16 @@ def flow_of(layout: Layout, element: Element) -> str:
     return SHARED if element.kind == "cubic" and first == second else MOVING
 
 
+def steady_flow(layout: Layout) -> list[int]:
+    """Places of the p of material that is driven through elements of constant length: it flows on while they rest."""
+    places: set[int] = set()
+    for element in layout.scene.elements:
+        ends = [layout.material(node) for node in element.nodes]
+        if flow_of(layout, element) == SHARED and all(layout.is_held(place) for place in ends):
+            places.update(ends)
+    return sorted(places)
+
+
 def element_groups(layout: Layout) -> list[Any]:
     """Groups of inertia, tension, bending and open ends, of the kinds that the scene has."""
     scene = layout.scene
@@ -71,6 +82,9 @@ def element_groups(layout: Layout) -> list[Any]:
             bent = [e for e in some if e.EJ > 0.0 and kind == "cubic"]
             if bent:
                 groups.append(_bending(layout, moving, bent))
+            spinless = [e for e in bent if e.spinless and e.damping > 0.0 and not moving]
+            if spinless:
+                groups.append(_bending_damping(layout, spinless))
     open_ends = _outlets(layout)
     if open_ends:
         groups.append(Outlets(records(OUTLET, open_ends), np.zeros((4, 4)), np.zeros((3, 6))))
@@ -134,7 +148,9 @@ def _tension(layout: Layout, kind: str, moving: bool, elements: list[Element], q
 
 def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
     rows = [
-        _ends(layout, e) | {"stiffness": e.EJ, "damping": e.damping, "smoothing": SMOOTHING / length_of(layout, e)}
+        _ends(layout, e)
+        | {"stiffness": e.EJ, "damping": 0.0 if e.spinless and not moving else e.damping}
+        | {"smoothing": SMOOTHING / length_of(layout, e)}
         for e in elements
     ]
     common = records(BENDING, rows), table(*gauss(3)), np.zeros((5, 4))
@@ -142,6 +158,12 @@ def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
     if moving:
         return FlowingBending(*common, np.zeros((14, 6)), stress, np.zeros((14, 14)))
     return Bending(*common, np.zeros((4, 6)), stress, np.zeros((12, 12)))
+
+
+def _bending_damping(layout: Layout, elements: list[Element]) -> BendingDamping:
+    rows = records(VISCOUS, [_ends(layout, e) | {"viscosity": e.EJ * e.damping} for e in elements])
+    scratch = np.zeros((2, 4)), np.zeros((5, 6)), np.zeros((2, 3, 6)), np.zeros((6, 6)), np.zeros((12, 12))
+    return BendingDamping(rows, table(*gauss(3)), *scratch)
 
 
 def length_of(layout: Layout, element: Element) -> float:

@@ -45,7 +45,8 @@ class Element:
     """A cable element: EA N, EJ N m^2, rhoA kg/m, damping c s (eq. 2.49), load N/m of unstretched length.
 
     ``compression`` false is a rope that takes tension only. ``quadrature`` of the axial term: None leaves the choice
-    to the builder (CABLE.md section 4).
+    to the builder. ``spinless``: bending is damped as that of a rope that does not spin about its own line
+    (`tautline.elements.bending_damping`), else as that of one that spins as damps least.
     """
 
     id: int
@@ -61,6 +62,7 @@ class Element:
     load: Vector
     line: int
     place: Place
+    spinless: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,8 +148,8 @@ class Motion:
     """What a held degree of freedom follows.
 
     Either the integral from `pos0` (m, at t = 0) of a rate that is piecewise linear in time (`times` s, `velocities`
-    m/s, held before the first and after the last), or `function`, a model of `tautline.scene.functions` whose value
-    is the degree of freedom itself; `pos0` is then its value at t = 0.
+    m/s, held before the first and after the last), or of `rate`, a model of `tautline.scene.functions`, times
+    `factor`; or `function`, a model whose value is the degree of freedom itself: `pos0` is then its value at t = 0.
     """
 
     id: int
@@ -157,6 +159,8 @@ class Motion:
     function: Any | None
     line: int
     place: Place
+    rate: Any | None = None
+    factor: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

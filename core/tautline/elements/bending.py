@@ -141,6 +141,20 @@ def _write_stress(row, z, stress, square, rate, cc, ck):
 
 
 @kernel
+def add_point(s, stress, weight, block):
+    """Add a point's part of the block (12, 12), from its stress (6, 6) by z and the shapes' rows N' and N''."""
+    for x in range(AXES):
+        for y in range(AXES):
+            ee, ek = weight * stress[x, y], weight * stress[x, 3 + y]
+            ke, kk = weight * stress[3 + x, y], weight * stress[3 + x, 3 + y]
+            for i in range(VECTORS):
+                by_e = s[NX, i] * ee + s[NXX, i] * ke
+                by_k = s[NX, i] * ek + s[NXX, i] * kk
+                for j in range(VECTORS):
+                    block[3 * i + x, 3 * j + y] += by_e * s[NX, j] + by_k * s[NXX, j]
+
+
+@kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     s, z, stress, block = g.shapes, g.vector, g.stress, g.block
     for n in range(g.rows.size):
@@ -157,16 +171,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             for x in range(BOTH):
                 rate += z[GRADIENT, x] * z[RATE, x]
             _write_stress(row, z, stress, square, rate, cc, ck)
-            weight = g.points[k, WEIGHT] * length
-            for x in range(AXES):
-                for y in range(AXES):
-                    ee, ek = weight * stress[0, x, y], weight * stress[0, x, 3 + y]
-                    ke, kk = weight * stress[0, 3 + x, y], weight * stress[0, 3 + x, 3 + y]
-                    for i in range(VECTORS):
-                        by_e = s[NX, i] * ee + s[NXX, i] * ke
-                        by_k = s[NX, i] * ek + s[NXX, i] * kk
-                        for j in range(VECTORS):
-                            block[3 * i + x, 3 * j + y] += by_e * s[NX, j] + by_k * s[NXX, j]
+            add_point(s, stress[0], g.points[k, WEIGHT] * length, block)
         add_block(matrix, dofs, row.a, row.b - row.a, 2 * AXES, block)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.integrators.linearise import evaluate
+from tautline.integrators.linearise import SUMS, evaluate
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.integrators.state import State
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
@@ -17,6 +17,8 @@ STABILITY = np.array([1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0])
 """What one step of RK4 multiplies y by for y. = lambda y: a polynomial in h lambda (Fig. 2.7)."""
 GROWS = 1.0e-6
 """Growth in one step that is rounding of the boundary."""
+SMOOTH = ("begin", "residual", "smooth_tangent")
+"""What is asked of the groups for the damping."""
 
 
 def critical_step(stiffness: float, damping: float) -> float:
@@ -42,7 +44,8 @@ class CriticalStep:
     """The critical step of a system, looked for again and again along a run.
 
     The modes that may set it are the stiffest, of M^-1 K, and the most damped, of M^-1 C: both by power iteration, from
-    where the last search ended with a little of every other. Friction does not count.
+    where the last search ended with a little of every other. The damping of laws that switch, such as friction, does not
+    count: it is bounded, however steep it is where it turns.
     """
 
     FEWEST, MOST = 6, 60
@@ -62,7 +65,8 @@ class CriticalStep:
         keep, residual = state.residual.copy(), np.zeros(self.system.size)
         parts = ((self._stiffness, (0.0, 0.0, 1.0)), (self._damping, (0.0, 1.0, 0.0)))
         for matrix, part in (*parts, (self._mass.matrix, (1.0, 0.0, 0.0))):
-            evaluate(self.system, state, t, 0.0, False, *part, matrix, residual)
+            sums = SMOOTH if matrix is self._damping else SUMS
+            evaluate(self.system, state, t, 0.0, False, *part, matrix, residual, sums)
         state.residual[:] = keep
         mass = sparse(self._mass.matrix)
         if self.system.size == 0 or factorise_matrix(self._mass):

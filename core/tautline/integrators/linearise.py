@@ -15,15 +15,15 @@ from tautline.system.system import System
 SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
 
 
-def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual):
+def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual, sums=SUMS):
     """Reduced residual ``residual`` (n,) and ``matrix`` = cm M + cc C + ck K at the state's position, at time t.
 
     ``at_rest`` leaves velocities and accelerations out, but for the rate of material that flows steadily, and groups
     begin with beta = -1; else velocities are the state's and accelerations are zero but for those that are prescribed.
     Every group begins an explicit step of ``h`` s, so that laws and arcs fit the state; with h = 0 a run under way is
-    looked at and not touched.
+    looked at and not touched. ``sums`` may leave some out.
     """
-    groups = system.link(SUMS)
+    groups = system.link(sums)
     evaluate_scene(groups, system.dofs, system.functions, state, t, h, at_rest, cm, cc, ck, matrix, residual)
 
 

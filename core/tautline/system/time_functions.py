@@ -42,12 +42,15 @@ class FunctionRequest:
         under an envelope need it.
     key : str
         Where it stands in the scene, for messages.
+    factor : float
+        What the function, or its integral, is multiplied by.
     """
 
     model: Any
     integrate: bool = False
     end: float = 0.0
     key: str = ""
+    factor: float = 1.0
 
 
 @dataclass
@@ -105,6 +108,11 @@ class Parts:
         if value != 0.0:
             self.tracks.append(Track.of([], [0.0], [[value]]))
 
+    def times(self, factor: float) -> Parts:
+        """All of it times a number."""
+        tracks = [Track(track.breaks, track.origins, factor * track.coefficients) for track in self.tracks]
+        return Parts(tracks, [(factor * a, *rest) for a, *rest in self.waves])
+
     def integral(self, request: FunctionRequest) -> Parts:
         """Antiderivative, zero at t = 0."""
         whole = Parts([track.integral() for track in self.tracks])
@@ -155,7 +163,7 @@ def _parts(request: FunctionRequest) -> Parts:
         model, integrate = model.velocity, True
     parts = Parts()
     _add(model, parts, smooth=not integrate)
-    return parts.integral(request) if integrate else parts
+    return (parts.integral(request) if integrate else parts).times(request.factor)
 
 
 def _add(model: Any, parts: Parts, smooth: bool) -> None:

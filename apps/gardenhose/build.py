@@ -1,0 +1,127 @@
+"""A hose scene compiled into a model: cables, thrust of jets, start."""
+
+from __future__ import annotations
+
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from gardenhose.cables import Stream, arc_lengths, cables_of, streams
+from gardenhose.limit_cycle import headline
+from gardenhose.observe import Observer, variables
+from gardenhose.scene import HoseScene
+from tautline.cable.build import Assembly, assemble_cables
+from tautline.cable.layout import Layout
+from tautline.cable.members import records
+from tautline.elements.jet import JET, Jets
+from tautline.scene.solver import error_of_steps, longest_step
+from tautline.system.model import Model, SolverSettings
+
+TOLERANCE = 1.0e-6
+"""Error of eq. 2.78 that counts as solved, in root of energy over that of the hose: see `energy_of`."""
+STEP_ERROR = 1.0e-5
+"""Error of a step over the hose's length, where the step is chosen and the scene gives none."""
+STARTS = {"straight": "as given", "static": "static", "relaxed": "relaxed"}
+
+
+def build(scene: HoseScene) -> Model:
+    """Compile a scene.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    SceneError
+        Where what holds the hose says a thing twice.
+    """
+    made = assembled(scene)
+    observer = Observer(scene, made)
+    solver, length = scene.solver, scene.hose.total_length
+    alpha_m, alpha_f = solver.alphas
+    error = error_of_steps(solver, STEP_ERROR * length)
+    notes = list(made.notes)
+    if solver.step == "auto" and error > 0.0:
+        notes.append(f"step: auto keeps the error of a step below {error:.2g} m")
+    return Model(
+        system=made.system,
+        solver=SolverSettings(
+            solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
+            alpha_m, alpha_f, solver.tolerance or TOLERANCE, solver.criterion or "energy", solver.max_iterations,
+            solver.max_halvings, projection="identity", stabilise=2, energy_unit=energy_of(scene),
+            step_error=error, automatic=solver.step == "auto",
+        ),
+        variables=variables(observer),
+        coordinates=observer.coordinates(),
+        attributes={
+            "scene": scene.document.text if scene.document is not None else "",
+            "title": scene.title or "",
+            "application": "gardenhose",
+            "physics": _physics(scene),
+            "conventions": "z up; axial_force is positive in tension and counts the damping; flow_speed is relative to "
+            "the hose, positive from root to tip",
+        },
+        observe=observer.observe,
+        headline=headline,
+        start=STARTS[scene.start],
+        step_limit=0.5 * float(np.diff(arc_lengths(scene)).min()),
+        notes=notes,
+    )  # fmt: skip
+
+
+def assembled(scene: HoseScene) -> Assembly:
+    """The equations of a scene, with the velocity that it begins with."""
+    made = assemble_cables(cables_of(scene), lambda layout: _jets(scene, layout))
+    _disturb(scene, made)
+    return made
+
+
+def energy_of(scene: HoseScene) -> float:
+    """Energy that is large for a hose, J: that of bending it to a radius of its length, or of lifting it by that."""
+    length = scene.hose.total_length
+    bending = max(piece.bending_stiffness for piece in scene.hose.pieces) / length
+    mass = sum((p.mass_per_length + (p.water_mass_per_length or 0.0)) * p.length for p in scene.hose.pieces)
+    weight = (mass + scene.hose.tip_mass) * float(np.linalg.norm(scene.gravity)) * length
+    stretch = 1e-4 * max(piece.axial_stiffness for piece in scene.hose.pieces) * length
+    return max(bending, weight, stretch)
+
+
+def _jets(scene: HoseScene, layout: Layout) -> list[Any]:
+    """Where the water's speed changes: from bore to bore, and in the nozzle at a free end."""
+    found = streams(scene)
+    rows = []
+    for here, after in zip(found[:-1], found[1:], strict=True):
+        rows.append(_jet(layout, here, here.mass / after.mass - 1.0))
+    if found and scene.water is not None and scene.water.outlet != 1.0:
+        rows.append(_jet(layout, found[-1], scene.water.outlet - 1.0))
+    return [Jets(records(JET, rows))] if rows else []
+
+
+def _jet(layout: Layout, stream: Stream, gain: float) -> dict[str, Any]:
+    material = layout.material(stream.first)
+    return {"node": layout.start[stream.stop + 1], "material": material, "mass": stream.mass, "gain": gain}
+
+
+def _disturb(scene: HoseScene, made: Assembly) -> None:
+    """Let the hose begin with a velocity that grows as (s/L)^2 to that of its tip."""
+    if not any(scene.disturbance):
+        return
+    tip, s = np.array(scene.disturbance), arc_lengths(scene)
+    x = s / s[-1]
+    v, start = made.system.v, made.layout.start
+    held = made.layout.degrees.motion
+    pairs = [(i + 1, i) for i in range(len(s))]
+    for stream in streams(scene):
+        pairs += [(stream.first + k, i) for k, i in enumerate(range(stream.start, stream.stop + 1))]
+    for node, i in pairs:
+        for c in range(3):
+            for place, value in ((start[node] + c, x[i] ** 2), (start[node] + 3 + c, 2.0 * x[i] / s[-1])):
+                if place not in held:
+                    v[place] = value * tip[c]
+
+
+def _physics(scene: HoseScene) -> str:
+    """Hash of all that a scene says but how it is solved and what is kept: a run can be gone on with if it agrees."""
+    return sha256(repr(scene.model_dump(exclude={"title", "solver", "output"})).encode()).hexdigest()[:16]

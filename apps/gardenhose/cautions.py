@@ -1,0 +1,237 @@
+"""What to tell a user about a hose before it runs: large against what, and what to do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from gardenhose.estimates import SUPPORTS, Average, average, first_frequency, onset, rk4_limit, speeds, thrust
+from gardenhose.scene import MOST_ELEMENTS, HoseScene
+from tautline.scene.errors import Caution
+
+RADIANS_PER_ELEMENT = 2.0
+"""Phase u L_e / L of the flow's bending waves over an element, beyond which frequency and growth of flutter err by
+half a per cent or more (cubic elements against four times as many, beta 0.2 to 0.8, u to 17)."""
+LAYERS_PER_ELEMENT = 1.5
+"""Length of an element over that in which a clamp's direction gives way to the hanging hose's, sqrt(EJ / tension)."""
+SOFTENED = 0.2
+"""Share of EA that the flow's momentum may take away without a word."""
+STEPS_PER_PERIOD = 10.0
+NEAR_ONSET = 0.9
+"""Share of the estimated critical speed from which a hose is taken to flutter."""
+
+Sentences = Iterator[tuple[str, str]]
+
+
+def _across(vector: tuple[float, ...], direction: tuple[float, ...]) -> float:
+    """Part of a vector across a direction, of length one; 0 where it is but rounding."""
+    along = sum(a * b for a, b in zip(vector, direction, strict=True))
+    across = math.hypot(*(a - along * b for a, b in zip(vector, direction, strict=True)))
+    return across if across > 1e-9 * abs(along) else 0.0
+
+
+def cautions(scene: HoseScene) -> list[Caution]:
+    """Cautions of a scene, each with its cause and a cure."""
+    speed = speeds(scene)
+    hose = average(scene, float(np.abs(speed).max()))
+    found = [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed), *_ends(scene, speed), *_rest(scene)]
+    return [Caution(where, text) for where, text in found]
+
+
+def _steps(scene: HoseScene, hose: Average) -> Sentences:
+    solver = scene.solver
+    if solver.step == "auto":
+        return
+    step = float(solver.step)
+    if solver.method == "rk4":
+        limit = rk4_limit(scene)
+        if step > limit.step:
+            cause = f"the fastest {limit.motion} motion of an element, eqs 2.137 and 2.151"
+            cure = "take a smaller step, or method: generalized-alpha"
+            if limit.damping > 1.0:
+                cause = (
+                    f"the damping: the fastest {limit.motion} motion of an element is overdamped, c omega / 2 = "
+                    f"{limit.damping:.3g}, and decays faster than it would swing; without damping it would be "
+                    f"{limit.undamped:.2g} s"
+                )
+                cure = "take a smaller step, less damping, or method: generalized-alpha"
+            text = f"{step:g} s is longer than RK4's critical step of about {limit.step:.2g} s, set by {cause}"
+            yield "solver.step", f"{text}: the run will become unstable; {cure}"
+    u, (critical, frequency) = hose.dimensionless_speed, onset(scene, hose)
+    what = "the first natural frequency"
+    if critical is not None and frequency and u is not None and u > NEAR_ONSET * critical:
+        # Far beyond the onset the stiffness hardly counts, and only the flow sets the time: frequency grows as speed.
+        what, frequency = "flutter", frequency * max(1.0, u / critical)
+    else:
+        frequency = first_frequency(scene, hose)
+    if frequency and solver.control == "fixed" and step * frequency * STEPS_PER_PERIOD > 1.0:
+        text = (
+            f"{step:g} s is long against the period of {what}, about {1.0 / frequency:.2g} s: fewer than "
+            f"{STEPS_PER_PERIOD:.0f} steps in it do not follow the motion; take "
+            f"{1.0 / (2.0 * STEPS_PER_PERIOD * frequency):.1g} s or less"
+        )
+        yield "solver.step", text
+    ratio = scene.output.interval / step
+    if solver.control == "fixed" and abs(ratio - round(ratio)) > 1e-6 * ratio:
+        text = (
+            f"{scene.output.interval:g} s is not a whole number of steps of {step:g} s: the step taken is "
+            f"{scene.output.interval / math.ceil(ratio):.6g} s; give a multiple of the step"
+        )
+        yield "output.interval", text
+
+
+def _at(scene: HoseScene, i: int, key: str) -> str:
+    """Key path of a piece's property."""
+    return f"hose.{key}" if scene.hose.segments is None else f"hose.segments[{i}].{key}"
+
+
+def _momentum(scene: HoseScene, speed: np.ndarray) -> Sentences:
+    """Water whose momentum is large against the hose's axial stiffness."""
+    fastest = float(np.abs(speed).max())
+    pieces = scene.hose.pieces
+    shares = [thrust(scene, piece, fastest) / piece.axial_stiffness for piece in pieces]
+    i = int(np.argmax(shares))
+    if shares[i] <= SOFTENED:
+        return
+    most = fastest / math.sqrt(shares[i])
+    where = _at(scene, i, "axial_stiffness")
+    if shares[i] >= 1.0:
+        text = (
+            f"the water, up to {fastest:.3g} m/s, is faster than {most:.3g} m/s, at which its momentum M U^2 takes "
+            "away all of EA: no wave runs up the hose, and no axial stiffness is left; give more EA, or a lower speed"
+        )
+    else:
+        text = (
+            f"the momentum of the water, M U^2, is {100.0 * shares[i]:.0f} % of EA at {fastest:.3g} m/s: the hose is "
+            "softer along itself by as much, and stretches by about that where it is bent; see whether EA is what was "
+            f"meant (it is all gone at {most:.3g} m/s)"
+        )
+    yield where, text
+
+
+def _elements(wanted: float) -> int:
+    """Round a number of elements up, to no more than a scene may have."""
+    return math.ceil(min(wanted, MOST_ELEMENTS))
+
+
+def _mesh(scene: HoseScene, speed: np.ndarray) -> Sentences:
+    """Elements too long for the bending that flow and weight make."""
+    fastest, hose = float(np.abs(speed).max()), scene.hose
+    pieces = hose.pieces
+    if scene.water is not None and fastest > 0.0:
+        soft = [i for i, piece in enumerate(pieces) if piece.bending_stiffness == 0.0]
+        if soft:
+            text = (
+                "is zero, and water flows: nothing stops the shortest waves, which the flow makes grow fastest, so "
+                "that the result depends on the number of elements; give the bending stiffness, however small"
+            )
+            yield _at(scene, soft[0], "bending_stiffness"), text
+            return
+        radians = [math.sqrt(thrust(scene, p, fastest) / p.bending_stiffness) * p.length for p in pieces]
+        i = max(range(len(pieces)), key=lambda i: radians[i] / pieces[i].elements)
+        if radians[i] > RADIANS_PER_ELEMENT * pieces[i].elements:
+            text = (
+                f"{pieces[i].elements} are coarse at {fastest:.3g} m/s: the flow bends the hose in waves of "
+                f"{2.0 * math.pi * pieces[i].length / radians[i]:.2g} m, {radians[i] / pieces[i].elements:.2g} rad to "
+                f"an element; take {_elements(1.5 * radians[i] / RADIANS_PER_ELEMENT)}"
+            )
+            yield _at(scene, i, "elements"), text
+            return
+    weight = sum((p.mass_per_length + (p.water_mass_per_length or 0.0)) * p.length for p in pieces) + hose.tip_mass
+    tension = weight * math.hypot(*scene.gravity)
+    across = _across(scene.gravity, hose.unit_direction)
+    piece = pieces[0]
+    if hose.root_support == "clamped" and hose.end == "free" and across > 0.0 and piece.bending_stiffness > 0.0:
+        layer = math.sqrt(piece.bending_stiffness / tension)
+        length = piece.length / piece.elements
+        if length > LAYERS_PER_ELEMENT * layer:
+            text = (
+                f"an element is {length:.2g} m long, and under its weight the hose bends away from its clamp within "
+                f"{layer:.2g} m; take {_elements(piece.length / layer)}, or a short first segment"
+            )
+            yield _at(scene, 0, "elements"), text
+
+
+def _ends(scene: HoseScene, speed: np.ndarray) -> Sentences:
+    """What happens at the tip that is not as simple as it looks."""
+    hose, water = scene.hose, scene.water
+    if hose.end != "free" and hose.tip_mass > 0.0:
+        yield "hose.tip_mass", f"has no effect: the tip is {hose.end}; remove it, or let the end be free"
+    if water is None or hose.end != "free":
+        return
+    slowest = float(speed.min())
+    if slowest < 0.0:
+        text = (
+            f"goes down to {slowest:.3g} m/s: water is drawn in at the tip, and is taken to enter along the tip's "
+            "tangent with all its momentum. In that theory a cantilever flutters at almost no speed, and in "
+            "experiments it has not (Paidoussis, Fluid-Structure Interactions 1, chapter 4): compare with measurements "
+            "or hold the tip"
+        )
+        yield "water.speed", text
+        if water.outlet != 1.0:
+            text = "acts on water that leaves, and some is drawn in: what a nozzle does to that is unknown; set it to 1"
+            yield "water.outlet", text
+    if water.outlet < 1.0:
+        text = (
+            f"{water.outlet:g}: the jet is slower than the water in the hose, as behind a diffuser, from whose wall it "
+            "may part and remain as fast as it was; give 1 for a plain end, or more for a nozzle"
+        )
+        yield "water.outlet", text
+
+
+def _rest(scene: HoseScene) -> Sentences:
+    """A straight hose that nothing pushes sideways."""
+    direction = scene.hose.unit_direction
+    if any(_across(vector, direction) > 0.0 for vector in (scene.gravity, scene.disturbance)):
+        return
+    why = "acts along the hose" if any(scene.gravity) else "is zero"
+    cure = "give `disturbance`, such as a hundredth of a metre a second across the hose"
+    if scene.hose.end != "free":
+        cure = "let a little of gravity act across the hose, such as a thousandth of it"
+    text = (
+        f"gravity {why}, so that the straight hose is in equilibrium, stable or not, and nothing starts it moving "
+        f"sideways; {cure}"
+    )
+    yield "disturbance" if scene.hose.end == "free" else "gravity", text
+
+
+def figures(scene: HoseScene) -> dict[str, Any]:
+    """Figures of hose and flow for ``check --json``, SI; None where there is no such thing.
+
+    `critical_speed` and `critical_frequency` are estimates (of divergence, at 0 Hz, where both ends are held), as are
+    `first_frequency` and `droop`, the sag of a beam of small deflections under its weight.
+    """
+    largest = float(np.abs(speeds(scene)).max())
+    hose = average(scene, largest)
+    critical, frequency = onset(scene, hose)
+    per_speed = average(scene, 1.0).dimensionless_speed
+    load = hose.mass + hose.water
+    support = SUPPORTS.get((scene.hose.root_support, scene.hose.end))
+    across = _across(scene.gravity, scene.hose.unit_direction)
+    step = rk4_limit(scene).step
+    stiff = hose.bending > 0.0
+    return {
+        "hose": {
+            "length": hose.length,
+            "elements": scene.hose.element_count,
+            "mass": hose.mass * hose.length + scene.hose.tip_mass,
+            "water": hose.water * hose.length,
+            "mass_ratio": hose.mass_ratio,
+            "gravity": load * math.hypot(*scene.gravity) * hose.length**3 / hose.bending if stiff else None,
+            "droop": support[1] * load * across * hose.length**4 / hose.bending if stiff and support else None,
+            "first_frequency": first_frequency(scene, hose),
+        },
+        "flow": {
+            "largest_speed": largest,
+            "dimensionless_speed": hose.dimensionless_speed,
+            "critical_dimensionless_speed": critical,
+            "critical_speed": critical / per_speed if critical is not None and per_speed else None,
+            "critical_frequency": frequency,
+        }
+        if scene.water is not None
+        else None,
+        "critical_step_rk4": step if math.isfinite(step) else None,
+    }

@@ -1,0 +1,260 @@
+"""Rough estimates of a hose: where it loses its stability, how fast it swings, which step of RK4 is stable.
+
+Onset and frequency are those of a uniform pipe without gravity, damping or tip mass; a hose of several sections is
+averaged. They are good enough to choose a step and a mesh; `gardenhose flutter` computes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, eigvalsh
+
+from gardenhose.scene import HoseScene, Segment
+from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, table
+from tautline.kernels.time_function import sample
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+ONSET = np.array(
+    [
+        (0.001, 4.195, 14.63), (0.05, 4.445, 14.44), (0.1, 4.750, 14.22), (0.15, 5.123, 13.96), (0.2, 5.591, 13.71),
+        (0.25, 6.214, 13.61), (0.28, 6.757, 13.93), (0.29, 7.036, 14.35), (0.296, 7.332, 15.06), (0.297, 7.452, 15.46),
+        (0.298, 8.245, 21.53), (0.3, 8.270, 21.89), (0.31, 8.352, 23.05), (0.35, 8.548, 25.07), (0.4, 8.778, 26.07),
+        (0.45, 9.035, 26.44), (0.5, 9.322, 26.50), (0.55, 9.640, 26.40), (0.6, 9.991, 26.30), (0.65, 10.405, 26.42),
+        (0.68, 10.748, 26.92), (0.69, 10.930, 27.42), (0.695, 11.118, 28.15), (0.696, 12.738, 43.47),
+        (0.7, 12.769, 43.60), (0.75, 13.135, 44.53), (0.8, 13.493, 44.83), (0.85, 13.870, 45.00), (0.9, 14.331, 45.61),
+        (0.915, 14.539, 46.23), (0.924, 14.786, 47.36), (0.925, 17.389, 71.63), (0.95, 17.670, 72.27),
+    ]
+)  # fmt: skip
+"""Onset of a cantilever's flutter: beta = M / (m + M), u = L U sqrt(M / EJ), omega L^2 sqrt((m + M) / EJ).
+
+The problem is that of Gregory and Paidoussis (1966), y'''' + u^2 y'' + 2 sqrt(beta) u y'. + y.. = 0, clamped and free.
+The numbers are ours: a Galerkin solution with the first 30 modes of the cantilever at rest, they in turn from 40
+Hermite elements; the lowest u at which an eigenvalue crosses into the right half-plane, by bisection. Half as many
+modes and elements move it by less than 0.2 %. Where the boundary folds back (beta near 0.30, 0.69 and 0.92) it is
+the lowest branch, so the table jumps.
+"""
+
+SUPPORTS = {
+    ("clamped", "free"): (3.51602, 1 / 8, None),
+    ("pinned", "pinned"): (9.86960, 5 / 384, math.pi),
+    ("clamped", "pinned"): (15.41821, 0.0054161, 4.49341),
+    ("pinned", "clamped"): (15.41821, 0.0054161, 4.49341),
+    ("clamped", "clamped"): (22.37329, 1 / 384, 2 * math.pi),
+}
+"""Beams by their supports: first natural frequency and largest sag under a uniform load, over sqrt(EJ / m L^4) and
+w L^4 / EJ; and the u of divergence, that of Euler's column under the thrust M U^2, where both ends are held."""
+
+REAL_LIMIT = 2.785294
+"""Decay rate times step beyond which RK4 is unstable: 1 - x + x^2/2 - x^3/6 + x^4/24 = 1."""
+SAMPLES = 4001
+FASTEST = 1.0e60
+"""Speed, m/s, that stands for all above it, whose square could not be computed with."""
+ENOUGH_ELEMENTS = 12
+"""Elements of a piece from which more of them do not change its highest frequency."""
+
+
+@dataclass(frozen=True)
+class Average:
+    """The hose as if it were of one section, and its flow at the largest speed of the run.
+
+    Attributes
+    ----------
+    length, mass, water : float
+        m; kg/m of hose and water.
+    bending : float
+        EJ, N m^2: the harmonic mean.
+    thrust : float
+        Momentum M U^2 of the water, N.
+    """
+
+    length: float
+    mass: float
+    water: float
+    bending: float
+    thrust: float
+
+    @property
+    def mass_ratio(self) -> float:
+        """M / (m + M)."""
+        return self.water / (self.mass + self.water)
+
+    @property
+    def dimensionless_speed(self) -> float | None:
+        """u = L U sqrt(M / EJ); None without bending stiffness."""
+        return self.length * math.sqrt(self.thrust / self.bending) if self.bending > 0.0 else None
+
+    @property
+    def slowness(self) -> float:
+        """Time by which frequencies are made dimensionless, s; inf without bending stiffness."""
+        if self.bending == 0.0:
+            return math.inf
+        return self.length**2 * math.sqrt((self.mass + self.water) / self.bending)
+
+
+def speeds(scene: HoseScene) -> np.ndarray:
+    """Speed of the water in the first segment through the run, m/s, (n,)."""
+    if scene.water is None:
+        return np.zeros(1)
+    end = scene.solver.end
+    functions = compile_functions([FunctionRequest(scene.water.speed, end=end, key="water.speed")])
+    sampled = sample(functions, 0, np.linspace(0.0, end, SAMPLES))[:, 0]
+    return np.clip(np.nan_to_num(sampled), -FASTEST, FASTEST)
+
+
+def thrust(scene: HoseScene, piece: Segment, speed: float) -> float:
+    """Momentum M U^2 in a piece, N, at a speed in the first: M U is the same in all."""
+    first = scene.hose.pieces[0].water_mass_per_length
+    if first is None or piece.water_mass_per_length is None:
+        return 0.0
+    return (first * speed) ** 2 / piece.water_mass_per_length
+
+
+def average(scene: HoseScene, speed: float) -> Average:
+    """Average the hose over its length, at a speed (m/s) of the water in its first segment."""
+    pieces, length = scene.hose.pieces, scene.hose.total_length
+
+    def mean(of: Callable[[Segment], float]) -> float:
+        return sum(of(piece) * (piece.length / length) for piece in pieces)
+
+    soft = any(piece.bending_stiffness == 0.0 for piece in pieces)
+    return Average(
+        length=length,
+        mass=mean(lambda piece: piece.mass_per_length),
+        water=mean(lambda piece: piece.water_mass_per_length or 0.0),
+        bending=0.0 if soft else 1.0 / mean(lambda piece: 1.0 / piece.bending_stiffness),
+        thrust=mean(lambda piece: thrust(scene, piece, speed)),
+    )
+
+
+def onset(scene: HoseScene, hose: Average) -> tuple[float | None, float | None]:
+    """Estimate u and frequency (Hz) at which the hose loses its stability: flutter, or divergence (0 Hz) if held.
+
+    None where there is no estimate: without water or bending stiffness, and for a hose that swings about its root.
+    """
+    support = SUPPORTS.get((scene.hose.root_support, scene.hose.end))
+    if support is None or hose.water == 0.0 or hose.bending == 0.0:
+        return None, None
+    if support[2] is not None:
+        return support[2], 0.0
+    beta = hose.mass_ratio
+    omega = float(np.interp(beta, ONSET[:, 0], ONSET[:, 2]))
+    return float(np.interp(beta, ONSET[:, 0], ONSET[:, 1])), omega / (2.0 * math.pi * hose.slowness)
+
+
+def first_frequency(scene: HoseScene, hose: Average) -> float | None:
+    """First natural frequency at rest, Hz, without gravity; None for a hose that swings or cannot bend back."""
+    support = SUPPORTS.get((scene.hose.root_support, scene.hose.end))
+    if support is None or hose.bending == 0.0:
+        return None
+    return support[0] / (2.0 * math.pi * hose.slowness)
+
+
+def _unit_matrices() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Matrices (4, 4) of a cubic element of length one: of N N, N' N' and N'' N''."""
+    rows = table(*gauss(4))
+    parts = (rows[:, at : at + 4] for at in (SHAPE, FIRST, SECOND))
+    mass, axial, bending = (np.einsum("p,pi,pj", rows[:, WEIGHT], part, part) for part in parts)
+    return mass, axial, bending
+
+
+def _largest(scene: HoseScene, stiffness: Callable[[Segment], float], order: int, held: tuple[int, int]) -> float:
+    """Largest eigenvalue of stiffness against mass of the straight hose, 1/s^2 (1/s for a damping).
+
+    The fastest motion sits in the piece with the fastest element; its neighbours count, the rest of the hose does not.
+
+    Parameters
+    ----------
+    stiffness : callable
+        EA or EJ of a piece, or that times its damping.
+    order : int
+        Derivative that it resists: 1 axial, 2 bending.
+    held : tuple of int
+        How many of (r, r') are held at root and tip.
+    """
+    pieces = scene.hose.pieces
+    mass, *stiff = _unit_matrices()
+
+    def density(piece: Segment) -> float:
+        return piece.mass_per_length + (piece.water_mass_per_length or 0.0)
+
+    def rate(piece: Segment) -> float:
+        return stiffness(piece) / density(piece) / (piece.length / piece.elements) ** (2 * order)
+
+    fastest = max(range(len(pieces)), key=lambda i: rate(pieces[i]))
+    if not 0.0 < rate(pieces[fastest]) < math.inf:
+        return rate(pieces[fastest])
+    first, last = max(0, fastest - 1), min(len(pieces), fastest + 2)
+    parts = [piece for piece in pieces[first:last] for _ in range(min(piece.elements, ENOUGH_ELEMENTS))]
+    k, m = np.zeros((2, 2 * len(parts) + 2, 2 * len(parts) + 2))
+    for i, piece in enumerate(parts):
+        h, at = piece.length / piece.elements, slice(2 * i, 2 * i + 4)
+        scale = np.outer(*[np.array([1.0, h, 1.0, h])] * 2)
+        k[at, at] += stiffness(piece) * stiff[order - 1] * scale / h ** (2 * order - 1)
+        m[at, at] += density(piece) * mass * scale * h
+    if last == len(pieces):
+        m[-2, -2] += scene.hose.tip_mass
+    free = np.arange(held[0] if first == 0 else 0, len(k))
+    if last == len(pieces):
+        free = free[free < len(k) - 2] if held[1] == 2 else free[free != len(k) - 2] if held[1] else free
+    if free.size == 0:
+        return 0.0
+    try:
+        return float(eigvalsh(k[np.ix_(free, free)], m[np.ix_(free, free)])[-1])
+    except (LinAlgError, ValueError):  # numbers of no hose, whose matrices overflow or lose their rank
+        return math.nan
+
+
+def critical_step(square: float, decay: float) -> float:
+    """Critical step of RK4, s, for x.. + decay x. + square x = 0: inf where nothing moves."""
+    if not (square > 0.0 and math.isfinite(square) and math.isfinite(decay)):
+        return math.nan if math.isnan(square) or math.isnan(decay) else math.inf
+    # Divided by the frequency, so that neither square overflows.
+    damping = 0.5 * decay / math.sqrt(square)
+    if damping >= 1.0:
+        return REAL_LIMIT / (math.sqrt(square) * (damping + math.sqrt(damping**2 - 1.0)))
+    root = complex(-damping, math.sqrt(1.0 - damping**2))
+    z = np.linspace(2.0, 4.0, 4001)[:, None] * root
+    growth = np.abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))))
+    return float(abs(z[np.argmax(growth > 1.0 + 1e-9)][0])) / math.sqrt(square)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """RK4's critical step, s, as it is and as it were without damping; what moves, and its damping ratio."""
+
+    step: float
+    undamped: float
+    motion: str
+    damping: float
+
+
+def rk4_limit(scene: HoseScene) -> Limit:
+    """Critical step of RK4 by the fastest axial and bending motion of hose and water together, about straight.
+
+    An element's highest frequency is the 2 S / L_eff of eq. 2.151, here of the mesh with its ends as they are held.
+    Damping that grows with stiffness makes that motion decay at c omega^2 where c omega / 2 > 1, which is what then
+    sets the step: 2.785 / (c omega^2), shorter than 2.83 / omega. Damping of bending is that of a bent hose; a straight
+    one has none.
+    """
+    hose = scene.hose
+    clamped = hose.root_support == "clamped", hose.end == "clamped"
+    held = 1, 0 if hose.end == "free" else 1
+    slope = hose.clamp == "slope"
+    along = tuple(h + (c and slope) for h, c in zip(held, clamped, strict=True))
+    across = tuple(h + c for h, c in zip(held, clamped, strict=True))
+    limits = []
+    for motion, order, ends in (("axial", 1, along), ("bending", 2, across)):
+
+        def stiffness(piece: Segment, order: int = order) -> float:
+            return piece.axial_stiffness if order == 1 else piece.bending_stiffness
+
+        square = _largest(scene, stiffness, order, ends)
+        decay = _largest(scene, lambda piece, of=stiffness: of(piece) * piece.damping, order, ends)
+        ratio = 0.5 * decay / math.sqrt(square) if square > 0.0 else 0.0
+        limits.append(Limit(critical_step(square, decay), critical_step(square, 0.0), motion, ratio))
+    known = [limit for limit in limits if not math.isnan(limit.step)]
+    return min(known, key=lambda limit: limit.step) if known else Limit(math.inf, math.inf, "", 0.0)

@@ -1,0 +1,578 @@
+"""The motion that a hose's tip ends in: rest, growth, decay, or a limit cycle with its frequency and amplitude.
+
+Everything is read off the tip's position and velocity at the frames and between them (`gardenhose.curves.Trace`), so
+that a run need not store more than some ten frames a period, and not at even intervals.
+
+A *swing* goes from one extreme of the signal to the next; swings smaller than a share of the motion around them are
+ripple, and merged. A *cycle* goes from one passage of the mean to the next in the same sense. Where two, three or four
+swings up and down take turns, as harmonics or a doubled period make them, they are one cycle together.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+from gardenhose.curves import Trace, directions
+
+REST = 1.0e-9
+"""Motion over the length of the hose below which the tip is at rest."""
+STEADY = 0.01
+"""Amplitudes of cycles that differ by less, relatively, are equal: the motion is settled."""
+FEWEST = 3
+"""Whole cycles that it takes to call a motion settled."""
+RIPPLE = 0.25
+"""Share of the range of motion within half a period on either side below which a swing is ripple."""
+CLEAN = 1.0e-7
+"""Scatter of amplitudes, relative, that is not worth leaving cycles out for."""
+TINY = float(np.finfo(float).tiny)
+"""Takes the place of zero under a logarithm and in a ratio."""
+MOST_LOOPS = 4
+"""Swings up and down that may take turns within one cycle."""
+POINTS = 128
+"""Samples of a mean cycle."""
+FINE = 512
+"""Samples of each cycle that extents are taken from."""
+
+
+class Swings(NamedTuple):
+    """Extremes of a signal between which it swings, ripple left out: maximum and minimum in turn."""
+
+    time: np.ndarray
+    """(n,) s."""
+    value: np.ndarray
+    """(n,), the unit of the signal."""
+
+
+class CycleSamples(NamedTuple):
+    """One mean cycle of the tip; arrays of length 0 where the run holds no whole cycle."""
+
+    phase: np.ndarray
+    """(points,), share of the period since the passage of the mean, from 0 to below 1."""
+    position: np.ndarray
+    """(points, 3) m."""
+    velocity: np.ndarray
+    """(points, 3) m/s."""
+
+
+@dataclass(frozen=True, eq=False)
+class LimitCycle:
+    """How the tip moves at the end of a run; all numbers are finite, whatever the run.
+
+    Attributes
+    ----------
+    kind : str
+        ``rest``: within `REST` of the length; ``periodic``: a limit cycle; ``growing``, ``decaying``: the motion gets
+        steadily larger or smaller, or moves one way ever faster or slower; ``irregular``: none of these.
+    settled : bool
+        Whether the amplitudes of at least `FEWEST` last cycles agree within `STEADY` and do not drift; true at rest.
+    note : str
+        What limits the answer, such as too few cycles; mostly empty.
+    frequency : float
+        Of whole cycles, Hz; 0 where there is none.
+    amplitude : float
+        Half of peak to peak in the direction of largest motion, m: mean over the cycles used; without a whole cycle,
+        over the second half of the run.
+    axis_amplitude : (3,) array
+        Half of peak to peak along each axis, m.
+    direction, normal : (3,) array
+        Unit vectors of largest and of least motion.
+    out_of_plane : float
+        Root mean square of the motion along `normal` over that of all motion.
+    mean : (3,) array
+        Mean position over the cycles used, m.
+    max_speed : float
+        Largest speed in the cycles used, m/s.
+    cycles : int
+        Whole cycles used: all last ones whose amplitudes agree with their mean within `STEADY`, without the earlier
+        half as long as that holds most of the scatter; if these are not `FEWEST`, the last `FEWEST`, or what there is.
+    scatter : float
+        Largest difference of a cycle's amplitude from their mean, relative, among the cycles used.
+    growth_rate : float
+        Of the amplitude at the end, 1/s: a straight line through its logarithm over the latest cycles.
+    log_decrement : float
+        Logarithm of one cycle's amplitude over the next one's; positive for decay.
+    loops : int
+        Swings up and down in one cycle.
+    crossings : (cycles + 1,) array
+        Times between which the cycles used stand, s.
+    start, end : float
+        Time span that the numbers stand for, s.
+    cycle_time, cycle_amplitude : (n,) array
+        Middle and amplitude of every cycle of the run, s and m.
+    """
+
+    kind: str
+    settled: bool
+    mean: np.ndarray
+    start: float
+    end: float
+    note: str = ""
+    frequency: float = 0.0
+    amplitude: float = 0.0
+    axis_amplitude: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    direction: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    normal: np.ndarray = field(default_factory=lambda: np.array([0.0, 1.0, 0.0]))
+    out_of_plane: float = 0.0
+    max_speed: float = 0.0
+    cycles: int = 0
+    scatter: float = 0.0
+    growth_rate: float = 0.0
+    log_decrement: float = 0.0
+    loops: int = 1
+    crossings: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    cycle_time: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    cycle_amplitude: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def period(self) -> float:
+        """Duration of a cycle, s; 0 where there is none."""
+        return 1.0 / self.frequency if self.frequency > 0.0 else 0.0
+
+
+class _Cycles(NamedTuple):
+    """Cycles of a signal: n of them between n + 1 crossings."""
+
+    crossings: np.ndarray
+    top: np.ndarray
+    bottom: np.ndarray
+
+    @property
+    def amplitude(self) -> np.ndarray:
+        return 0.5 * (self.top - self.bottom)
+
+
+_NONE = _Cycles(*np.zeros((3, 0)))
+
+
+def limit_cycle(
+    time: np.ndarray, position: np.ndarray, velocity: np.ndarray, length: float | None = None
+) -> LimitCycle:
+    """Tell how the tip moves at the end of a run.
+
+    Parameters
+    ----------
+    time : (m,) array
+        Times of the frames, s.
+    position, velocity : (m, 3) array
+        Of the tip, m and m/s. Frames that are not finite, or do not come after the one before, are left out.
+    length : float, optional
+        Length of the hose, m, of which `REST` is a share; by default the tip's largest distance from the origin or
+        from where it started.
+    """
+    time, position, velocity = _frames(time, position, velocity)
+    if len(time) == 0:
+        return LimitCycle("rest", False, np.zeros(3), 0.0, 0.0, note="no frames")
+    if not length:
+        length = max(float(np.linalg.norm(position, axis=1).max()), float(_extent(position)), TINY)
+    late = time >= 0.5 * (time[0] + time[-1])
+    if _rests(time, position, velocity, REST * length):
+        still = time >= time[-1] - 0.25 * (time[-1] - time[0])
+        return LimitCycle(
+            "rest", True, position[still].mean(axis=0), float(time[still][0]), float(time[-1]),
+            max_speed=float(np.linalg.norm(velocity[still], axis=1).max()),
+        )  # fmt: skip
+    direction = directions(velocity[late])[0]
+    if not velocity[late].any():
+        direction = directions(position[late] - position[late].mean(axis=0))[0]
+    origin = position[late].mean(axis=0)
+    found = _find(time, (position - origin) @ direction, velocity @ direction, REST * length)
+    if len(found.crossings) < 2:
+        return _without_cycles(time, position, velocity, late, direction)
+    whole = Trace(time, position, velocity)
+    # The direction of largest motion and the mean are those of the cycles used, which the first pass has found.
+    for _ in range(2):
+        cycles = _grouped(found)[0]
+        # Passages of a mean tell the period of a steady motion best; of one that grows or decays, those of the middle
+        # between its extremes, which has the same share in every swing.
+        centred = _steady(cycles.amplitude) >= FEWEST
+        place = _sampled(whole, cycles.crossings[-1 - _used(cycles) :], POINTS)[0].reshape(-1, 3)
+        origin = place.mean(axis=0)
+        direction = directions(place - origin)[0]
+        found = _find(time, (position - origin) @ direction, velocity @ direction, REST * length, centred)
+        if len(found.crossings) < 2:
+            return _without_cycles(time, position, velocity, late, direction)
+    return _described(found, whole, swings(time, (position - origin) @ direction, velocity @ direction))
+
+
+def swings(time: np.ndarray, value: np.ndarray, rate: np.ndarray) -> Swings:
+    """Extremes of a signal, ripple left out.
+
+    Parameters
+    ----------
+    time, value, rate : (m,) array
+        Times of the frames, s, the signal and its derivative by time.
+    """
+    if len(time) < 3:
+        return Swings(np.zeros(0), np.zeros(0))
+    trace = Trace(*(np.asarray(array, float) for array in (time, value, rate)))
+    at, extremes = trace.extrema()
+    kept = _turns(trace, at, extremes)
+    return Swings(at[kept], extremes[kept])
+
+
+def cycle_samples(
+    time: np.ndarray,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    cycle: LimitCycle | None = None,
+    points: int = POINTS,
+) -> CycleSamples:
+    """One mean cycle of the tip: the mean, at equal phase, of the cycles that a limit cycle was found from.
+
+    Parameters
+    ----------
+    time, position, velocity
+        As `limit_cycle` takes them.
+    cycle : LimitCycle, optional
+        Result of `limit_cycle`, if it is at hand.
+    points : int
+        Samples of the cycle.
+    """
+    cycle = cycle or limit_cycle(time, position, velocity)
+    if cycle.cycles == 0:
+        return CycleSamples(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)))
+    place, speed = _sampled(Trace(*_frames(time, position, velocity)), cycle.crossings, points)
+    return CycleSamples(np.arange(points) / points, place.mean(axis=0), speed.mean(axis=0))
+
+
+def spectrum(time: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitude spectrum of a signal about its mean, with a Hann window.
+
+    Parameters
+    ----------
+    time : (m,) array
+        Rising; at uneven intervals the signal is interpolated, s.
+    signal : (m,) array
+
+    Returns
+    -------
+    frequency : (k,) array
+        Hz; from 0 to half the frame rate, four times as fine as the run's length allows so that a line between two
+        of its frequencies keeps its height to 1 %. Empty for fewer than four frames.
+    amplitude : (k,) array
+        A sine shows with its amplitude.
+    """
+    time, signal = np.asarray(time, float), np.asarray(signal, float)
+    count = len(time)
+    if count < 4 or time[-1] <= time[0]:
+        return np.zeros(0), np.zeros(0)
+    even = np.linspace(time[0], time[-1], count)
+    if not np.allclose(time, even, rtol=0.0, atol=1e-6 * (time[-1] - time[0]) / count):
+        from scipy.interpolate import CubicSpline
+
+        signal = CubicSpline(time, signal)(even)
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
+    mean = (window * signal).sum() / window.sum()
+    lines = np.abs(np.fft.rfft((signal - mean) * window, 4 * count)) * 2.0 / window.sum()
+    return np.fft.rfftfreq(4 * count, even[1] - even[0]), lines
+
+
+def headline(result: Any) -> dict[str, dict[str, Any]]:
+    """Figures that sum a run up; forces and the largest speed are of the whole run, the others of its end.
+
+    Parameters
+    ----------
+    result : Result
+        Of a hose. A frequency that there is not is None.
+    """
+    cycle = limit_cycle(result["time"], result["tip"], result["tip_velocity"], float(result["arc_length"][-1]))
+    force, speed = result["axial_force"], np.linalg.norm(result["tip_velocity"], axis=1)
+    note = f" ({cycle.note})" if cycle.note else ""
+    flow = float(result["flow_speed"][-1]) if "flow_speed" in result else None
+    figures: dict[str, tuple[Any, str, str]] = {
+        "motion": (cycle.kind, "", f"motion of the tip at the end{note}"),
+        "tip_amplitude": (cycle.amplitude, "m", "amplitude of the tip, half of peak to peak"),
+        "frequency": (cycle.frequency if cycle.cycles else None, "Hz", "frequency"),
+        "cycles": (cycle.cycles, "", "whole cycles that these are taken from"),
+        "tip_speed_max": (float(speed.max()), "m/s", "largest speed of the tip"),
+        "tip_mean": ([float(x) for x in cycle.mean], "m", "mean position of the tip"),
+        "axial_force_max": (float(force.max()), "N", "largest axial force"),
+        "axial_force_min": (float(force.min()), "N", "smallest axial force"),
+        "flow_speed": (flow, "m/s", "flow speed at the end"),
+    }
+    return {name: {"value": value, "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}
+
+
+def _frames(time: Any, position: Any, velocity: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frames that are finite and later than all before."""
+    time = np.atleast_1d(np.asarray(time, float))
+    position, velocity = (np.asarray(array, float).reshape(len(time), 3) for array in (position, velocity))
+    # What has run away so far overflows when squared.
+    good = np.isfinite(time) & np.all([(np.abs(array) < 1e100).all(axis=1) for array in (position, velocity)], axis=0)
+    time, position, velocity = time[good], position[good], velocity[good]
+    good = np.ones(len(time), bool)
+    good[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
+    return time[good], position[good], velocity[good]
+
+
+def _extent(position: np.ndarray) -> float:
+    return float(np.linalg.norm(position - position[0], axis=1).max())
+
+
+def _rests(time: np.ndarray, position: np.ndarray, velocity: np.ndarray, least: float) -> bool:
+    """Whether the last quarter of a run shows no motion."""
+    if len(time) == 1:
+        return not velocity.any()
+    from_here = max(0, min(int(np.searchsorted(time, time[-1] - 0.25 * (time[-1] - time[0]))), len(time) - 3))
+    moved = np.ptp(position[from_here:], axis=0).max()
+    # Frames a whole period apart stand still too, at a speed.
+    travelled = np.linalg.norm(velocity[from_here:], axis=1).max() * np.median(np.diff(time))
+    return bool(moved <= least and travelled <= 1e3 * least)
+
+
+def _dominant_period(time: np.ndarray, rate: np.ndarray) -> float:
+    """Rough period of the second half of a signal; from its rate, in which a drift of the mean weighs little."""
+    late = time >= 0.5 * (time[0] + time[-1])
+    frequency, lines = spectrum(time[late], rate[late])
+    if lines.size < 2 or not lines.any():
+        return float(time[-1] - time[0])
+    return 1.0 / float(frequency[max(int(lines.argmax()), 1)])
+
+
+def _turns(trace: Trace, at: np.ndarray, extremes: np.ndarray) -> list[int]:
+    """Which of all extremes of a signal, (n,) times and values, bound swings that are no ripple."""
+    time, value = trace.time, trace.value
+    if at.size == 0:
+        return []
+    half = max(1, math.ceil(0.5 * _dominant_period(time, trace.rate) / float(np.median(np.diff(time)))))
+    width = min(2 * half + 1, 2 * len(time) + 1)
+    around = maximum_filter1d(value, width, mode="nearest") - minimum_filter1d(value, width, mode="nearest")
+    least = RIPPLE * around[np.clip(np.searchsorted(time, at), 0, len(time) - 1)]
+    kept: list[int] = []
+    low = high = 0
+    for i in range(at.size):
+        if not kept:
+            low = i if extremes[i] < extremes[low] else low
+            high = i if extremes[i] > extremes[high] else high
+            if extremes[high] - extremes[low] >= least[i] and high != low:
+                kept = sorted((low, high))
+        elif (extremes[i] - extremes[kept[-1]]) * (extremes[kept[-1]] - extremes[kept[-2]]) > 0.0:
+            kept[-1] = i
+        elif abs(extremes[i] - extremes[kept[-1]]) >= least[i]:
+            kept.append(i)
+    return kept
+
+
+def _find(time: np.ndarray, value: np.ndarray, rate: np.ndarray, least: float, centred: bool = False) -> _Cycles:
+    """All cycles of a signal, without those smaller than `least`; crossings of zero, if `centred`, where possible."""
+    if len(time) < 4:
+        return _NONE
+    trace = Trace(time, value, rate)
+    extremes = Swings(*trace.extrema())
+    turns = np.array(_turns(trace, *extremes), int)
+    senses = [_one_way(trace, extremes, turns, sign, least, centred) for sign in (1.0, -1.0)]
+    # Both senses count the same cycles; at the ends of the run one may have a cycle more.
+    return max(senses, key=lambda one: (len(one.crossings), one.crossings[-1:].sum()))
+
+
+def _one_way(trace: Trace, extremes: Swings, turns: np.ndarray, sign: float, least: float, centred: bool) -> _Cycles:
+    """Cycles between the crossings upwards (sign 1) or downwards (-1, for which top and bottom are of the negative)."""
+    value = sign * extremes.value
+    rising = np.flatnonzero(np.diff(value[turns]) > 0.0)
+    if len(rising) < 2:
+        return _NONE
+    first, last = turns[rising], turns[rising + 1]
+    low, high = value[first], value[last]
+    level = np.where(centred & (low < 0.0) & (high > 0.0), 0.0, 0.5 * (low + high))
+    # Ripple may pass the level several times: the last passage before the top is meant.
+    below = [i + int(np.flatnonzero(value[i:j] <= at)[-1]) for i, j, at in zip(first, last, level, strict=True)]
+    crossings = trace.root(extremes.time[below], extremes.time[np.add(below, 1)], sign * level)
+    cycles = _Cycles(crossings, high[:-1], low[1:])
+    counts = np.flatnonzero(cycles.amplitude > least)
+    if counts.size == 0:
+        return _NONE
+    # The last ones that count, one after the other: after them the motion has died out.
+    gaps = np.flatnonzero(np.diff(counts) > 1)
+    start, stop = counts[gaps[-1] + 1 if gaps.size else 0], counts[-1] + 1
+    return _Cycles(crossings[start : stop + 1], cycles.top[start:stop], cycles.bottom[start:stop])
+
+
+def _steady(amplitude: np.ndarray) -> int:
+    """How many of the last amplitudes agree with their mean within `STEADY`."""
+    count = np.arange(1, len(amplitude) + 1)
+    last = amplitude[::-1]
+    mean = np.cumsum(last) / count
+    apart = np.maximum(np.maximum.accumulate(last) / mean - 1.0, 1.0 - np.minimum.accumulate(last) / mean)
+    unequal = np.flatnonzero(apart > STEADY)
+    return int(unequal[0]) if unequal.size else len(amplitude)
+
+
+def _grouped(cycles: _Cycles) -> tuple[_Cycles, int]:
+    """Cycles in groups that repeat, and how many there are to a group."""
+    crossings, top, bottom = cycles
+    if _steady(cycles.amplitude) >= FEWEST:
+        return cycles, 1
+    duration = np.diff(crossings)
+    for loops in range(2, MOST_LOOPS + 1):
+        if len(top) < FEWEST * loops:
+            break
+        last, before = slice(-2 * loops, None), slice(-3 * loops, -loops)
+        height = top[-loops:].max() - bottom[-loops:].min()
+        repeats = [
+            np.abs(values[last] - values[before]).max() <= STEADY * size
+            for values, size in ((top, height), (bottom, height), (duration, duration[-loops:].sum()))
+        ]
+        if all(repeats):
+            start = len(top) % loops
+            tops, bottoms = top[start:].reshape(-1, loops).max(axis=1), bottom[start:].reshape(-1, loops).min(axis=1)
+            return _Cycles(crossings[start::loops], tops, bottoms), loops
+    return cycles, 1
+
+
+def _used(cycles: _Cycles) -> int:
+    """How many of the last cycles stand for the motion at the end."""
+    used = _steady(cycles.amplitude)
+    if used < FEWEST:
+        return min(FEWEST, len(cycles.top))
+    while used >= 2 * FEWEST:
+        # The remainder of a transient is in the earlier half; noise is in both.
+        late = (used + 1) // 2
+        if _scatter(cycles.amplitude[-used:]) < max(3.0 * _scatter(cycles.amplitude[-late:]), CLEAN):
+            break
+        used = late
+    return used
+
+
+def _scatter(amplitude: np.ndarray) -> float:
+    return float(np.abs(amplitude / amplitude.mean() - 1.0).max())
+
+
+def _sampled(whole: Trace, crossings: np.ndarray, points: int = FINE) -> tuple[np.ndarray, np.ndarray]:
+    """Position and velocity at equal phases of every cycle, (cycles, points, 3) each."""
+    times = crossings[:-1, None] + np.diff(crossings)[:, None] * (np.arange(points) / points)
+    place, speed = whole(times.ravel())
+    return place.reshape(*times.shape, 3), speed.reshape(*times.shape, 3)
+
+
+def _peak(values: np.ndarray) -> np.ndarray:
+    """Maximum of every cycle, (cycles, points, ...) -> (cycles, ...), by a parabola through the largest samples."""
+    at = np.expand_dims(values.argmax(axis=1), 1)
+    middle, left, right = (
+        np.take_along_axis(values, (at + shift) % values.shape[1], axis=1)[:, 0] for shift in (0, -1, 1)
+    )
+    bend, tilt = 2.0 * middle - left - right, right - left
+    lift = np.where(bend > 0.0, tilt**2 / np.where(bend > 0.0, 8.0 * bend, 1.0), 0.0)
+    # Where a cycle's ends do not meet, as in growth, the parabola may be nonsense: it cannot lift much.
+    return middle + np.minimum(lift, 0.125 * np.maximum(bend, 0.0))
+
+
+def _described(found: _Cycles, whole: Trace, extremes: Swings) -> LimitCycle:
+    """A limit cycle's numbers, from the cycles of the motion along its largest direction."""
+    cycles, loops = _grouped(found)
+    used, count = _used(cycles), len(cycles.top)
+    crossings, amplitude = cycles.crossings[-1 - used :], cycles.amplitude
+    place, speed = _sampled(whole, crossings)
+    mean = place.reshape(-1, 3).mean(axis=0)
+    motion = place.reshape(-1, 3) - mean
+    direction, _, normal = directions(motion)
+    size = math.sqrt(float((motion**2).sum(axis=1).mean()))
+    # A straight line through all crossings: less sensitive to each than first and last alone.
+    number = np.arange(used + 1) - 0.5 * used
+    period = float(number @ crossings / (number @ number))
+    kind, note, growth = _kind(amplitude, np.abs(np.diff(extremes.value)))
+    last = amplitude[-used:]
+    return LimitCycle(
+        kind=kind,
+        settled=kind == "periodic" and count >= FEWEST,
+        mean=mean,
+        start=float(crossings[0]),
+        end=float(crossings[-1]),
+        note=note,
+        frequency=1.0 / period,
+        amplitude=float(last.mean()),
+        axis_amplitude=0.5 * (_peak(place) + _peak(-place)).mean(axis=0),
+        direction=direction,
+        normal=normal,
+        out_of_plane=math.sqrt(float(((motion @ normal) ** 2).mean())) / size,
+        max_speed=math.sqrt(float(_peak((speed**2).sum(axis=2)).max())),
+        cycles=used,
+        scatter=_scatter(last),
+        growth_rate=growth / period,
+        log_decrement=-growth,
+        loops=loops,
+        crossings=crossings,
+        cycle_time=0.5 * (cycles.crossings[1:] + cycles.crossings[:-1]),
+        cycle_amplitude=amplitude,
+    )
+
+
+def _slope(values: np.ndarray) -> tuple[float, float, float]:
+    """Slope of values against their number, its standard error, and the share of their variance that it explains."""
+    number = np.arange(len(values)) - 0.5 * (len(values) - 1)
+    slope = float(number @ values / (number @ number))
+    left = float(((values - values.mean() - slope * number) ** 2).sum())
+    total = float(((values - values.mean()) ** 2).sum())
+    error = math.sqrt(left / max(len(values) - 2, 1) / float(number @ number))
+    return slope, error, 1.0 - left / total if total > 0.0 else 0.0
+
+
+def _kind(amplitude: np.ndarray, swing: np.ndarray) -> tuple[str, str, float]:
+    """Kind of motion, a note, and the growth of the logarithm of the amplitude in a cycle."""
+    count, steady = len(amplitude), _steady(amplitude)
+    if count < FEWEST:
+        note = f"{count} whole cycle{'s' if count != 1 else ''}: too few to tell a limit cycle"
+        logs = np.log(np.maximum(swing[-5:], TINY))
+        # Two swings make a cycle.
+        return _trend(logs), note, 2.0 * _slope(logs)[0] if len(logs) > 1 else 0.0
+    if steady >= FEWEST:
+        growth, error, _ = _slope(np.log(amplitude[-max(FEWEST, math.ceil(0.5 * steady)) :]))
+        # A slow drift is told from a limit cycle by what it would make of as many cycles as there have been.
+        if abs(growth) * count > STEADY and abs(growth) > 3.0 * error:
+            return "growing" if growth > 0.0 else "decaying", "", growth
+        return "periodic", "", growth
+    late = np.log(amplitude[-max(5, count // 2) :])
+    growth, _, explained = _slope(late)
+    kind = _trend(late)
+    if kind == "irregular" and explained > 0.9:
+        kind = "growing" if growth > 0.0 else "decaying"
+    return kind, "", growth
+
+
+def _trend(logs: np.ndarray) -> str:
+    """Kind of motion by a few logarithms of amplitudes, each compared with the next."""
+    steps = np.diff(logs)
+    if len(logs) < 2 or np.ptp(logs) <= STEADY:
+        return "periodic" if len(logs) > 1 else "irregular"
+    if np.all(steps > 0.0):
+        return "growing"
+    return "decaying" if np.all(steps < 0.0) else "irregular"
+
+
+def _without_cycles(
+    time: np.ndarray, position: np.ndarray, velocity: np.ndarray, late: np.ndarray, direction: np.ndarray
+) -> LimitCycle:
+    """What can be said of a motion that holds no whole cycle."""
+    value = position @ direction
+    extremes = swings(time, value, velocity @ direction)
+    kind = "irregular"
+    if len(extremes.value) > 2:
+        kind = _trend(np.log(np.maximum(np.abs(np.diff(extremes.value)), TINY)))
+    elif len(time) > 3:
+        # It moves one way: the last third of the run against the third before.
+        edges = time[0] + (time[-1] - time[0]) * np.array([1.0, 2.0, 3.0]) / 3.0
+        before, after = np.abs(np.diff(Trace(time, value, velocity @ direction)(edges)[0]))
+        if abs(after - before) > STEADY * max(after, before):
+            kind = "growing" if after > before else "decaying"
+    place, note = position[late], "no whole cycle: the run is too short, or this is no oscillation"
+    motion = place - place.mean(axis=0)
+    direction, _, normal = directions(motion)
+    size = math.sqrt(float((motion**2).sum(axis=1).mean()))
+    return LimitCycle(
+        kind=kind,
+        settled=False,
+        mean=place.mean(axis=0),
+        start=float(time[late][0]),
+        end=float(time[-1]),
+        note=note,
+        amplitude=0.5 * float(np.ptp(motion @ direction)),
+        axis_amplitude=0.5 * np.ptp(place, axis=0),
+        direction=direction,
+        normal=normal,
+        out_of_plane=math.sqrt(float(((motion @ normal) ** 2).mean())) / size if size > 0.0 else 0.0,
+        max_speed=float(np.linalg.norm(velocity[late], axis=1).max()),
+    )

@@ -1,0 +1,65 @@
+"""What a run's frames mean in a hose scene: of the cables' variables those of the hose, its tip, the flow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gardenhose.cables import arc_lengths, streams
+from gardenhose.scene import HoseScene
+from tautline.cable.build import Assembly
+from tautline.cable.observe import variables as of_cables
+from tautline.results.variable import Variable
+
+NOT_STORED = ("material", "material_rate")
+"""Variables of cables that say nothing of a hose: its material rests, and the water's moves as one."""
+
+
+def variables(observer: Observer) -> list[Variable]:
+    """Everything that is stored, with units."""
+    time, tip = ("time",), ("time", "axis")
+    return [
+        *(one for one in of_cables(observer.cables) if one.name not in NOT_STORED),
+        Variable("tip", tip, "m", "position of the tip"),
+        Variable("tip_velocity", tip, "m/s", "velocity of the tip"),
+        Variable("flow_speed", time, "m/s", "speed of the water in the hose, in its first piece"),
+    ]
+
+
+class Observer:
+    """Turns frames into variables; the hose's nodes and elements come first among the cables'."""
+
+    def __init__(self, scene: HoseScene, made: Assembly) -> None:
+        self.cables = made.observer
+        self.arc_length = arc_lengths(scene)
+        self.nodes, self.elements = len(self.arc_length), len(self.arc_length) - 1
+        found = streams(scene)
+        self.water = None if not found else list(made.observer.ids).index(found[0].first)
+
+    def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
+        """Arrays that do not change with time."""
+        return {
+            **self.cables.coordinates(),
+            "node": ("node", np.arange(1, self.nodes + 1), "", "node, from 1 at the root"),
+            "element": ("element", np.arange(1, self.elements + 1), "", "element, from 1 at the root"),
+            "arc_length": ("node", self.arc_length, "m", "unstretched distance from the root"),
+        }
+
+    def observe(self, frames: Any) -> dict[str, np.ndarray]:
+        """Variables of a batch of frames, leading axis time."""
+        made = self.cables.observe(frames)
+        if self.water is None:
+            speed = np.zeros(len(made["position"]))
+        else:
+            # What flows towards the tip leaves the nodes' p behind; zero is not to be written as -0.
+            speed = 0.0 - made["material_rate"][:, self.water]
+        for name in NOT_STORED:
+            del made[name]
+        for name in ("position", "slope", "velocity"):
+            made[name] = made[name][:, : self.nodes]
+        for name in ("axial_force", "curvature"):
+            made[name] = made[name][:, : self.elements]
+        made["tip"], made["tip_velocity"] = made["position"][:, -1].copy(), made["velocity"][:, -1].copy()
+        made["flow_speed"] = speed
+        return made
