@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hashlib import sha256
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,8 @@ def build(scene: HoseScene) -> Model:
         Where what holds the hose says a thing twice.
     """
     made = assembled(scene)
-    observer = Observer(scene, made)
+    found = streams(scene)
+    observer = Observer(scene, made, place_of_flow(made.layout, found[0], 0) if found else None)
     solver, length = scene.solver, scene.hose.total_length
     alpha_m, alpha_f = solver.alphas
     error = error_of_steps(solver, STEP_ERROR * length)
@@ -71,9 +73,9 @@ def build(scene: HoseScene) -> Model:
     )  # fmt: skip
 
 
-def assembled(scene: HoseScene) -> Assembly:
-    """The equations of a scene, with the velocity that it begins with."""
-    made = assemble_cables(cables_of(scene), lambda layout: _jets(scene, layout))
+def assembled(scene: HoseScene, fused: bool = True) -> Assembly:
+    """The equations of a scene, with the velocity that it begins with; see `cables_of`."""
+    made = assemble_cables(cables_of(scene, fused), lambda layout: _jets(scene, layout))
     _disturb(scene, made)
     return made
 
@@ -92,15 +94,20 @@ def _jets(scene: HoseScene, layout: Layout) -> list[Any]:
     """Where the water's speed changes: from bore to bore, and in the nozzle at a free end."""
     found = streams(scene)
     rows = []
-    for here, after in zip(found[:-1], found[1:], strict=True):
-        rows.append(_jet(layout, here, here.mass / after.mass - 1.0))
+    for k, (here, after) in enumerate(pairwise(found)):
+        rows.append(_jet(layout, here, k, here.mass / after.mass - 1.0))
     if found and scene.water is not None and scene.water.outlet != 1.0:
-        rows.append(_jet(layout, found[-1], scene.water.outlet - 1.0))
+        rows.append(_jet(layout, found[-1], len(found) - 1, scene.water.outlet - 1.0))
     return [Jets(records(JET, rows))] if rows else []
 
 
-def _jet(layout: Layout, stream: Stream, gain: float) -> dict[str, Any]:
-    material = layout.material(stream.first)
+def place_of_flow(layout: Layout, stream: Stream, number: int) -> int:
+    """Full place of a stream's p."""
+    return layout.flow[number + 1] if layout.flow else layout.material(stream.first)
+
+
+def _jet(layout: Layout, stream: Stream, number: int, gain: float) -> dict[str, Any]:
+    material = place_of_flow(layout, stream, number)
     return {"node": layout.start[stream.stop + 1], "material": material, "mass": stream.mass, "gain": gain}
 
 
@@ -113,7 +120,7 @@ def _disturb(scene: HoseScene, made: Assembly) -> None:
     v, start = made.system.v, made.layout.start
     held = made.layout.degrees.motion
     pairs = [(i + 1, i) for i in range(len(s))]
-    for stream in streams(scene):
+    for stream in [] if made.layout.flow else streams(scene):
         pairs += [(stream.first + k, i) for k, i in enumerate(range(stream.start, stream.stop + 1))]
     for node, i in pairs:
         for c in range(3):

@@ -7,6 +7,8 @@ changes a chain of water ends and the next begins.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +21,7 @@ from tautline.scene.document import Document
 
 METHODS = {"lagrange": "multiplier", "penalty": "penalty", "augmented": "augmented"}
 FREE, HELD = False, True
+SPEED: Place = ("water", "speed")
 BORES_DIFFER = 1.0e-9
 """Relative difference of the water's mass per length above which two pieces have two bores."""
 
@@ -60,14 +63,17 @@ def streams(scene: HoseScene) -> list[Stream]:
             cuts.append(k)
     cuts.append(len(masses))
     found, node = [], len(masses) + 2
-    for start, stop in zip(cuts[:-1], cuts[1:], strict=True):
+    for start, stop in pairwise(cuts):
         found.append(Stream(masses[start], masses[0] / masses[start], start, stop, node))
         node += stop - start + 1
     return found
 
 
-def cables_of(scene: HoseScene) -> CableScene:
-    """The scene of cables that a hose is."""
+def cables_of(scene: HoseScene, fused: bool = True) -> CableScene:
+    """The scene of cables that a hose is.
+
+    With linear coupling all that hose and water share is one unknown, and their elements are ``fused`` into one.
+    """
     s = arc_lengths(scene)
     document = scene.document or Document.parse("{}", "scene.yaml")
     nodes, couplings = _hose_nodes(scene, s)
@@ -75,7 +81,12 @@ def cables_of(scene: HoseScene) -> CableScene:
     ties: list[Tie] = []
     motions: list[Motion] = []
     for stream in streams(scene):
-        _add_water(scene, s, stream, nodes, elements, couplings, ties, motions)
+        motions.append(_motion(scene, stream, len(motions) + 1, float(s[stream.start])))
+        if fused and scene.coupling == "linear":
+            for i in range(stream.start, stream.stop):
+                elements[i] = replace(elements[i], conveyed=(stream.mass, motions[-1].id))
+        else:
+            _add_water(scene, s, stream, motions[-1].id, nodes, elements, couplings, ties)
     masses = [Mass(1, (len(s),), scene.hose.tip_mass, 0, ("hose", "tip_mass"))] if scene.hose.tip_mass > 0.0 else []
     solver = CableSolver.model_construct(end=scene.solver.end, mass_damping=0.0)
     return CableScene(
@@ -137,22 +148,24 @@ def _hose_element(scene: HoseScene, i: int, k: int, piece: Segment) -> Element:
     )  # fmt: skip
 
 
+def _motion(scene: HoseScene, stream: Stream, id: int, begins: float) -> Motion:
+    """What drives a stream: p falls as the water flows on."""
+    assert scene.water is not None
+    return Motion(id, begins, (), (), None, 0, SPEED, rate=scene.water.speed, factor=-stream.ratio)
+
+
 def _add_water(
     scene: HoseScene,
     s: np.ndarray,
     stream: Stream,
+    motion: int,
     nodes: list[Node],
     elements: list[Element],
     couplings: list[Coupling],
     ties: list[Tie],
-    motions: list[Motion],
 ) -> None:
-    """Nodes and elements of one stream, what drives it, and what ties it to the hose."""
-    assert scene.water is not None
-    place, direction = ("water", "speed"), scene.hose.unit_direction
-    motion = len(motions) + 1
-    begins = float(s[stream.start])
-    motions.append(Motion(motion, begins, (), (), None, 0, place, rate=scene.water.speed, factor=-stream.ratio))
+    """Nodes and elements of one stream, and what ties it to the hose."""
+    place, direction, begins = SPEED, scene.hose.unit_direction, float(s[stream.start])
     for k, i in enumerate(range(stream.start, stream.stop + 1)):
         node, hose = stream.first + k, i + 1
         held = [FREE] * 6 + [k == 0]

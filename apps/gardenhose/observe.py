@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gardenhose.cables import arc_lengths, streams
+from gardenhose.cables import arc_lengths
 from gardenhose.scene import HoseScene
 from tautline.cable.build import Assembly
 from tautline.cable.observe import variables as of_cables
@@ -30,12 +30,12 @@ def variables(observer: Observer) -> list[Variable]:
 class Observer:
     """Turns frames into variables; the hose's nodes and elements come first among the cables'."""
 
-    def __init__(self, scene: HoseScene, made: Assembly) -> None:
+    def __init__(self, scene: HoseScene, made: Assembly, flow: int | None) -> None:
+        """``flow`` is the full place of the first stream's p, None without water."""
         self.cables = made.observer
         self.arc_length = arc_lengths(scene)
         self.nodes, self.elements = len(self.arc_length), len(self.arc_length) - 1
-        found = streams(scene)
-        self.water = None if not found else list(made.observer.ids).index(found[0].first)
+        self.flow = flow
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""
@@ -49,11 +49,8 @@ class Observer:
     def observe(self, frames: Any) -> dict[str, np.ndarray]:
         """Variables of a batch of frames, leading axis time."""
         made = self.cables.observe(frames)
-        if self.water is None:
-            speed = np.zeros(len(made["position"]))
-        else:
-            # What flows towards the tip leaves the nodes' p behind; zero is not to be written as -0.
-            speed = 0.0 - made["material_rate"][:, self.water]
+        # What flows towards the tip leaves the nodes' p behind; zero is not to be written as -0.
+        speed = np.zeros(len(made["position"])) if self.flow is None else 0.0 - frames.v[:, self.flow]
         for name in NOT_STORED:
             del made[name]
         for name in ("position", "slope", "velocity"):

@@ -16,7 +16,7 @@ POINTS = gauss(3)
 
 def group():
     rows = [ends | {"viscosity": c} for ends, c in zip(rope._ends(CUBIC), VISCOSITY, strict=True)]
-    scratch = np.zeros((2, 4)), np.zeros((5, 6)), np.zeros((2, 3, 6)), np.zeros((6, 6)), np.zeros((12, 12))
+    scratch = np.zeros((2, 4)), np.zeros((4, 6)), np.zeros((2, 3, 6)), np.zeros((6, 6)), np.zeros((12, 12))
     return BendingDamping(records(VISCOUS, rows), table(*POINTS), *scratch)
 
 

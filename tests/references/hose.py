@@ -1,16 +1,19 @@
 """Pipes conveying fluid: stability, statics and large planar motion to compare the hose program with.
 
 Derived from the strong and the virtual-work form of the equations of motion, without the hose program and without
-finite elements.  Three parts:
+finite elements.  Five parts:
 
 1. the straight inextensible cantilever of R. W. Gregory and M. P. Paidoussis, Unstable oscillation of tubular
    cantilevers conveying fluid, Proc. R. Soc. A 293 (1966) 512-542: exact characteristic determinant, dimensionless;
 2. the extensible hose bent by its weight in a steady flow: a one-parameter shooting problem, SI units;
-3. the same hose in large planar motion: global polynomials in arc length (spectral Galerkin), SI units.
+3. the same hose in large planar motion: global polynomials in arc length (spectral Galerkin), SI units;
+4. the same in space;
+5. straight inextensible hoses of several pieces, SI units.
 
 Dimensionless quantities of part 1: u = U L sqrt(M/EJ), beta = M/(m + M), time in L^2 sqrt((m + M)/EJ),
-alpha = c/(unit of time) with c the Kelvin-Voigt damping time, gamma = (m + M) g L^3/EJ (> 0: the pipe hangs).
-Run as a program, the module rewrites hose_tip.csv and hose_cycles.json beside it.
+alpha = c/(unit of time) with c the Kelvin-Voigt damping time, gamma = (m + M) g L^3/EJ (> 0: the pipe hangs),
+mu = (mass at the free end)/((m + M) L), jet = speed of the jet at the free end over the speed in the pipe (a nozzle).
+Run as a program, the module rewrites hose_tip.csv, hose_cycles.json and hose_space.json beside it.
 """
 
 import csv
@@ -24,7 +27,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.integrate import Radau, solve_ivp
 from scipy.linalg import eigvals
 from scipy.optimize import brentq
-from scipy.special import eval_jacobi
+from scipy.special import eval_jacobi, gammaln
 
 HERE = Path(__file__).parent
 
@@ -37,12 +40,17 @@ CLAMPED_PINNED = brentq(lambda u: np.sin(u) - u * np.cos(u), 4.4, 4.6, xtol=1e-1
 # ----------------------------------------------------------------------------------------------------------------------
 # 1. the straight cantilever
 # ----------------------------------------------------------------------------------------------------------------------
-def characteristic(eigenvalue, u, beta, alpha=0.0):
+def characteristic(eigenvalue, u, beta, alpha=0.0, mu=0.0, jet=1.0):
     """The boundary determinant of the cantilever at w = exp(eigenvalue t) sum_j A_j exp(p_j x), arrays broadcast.
 
-    (1 + alpha lambda) p^4 + u^2 p^2 + 2 sqrt(beta) u lambda p + lambda^2 = 0; rows w(0) = w'(0) = 0,
-    w''(1) = w'''(1) = 0.  Divided by Vandermonde's determinant of the p_j, it does not depend on their order and
-    has no zeros where two of them meet; scaled by a positive number, so its phase is that of an entire function.
+    (1 + alpha lambda) p^4 + jet u^2 p^2 + 2 sqrt(beta) u lambda p + lambda^2 = 0; rows w(0) = w'(0) = 0,
+    w''(1) = 0, (1 + alpha lambda) w'''(1) = mu lambda^2 w(1).  Divided by Vandermonde's determinant of the p_j, it
+    does not depend on their order and has no zeros where two of them meet; scaled by a positive number, so its phase
+    is that of an entire function.
+
+    The nozzle's force on the end, -u^2 (jet - 1) w', compresses all the pipe by P = u^2 (jet - 1): P w'' joins u^2 w''.
+    At the end the shear force -w''' - P w' balances mu w_tt and the nozzle's force -P w': P cancels there.  So
+    the pipe with a nozzle is the plain one of the mass ratio beta/jet, the speed u sqrt(jet) and the same mu.
     """
     lam, u, beta = np.broadcast_arrays(np.asarray(eigenvalue, dtype=complex), u, beta)
     companion = np.zeros((*lam.shape, 4, 4), dtype=complex)
@@ -50,14 +58,14 @@ def characteristic(eigenvalue, u, beta, alpha=0.0):
     stiffness = 1 + alpha * lam
     companion[..., 0, 3] = -(lam**2) / stiffness
     companion[..., 1, 3] = -2 * np.sqrt(beta) * u * lam / stiffness
-    companion[..., 2, 3] = -(u**2) / stiffness
+    companion[..., 2, 3] = -jet * u**2 / stiffness
     p = np.moveaxis(np.linalg.eigvals(companion), -1, 0)
     # Laplace's expansion: columns i, j in the first two rows and k, l in the last two
     split = [(0, 1, 2, 3, 1), (0, 2, 1, 3, -1), (0, 3, 1, 2, 1), (1, 2, 0, 3, 1), (1, 3, 0, 2, -1), (2, 3, 0, 1, 1)]
     scale = np.max([(p[k] + p[l]).real for _, _, k, l, _ in split], axis=0)
     total, vandermonde = 0, 1
     for i, j, k, l, sign in split:
-        minors = (p[j] - p[i]) * (p[k] * p[l]) ** 2 * (p[l] - p[k])
+        minors = (p[j] - p[i]) * ((p[k] * p[l]) ** 2 + mu * lam**2 / stiffness * (p[k] + p[l])) * (p[l] - p[k])
         total = total + sign * minors * np.exp(p[k] + p[l] - scale)
         vandermonde = vandermonde * (p[j] - p[i])
     return total / vandermonde
@@ -67,77 +75,95 @@ class Pipe:
     """Galerkin's method for the same cantilever with polynomials: x^2 times Jacobi polynomials (0, 4) on (0, 1).
 
     They are orthogonal with this factor, satisfy w(0) = w'(0) = 0, and the free end's conditions are natural.
+    Supported pipes: x^root (1 - x)^end times Jacobi polynomials; root, end are 2 clamped, 1 pinned, 0 free.
     """
 
-    def __init__(self, modes=32):
+    def __init__(self, modes=32, root=2, end=0):
         x, weights = leggauss(modes + 8)
         x, weights = (1 + x) / 2, weights / 2
-        w, slope, bend = _orthonormal(x, modes, 2)
+        w, slope, bend = _orthonormal(x, modes, root, end)
         self.modes = modes
         self.bend = np.einsum("qi,qj,q->ij", bend, bend, weights)
         self.thrust = np.einsum("qi,qj,q->ij", w, bend, weights)
         self.coriolis = np.einsum("qi,qj,q->ij", w, slope, weights)
         self.hang = np.einsum("qi,qj,q->ij", slope, slope, weights * (1 - x))
+        self.pull = np.einsum("qi,qj,q->ij", slope, slope, weights)
+        self.tip = _orthonormal(np.ones(1), modes, root, end)[0][0]
 
-    def matrices(self, u, beta, alpha=0.0, gamma=0.0):
-        """Stiffness and damping matrix; the mass matrix is the identity."""
-        return (
-            self.bend + u**2 * self.thrust + gamma * self.hang,
-            alpha * self.bend + 2 * np.sqrt(beta) * u * self.coriolis,
-        )
+    def matrices(self, u, beta, alpha=0.0, gamma=0.0, mu=0.0, jet=1.0):
+        """Mass matrix to the power -1 times stiffness and damping matrix."""
+        stiffness = self.bend + jet * u**2 * self.thrust + gamma * (self.hang + mu * self.pull)
+        damping = alpha * self.bend + 2 * np.sqrt(beta) * u * self.coriolis
+        if not mu:
+            return stiffness, damping
+        # the mass matrix is the identity and, from the end, mu tip tip^T
+        share = mu / (1 + mu * self.tip @ self.tip) * self.tip
+        return tuple(matrix - np.outer(share, self.tip @ matrix) for matrix in (stiffness, damping))
 
-    def eigenvalues(self, u, beta, alpha=0.0, gamma=0.0):
+    def eigenvalues(self, u, beta, alpha=0.0, gamma=0.0, mu=0.0, jet=1.0):
         """All 2 modes eigenvalues, by magnitude; about the lower half of them mean something."""
-        stiffness, damping = self.matrices(u, beta, alpha, gamma)
+        stiffness, damping = self.matrices(u, beta, alpha, gamma, mu, jet)
         n = self.modes
         found = eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping]]))
         return found[np.argsort(np.abs(found))]
 
-    def phase(self, omega, u, beta, alpha=0.0, gamma=0.0):
+    def phase(self, omega, u, beta, alpha=0.0, gamma=0.0, mu=0.0, jet=1.0):
         """The determinant of the dynamic stiffness at i omega over its magnitude; omega and u of one shape."""
-        stiffness, damping = self.bend + gamma * self.hang, alpha * self.bend
+        stiffness, damping = self.bend + gamma * (self.hang + mu * self.pull), alpha * self.bend
+        mass = np.eye(self.modes) + mu * np.outer(self.tip, self.tip)
         result = np.empty(u.shape, dtype=complex)
         for at in np.ndindex(u.shape[0]):  # a row at a time, for the memory
             row, w = u[at][..., None, None], omega[at][..., None, None]
-            matrix = stiffness + row**2 * self.thrust - w**2 * np.eye(self.modes)
+            matrix = stiffness + jet * row**2 * self.thrust - w**2 * mass
             matrix = matrix + 1j * w * (damping + 2 * np.sqrt(beta) * row * self.coriolis)
             result[at] = np.linalg.slogdet(matrix)[0]
         return result
 
 
-def _orthonormal(x, count, power):
-    """x^power P_n(x), n < count, orthonormal on (0, 1), and its first two derivatives, each (len(x), count)."""
+def _orthonormal(x, count, power, end=0):
+    """x^power (1 - x)^end P_n(x), n < count, orthonormal on (0, 1), and its first two derivatives, (len(x), count)."""
     n = np.arange(count)
-    b = 2 * power
+    a, b = 2 * end, 2 * power
     y, x = 2 * x[:, None] - 1, x[:, None]
-    values = eval_jacobi(n, 0, b, y)
-    first = np.where(n > 0, (n + b + 1) * eval_jacobi(np.maximum(n - 1, 0), 1, b + 1, y), 0)
-    second = np.where(n > 1, (n + b + 1) * (n + b + 2) * eval_jacobi(np.maximum(n - 2, 0), 2, b + 2, y), 0)
-    scale = np.sqrt(2 * n + b + 1)
-    down1 = power * x ** max(power - 1, 0)
-    down2 = power * (power - 1) * x ** max(power - 2, 0)
+    values = eval_jacobi(n, a, b, y)
+    first = np.where(n > 0, (n + a + b + 1) * eval_jacobi(np.maximum(n - 1, 0), a + 1, b + 1, y), 0)
+    rise = (n + a + b + 1) * (n + a + b + 2)
+    second = np.where(n > 1, rise * eval_jacobi(np.maximum(n - 2, 0), a + 2, b + 2, y), 0)
+    square = gammaln(n + 1) + gammaln(n + a + b + 1) - gammaln(n + a + 1) - gammaln(n + b + 1)
+    scale = np.sqrt((2 * n + a + b + 1) * np.exp(square if end else 0 * n))
+    # the factor at either end and its derivatives, by Leibniz' rule
+    left, right = ([_power(z, k, order) for order in range(3)] for z, k in ((x, power), (1 - x, end)))
+    factor = left[0] * right[0]
+    down1 = left[1] * right[0] - left[0] * right[1]
+    down2 = left[2] * right[0] - 2 * left[1] * right[1] + left[0] * right[2]
     return (
-        scale * x**power * values,
-        scale * (x**power * first + down1 * values),
-        scale * (x**power * second + 2 * down1 * first + down2 * values),
+        scale * factor * values,
+        scale * (factor * first + down1 * values),
+        scale * (factor * second + 2 * down1 * first + down2 * values),
     )
 
 
-def eigenvalues(u, beta, count=4, alpha=0.0):
+def _power(z, exponent, order):
+    """The derivative of some order <= 2 of z^exponent."""
+    factor = (1, exponent, exponent * (exponent - 1))[order]
+    return factor * z ** max(exponent - order, 0)
+
+
+def eigenvalues(u, beta, count=4, alpha=0.0, mu=0.0, jet=1.0):
     """The first `count` eigenvalues of the cantilever with non-negative imaginary part, by frequency.
 
     Newton's method on the exact determinant from Galerkin's values.
     """
-    guesses = Pipe(24 + 2 * count).eigenvalues(u, beta, alpha)
+    guesses = Pipe(24 + 2 * count).eigenvalues(u, beta, alpha, 0.0, mu, jet)
     guesses = guesses[guesses.imag >= 0][: count + 2]
-    found = np.array([_newton_eigenvalue(guess, u, beta, alpha) for guess in guesses])
+    found = np.array([_newton_eigenvalue(guess, u, beta, alpha, mu, jet) for guess in guesses])
     return found[np.argsort(np.abs(found.imag), kind="stable")][:count]
 
 
-def _newton_eigenvalue(guess, u, beta, alpha):
+def _newton_eigenvalue(guess, u, beta, *more):
     for _ in range(20):
         h = 1e-5 * max(1, abs(guess))
-        f, ahead, behind = characteristic(guess + np.array([0, h, -h]), u, beta, alpha)
+        f, ahead, behind = characteristic(guess + np.array([0, h, -h]), u, beta, *more)
         # the scale factor depends on the eigenvalue: harmless, as the product of f with it stays small
         step = f / ((ahead - behind) / (2 * h))
         guess = guess - step
@@ -155,7 +181,7 @@ class Crossing:
     becomes: str  # 'unstable' or 'stable'
 
 
-def critical_speeds(beta, alpha=0.0, gamma=0.0, upto=18.0, modes=32):
+def critical_speeds(beta, alpha=0.0, gamma=0.0, upto=18.0, modes=32, mu=0.0, jet=1.0):
     """Every crossing of the imaginary axis by an eigenvalue of the cantilever for u in (0.05, upto], u increasing.
 
     The determinant at i omega as a map of the (u, sqrt(omega)) plane to the complex one has a simple zero at a
@@ -170,21 +196,22 @@ def critical_speeds(beta, alpha=0.0, gamma=0.0, upto=18.0, modes=32):
     if gamma == 0:
 
         def phase(u, root):
-            return characteristic(1j * root**2, u, beta, alpha)
+            return characteristic(1j * root**2, u, beta, alpha, mu, jet)
     else:
         pipe = Pipe(modes)
 
         def phase(u, root):
-            return pipe.phase(root**2, u, beta, alpha, gamma)
+            return pipe.phase(root**2, u, beta, alpha, gamma, mu, jet)
 
     # beyond sqrt(omega) = 1.8 u + 8 the pipe is a beam, damped by Coriolis' force
-    cells = _winding_cells(phase, np.linspace(0.05, upto, 1 + round(10 * upto)), np.linspace(0.2, 1.8 * upto + 8, 260))
+    roots = np.linspace(0.2, 1.8 * np.sqrt(jet) * upto + 8, 260)
+    cells = _winding_cells(phase, np.linspace(0.05, upto, 1 + round(10 * upto)), roots)
     found = []
     for u, root, winding in cells:
         if gamma == 0:
-            u, omega = _polish(u, root**2, beta, alpha)
+            u, omega = _polish(u, root**2, beta, alpha, mu, jet)
         else:
-            u, omega = _polish_galerkin(pipe, u, root**2, beta, alpha, gamma)
+            u, omega = _polish_galerkin(pipe, u, root**2, beta, alpha, gamma, mu, jet)
         found.append(Crossing(u, omega, "unstable" if winding < 0 else "stable"))
     return sorted((c for c in found if c.u <= upto), key=lambda c: c.u)
 
@@ -207,12 +234,12 @@ def _winding_cells(phase, us, roots, depth=0):
     return found
 
 
-def _polish(u, omega, beta, alpha):
+def _polish(u, omega, beta, *more):
     """Newton's method for the exact crossing near (u, omega)."""
     for _ in range(30):
         h = 1e-6 * np.array([u, omega])
         at = np.array([[u, omega], [u + h[0], omega], [u - h[0], omega], [u, omega + h[1]], [u, omega - h[1]]])
-        d = characteristic(1j * at[:, 1], at[:, 0], beta, alpha)
+        d = characteristic(1j * at[:, 1], at[:, 0], beta, *more)
         du, dw = (d[1] - d[2]) / (2 * h[0]), (d[3] - d[4]) / (2 * h[1])
         step = np.linalg.solve([[du.real, dw.real], [du.imag, dw.imag]], [d[0].real, d[0].imag])
         step *= min(1, 0.1 / abs(step[0] + 1e-300))
@@ -222,9 +249,9 @@ def _polish(u, omega, beta, alpha):
     return float(u), float(omega)
 
 
-def _polish_galerkin(pipe, u, omega, beta, alpha, gamma):
+def _polish_galerkin(pipe, u, omega, beta, *more):
     def nearest(speed, target):
-        all_ = pipe.eigenvalues(speed, beta, alpha, gamma)
+        all_ = pipe.eigenvalues(speed, beta, *more)
         return all_[np.argmin(abs(all_ - target))]
 
     target = 1j * omega
@@ -324,8 +351,13 @@ class Parameters:
     """A hose with flow in a vertical plane, clamped at the origin and free at the other end; lengths unstretched.
 
     Energy per ds: EA strain^2/2 + EJ kappa^2/2 with the geometric curvature kappa, and strain = (|r'|^2 - 1)/2
-    ('green') or |r'| - 1 ('engineering').  Dissipation per ds: damping (EA strain-dot^2 + EJ kappa-dot^2)/2, the second
-    term times kappa^2/(kappa^2 + smoothing^2): the law in space, (k . k-dot)^2/(k . k + smoothing^2), in the plane.
+    ('green') or |r'| - 1 ('engineering').  Power dissipated per ds: damping (EA strain-dot^2 + EJ |k-dot|^2), where
+    k is kappa times the principal normal and its rate is that in axes turning with the tangent without spin about
+    it; in the plane kappa-dot^2.  With smoothing the older law (k . k-dot)^2/(k . k + smoothing^2) instead, in
+    the plane kappa-dot^2 kappa^2/(kappa^2 + smoothing^2).
+
+    A mass at the free end moves with it and has weight; a nozzle there makes the jet `outlet` times as fast as
+    the flow in the hose: the force -water U^2 (outlet - 1) r' on the end.
     """
 
     length: float = 0.5  # m
@@ -339,6 +371,8 @@ class Parameters:
     clamp: str = "direction"  # or 'slope': r' = (cos angle, sin angle) at the root
     strain: str = "green"
     smoothing: float = 0.0  # 1/m
+    tip_mass: float = 0.0  # kg
+    outlet: float = 1.0  # speed of the jet over that in the hose
 
     @property
     def weight(self):
@@ -381,16 +415,17 @@ def static_shape(parameters, U=0.0, points=201):
     Its variation is N d(lambda) + Q lambda d(theta) with N = dW/d(lambda) = EA strain dstrain/dlambda
     - EJ theta'^2/lambda^3 along the tangent, G = dW/d(theta') = EJ theta'/lambda^2 and G' = -lambda Q.  The force
     obeys F' = M U^2 r'' + weight e_z; with F = 0 at the free end F = M U^2 (r'(s) - r'(L)) - weight (L - s) e_z.
-    There G = 0, too, so theta' = 0, so N = 0 means lambda(L) = 1 whatever the flow.  At each s the tangential
+    There G = 0, too, so theta' = 0, so N = 0 means lambda(L) = 1 whatever the flow.  With a nozzle and a mass at the
+    end F(L) = -M U^2 (outlet - 1) r'(L) - tip_mass g e_z, which gives lambda(L).  At each s the tangential
     component of F is an algebraic equation for lambda.  (The component of the clamp's reaction along its direction
     and its moment are free, hence no condition but theta(0) = angle; a clamp that holds the slope cannot be met: the
     energy has no derivative of lambda, so lambda jumps at the clamp.  Both clamps have this one shape.)
     """
     p = parameters
-    thrust = p.water * U**2
+    thrust, hung = p.water * U**2, p.tip_mass * p.gravity
 
-    def stretch(theta, G, s, end):
-        force = -thrust * np.cos(theta - end) - p.weight * (p.length - s) * np.sin(theta)
+    def solve_stretch(linear, force):
+        """N - linear lambda = force for lambda, N the part of the axial force that comes of the strain."""
         value = 1.0
         for _ in range(50):
             value2 = value * value
@@ -398,22 +433,32 @@ def static_shape(parameters, U=0.0, points=201):
                 N, slope = p.EA / 2 * value * (value2 - 1), p.EA / 2 * (3 * value2 - 1)
             else:
                 N, slope = p.EA * (value - 1), p.EA
-            change = (N - (G**2 / p.EJ + thrust) * value - force) / (slope - G**2 / p.EJ - thrust)
+            change = (N - linear * value - force) / (slope - linear)
             value = value - change
             if np.all(np.abs(change) < 1e-15):
                 break
         return value
 
-    def derivative(s, state, end):
+    def down(s):
+        return p.weight * (p.length - s) + hung
+
+    def jet(end):
+        """What F has of r'(L): the thrust of the jet."""
+        return p.outlet * thrust * solve_stretch(-(p.outlet - 1) * thrust, -hung * np.sin(end))
+
+    def stretch(theta, G, s, end, jet):
+        return solve_stretch(G**2 / p.EJ + thrust, -jet * np.cos(theta - end) - down(s) * np.sin(theta))
+
+    def derivative(s, state, end, jet):
         theta, G = state[:2]
-        value = stretch(theta, G, s, end)
+        value = stretch(theta, G, s, end, jet)
         # the component of F along the normal (-sin, cos)
-        Q = -thrust * np.sin(end - theta) - p.weight * (p.length - s) * np.cos(theta)
+        Q = -jet * np.sin(end - theta) - down(s) * np.cos(theta)
         return [G * value**2 / p.EJ, -value * Q, value * np.cos(theta), value * np.sin(theta)]
 
     def shoot(end, at=None, tolerance=3e-14):
-        start, span = [end, 0, 0, 0], (p.length, 0)
-        return solve_ivp(derivative, span, start, "DOP853", at, args=(end,), rtol=tolerance, atol=tolerance / 30).y
+        start, span, more = [end, 0, 0, 0], (p.length, 0), (end, jet(end))
+        return solve_ivp(derivative, span, start, "DOP853", at, args=more, rtol=tolerance, atol=tolerance / 30).y
 
     def miss(end, tolerance=3e-14):
         return shoot(end, tolerance=tolerance)[0, -1] - p.angle
@@ -429,7 +474,7 @@ def static_shape(parameters, U=0.0, points=201):
     end = brentq(miss, candidates[best], candidates[best + 1], xtol=1e-15, rtol=1e-14)
     s = np.linspace(p.length, 0, points)
     theta, G, x, z = shoot(end, s)
-    value = stretch(theta, G, s, end)
+    value = stretch(theta, G, s, end, jet(end))
     shape = np.array([s, x - x[-1], z - z[-1], theta, G, value])[:, ::-1]
     return StaticShape(*shape)
 
@@ -443,44 +488,69 @@ class Hose:
     In axes along and across the clamp r = s e + sum of q_i phi_i(s) for each component; phi = s^power times
     Jacobi polynomials, power 1 along (the stretch at the clamp is free) and 2 across, orthonormal over the length.
     Virtual work at every Gauss point; the fluid's d'Alembert force does its work on the test functions as it is,
-    so that a free end has neither force nor moment.  The mass matrix is mass_per_length times the identity.
+    so that a free end has neither force nor moment but those of a nozzle and a mass there.  The mass matrix is
+    mass_per_length times the identity: a mass at the end makes the functions orthonormal with it.
 
     State: coefficients along, across, then their rates; shape (4 modes,).
     """
 
+    dimension = 2
+
     def __init__(self, parameters, modes=14, points=None):
         p = self.parameters = parameters
         n = self.modes = modes
+        self.unknowns = self.dimension * n
         x, weights = leggauss(points or 2 * modes + 12)
         x, self.weights = (1 + x) / 2, weights / 2 * p.length
         self.s = x * p.length
-        powers = (1 if p.clamp == "direction" else 2), 2
-        unit = 1 / np.sqrt(p.length)
-        basis = [[unit * part / p.length**k for k, part in enumerate(_orthonormal(x, n, power))] for power in powers]
-        zero = np.zeros_like(basis[0][0])
+        self.rho = rho = p.mass + p.water
+        bases, tips = [], []
+        for power in ((1 if p.clamp == "direction" else 2), 2, 2)[: self.dimension]:
+            unit = [p.length ** -(0.5 + order) for order in range(3)]
+            basis = [c * part for c, part in zip(unit, _orthonormal(x, n, power), strict=True)]
+            tip = [c * part[0] for c, part in zip(unit, _orthonormal(np.ones(1), n, power), strict=True)]
+            # the mass matrix 1 + (tip_mass/rho) tip tip^T to the power -1/2
+            square = tip[0] @ tip[0]
+            share = (1 / np.sqrt(1 + p.tip_mass / rho * square) - 1) / square
+            turn = np.eye(n) + share * np.outer(tip[0], tip[0])
+            bases.append([part @ turn for part in basis])
+            tips.append([part @ turn for part in tip])
 
-        def both(order):
-            return np.stack([np.hstack([basis[0][order], zero]), np.hstack([zero, basis[1][order]])])
+        def all_components(order):
+            result = np.zeros((self.dimension, len(x), self.unknowns))
+            tip = np.zeros((self.dimension, self.unknowns))
+            for k in range(self.dimension):
+                result[k, :, k * n : (k + 1) * n], tip[k, k * n : (k + 1) * n] = bases[k][order], tips[k][order]
+            return result, tip
 
-        self.place, slope, bend = both(0), both(1), both(2)
+        (self.place, self.tip_basis), (slope, tip_slope), (bend, _) = (all_components(order) for order in range(3))
         self.B = np.concatenate([slope, bend])  # (x', z', x'', z''), Gauss point, unknown
-        self.offset = np.zeros((4, 1))
+        self.offset = np.zeros((2 * self.dimension, 1))
         self.offset[0] = 1
-        self.Bflat = self.B.reshape(-1, 2 * n)
-        rho = p.mass + p.water
+        self.Bflat = self.B.reshape(-1, self.unknowns)
         weighted = self.place * self.weights[:, None]
+        nozzle = p.water / rho * (p.outlet - 1)
         self.coriolis = 2 * p.water / rho * np.einsum("aqi,aqj->ij", weighted, slope)
         self.centrifugal = p.water / rho * np.einsum("aqi,aqj->ij", weighted, bend)
+        self.centrifugal += nozzle * self.tip_basis.T @ tip_slope
+        self.jet = nozzle * self.tip_basis[0]
         # U-dot r_s of the straight hose's own slope, and the weight in the axes of the clamp
         self.along = np.einsum("qi,q->i", self.place[0], self.weights)
         self.surge = p.water / rho * np.einsum("aqi,aqj->ij", weighted, slope)
-        down = -p.gravity * np.array([np.sin(p.angle), np.cos(p.angle)])
+        down = -p.gravity * np.array([np.sin(p.angle), np.cos(p.angle), 0])[: self.dimension]
         self.pull = np.einsum("aqi,a,q->i", self.place, down, self.weights)
-        self.rho = rho
-        ends = np.array([1.0])
-        tips = [unit * _orthonormal(ends, n, power)[0][0] for power in powers]
-        self.tip_basis = np.block([[tips[0], np.zeros(n)], [np.zeros(n), tips[1]]])
+        self.pull += p.tip_mass / rho * down @ self.tip_basis
+        # columns: along, across, out of the plane; rows: x, (y,) z
         self.axes = np.array([[np.cos(p.angle), -np.sin(p.angle)], [np.sin(p.angle), np.cos(p.angle)]])
+        if self.dimension == 3:
+            self.axes = np.insert(np.insert(self.axes, 1, 0, 0), 2, [0, 1, 0], 1)
+
+    def across(self, tip_rate, component=1):
+        """Coefficients of the velocity tip_rate (s/L)^2 of one component."""
+        p = self.parameters
+        profile = tip_rate * (self.s / p.length) ** 2
+        ends = p.tip_mass / self.rho * tip_rate * self.tip_basis[component]
+        return np.einsum("qi,q->i", self.place[component], self.weights * profile) + ends
 
     # kinematics at the Gauss points: p = (x', z', x'', z''), rows of arrays (points,)
     def _strain(self, p):
@@ -518,7 +588,7 @@ class Hose:
         return C * cube, gradient, cube * hessian
 
     def _at_points(self, q):
-        return (self.Bflat @ q).reshape(4, -1)
+        return (self.Bflat @ q).reshape(2 * self.dimension, -1)
 
     def _internal(self, q, rate, derivative=False):
         """Internal generalised force and, if wanted, its derivatives for q and for the rate."""
@@ -539,26 +609,27 @@ class Hose:
                 dp = dp + stress * hessian + stiffness * (1 + P.damping * turn * speed) * outer
                 dp = dp + stiffness * P.damping * share * gradient[:, None] * spin[None]
                 dv = dv + stiffness * P.damping * share * outer
-        n = 2 * self.modes
         result = self.Bflat.T @ (self.weights * force).ravel()
-        if not derivative:
-            return result
+        return (result, *self._assemble(dp, dv)) if derivative else result
+
+    def _assemble(self, *blocks):
+        """Matrices of the unknowns of blocks (component, component, Gauss point)."""
         matrices = []
-        for block in (dp, dv):
-            # sum over b at every Gauss point, as products of stacked matrices
+        for block in blocks:
+            # sum over the second component at every Gauss point, as products of stacked matrices
             product = (block * self.weights).transpose(2, 0, 1) @ self.B.transpose(1, 0, 2)
-            matrices.append(self.Bflat.T @ product.transpose(1, 0, 2).reshape(-1, n))
-        return result, *matrices
+            matrices.append(self.Bflat.T @ product.transpose(1, 0, 2).reshape(-1, self.unknowns))
+        return matrices
 
     def acceleration(self, q, rate, U, Udot=0.0):
-        fluid = self.coriolis @ rate * U + self.centrifugal @ q * U**2
+        fluid = self.coriolis @ rate * U + (self.centrifugal @ q + self.jet) * U**2
         if Udot:
             fluid = fluid + Udot * (self.surge @ q + self.parameters.water / self.rho * self.along)
         return self.pull - self._internal(q, rate) / self.rho - fluid
 
     def jacobian(self, q, rate, U, Udot=0.0):
         """Of the state's rate for the state, (4 modes, 4 modes)."""
-        n = 2 * self.modes
+        n = self.unknowns
         _, stiffness, damping = self._internal(q, rate, True)
         result = np.zeros((2 * n, 2 * n))
         result[:n, n:] = np.eye(n)
@@ -568,17 +639,17 @@ class Hose:
 
     def tip(self, state):
         """Position [m] of the free end for states (..., 4 modes); shape (..., 2)."""
-        n = 2 * self.modes
-        straight = np.array([self.parameters.length, 0])
+        n = self.unknowns
+        straight = np.array([self.parameters.length, 0, 0])[: self.dimension]
         return (straight + state[..., :n] @ self.tip_basis.T) @ self.axes.T
 
     def tip_velocity(self, state):
-        n = 2 * self.modes
+        n = self.unknowns
         return state[..., n:] @ self.tip_basis.T @ self.axes.T
 
     def energies(self, state):
         """Kinetic (without the flow's U), strain and potential energy [J]; dissipation [W]."""
-        P, n = self.parameters, 2 * self.modes
+        P, n = self.parameters, self.unknowns
         q, rate = state[:n], state[n:]
         p, v = self._at_points(q) + self.offset, self._at_points(rate)
         strain, dstrain, _ = self._strain(p)
@@ -594,12 +665,12 @@ class Hose:
     # statics and small motion
     def equilibrium(self, U=0.0):
         """State at rest in a steady flow, by Newton's method with the weight walked up."""
-        n = 2 * self.modes
+        n = self.unknowns
         q, zero = np.zeros(n), np.zeros(n)
         for share in np.linspace(0.1, 1, 10):
             for _ in range(40):
                 force, stiffness, _ = self._internal(q, zero, True)
-                residual = share * self.pull - force / self.rho - U**2 * self.centrifugal @ q
+                residual = share * self.pull - force / self.rho - U**2 * (self.centrifugal @ q + self.jet)
                 change = np.linalg.solve(stiffness / self.rho + U**2 * self.centrifugal, residual)
                 q = q + change
                 if np.abs(change).max() < 1e-13:
@@ -609,56 +680,68 @@ class Hose:
         return np.append(q, zero)
 
     def eigenvalues(self, U):
-        """Of small in-plane motion about the equilibrium [1/s], rightmost first."""
-        n = 2 * self.modes
+        """Of small motion (of `Hose`, in the plane) about the equilibrium [1/s], rightmost first."""
+        n = self.unknowns
         at = self.equilibrium(U)
         found = eigvals(self.jacobian(at[:n], at[n:], U))
         return found[np.argsort(-found.real)]
 
-    def lateral_matrices(self, U):
+    def lateral_matrices(self, U, damped=None):
         """Stiffness and damping over mass per length of small motion v(s, t) out of the plane about the equilibrium.
 
         Second variation in space: |r'|^2 grows by v'^2 and |r' x r''|^2 by |v'' a - v' b|^2 (a = r', b = r'' of the
         equilibrium), so the energy per ds is EA strain v'^2/2 + EJ (|v'' a - v' b|^2/|a|^6 - 3 kappa^2 v'^2/|a|^2)/2.
-        Both rates of dissipation, strain-dot and k . k-dot, are of second order in v: no damping in the first order,
-        whatever the smoothing.  (An unsmoothed |k-dot|^2 would damp.)  Weight acts through the equilibrium only.
+
+        Damping: the tangent t turns by v'/|a| out of the plane and k = t'/|r'|, so k's rate out of the plane is
+        (v-dot'/|a|)'/|a| = v-dot''/|a|^2 - (a . b) v-dot'/|a|^4 and EJ damping times its square is the power (the
+        components in the plane are of second order, and so is strain-dot).  Without damping (`damped` False, the
+        default with smoothing): k . k-dot of the smoothed law is of second order.  Weight acts through the
+        equilibrium only, a nozzle's force also through v' at the end.
         """
-        P, n = self.parameters, self.modes
-        p = self._at_points(self.equilibrium(U)[: 2 * n]) + self.offset
-        a, b = p[:2], p[2:]
-        strain = self._strain(p)[0]
-        kappa, square = self._curvature(p)[0], a[0] ** 2 + a[1] ** 2
-        force = P.EA * strain * (1 if P.strain == "green" else 1 / np.sqrt(square))
-        ss = force + P.EJ * (np.sum(b**2, 0) / square**3 - 3 * kappa**2 / square)
-        sb = -P.EJ * np.sum(a * b, 0) / square**3
+        P, n, d = self.parameters, self.modes, self.dimension
+        damped = not P.smoothing if damped is None else damped
+        p = self._at_points(self.equilibrium(U)[: self.unknowns]) + self.offset
+        a, b = p[:d], p[d:]
+        square, product, curving = np.sum(a * a, 0), np.sum(a * b, 0), np.sum(b * b, 0)
+        kappa2 = (curving * square - product**2) / square**3
+        # the axial force of the strain over the stretch
+        strain = (square - 1) / 2 if P.strain == "green" else 1 - 1 / np.sqrt(square)
+        ss = P.EA * strain + P.EJ * (curving / square**3 - 3 * kappa2 / square)
+        sb = -P.EJ * product / square**3
         bb = P.EJ / square**2
-        slope, bend = self.B[1][:, n:], self.B[3][:, n:]
+        slope, bend = self.B[1][:, n : 2 * n], self.B[d + 1][:, n : 2 * n]
 
         def integral(left, factor, right):
             return np.einsum("qi,q,qj->ij", left, self.weights * factor, right)
 
         cross = integral(slope, sb, bend)
         stiffness = integral(slope, ss, slope) + cross + cross.T + integral(bend, bb, bend)
-        return stiffness / self.rho + U**2 * self.centrifugal[n:, n:], U * self.coriolis[n:, n:]
+        damping = U * self.coriolis[n : 2 * n, n : 2 * n]
+        if damped:
+            turning = bend / square[:, None] - slope * (product / square**2)[:, None]
+            damping = damping + P.EJ * P.damping / self.rho * integral(turning, 1, turning)
+        return stiffness / self.rho + U**2 * self.centrifugal[n : 2 * n, n : 2 * n], damping
 
-    def lateral_eigenvalues(self, U):
+    def lateral_eigenvalues(self, U, damped=None):
         """Of small motion out of the plane about the equilibrium [1/s], rightmost first."""
         n = self.modes
-        stiffness, damping = self.lateral_matrices(U)
+        stiffness, damping = self.lateral_matrices(U, damped)
         found = eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping]]))
         return found[np.argsort(-found.real)]
 
-    def critical_speed(self, low, high, lateral=False, count=20):
+    def critical_speed(self, low, high, lateral=False, count=20, damped=None):
         """First speed [m/s] in (low, high) at which small motion turns unstable, and its angular frequency [1/s].
 
-        Raises ValueError if none is found on `count` intervals.
+        `damped`: of lateral motion, as in `lateral_matrices`.  Raises ValueError if none is found on `count` intervals.
         """
-        spectrum = self.lateral_eigenvalues if lateral else self.eigenvalues
+        damped = not self.parameters.smoothing if damped is None else damped
 
         def rightmost(U):
+            found = self.lateral_eigenvalues(U, damped) if lateral else self.eigenvalues(U)
             # undamped modes of high order scatter about the axis by round-off
-            found = spectrum(U)
-            return found[np.abs(found.imag) < 0.2 * np.abs(found.imag).max()][0] if lateral else found[0]
+            if not self.parameters.damping or (lateral and not damped):
+                found = found[np.abs(found.imag) < 0.2 * np.abs(found.imag).max()]
+            return found[0]
 
         speeds = np.linspace(low, high, count + 1)
         growth = [rightmost(U).real for U in speeds]
@@ -680,18 +763,18 @@ class History:
     steps: int
 
 
-def simulate(hose, speed, times, tolerance=1e-9, start=None, tip_rate=0.0):
+def simulate(hose, speed, times, tolerance=1e-9, start=None, tip_rate=0.0, lateral_rate=0.0):
     """Motion from rest, straight (or from the state `start`), with flow `speed(t)` -> (U, U-dot), or a constant U.
 
     Radau's method of order 5 with the exact Jacobian; `tolerance` relative and, times 0.1, absolute in the
-    coefficients [m^1.5].  tip_rate [m/s] adds a velocity across, growing as (s/L)^2.
+    coefficients [m^1.5].  tip_rate [m/s] adds a velocity across, growing as (s/L)^2; lateral_rate one out of the plane.
     """
-    n = 2 * hose.modes
+    n = hose.unknowns
     flow = speed if callable(speed) else (lambda t: (speed, 0.0))
     state = np.zeros(2 * n) if start is None else np.array(start, dtype=float)
-    if tip_rate:
-        profile = tip_rate * (hose.s / hose.parameters.length) ** 2
-        state[n:] += np.einsum("qi,q->i", hose.place[1], hose.weights * profile)
+    for component, value in ((1, tip_rate), (2, lateral_rate)):
+        if value:
+            state[n:] += hose.across(value, component)
     times = np.asarray(times, dtype=float)
 
     def rate(t, y):
@@ -810,7 +893,8 @@ def write_files(modes=24, coarser=18, smoothing=0.2, to=HERE):
         "critical": {  # U [m/s], angular frequency [1/s]
             "in_plane": fine.critical_speed(5, 30),
             "in_plane_smoothed": Hose(smooth, modes).critical_speed(5, 30),
-            "out_of_plane": fine.critical_speed(5, 30, lateral=True),
+            "out_of_plane": fine.critical_speed(5, 30, lateral=True, damped=False),
+            "out_of_plane_damped": fine.critical_speed(5, 30, lateral=True),
             "weightless": Hose(replace(start, gravity=0.0), modes).critical_speed(5, 30),
         },
     }

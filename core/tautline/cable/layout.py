@@ -25,6 +25,8 @@ class Layout:
         Node's id -> place of its first degree of freedom in the full vectors.
     kind : dict
         Node's id -> 7 or 4.
+    flow : dict
+        Id of the motion of a conveyed fluid -> place of its p.
     degrees : Degrees
     functions : TimeFunctions
     velocity : (n,) array
@@ -40,6 +42,13 @@ class Layout:
         names = [f"node {node.id}: {name}" for node in scene.nodes for name in DIRECTIONS[node.kind]]
         value = np.concatenate([_values(node, material[node.id]) for node in scene.nodes])
         scale = np.concatenate([_scales(node, force, length) for node in scene.nodes])
+        # What flows along an element's own curve has its p at no node.
+        motions = {motion.id: motion for motion in scene.motions}
+        streams = sorted({e.conveyed[1] for e in scene.elements if e.conveyed is not None})
+        self.flow = {stream: len(names) + k for k, stream in enumerate(streams)}
+        names += [f"p of {join_key(motions[stream].place)}" for stream in streams]
+        value = np.append(value, [motions[stream].pos0 for stream in streams])
+        scale = np.append(scale, np.full(len(streams), force))
         self.degrees = Degrees(names, value, scale)
         self.velocity = np.zeros(value.size)
         self.functions = self._follow()
@@ -92,6 +101,9 @@ class Layout:
                     self.velocity[place] = evaluate(functions, index[function], 0.0)[1]
                 elif held:
                     self.degrees.fix(place)
+        for stream, place in self.flow.items():
+            self.degrees.prescribe(place, index[stream])
+            self.velocity[place] = evaluate(functions, index[stream], 0.0)[1]
         return functions
 
     def _settle(self) -> None:

@@ -17,6 +17,7 @@ from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.linear import LinearInertia, LinearTension
 from tautline.elements.linear_flow import LINEAR_FLOW, LinearFlow
 from tautline.elements.outlet import OUTLET, Outlets
+from tautline.elements.pipe import PIPE, Pipes
 from tautline.elements.shared_flow import SharedFlow, unit_matrices
 from tautline.elements.tension import TENSION, FlowingTension, Tension
 from tautline.kernels.hermite import gauss, lobatto, table
@@ -58,7 +59,7 @@ def steady_flow(layout: Layout) -> list[int]:
         ends = [layout.material(node) for node in element.nodes]
         if flow_of(layout, element) == SHARED and all(layout.is_held(place) for place in ends):
             places.update(ends)
-    return sorted(places)
+    return sorted({*places, *layout.flow.values()})
 
 
 def element_groups(layout: Layout) -> list[Any]:
@@ -66,8 +67,12 @@ def element_groups(layout: Layout) -> list[Any]:
     scene = layout.scene
     sorts: dict[tuple, list[Element]] = {}
     for element in scene.elements:
-        sorts.setdefault((element.kind, flow_of(layout, element)), []).append(element)
-    groups: list[Any] = []
+        if element.conveyed is None:
+            sorts.setdefault((element.kind, flow_of(layout, element)), []).append(element)
+    pipes = [element for element in scene.elements if element.conveyed is not None]
+    groups: list[Any] = [
+        _pipes(layout, some) for rule in RULES if (some := [e for e in pipes if _quadrature(e) == rule])
+    ]
     for (kind, flow), elements in sorts.items():
         massive = [e for e in elements if e.rhoA > 0.0 or any(e.load)]
         if massive:
@@ -75,7 +80,7 @@ def element_groups(layout: Layout) -> list[Any]:
         # At a constant length only damping sees the material move: without it the stored energy is all there is.
         for moving in (False, True):
             some = [e for e in elements if (flow == MOVING or (flow == SHARED and e.damping > 0.0)) == moving]
-            for quadrature in ("gauss", "lobatto"):
+            for quadrature in RULES:
                 stiff = [e for e in some if e.EA > 0.0 and _quadrature(e) == quadrature]
                 if stiff:
                     groups.append(_tension(layout, kind, moving, stiff, quadrature))
@@ -89,6 +94,9 @@ def element_groups(layout: Layout) -> list[Any]:
     if open_ends:
         groups.append(Outlets(records(OUTLET, open_ends), np.zeros((4, 4)), np.zeros((3, 6))))
     return groups
+
+
+RULES = ("gauss", "lobatto")
 
 
 def _quadrature(element: Element) -> str:
@@ -160,9 +168,24 @@ def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
     return Bending(*common, np.zeros((4, 6)), stress, np.zeros((12, 12)))
 
 
+def _pipes(layout: Layout, elements: list[Element]) -> Pipes:
+    rows = [
+        _ends(layout, e)
+        | _strain(e)
+        | {"flow": layout.flow[e.conveyed[1]], "length": length_of(layout, e), "gravity": layout.scene.gravity}
+        | {"mass": e.rhoA, "fluid": e.conveyed[0], "bending": e.EJ, "damping": e.damping}
+        for e in elements
+        if e.conveyed is not None
+    ]
+    axial = table(*(gauss(3) if _quadrature(elements[0]) == "gauss" else lobatto()))
+    scratch = np.zeros((2, 4)), np.zeros((4, 6)), np.zeros((2, 3, 6)), np.zeros((6, 6)), np.zeros((6, 6))
+    blocks = np.zeros((9, 9)), np.zeros((12, 12))
+    return Pipes(records(PIPE, rows), axial, table(*gauss(3)), unit_matrices(), *scratch, *blocks)
+
+
 def _bending_damping(layout: Layout, elements: list[Element]) -> BendingDamping:
     rows = records(VISCOUS, [_ends(layout, e) | {"viscosity": e.EJ * e.damping} for e in elements])
-    scratch = np.zeros((2, 4)), np.zeros((5, 6)), np.zeros((2, 3, 6)), np.zeros((6, 6)), np.zeros((12, 12))
+    scratch = np.zeros((2, 4)), np.zeros((4, 6)), np.zeros((2, 3, 6)), np.zeros((6, 6)), np.zeros((12, 12))
     return BendingDamping(rows, table(*gauss(3)), *scratch)
 
 
@@ -218,6 +241,7 @@ def stencils(layout: Layout, groups: Sequence[Any]) -> tuple[list[Stencil], list
     shapes: dict[type, Callable[[np.ndarray], np.ndarray]] = {
         Inertia: lambda ends: _axes(ends, (0, 3)),
         LinearInertia: lambda ends: _axes(ends, (0,)),
+        Pipes: lambda ends: _axes(ends, (0, 3)),
         SharedFlow: lambda ends: (ends[:, :, None] + np.arange(7)).reshape(len(ends), -1),
         Flow: lambda ends: (ends[:, :, None] + np.arange(7)).reshape(len(ends), -1),
         LinearFlow: lambda ends: (ends[:, :, None] + np.arange(4)).reshape(len(ends), -1),

@@ -46,7 +46,8 @@ class Element:
 
     ``compression`` false is a rope that takes tension only. ``quadrature`` of the axial term: None leaves the choice
     to the builder. ``spinless``: bending is damped as that of a rope that does not spin about its own line
-    (`tautline.elements.bending_damping`), else as that of one that spins as damps least.
+    (`tautline.elements.bending_damping`), else as that of one that spins as damps least. ``conveyed`` is a fluid that
+    flows along the element's own curve: mass per length kg/m, and id of the motion of its p.
     """
 
     id: int
@@ -63,6 +64,7 @@ class Element:
     line: int
     place: Place
     spinless: bool = False
+    conveyed: tuple[float, int] | None = None
 
 
 @dataclass(frozen=True, slots=True)

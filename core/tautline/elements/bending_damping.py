@@ -36,7 +36,7 @@ VISCOUS = np.dtype([("a", "i8"), ("b", "i8"), ("viscosity", "f8")])
 class BendingDamping(NamedTuple):
     """Elements (n,) of ``VISCOUS``.
 
-    ``points`` (k, 18) is the table of the shape functions; scratch are ``shapes`` (2, 4), ``vector`` (5, 6), ``change``
+    ``points`` (k, 18) is the table of the shape functions; scratch are ``shapes`` (2, 4), ``vector`` (4, 6), ``change``
     (2, 3, 6), ``stress`` (6, 6) and ``block`` (12, 12).
     """
 
@@ -50,8 +50,8 @@ class BendingDamping(NamedTuple):
 
 
 NX, NXX = range(2)
-Z, RATE, W, Y, FORCE = range(5)
-"""Rows of ``vector``: (e, b) and its rate; w and y (3); the force against both."""
+Z, RATE, W, Y = range(4)
+"""Rows of ``vector``: (e, b) and its rate; w and y (3)."""
 BY_RATE, BY_Z = range(2)
 """Of ``change`` (2, 3, 6): dw / d(e., b.) and dw / d(e, b)."""
 
@@ -135,7 +135,7 @@ def _write_changes(g, a, beta, epsilon):
 
 
 @kernel
-def _write_stress(g, a, beta, epsilon, viscosity, cc, ck):
+def write_stress(g, a, beta, epsilon, viscosity, cc, ck):
     """Stress (6, 6) = cc d(f_e, f_b)/d(e., b.) + ck d(f_e, f_b)/d(e, b)."""
     z, change, stress = g.vector, g.change, g.stress
     _write_changes(g, a, beta, epsilon)
@@ -170,7 +170,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         g.block.fill(0.0)
         for k in range(g.points.shape[0]):
             square, beta, epsilon = _write_rate(g, k, q, v, first, length)
-            _write_stress(g, square, beta, epsilon, row.viscosity, cc, ck)
+            write_stress(g, square, beta, epsilon, row.viscosity, cc, ck)
             add_point(g.shapes, g.stress, g.points[k, WEIGHT] * length, g.block)
         add_block(matrix, dofs, row.a, row.b - row.a, 2 * AXES, g.block)
 

@@ -61,7 +61,7 @@ def _gather(g, e, q, v, a):
 
 
 @kernel
-def _times_c(x1, x2, x3, x4):
+def times_c(x1, x2, x3, x4):
     """C X of an element of length and mass one."""
     return (
         0.5 * (x3 - x1) + 0.1 * (x2 - x4), 0.1 * (x3 - x1) - x4 / 60.0,
@@ -70,7 +70,7 @@ def _times_c(x1, x2, x3, x4):
 
 
 @kernel
-def _times_e(x1, x2, x3, x4):
+def times_e(x1, x2, x3, x4):
     """E X of an element of length and mass one, but for the third row, which is the first's opposite."""
     return (
         1.2 * (x1 - x3) + 0.1 * (x2 + x4), 0.1 * (x1 - x3) + (4.0 * x2 - x4) / 30.0,
@@ -94,8 +94,8 @@ def _residual(g, t, q, v, a, r):
             # What C is applied to: -(b + alpha u) X - 2 u v. D = -E but for its ends, where N N' is left.
             f, w = -(b + alpha * u), -2.0 * u
             w1, w2, w3, w4 = f * x1 + w * v1, f * x2 + w * v2, f * x3 + w * v3, f * x4 + w * v4
-            c1, c2, c3, c4 = _times_c(w1, w2, w3, w4)
-            e1, e2, e4 = _times_e(x1, x2, x3, x4)
+            c1, c2, c3, c4 = times_c(w1, w2, w3, w4)
+            e1, e2, e4 = times_e(x1, x2, x3, x4)
             half = 0.5 * e.load[c] * length
             sixth = half * length / 6.0
             flow1, flow3 = c1 - turned * (e1 + x2), c3 + turned * (e1 + x4)
@@ -104,7 +104,7 @@ def _residual(g, t, q, v, a, r):
             slope = e.mass * length
             r[i + 3 + c] += slope * (m420 * (22.0 * a1 + 4.0 * a2 + 13.0 * a3 - 3.0 * a4) + c2 - turned * e2) - sixth
             r[j + 3 + c] += slope * (m420 * (-13.0 * a1 - 3.0 * a2 - 22.0 * a3 + 4.0 * a4) + c4 - turned * e4) + sixth
-            c1, c2, c3, c4 = _times_c(x1, x2, x3, x4)
+            c1, c2, c3, c4 = times_c(x1, x2, x3, x4)
             along = a1 * c1 + a2 * c2 + a3 * c3 + a4 * c4
             along += ((w1 - w3) * e1 + w2 * e2 + w4 * e4) / length
             s1, s2 = q[i + 3 + c], q[j + 3 + c]

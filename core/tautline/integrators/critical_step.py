@@ -44,8 +44,8 @@ class CriticalStep:
     """The critical step of a system, looked for again and again along a run.
 
     The modes that may set it are the stiffest, of M^-1 K, and the most damped, of M^-1 C: both by power iteration, from
-    where the last search ended with a little of every other. The damping of laws that switch, such as friction, does not
-    count: it is bounded, however steep it is where it turns.
+    where the last search ended with a little of every other. The damping of laws that switch, such as friction, does
+    not count: it is bounded, however steep it is where it turns.
     """
 
     FEWEST, MOST = 6, 60

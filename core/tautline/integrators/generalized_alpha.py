@@ -37,6 +37,7 @@ class GeneralizedAlpha(NamedTuple):
     tolerance: float
     length: np.ndarray
     control: np.ndarray
+    before: np.ndarray
 
 
 def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
@@ -75,10 +76,13 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     for i in range(state.q.size):
         # Predict with the last acceleration: a_(t+1) = a_t in eq. 2.86.
         last = state.a[i] + ratio * (state.auxiliary[i] - state.a[i])
-        new = (state.a[i] - m.alpha_m * last) / (1.0 - m.alpha_m)
+        rise = (1.0 - m.alpha_f) * (state.a[i] - m.before[i])
+        m.before[i] = state.a[i]
+        new = (state.a[i] + rise - m.alpha_m * last) / (1.0 - m.alpha_m)
+        state.a[i] += state.a[i] - state.keep[2, i] if False else rise / (1.0 - m.alpha_f)
         state.q[i] += h * state.v[i] + h * h * ((0.5 - m.beta) * last + m.beta * new)
         state.v[i] += h * ((1.0 - m.gamma) * last + m.gamma * new)
-        state.auxiliary[i] = new
+        state.auxiliary[i] = new - rise / (1.0 - m.alpha_m)
     prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
     status = correct(m.corrector, groups, dofs, state, t + h, beta, gamma)
     if status == DONE and m.tolerance > 0.0:

@@ -1,0 +1,354 @@
+"""Pipes that convey a fluid: inertia of both, tension, bending and damping of one cubic element in one loop.
+
+Where the fluid shares position and slope with the pipe, so that only its material moves, their elements are one: the sum
+of `Inertia`, `SharedFlow`, `Tension`, `Bending` and `BendingDamping`, whose formulas these are. What it saves is the
+walk through nodes, points and places in the matrix, five times over. One place in the full vectors has the rate at which
+the fluid's p falls behind the nodes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.elements.bending_damping import write_stress
+from tautline.elements.cubic import AXES, VECTORS
+from tautline.elements.curvature import square_of, write_hessian
+from tautline.elements.shared_flow import M, C, D, E, times_c, times_e
+from tautline.elements.tension import strain_of
+from tautline.kernels.dofs import add_block
+from tautline.kernels.groups import register
+from tautline.kernels.hermite import FIRST, SECOND, WEIGHT
+from tautline.kernels.jit import kernel
+
+PIPE = np.dtype(
+    [("a", "i8"), ("b", "i8"), ("flow", "i8")]
+    + [(name, "f8") for name in ("length", "mass", "fluid", "stiffness", "bending", "damping")]
+    + [("gravity", "f8", (3,)), ("engineering", "i8"), ("slack", "i8")]
+)  # fmt: skip
+"""An element: its nodes' places and that of the fluid's p; L m, mass of pipe and of fluid kg/m, EA N, EJ N m^2, c s,
+gravity m/s^2, whether strain is engineering strain; ``slack`` is 0."""
+
+
+class Pipes(NamedTuple):
+    """Elements (n,) of ``PIPE``; tables (k, 18) of the points of the axial and of the bending terms.
+
+    ``unit`` (4, 4, 4) are M, C, D, E of an element of length and mass one. Scratch are ``shapes`` (2, 4), ``vector``
+    (4, 6), ``change`` (2, 3, 6), ``stress`` (6, 6), ``hessian`` (6, 6), ``inner`` (9, 9) and ``block`` (12, 12).
+    """
+
+    rows: np.recarray
+    axial: np.ndarray
+    points: np.ndarray
+    unit: np.ndarray
+    shapes: np.ndarray
+    vector: np.ndarray
+    change: np.ndarray
+    stress: np.ndarray
+    hessian: np.ndarray
+    inner: np.ndarray
+    block: np.ndarray
+
+
+Z, RATE, W, Y = range(4)
+NX, NXX = range(2)
+DISTANCE, SLOPE_A, SLOPE_B = range(3)
+"""What the strains of an element depend on: r_b - r_a, r'_a and r'_b."""
+
+
+@kernel
+def _inertia(e, q, v, a, r):
+    """Rows of inertia, flow and weight, and that of the fluid's p."""
+    i, j, length, u, b = e.a, e.b, e.length, v[e.flow], a[e.flow]
+    both, turned = (e.mass + e.fluid) * length / 420.0, u * u / length
+    pull = 0.0
+    for c in range(AXES):
+        x1, x2, x3, x4 = q[i + c], length * q[i + 3 + c], q[j + c], length * q[j + 3 + c]
+        v1, v2, v3, v4 = v[i + c], length * v[i + 3 + c], v[j + c], length * v[j + 3 + c]
+        a1, a2, a3, a4 = a[i + c], length * a[i + 3 + c], a[j + c], length * a[j + 3 + c]
+        w = -2.0 * u
+        w1, w2, w3, w4 = w * v1 - b * x1, w * v2 - b * x2, w * v3 - b * x3, w * v4 - b * x4
+        c1, c2, c3, c4 = times_c(w1, w2, w3, w4)
+        e1, e2, e4 = times_e(x1, x2, x3, x4)
+        half = 0.5 * (e.mass + e.fluid) * e.gravity[c] * length
+        sixth = half * length / 6.0
+        flow1, flow3 = c1 - turned * (e1 + x2), c3 + turned * (e1 + x4)
+        r[i + c] += both * (156.0 * a1 + 22.0 * a2 + 54.0 * a3 - 13.0 * a4) + e.fluid * flow1 - half
+        r[j + c] += both * (54.0 * a1 + 13.0 * a2 + 156.0 * a3 - 22.0 * a4) + e.fluid * flow3 - half
+        to_a, to_b = e.fluid * (c2 - turned * e2), e.fluid * (c4 - turned * e4)
+        r[i + 3 + c] += length * (both * (22.0 * a1 + 4.0 * a2 + 13.0 * a3 - 3.0 * a4) + to_a) - sixth
+        r[j + 3 + c] += length * (both * (-13.0 * a1 - 3.0 * a2 - 22.0 * a3 + 4.0 * a4) + to_b) + sixth
+        c1, c2, c3, c4 = times_c(x1, x2, x3, x4)
+        along = a1 * c1 + a2 * c2 + a3 * c3 + a4 * c4
+        along += ((w1 - w3) * e1 + w2 * e2 + w4 * e4) / length
+        ends = q[j + 3 + c] * q[j + 3 + c] - q[i + 3 + c] * q[i + 3 + c]
+        pull += e.gravity[c] * (x3 - x1) - (along + 0.5 * u * u * ends)
+    r[e.flow] += e.fluid * pull
+
+
+@kernel
+def _at(p, first, power, h):
+    """Weights of the distance and of both slopes at a point, of the derivative that begins at a column."""
+    return p[first + 2] * power * h, p[first + 1] * power, p[first + 3] * power
+
+
+@kernel
+def _mix(w, x, i, j):
+    """A vector at a point from the weights of the distance and both slopes: its three components."""
+    return (
+        w[0] * (x[j] - x[i]) + w[1] * x[i + 3] + w[2] * x[j + 3],
+        w[0] * (x[j + 1] - x[i + 1]) + w[1] * x[i + 4] + w[2] * x[j + 4],
+        w[0] * (x[j + 2] - x[i + 2]) + w[1] * x[i + 5] + w[2] * x[j + 5],
+    )
+
+
+@kernel
+def _dot(x, y):
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+
+
+@kernel
+def _spread(r, i, j, w, f):
+    """Add a force against a vector of a point to the rows that it depends on."""
+    for c in range(AXES):
+        r[i + c] -= w[0] * f[c]
+        r[j + c] += w[0] * f[c]
+        r[i + 3 + c] += w[1] * f[c]
+        r[j + 3 + c] += w[2] * f[c]
+
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        _inertia(row, q, v, a, r)
+        i, j, h = row.a, row.b, 1.0 / row.length
+        for k in range(g.axial.shape[0]):
+            p = g.axial[k]
+            w = _at(p, FIRST, 1.0, h)
+            e = _mix(w, q, i, j)
+            strain, factor, _ = strain_of(row, _dot(e, e))
+            if row.damping != 0.0:
+                strain += row.damping * factor * _dot(e, _mix(w, v, i, j))
+            force = p[WEIGHT] * row.length * row.stiffness * strain * factor
+            _spread(r, i, j, w, (force * e[0], force * e[1], force * e[2]))
+        if row.bending == 0.0:
+            continue
+        for k in range(g.points.shape[0]):
+            p = g.points[k]
+            w1, w2 = _at(p, FIRST, 1.0, h), _at(p, SECOND, h, h)
+            e, b = _mix(w1, q, i, j), _mix(w2, q, i, j)
+            x, beta, y = 1.0 / _dot(e, e), _dot(e, b), _dot(b, b)
+            scale = p[WEIGHT] * row.length * row.bending
+            # EJ/2 times the gradient of (a c - b^2)/a^3, a = e.e, b = e.b = beta, c = b.b = y.
+            by_e = scale * (3.0 * beta * beta * x - 2.0 * y) * x * x * x
+            by_b, mixed = scale * x * x, -scale * beta * x * x * x
+            fx, fy, fz = by_e * e[0] + mixed * b[0], by_e * e[1] + mixed * b[1], by_e * e[2] + mixed * b[2]
+            gx, gy, gz = by_b * b[0] + mixed * e[0], by_b * b[1] + mixed * e[1], by_b * b[2] + mixed * e[2]
+            if row.damping != 0.0:
+                e_d, b_d = _mix(w1, v, i, j), _mix(w2, v, i, j)
+                two = 2.0 * _dot(e, e_d)
+                yx = x * (b_d[0] - x * (beta * e_d[0] + two * b[0]))
+                yy = x * (b_d[1] - x * (beta * e_d[1] + two * b[1]))
+                yz = x * (b_d[2] - x * (beta * e_d[2] + two * b[2]))
+                along = x * _dot(e, (yx, yy, yz))
+                yx, yy, yz = yx - along * e[0], yy - along * e[1], yz - along * e[2]
+                viscous = scale * row.damping * x
+                pull = 2.0 * _dot((yx, yy, yz), b)
+                fx -= viscous * x * (beta * yx + pull * e[0])
+                fy -= viscous * x * (beta * yy + pull * e[1])
+                fz -= viscous * x * (beta * yz + pull * e[2])
+                gx, gy, gz = gx + viscous * yx, gy + viscous * yy, gz + viscous * yz
+            _spread(r, i, j, w1, (fx, fy, fz))
+            _spread(r, i, j, w2, (gx, gy, gz))
+
+
+@kernel
+def _write_inertia(g, row, u, b, cm, cc, ck):
+    """Write the part of the block that is the same for all axes."""
+    unit, block, length = g.unit, g.block, row.length
+    both, fluid = (row.mass + row.fluid) * length * cm, row.fluid
+    turned = -fluid * (2.0 * u * cc + ck * b)
+    pressed = ck * fluid * u * u / length
+    block.fill(0.0)
+    for x in range(VECTORS):
+        left = length if x % 2 == 1 else 1.0
+        for y in range(VECTORS):
+            right = length if y % 2 == 1 else 1.0
+            entry = left * right * (both * unit[M, x, y] + turned * unit[C, x, y] + pressed * unit[D, x, y])
+            for c in range(AXES):
+                block[3 * x + c, 3 * y + c] = entry
+
+
+@kernel
+def _add_axial(g, row, q, v, cc, ck):
+    """Add the axial part to the inner block, of distance and slopes."""
+    i, j, h, inner = row.a, row.b, 1.0 / row.length, g.inner
+    for k in range(g.axial.shape[0]):
+        p = g.axial[k]
+        w = _at(p, FIRST, 1.0, h)
+        e, e_d = _mix(w, q, i, j), _mix(w, v, i, j)
+        rate = _dot(e, e_d)
+        strain, factor, bent = strain_of(row, _dot(e, e))
+        weight = p[WEIGHT] * row.length * row.stiffness
+        stress = strain + row.damping * factor * rate
+        along = ck * (factor * factor + row.damping * factor * bent * rate + stress * bent)
+        along = weight * (along + cc * row.damping * factor * factor)
+        mixed = weight * ck * row.damping * factor * factor
+        own = weight * ck * stress * factor
+        for x in range(AXES):
+            for y in range(AXES):
+                entry = along * e[x] * e[y] + mixed * e[x] * e_d[y] + (own if x == y else 0.0)
+                for s in range(3):
+                    part = w[s] * entry
+                    for o in range(3):
+                        inner[3 * s + x, 3 * o + y] += part * w[o]
+
+
+@kernel
+def _add_bending(g, row, q, v, cc, ck):
+    """Add the part of bending and its damping to the inner block."""
+    i, j, h, z, inner, stress = row.a, row.b, 1.0 / row.length, g.vector, g.inner, g.stress
+    for k in range(g.points.shape[0]):
+        p = g.points[k]
+        w1, w2 = _at(p, FIRST, 1.0, h), _at(p, SECOND, h, h)
+        e, b = _mix(w1, q, i, j), _mix(w2, q, i, j)
+        for c in range(AXES):
+            z[Z, c], z[Z, 3 + c] = e[c], b[c]
+        weight = p[WEIGHT] * row.length * row.bending
+        write_hessian(z[Z], g.hessian)
+        if row.damping != 0.0:
+            e_d, b_d = _mix(w1, v, i, j), _mix(w2, v, i, j)
+            a, beta, epsilon = _dot(e, e), _dot(e, b), _dot(e, e_d)
+            x = 1.0 / a
+            for c in range(AXES):
+                z[RATE, c], z[RATE, 3 + c] = e_d[c], b_d[c]
+                z[Y, c] = x * (b_d[c] - x * (beta * e_d[c] + 2.0 * epsilon * b[c]))
+            along = x * _dot(e, z[Y])
+            for c in range(AXES):
+                z[W, c] = z[Y, c] - along * e[c]
+            write_stress(g, a, beta, epsilon, row.damping * weight, cc, ck)
+        else:
+            stress.fill(0.0)
+        half = 0.5 * ck * weight
+        for x in range(AXES):
+            for y in range(AXES):
+                ee = stress[x, y] + half * g.hessian[x, y]
+                eb = stress[x, 3 + y] + half * g.hessian[x, 3 + y]
+                be = stress[3 + x, y] + half * g.hessian[3 + x, y]
+                bb = stress[3 + x, 3 + y] + half * g.hessian[3 + x, 3 + y]
+                for s in range(3):
+                    by_e, by_b = w1[s] * ee + w2[s] * be, w1[s] * eb + w2[s] * bb
+                    for o in range(3):
+                        inner[3 * s + x, 3 * o + y] += by_e * w1[o] + by_b * w2[o]
+
+
+@kernel
+def _add_inner(inner, block):
+    """Add the inner block (9, 9) to the rows of positions and slopes (12, 12): the distance is r_b - r_a."""
+    for x in range(AXES):
+        for y in range(AXES):
+            d = inner[x, y]
+            block[x, y] += d
+            block[x, 6 + y] -= d
+            block[6 + x, y] -= d
+            block[6 + x, 6 + y] += d
+            for s in range(2):
+                to, up = inner[x, 3 + 3 * s + y], inner[3 + 3 * s + x, y]
+                block[x, 3 + 6 * s + y] -= to
+                block[6 + x, 3 + 6 * s + y] += to
+                block[3 + 6 * s + x, y] -= up
+                block[3 + 6 * s + x, 6 + y] += up
+                for o in range(2):
+                    block[3 + 6 * s + x, 3 + 6 * o + y] += inner[3 + 3 * s + x, 3 + 3 * o + y]
+
+
+@kernel
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        _write_inertia(g, row, v[row.flow], a[row.flow], cm, cc, ck)
+        if cc != 0.0 or ck != 0.0:
+            g.inner.fill(0.0)
+            _add_axial(g, row, q, v, cc, ck)
+            if row.bending != 0.0:
+                _add_bending(g, row, q, v, cc, ck)
+            _add_inner(g.inner, g.block)
+        add_block(matrix, dofs, row.a, row.b - row.a, 2 * AXES, g.block)
+
+
+@kernel
+def _mass(g, q, matrix, dofs):
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        _write_inertia(g, row, 0.0, 0.0, 1.0, 0.0, 0.0)
+        add_block(matrix, dofs, row.a, row.b - row.a, 2 * AXES, g.block)
+
+
+@kernel
+def _energy(g, t, q, v, energy):
+    z, unit = g.vector, g.unit
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        i, j, length, u = row.a, row.b, row.length, v[row.flow]
+        h, both = 1.0 / length, row.mass + row.fluid
+        for c in range(AXES):
+            x = (q[i + c], length * q[i + 3 + c], q[j + c], length * q[j + 3 + c])
+            rate = (v[i + c], length * v[i + 3 + c], v[j + c], length * v[j + 3 + c])
+            for k in range(VECTORS):
+                for l in range(VECTORS):
+                    own = both * length * unit[M, k, l] * rate[k] * rate[l]
+                    carried = u * h * unit[E, k, l] * x[k] * x[l] - 2.0 * unit[C, k, l] * rate[k] * x[l]
+                    energy[0] += 0.5 * (own + row.fluid * u * carried)
+            middle = 0.5 * (x[0] + x[2]) + (x[1] - x[3]) / 12.0
+            energy[2] -= both * row.gravity[c] * length * middle
+        for k in range(g.axial.shape[0]):
+            e = _mix(_at(g.axial[k], FIRST, 1.0, h), q, i, j)
+            strain, _, _ = strain_of(row, _dot(e, e))
+            energy[1] += 0.5 * g.axial[k, WEIGHT] * length * row.stiffness * strain * strain
+        for k in range(g.points.shape[0]):
+            p = g.points[k]
+            e, b = _mix(_at(p, FIRST, 1.0, h), q, i, j), _mix(_at(p, SECOND, h, h), q, i, j)
+            for c in range(AXES):
+                z[Z, c], z[Z, 3 + c] = e[c], b[c]
+            energy[1] += 0.5 * p[WEIGHT] * length * row.bending * square_of(z[Z])
+
+
+@kernel
+def _dissipation(g, t, q, v, power):
+    """Damping, and the energy of the fluid that an element takes in at its ends."""
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        i, j, length, u = row.a, row.b, row.length, v[row.flow]
+        h = 1.0 / length
+        taken = 0.0
+        for c in range(AXES):
+            out, into = v[j + c] - u * q[j + 3 + c], v[i + c] - u * q[i + 3 + c]
+            taken += 0.5 * (out * out - into * into) - row.gravity[c] * (q[j + c] - q[i + c])
+        power[1] += row.fluid * taken * u
+        if row.damping == 0.0:
+            continue
+        for k in range(g.axial.shape[0]):
+            p = g.axial[k]
+            w = _at(p, FIRST, 1.0, h)
+            e = _mix(w, q, i, j)
+            _, factor, _ = strain_of(row, _dot(e, e))
+            power[0] += p[WEIGHT] * length * row.stiffness * row.damping * (factor * _dot(e, _mix(w, v, i, j))) ** 2
+        for k in range(g.points.shape[0]):
+            p = g.points[k]
+            w1, w2 = _at(p, FIRST, 1.0, h), _at(p, SECOND, h, h)
+            e, b, e_d, b_d = _mix(w1, q, i, j), _mix(w2, q, i, j), _mix(w1, v, i, j), _mix(w2, v, i, j)
+            x, beta, two = 1.0 / _dot(e, e), _dot(e, b), 2.0 * _dot(e, e_d)
+            yx = x * (b_d[0] - x * (beta * e_d[0] + two * b[0]))
+            yy = x * (b_d[1] - x * (beta * e_d[1] + two * b[1]))
+            yz = x * (b_d[2] - x * (beta * e_d[2] + two * b[2]))
+            along = _dot(e, (yx, yy, yz))
+            square = yx * yx + yy * yy + yz * yz - along * along * x
+            power[0] += p[WEIGHT] * length * row.bending * row.damping * square
+
+
+register(
+    Pipes, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    constant_mass=True,
+)  # fmt: skip
