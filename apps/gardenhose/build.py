@@ -19,7 +19,7 @@ from tautline.elements.jet import JET, Jets
 from tautline.scene.solver import error_of_steps, longest_step
 from tautline.system.model import Model, SolverSettings
 
-TOLERANCE = 1.0e-6
+TOLERANCE = 1.0e-5
 """Error of eq. 2.78 that counts as solved, in root of energy over that of the hose: see `energy_of`."""
 STEP_ERROR = 1.0e-5
 """Error of a step over the hose's length, where the step is chosen and the scene gives none."""

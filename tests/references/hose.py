@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from scipy.integrate import Radau, solve_ivp
-from scipy.linalg import eigvals
+from scipy.linalg import eigvals, null_space
 from scipy.optimize import brentq
 from scipy.special import eval_jacobi, gammaln
 
@@ -752,9 +752,85 @@ class Hose:
         raise ValueError(f"no loss of stability between {low} and {high} m/s")
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# 4. large motion in space
+# ----------------------------------------------------------------------------------------------------------------------
+class SpatialHose(Hose):
+    """The same in space: components along, across (in the vertical plane) and out of it, along y of (x, y, z).
+
+    With a = r', b = r'', A = a . a and the projection P = 1 - a a^T/A the curvature vector is k = P b/A and its rate in
+    axes that turn with the tangent without spin P k-dot = P h with h = b-dot/A - 2 (a . a-dot) b/A^2 - (a . b) a-dot/A^2
+    (what of k-dot is along a drops out).
+
+    State: coefficients along, across, out of the plane, then their rates; shape (6 modes,).
+    """
+
+    dimension = 3
+
+    def __init__(self, parameters, modes=14, points=None):
+        if parameters.smoothing:
+            raise ValueError("in space only the law without smoothing")
+        super().__init__(parameters, modes, points)
+
+    def _turning(self, p, v):
+        """Rate of the curvature vector without spin, (3, ...)."""
+        a, b, da, db = p[:3], p[3:], v[:3], v[3:]
+        square = np.sum(a * a, 0)
+        h = db / square - (2 * np.sum(a * da, 0) * b + np.sum(a * b, 0) * da) / square**2
+        return h - np.sum(a * h, 0) / square * a
+
+    def _density(self, p, v):
+        """Derivatives of energy and dissipation for (a, b) at points, elastic and viscous (6, ...)."""
+        P = self.parameters
+        a, b = p[:3], p[3:]
+        square, product, curving = np.sum(a * a, 0), np.sum(a * b, 0), np.sum(b * b, 0)
+        rate = np.sum(a * v[:3], 0)
+        if P.strain == "green":
+            axial = (square - 1) / 2 + P.damping * rate
+        else:
+            stretch = np.sqrt(square)
+            axial = (stretch - 1 + P.damping * rate / stretch) / stretch
+        w = P.damping * self._turning(p, v)
+        bent = 3 * (curving * square - product**2) / square**4
+        of_slope = (curving * a - product * b) / square**3 - bent * a
+        of_slope = of_slope - (2 * np.sum(b * w, 0) * a + product * w) / square**2
+        of_bend = (square * b - product * a) / square**3 + w / square
+        return np.concatenate([P.EA * axial * a + P.EJ * of_slope, P.EJ * of_bend])
+
+    def _internal(self, q, rate, derivative=False):
+        p, v = self._at_points(q) + self.offset, self._at_points(rate)
+        force = self.Bflat.T @ (self.weights * self._density(p, v)).ravel()
+        if not derivative:
+            return force
+        # an imaginary step: exact, as there is nothing to cancel
+        step = 1e-30j * np.eye(6)[:, :, None]
+        shape = 6, 6, p.shape[-1]
+        of_p = self._density(p[:, None] + step, np.broadcast_to(v[:, None], shape)).imag / 1e-30
+        of_v = self._density(np.broadcast_to(p[:, None], shape), v[:, None] + step).imag / 1e-30
+        return force, *self._assemble(of_p, of_v)
+
+    def energies(self, state):
+        """Kinetic (without the flow's U), strain and potential energy [J]; dissipation [W]."""
+        P, n = self.parameters, self.unknowns
+        q, rate = state[:n], state[n:]
+        p, v = self._at_points(q) + self.offset, self._at_points(rate)
+        a, b = p[:3], p[3:]
+        square = np.sum(a * a, 0)
+        stretching, strain = np.sum(a * v[:3], 0), (square - 1) / 2
+        if P.strain != "green":
+            stretching, strain = stretching / np.sqrt(square), np.sqrt(square) - 1
+        kappa2 = (np.sum(b * b, 0) * square - np.sum(a * b, 0) ** 2) / square**3
+        return (
+            self.rho / 2 * rate @ rate,
+            self.weights @ (P.EA * strain**2 + P.EJ * kappa2) / 2,
+            -self.rho * self.pull @ q,
+            P.damping * self.weights @ (P.EA * stretching**2 + P.EJ * np.sum(self._turning(p, v) ** 2, 0)),
+        )
+
+
 @dataclass(frozen=True)
 class History:
-    """Tip at `times` [s]: position and velocity (n, 2) as (x, z) [m, m/s]; the states (n, 4 modes); steps taken."""
+    """Tip at `times` [s]: position and velocity (n, 2) as (x, z) or (n, 3) as (x, y, z); the states; steps taken."""
 
     times: np.ndarray
     tip: np.ndarray
@@ -867,6 +943,200 @@ def limit_cycle(hose, U, settle, tolerance=1e-6, interval=1e-4):
 SETTLING = {15: 6.0, 25: 3.0, 35: 3.0}  # s until successive periods agree to 1e-6
 
 
+@dataclass(frozen=True)
+class Rotation:
+    """A second of motion in space: frequency [Hz] and ranges, means and tops of the tip's x, y, z [m] as in `Cycle`.
+
+    spin: mean of y vz - z vy [m^2/s]; positive if the tip goes about x from y to z.
+    """
+
+    frequency: float
+    ranges: list
+    means: list
+    tops: list
+    tip_speed: float
+    spin: float
+    scatter_of_period: float
+
+
+def rotation_of(times, tip, velocity):
+    """`Rotation` of a history sampled evenly and densely (n,), (n, 3), (n, 3)."""
+    tops = [float(_extremes(c)[0]) for c in tip.T]
+    lows = [float(-_extremes(-c)[0]) for c in tip.T]
+    level = tip[:, 2] - (tops[2] + lows[2]) / 2
+    before = np.flatnonzero((level[:-1] < 0) & (level[1:] >= 0))
+    share = level[before] / (level[before] - level[before + 1])
+    periods = np.diff(times[before] + share * (times[1] - times[0]))
+    whole = slice(before[0] + 1, before[-1] + 1)
+    spin = tip[:, 1] * velocity[:, 2] - tip[:, 2] * velocity[:, 1]
+    return Rotation(
+        float(1 / periods.mean()),
+        [top - low for top, low in zip(tops, lows, strict=True)],
+        tip[whole].mean(0).tolist(),
+        tops,
+        float(_extremes(np.linalg.norm(velocity, axis=1))[0]),
+        float(spin[whole].mean()),
+        float(np.ptp(periods) / periods.mean()),
+    )
+
+
+def lateral_multipliers(parameters, U, modes, settle, periods=30, fitted=10):
+    """Floquet multipliers of the planar cycle for small motion out of the plane, the two largest in magnitude.
+
+    From the states at the last `fitted` of some periods after a small lateral push of the settled planar motion.
+
+    Returns
+    -------
+    multipliers : complex array (2,)
+    period : s
+    """
+    times = settle + np.arange(0, 1.0001, 1e-3)
+    planar = simulate(Hose(parameters, modes), U, times, 1e-7)
+    period = 1 / cycle_of(times, planar.tip, planar.tip_velocity).frequency
+    halves = planar.states[-1].reshape(2, -1)
+    start = np.hstack([halves, np.zeros((2, modes))]).ravel()
+    strobe = np.arange(periods + 1) * period
+    states = simulate(SpatialHose(parameters, modes), U, strobe, 1e-7, start, lateral_rate=1e-4).states
+    lateral = states.reshape(-1, 2, 3, modes)[-fitted - 1 :, :, 2].reshape(fitted + 1, -1)
+    # successive states obey a recurrence of two terms once the others have died out
+    before = np.column_stack([lateral[:-2].ravel(), lateral[1:-1].ravel()])
+    weights = np.linalg.lstsq(before, lateral[2:].ravel(), rcond=None)[0]
+    return np.roots([1, -weights[1], -weights[0]]).astype(complex), period
+
+
+def spatial_rotation(parameters, U, modes, settle, tolerance=1e-6, lateral_rate=0.5, interval=1e-4):
+    """`Rotation` in the second after `settle` s of the motion from rest, straight, but for a lateral velocity."""
+    times = settle + np.arange(0, 1 + interval / 2, interval)
+    history = simulate(SpatialHose(parameters, modes), U, times, tolerance, lateral_rate=lateral_rate)
+    return rotation_of(times, history.tip, history.tip_velocity)
+
+
+def write_spatial_file(U=15.0, lateral_rate=0.05, settle=36.0, to=HERE):
+    """Write hose_space.json: motion in space after a lateral push, its settled rotation, stability of the plane."""
+    start = Parameters()
+    times = np.arange(1, 11) * 0.1
+    result = {
+        "parameters": asdict(start),
+        "speed": U,
+        "lateral_rate": lateral_rate,
+        "critical_out_of_plane": Hose(start, 24).critical_speed(5, 30, lateral=True),  # m/s, 1/s
+        "times": times.round(3).tolist(),
+        "tip": {},  # by modes: x, y, z [m]
+    }
+    for modes in (10, 14, 18, 22):
+        tip = simulate(SpatialHose(start, modes), U, times, 1e-8, lateral_rate=lateral_rate).tip
+        result["tip"][str(modes)] = tip.round(10).tolist()
+    multipliers, period = lateral_multipliers(start, U, 14, SETTLING[15])
+    result["planar_cycle"] = {
+        "period": period,
+        "lateral_multipliers": [[float(m.real), float(m.imag)] for m in multipliers],
+        "growth_rate": float(np.log(np.abs(multipliers).max()) / period),  # 1/s
+    }
+    result["settle"] = settle
+    result["rotation"] = {
+        str(modes): asdict(spatial_rotation(start, U, modes, settle, lateral_rate=lateral_rate)) for modes in (10, 14, 18)
+    }
+    with open(to / "hose_space.json", "w") as file:
+        json.dump(result, file, indent=1)
+        file.write("\n")
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# 5. straight inextensible hoses of several pieces
+# ----------------------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class Piece:
+    """A uniform piece of a hose."""
+
+    length: float  # m
+    EJ: float  # N m^2
+    mass: float  # kg/m of the hose alone
+    water: float  # kg/m
+    damping: float = 0.0  # s
+
+
+class PiecewisePipe:
+    """Small lateral motion of a straight, weightless, inextensible cantilever of several pieces: spectral elements.
+
+    The flow of mass Q = M_k U_k is the same in all pieces.  Where its speed changes from U_1 to U_2 the joint
+    feels -Q (U_2 - U_1) r', and so does the end with a nozzle; along a piece the axial force does not change, as the
+    flow has no tangential force there.  Hence N_k = -Q (U_jet - U_k), U_jet the speed of the jet.  (With N_k's and
+    the flow's own terms together, w'' has the factor Q U_jet in every piece, and EJ w''' is continuous.)  Legendre
+    polynomials in every piece, w and w' made continuous by the null space of the conditions.
+    """
+
+    def __init__(self, pieces, modes=14, outlet=1.0, tip_mass=0.0):
+        self.pieces = pieces
+        count, n = len(pieces), modes
+        x, weights = leggauss(modes + 4)
+        # speeds and flow of mass for a unit speed in the first piece
+        flow = pieces[0].water
+        speeds = [flow / piece.water for piece in pieces]
+        after = [*speeds[1:], outlet * speeds[-1]]
+        self.mass, self.bend, self.kelvin, self.thrust, self.coriolis = np.zeros((5, count * n, count * n))
+        conditions = np.zeros((2 * count, count * n))
+        for k, piece in enumerate(pieces):
+            part = slice(k * n, (k + 1) * n)
+            w, slope, bend = _legendre(x, n, piece.length)
+            (start, end), (start_slope, end_slope), _ = _legendre(np.array([-1.0, 1.0]), n, piece.length)
+            W = weights * piece.length / 2
+
+            def integral(left, right, W=W):
+                return np.einsum("qi,qj,q->ij", left, right, W)
+
+            axial = -flow * (after[-1] - speeds[k])
+            self.mass[part, part] = (piece.mass + piece.water) * integral(w, w)
+            self.bend[part, part] = piece.EJ * integral(bend, bend)
+            self.kelvin[part, part] = piece.damping * self.bend[part, part]
+            self.coriolis[part, part] = 2 * flow * integral(w, slope)
+            self.thrust[part, part] = flow * speeds[k] * integral(w, bend) + axial * integral(slope, slope)
+            self.thrust[part, part] += flow * (after[k] - speeds[k]) * np.outer(end, end_slope)
+            if k == count - 1:
+                self.mass[part, part] += tip_mass * np.outer(end, end)
+            conditions[2 * k : 2 * k + 2, part] = start, start_slope
+            if k < count - 1:
+                conditions[2 * k + 2 : 2 * k + 4, part] = -end, -end_slope
+        free = null_space(conditions / np.linalg.norm(conditions, axis=1)[:, None])
+        mass = free.T @ self.mass @ free
+        for name in ("bend", "kelvin", "thrust", "coriolis"):
+            setattr(self, name, np.linalg.solve(mass, free.T @ getattr(self, name) @ free))
+        self.damped = any(piece.damping for piece in pieces)
+
+    def eigenvalues(self, U):
+        """All [1/s] at U [m/s] in the first piece, by magnitude; about the lower half of them mean something."""
+        n = len(self.bend)
+        stiffness, damping = self.bend + U**2 * self.thrust, self.kelvin + U * self.coriolis
+        found = eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping]]))
+        return found[np.argsort(np.abs(found))]
+
+    def critical_speed(self, low, high, count=40, considered=10):
+        """First speed [m/s] in (low, high) of the first piece at which the pipe turns unstable, and the frequency [1/s].
+
+        `considered`: so many eigenvalues of least magnitude.  Raises ValueError if none is found.
+        """
+
+        def rightmost(U):
+            found = self.eigenvalues(U)[:considered]
+            return found[np.argmax(found.real)]
+
+        speeds = np.linspace(low, high, count + 1)
+        growth = [rightmost(U).real for U in speeds]
+        for (left, before), (right, after) in pairwise(zip(speeds, growth, strict=True)):
+            if before < 0 <= after:
+                U = brentq(lambda U: rightmost(U).real, left, right, xtol=1e-13)
+                return float(U), float(abs(rightmost(U).imag))
+        raise ValueError(f"no loss of stability between {low} and {high} m/s")
+
+
+def _legendre(x, count, length):
+    """Legendre polynomials at x in (-1, 1) of a piece of some length, and two derivatives for the arc length."""
+    units = np.eye(count) * np.sqrt((2 * np.arange(count) + 1) / length)
+    derivatives = [np.polynomial.legendre.legder(units, order) if order else units for order in range(3)]
+    return [
+        np.polynomial.legendre.legval(x, c).T * (2 / length) ** order for order, c in enumerate(derivatives)
+    ]
+
+
 def write_files(modes=24, coarser=18, smoothing=0.2, to=HERE):
     """Write hose_tip.csv (U = 15 m/s, every 0.02 s) and hose_cycles.json (cycles, critical speeds).
 
@@ -915,3 +1185,4 @@ def write_files(modes=24, coarser=18, smoothing=0.2, to=HERE):
 
 if __name__ == "__main__":
     write_files()
+    write_spatial_file()

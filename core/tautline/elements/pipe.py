@@ -1,9 +1,9 @@
 """Pipes that convey a fluid: inertia of both, tension, bending and damping of one cubic element in one loop.
 
-Where the fluid shares position and slope with the pipe, so that only its material moves, their elements are one: the sum
-of `Inertia`, `SharedFlow`, `Tension`, `Bending` and `BendingDamping`, whose formulas these are. What it saves is the
-walk through nodes, points and places in the matrix, five times over. One place in the full vectors has the rate at which
-the fluid's p falls behind the nodes.
+Where the fluid shares position and slope with the pipe, so that only its material moves, their elements are one: the
+sum of `Inertia`, `SharedFlow`, `Tension`, `Bending` and `BendingDamping`, whose formulas these are. What it saves is
+the walk through nodes, points and places in the matrix, five times over. One place in the full vectors has the rate at
+which the fluid's p falls behind the nodes. The strains depend on r_b - r_a, r'_a and r'_b alone: the inner block.
 """
 
 from __future__ import annotations
@@ -12,10 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.bending_damping import write_stress
 from tautline.elements.cubic import AXES, VECTORS
 from tautline.elements.curvature import square_of, write_hessian
-from tautline.elements.shared_flow import M, C, D, E, times_c, times_e
+from tautline.elements.shared_flow import C, D, E, M, times_c, times_e
 from tautline.elements.tension import strain_of
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
@@ -34,27 +33,23 @@ gravity m/s^2, whether strain is engineering strain; ``slack`` is 0."""
 class Pipes(NamedTuple):
     """Elements (n,) of ``PIPE``; tables (k, 18) of the points of the axial and of the bending terms.
 
-    ``unit`` (4, 4, 4) are M, C, D, E of an element of length and mass one. Scratch are ``shapes`` (2, 4), ``vector``
-    (4, 6), ``change`` (2, 3, 6), ``stress`` (6, 6), ``hessian`` (6, 6), ``inner`` (9, 9) and ``block`` (12, 12).
+    ``unit`` (4, 4, 4) are M, C, D, E of an element of length and mass one. Scratch are ``vector``
+    (1, 6), ``stress`` (6, 6), ``hessian`` (6, 6), ``inner`` (9, 9) and ``block`` (12, 12).
     """
 
     rows: np.recarray
     axial: np.ndarray
     points: np.ndarray
     unit: np.ndarray
-    shapes: np.ndarray
     vector: np.ndarray
-    change: np.ndarray
     stress: np.ndarray
     hessian: np.ndarray
     inner: np.ndarray
     block: np.ndarray
 
 
-Z, RATE, W, Y = range(4)
-NX, NXX = range(2)
-DISTANCE, SLOPE_A, SLOPE_B = range(3)
-"""What the strains of an element depend on: r_b - r_a, r'_a and r'_b."""
+Z = 0
+"""The row of ``vector``: (r', r'')."""
 
 
 @kernel
@@ -207,6 +202,61 @@ def _add_axial(g, row, q, v, cc, ck):
 
 
 @kernel
+def _across(e, x, y):
+    """The part of a vector y across e, x being 1/e.e."""
+    along = x * _dot(e, y)
+    return y[0] - along * e[0], y[1] - along * e[1], y[2] - along * e[2]
+
+
+@kernel
+def _write_viscous(e, b, e_d, b_d, viscosity, cc, ck, stress):
+    """Write cc d(f_e, f_b)/d(e., b.) + ck d(f_e, f_b)/d(e, b) of the damping of bending (6, 6).
+
+    The same as `tautline.elements.bending_damping.write_stress`, as sums of dyads: with b^, e^., b^. the parts across e
+    of b, e., b., dw/de. = -(beta P + 2 b^ e^T)/a^2, dw/db. = P/a, and by e and b
+
+        W_e = c1 e^T + c2 b^T + c3 e.^T - (e.y) P/a - e w^T/a,   W_b = c2 e^T - 2 epsilon P/a^2,
+        c1 = -2 b^./a^2 + (4 beta e^. + 8 epsilon b^)/a^3,   c2 = -e^./a^2,   c3 = -2 b^/a^2.
+    """
+    x = 1.0 / _dot(e, e)
+    beta, epsilon = _dot(e, b), _dot(e, e_d)
+    xx = x * x
+    y = (
+        x * b_d[0] - xx * (beta * e_d[0] + 2.0 * epsilon * b[0]),
+        x * b_d[1] - xx * (beta * e_d[1] + 2.0 * epsilon * b[1]),
+        x * b_d[2] - xx * (beta * e_d[2] + 2.0 * epsilon * b[2]),
+    )
+    along = x * _dot(e, y)
+    w, bent = _across(e, x, y), _across(e, x, b)
+    turned, driven = _across(e, x, e_d), _across(e, x, b_d)
+    c1 = (
+        xx * (-2.0 * driven[0] + x * (4.0 * beta * turned[0] + 8.0 * epsilon * bent[0])),
+        xx * (-2.0 * driven[1] + x * (4.0 * beta * turned[1] + 8.0 * epsilon * bent[1])),
+        xx * (-2.0 * driven[2] + x * (4.0 * beta * turned[2] + 8.0 * epsilon * bent[2])),
+    )
+    pull, b1, b2, b3 = _dot(w, b), _dot(b, c1), -xx * _dot(b, turned), -2.0 * xx * _dot(b, bent)
+    square = _dot(bent, bent)
+    for i in range(AXES):
+        for j in range(AXES):
+            one = 1.0 if i == j else 0.0
+            across = one - x * e[i] * e[j]
+            w_e = c1[i] * e[j] - xx * (turned[i] * b[j] + 2.0 * bent[i] * e_d[j]) - along * across - x * e[i] * w[j]
+            w_b = -xx * (turned[i] * e[j] + 2.0 * epsilon * across)
+            b_we = b1 * e[j] + b2 * b[j] + b3 * e_d[j] - along * bent[j] - x * beta * w[j]
+            b_wb = b2 * e[j] - 2.0 * xx * epsilon * bent[j]
+            force = beta * w[i] + 2.0 * pull * e[i]
+            k_ee = 4.0 * x * force * e[j] - w[i] * b[j] - beta * w_e - 2.0 * e[i] * b_we - 2.0 * pull * one
+            k_eb = -w[i] * e[j] - beta * w_b - 2.0 * e[i] * (b_wb + w[j])
+            c_ee = beta * beta * across + 2.0 * beta * (bent[i] * e[j] + e[i] * bent[j]) + 4.0 * square * e[i] * e[j]
+            c_eb = beta * across + 2.0 * e[i] * bent[j]
+            c_be = beta * across + 2.0 * bent[i] * e[j]
+            stress[i, j] = viscosity * xx * (ck * k_ee + cc * xx * c_ee)
+            stress[i, 3 + j] = viscosity * xx * (ck * k_eb - cc * x * c_eb)
+            stress[3 + i, j] = viscosity * x * (ck * (w_e - 2.0 * x * w[i] * e[j]) - cc * xx * c_be)
+            stress[3 + i, 3 + j] = viscosity * x * (ck * w_b + cc * x * across)
+
+
+@kernel
 def _add_bending(g, row, q, v, cc, ck):
     """Add the part of bending and its damping to the inner block."""
     i, j, h, z, inner, stress = row.a, row.b, 1.0 / row.length, g.vector, g.inner, g.stress
@@ -219,16 +269,7 @@ def _add_bending(g, row, q, v, cc, ck):
         weight = p[WEIGHT] * row.length * row.bending
         write_hessian(z[Z], g.hessian)
         if row.damping != 0.0:
-            e_d, b_d = _mix(w1, v, i, j), _mix(w2, v, i, j)
-            a, beta, epsilon = _dot(e, e), _dot(e, b), _dot(e, e_d)
-            x = 1.0 / a
-            for c in range(AXES):
-                z[RATE, c], z[RATE, 3 + c] = e_d[c], b_d[c]
-                z[Y, c] = x * (b_d[c] - x * (beta * e_d[c] + 2.0 * epsilon * b[c]))
-            along = x * _dot(e, z[Y])
-            for c in range(AXES):
-                z[W, c] = z[Y, c] - along * e[c]
-            write_stress(g, a, beta, epsilon, row.damping * weight, cc, ck)
+            _write_viscous(e, b, _mix(w1, v, i, j), _mix(w2, v, i, j), row.damping * weight, cc, ck, stress)
         else:
             stress.fill(0.0)
         half = 0.5 * ck * weight

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.newton import DONE, Corrector, correct
+from tautline.integrators.newton import DONE, SAME_STEP, Corrector, correct
 from tautline.integrators.state import WORST, enter, keep, restore, supplied_power, watch
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
@@ -22,7 +22,8 @@ class GeneralizedAlpha(NamedTuple):
     ``algebraic`` lists the unknowns that are multipliers; ``power`` (3,) is scratch; ``last_step`` (1,) the length of
     the last accepted step, s, 0 before the first. ``tolerance`` m bounds the error of a step, 0 for no bound;
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
-    of the nominal step that is taken.
+    of the nominal step that is taken. ``history`` (2, n) are the accelerations of the two steps before the last, and
+    ``order`` (1,) of the polynomial that continues them best.
     """
 
     alpha_m: float
@@ -37,7 +38,8 @@ class GeneralizedAlpha(NamedTuple):
     tolerance: float
     length: np.ndarray
     control: np.ndarray
-    before: np.ndarray
+    history: np.ndarray
+    order: np.ndarray
 
 
 def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
@@ -63,6 +65,26 @@ def _local_error(m, state, h):
     return abs(m.beta - 1.0 / 6.0) * h * h * worst
 
 
+@kernel
+def _best_order(m, state):
+    """Remember the acceleration before the step; returns the order of polynomial that would have predicted the new one.
+
+    What is smooth is continued by two orders more than the method's own prediction; what jumps or chatters is not.
+    """
+    constant = linear = square = 0.0
+    for i in range(state.q.size):
+        now, before, old, oldest = state.a[i], state.keep[2, i], m.history[0, i], m.history[1, i]
+        weight = m.length[i] * m.length[i]
+        constant += weight * (now - before) ** 2
+        linear += weight * (now - 2.0 * before + old) ** 2
+        square += weight * (now - 3.0 * before + 3.0 * old - oldest) ** 2
+        m.history[1, i] = old
+        m.history[0, i] = before
+    if square < linear and square < constant:
+        return 2
+    return 1 if linear < constant else 0
+
+
 @kernel(inline="always")
 def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     """Advance the state from t by h; on failure it is left as it was. Returns a status."""
@@ -73,16 +95,21 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     keep(state)
     # The auxiliary is the acceleration at t + (alpha_m - alpha_f) h: for a step of another length it is moved along.
     ratio = h / m.last_step[0] if m.last_step[0] > 0.0 else 1.0
+    if abs(ratio - 1.0) > SAME_STEP:
+        m.order[0] = 0
+    # Predict with the last acceleration, a_(t+1) = a_t in eq. 2.86, or with what the last few make likely.
+    slope = 1.0 if m.order[0] > 0 else 0.0
+    bend = 1.0 if m.order[0] > 1 else 0.0
     for i in range(state.q.size):
-        # Predict with the last acceleration: a_(t+1) = a_t in eq. 2.86.
         last = state.a[i] + ratio * (state.auxiliary[i] - state.a[i])
-        rise = (1.0 - m.alpha_f) * (state.a[i] - m.before[i])
-        m.before[i] = state.a[i]
-        new = (state.a[i] + rise - m.alpha_m * last) / (1.0 - m.alpha_m)
-        state.a[i] += state.a[i] - state.keep[2, i] if False else rise / (1.0 - m.alpha_f)
+        new = (state.a[i] - m.alpha_m * last) / (1.0 - m.alpha_m)
+        state.auxiliary[i] = new
+        rise = slope * (state.a[i] - m.history[0, i])
+        rise += bend * (state.a[i] - 2.0 * m.history[0, i] + m.history[1, i])
+        new += (1.0 - m.alpha_f) / (1.0 - m.alpha_m) * rise
         state.q[i] += h * state.v[i] + h * h * ((0.5 - m.beta) * last + m.beta * new)
         state.v[i] += h * ((1.0 - m.gamma) * last + m.gamma * new)
-        state.auxiliary[i] = new - rise / (1.0 - m.alpha_m)
+        state.a[i] += rise
     prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
     status = correct(m.corrector, groups, dofs, state, t + h, beta, gamma)
     if status == DONE and m.tolerance > 0.0:
@@ -99,6 +126,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         expand(dofs, state.a, state.full_a)
         return status
     m.last_step[0] = h
+    m.order[0] = _best_order(m, state)
     for i in m.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0

@@ -61,7 +61,7 @@ def modes(system: System, state: State, count: int | None = None) -> Modes:
         square, shapes = _all(dense(mass), dense(stiffness), system.algebraic)
     order = np.argsort(square)[:count]
     omega = np.sign(square[order]) * np.sqrt(np.abs(square[order]))
-    return Modes(omega, _expand(system, shapes[:, order]))
+    return Modes(omega, expand_shapes(system, shapes[:, order]))
 
 
 def _part(system: System, state: State, cm: float, ck: float):
@@ -96,11 +96,12 @@ def _lowest(mass, stiffness, count: int) -> tuple[np.ndarray, np.ndarray]:
     return eigsh(0.5 * (k + k.T), count, 0.5 * (m + m.T), sigma=0.0)
 
 
-def _expand(system: System, shapes: np.ndarray) -> np.ndarray:
+def expand_shapes(system: System, shapes: np.ndarray) -> np.ndarray:
+    """Shapes (n, k) in full (n_full, k), each scaled to one where it is largest."""
     dofs = system.dofs
     shapes = shapes.copy()
     shapes[system.algebraic] = 0.0
-    full = np.zeros((dofs.number.size, shapes.shape[1]))
+    full = np.zeros((dofs.number.size, shapes.shape[1]), shapes.dtype)
     for i, number in enumerate(dofs.number):
         if number != HELD:
             for k in range(dofs.start[i], dofs.start[i + 1]):

@@ -27,7 +27,7 @@ from tautline.system.system import System
 DONE, NOT_CONVERGED, SINGULAR, NOT_FINITE = (
     int(s) for s in (Status.DONE, Status.NOT_CONVERGED, Status.SINGULAR, Status.NOT_FINITE)
 )
-CONTRACTION = 0.1
+CONTRACTION = 0.2
 """Old factors are kept while an iteration shrinks the residual to this fraction, else the tangent is made anew."""
 HALF_STEPS_FROM = 9
 """From this iteration on every third increment is halved: two statuses of a law may chase each other."""

@@ -1,0 +1,199 @@
+"""Where a hose becomes unstable: eigenvalues about its shape at rest against the speed of flow.
+
+Small motions exp(lambda t) about the static shape: the hose flutters where a complex pair crosses to growth, and
+diverges where a real one does. The motion is in the plane of the static shape (of direction and gravity) or out of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq, linear_sum_assignment
+
+from gardenhose.estimates import average, onset
+from gardenhose.scene import HoseScene
+from gardenhose.static import Form, form
+from tautline.integrators.vibrations import Vibrations, vibrations
+from tautline.scene.errors import SceneError
+
+MODES = 8
+"""Pairs of eigenvalues that are followed."""
+SPEEDS = 25
+"""Speeds of a search that is not told where to look."""
+PRECISION = 1.0e-10
+"""Relative precision of the critical speed."""
+STILL = 1.0e-9
+"""Growth over the size of the eigenvalue that is rounding."""
+REAL = 1.0e-6
+"""Frequency over the size of the eigenvalue below which a hose diverges and does not flutter."""
+FARTHEST = 4.0
+"""Multiple of the estimated critical speed up to which one is looked for."""
+
+Plane = Literal["in", "out", "any"]
+
+
+class Critical(NamedTuple):
+    """A speed, m/s, at which a motion in or out of the plane begins to grow, its frequency Hz, and the way it does."""
+
+    speed: float
+    frequency: float
+    plane: Plane
+    kind: Literal["flutter", "divergence"]
+
+
+class Stability(NamedTuple):
+    """Eigenvalues against speed.
+
+    ``speed`` (k,) m/s; ``eigenvalues`` (k, m) 1/s, each column one mode followed from speed to speed; ``out_of_plane``
+    (k, m) the share of the motion that is; ``critical`` what becomes unstable, the lowest speed first, a plane once.
+    """
+
+    speed: np.ndarray
+    eigenvalues: np.ndarray
+    out_of_plane: np.ndarray
+    critical: list[Critical]
+
+
+def normal_of(scene: HoseScene) -> np.ndarray | None:
+    """Unit normal of the plane of direction and gravity; None where these are parallel, or there is no gravity."""
+    across = np.cross(scene.hose.unit_direction, scene.gravity)
+    size = float(np.linalg.norm(across))
+    return across / size if size > 1e-9 * float(np.linalg.norm(scene.gravity)) and size > 0.0 else None
+
+
+class _Linear:
+    """A scene's eigenvalues at any speed, each static shape sought from the nearest one known."""
+
+    def __init__(self, scene: HoseScene) -> None:
+        self.scene, self.normal = scene, normal_of(scene)
+        self.known: dict[float, Form] = {}
+
+    def at(self, speed: float) -> tuple[Vibrations, np.ndarray]:
+        """The motions that grow fastest or are slowest, and which share of each is out of the plane."""
+        near = min(self.known.values(), key=lambda one: abs(one.speed - speed), default=None)
+        found = form(self.scene, speed, near)
+        self.known[speed] = found
+        motions = vibrations(found.system, found.state)
+        return motions, self._share(motions.shape)
+
+    def _share(self, shape: np.ndarray) -> np.ndarray:
+        if self.normal is None:
+            return np.zeros(shape.shape[1])
+        count = len(self.known[next(iter(self.known))].position)
+        nodes = shape[: 7 * count].reshape(count, 7, -1)[:, :3]
+        across = np.einsum("nck,c->nk", nodes, self.normal)
+        whole = (np.abs(nodes) ** 2).sum(axis=(0, 1))
+        return (np.abs(across) ** 2).sum(axis=0) / np.where(whole > 0.0, whole, 1.0)
+
+    def growth(self, speed: float, plane: Plane) -> tuple[float, complex]:
+        """Largest growth rate, 1/s, of motions in a plane, and the eigenvalue that has it."""
+        motions, share = self.at(speed)
+        chosen = motions.value if plane == "any" else motions.value[(share > 0.5) == (plane == "out")]
+        value = complex(chosen[np.argmax(chosen.real)])
+        return value.real, value
+
+
+def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: int = MODES) -> Stability:
+    """Eigenvalues over a range of speeds, and where motions begin to grow.
+
+    Parameters
+    ----------
+    scene : HoseScene
+        With water.
+    speeds : sequence of float or None
+        m/s, rising; None goes from zero to well beyond the first critical speed.
+    modes : int
+        Pairs of eigenvalues to follow.
+
+    Raises
+    ------
+    SceneError
+        Without water.
+    StoppedEarly
+        Where no static shape is found.
+    """
+    if scene.water is None:
+        cure = "add `water: {mass_per_length: ..., speed: ...}`"
+        raise SceneError([scene.problem("water", "is missing: nothing can flow", cure)])
+    linear = _Linear(scene)
+    grid = np.array(speeds, float) if speeds is not None else _range(linear)
+    rows = [linear.at(float(speed)) for speed in grid]
+    values, shares = _follow(rows, modes)
+    planes: tuple[Plane, ...] = ("any",) if linear.normal is None else ("in", "out")
+    found = [critical for plane in planes for critical in _crossings(linear, grid, plane)[:1]]
+    return Stability(grid, values, shares, sorted(found, key=lambda one: one.speed))
+
+
+def crossings(scene: HoseScene, speeds: Sequence[float], plane: Plane = "any") -> list[Critical]:
+    """Every speed in a range at which motions of a plane begin to grow; between two of them they have ceased to."""
+    return _crossings(_Linear(scene), np.array(speeds, float), plane)
+
+
+def _range(linear: _Linear) -> np.ndarray:
+    """Speeds from zero to half as much again as the first critical one."""
+    guess = _guess(linear.scene)
+    step, speed = guess / 10.0, 0.0
+    while speed < FARTHEST * guess:
+        speed += step
+        value, fastest = linear.growth(speed, "any")
+        if value > STILL * abs(fastest):
+            break
+    return np.linspace(0.0, 1.5 * speed, SPEEDS)
+
+
+def _guess(scene: HoseScene) -> float:
+    """A speed near the critical one, m/s: by the table of straight uniform hoses, else from thrust and stiffness."""
+    hose = average(scene, 1.0)
+    u, _ = onset(scene, hose)
+    if u is not None and hose.dimensionless_speed:
+        return u / hose.dimensionless_speed
+    pull = (hose.mass + hose.water) * float(np.linalg.norm(scene.gravity)) * hose.length
+    stiff = min(piece.axial_stiffness for piece in scene.hose.pieces)
+    return float(np.sqrt((pull or 0.1 * stiff) / hose.thrust))
+
+
+def _crossings(linear: _Linear, grid: np.ndarray, plane: Plane) -> list[Critical]:
+    found = []
+    grows = [_grows(linear, speed, plane) for speed in grid]
+    for left, right, before, after in zip(grid[:-1], grid[1:], grows[:-1], grows[1:], strict=True):
+        if not before and after:
+            found.append(_locate(linear, float(left), float(right), plane))
+    return found
+
+
+def _grows(linear: _Linear, speed: float, plane: Plane) -> bool:
+    value, fastest = linear.growth(float(speed), plane)
+    return value > STILL * abs(fastest)
+
+
+def _locate(linear: _Linear, left: float, right: float, plane: Plane) -> Critical:
+    """Critical speed between one at which nothing grows and one at which something does."""
+
+    def beyond(speed: float) -> float:
+        value, fastest = linear.growth(speed, plane)
+        return value - STILL * abs(fastest)
+
+    speed = float(brentq(beyond, left, right, xtol=PRECISION * right, rtol=1e-12))
+    # On the stable side of a divergence the pair may be anything: the eigenvalue just beyond says which it is.
+    _, value = linear.growth(speed * (1.0 + 1e-7), plane)
+    diverges = abs(value.imag) <= REAL * max(abs(value), 1.0)
+    return Critical(speed, 0.0 if diverges else value.imag / (2.0 * np.pi), plane, "divergence" if diverges else "flutter")
+
+
+def _follow(rows: list[tuple[Vibrations, np.ndarray]], modes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Give each mode a column of its own over all speeds: the eigenvalue and shape nearest to the last."""
+    # The slowest at first, real ones of heavy damping left out: they belong to no vibration.
+    first, share = rows[0]
+    order = np.argsort(np.abs(first.value) + np.where(first.value.imag == 0.0, np.inf, 0.0), kind="stable")[:modes]
+    values, shares, shapes = [first.value[order]], [share[order]], first.shape[:, order]
+    for motions, share in rows[1:]:
+        alike = np.abs(shapes.conj().T @ motions.shape)
+        alike /= np.linalg.norm(shapes, axis=0)[:, None] * np.linalg.norm(motions.shape, axis=0)
+        apart = np.abs(motions.value - values[-1][:, None]) / (np.abs(values[-1]) + 1e-300)[:, None]
+        _, chosen = linear_sum_assignment(apart + (1.0 - alike))
+        values.append(motions.value[chosen])
+        shares.append(share[chosen])
+        shapes = motions.shape[:, chosen]
+    return np.array(values), np.array(shares)

@@ -1,0 +1,100 @@
+"""Form finding: the shape in which a hose is at rest while water flows through it (thesis, Fig. 2.28)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from gardenhose.build import assembled
+from gardenhose.cables import arc_lengths
+from gardenhose.scene import HoseScene, with_speed
+from tautline.integrators.equilibrium import find_equilibrium
+from tautline.integrators.state import State, new_state
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.kernels.hermite import SHAPE, table
+from tautline.system.system import System
+
+POINTS_PER_ELEMENT = 8
+"""Points of the curve that is drawn."""
+SMALLEST_PART = 1.0 / 64.0
+"""Part of the way from one speed to the next below which form finding gives up."""
+
+
+class Form(NamedTuple):
+    """A hose at rest at a flow speed, m/s: position and slope of its nodes (n, 3), its system and state."""
+
+    speed: float
+    position: np.ndarray
+    slope: np.ndarray
+    system: System
+    state: State
+
+    @property
+    def tip(self) -> np.ndarray:
+        """Position of the tip (3,), m."""
+        return self.position[-1]
+
+    def curve(self, arc_length: np.ndarray) -> np.ndarray:
+        """Points along the elements' own cubic (m, 3), m."""
+        length = np.diff(arc_length)[:, None, None]
+        h = table(np.linspace(0.0, 1.0, POINTS_PER_ELEMENT + 1), np.ones(POINTS_PER_ELEMENT + 1))[:, SHAPE : SHAPE + 4]
+        x, d = self.position, self.slope
+        points = h[:, 0, None] * x[:-1, None] + h[:, 1, None] * length * d[:-1, None]
+        points = points + h[:, 2, None] * x[1:, None] + h[:, 3, None] * length * d[1:, None]
+        return np.vstack([points[:, :-1].reshape(-1, 3), points[-1, -1:]])
+
+
+def forms(scene: HoseScene, speeds: Sequence[float]) -> list[Form]:
+    """Shapes at rest at several speeds of flow, each sought from the one before.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no water, or cannot be built.
+    StoppedEarly
+        NO_EQUILIBRIUM, where none is found at a speed; its ``detail`` names it.
+    """
+    found: list[Form] = []
+    for speed in speeds:
+        found.append(_next(scene, float(speed), found[-1] if found else None))
+    return found
+
+
+def form(scene: HoseScene, speed: float, near: Form | None = None) -> Form:
+    """The shape at rest at a speed, sought from another's."""
+    return _next(scene, float(speed), near)
+
+
+def _next(scene: HoseScene, speed: float, near: Form | None) -> Form:
+    """Go to a speed at once, or where that fails by parts."""
+    try:
+        return _find(scene, speed, near)
+    except StoppedEarly as stop:
+        if near is None:
+            detail = f"at a flow of {speed:g} m/s"
+            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, stop.part, detail) from None
+    here, part = near, 0.5
+    while here.speed != speed:
+        goal = here.speed + part * (speed - here.speed) if part < 1.0 else speed
+        try:
+            here = _find(scene, goal, here)
+            part = min(1.0, 2.0 * part)
+        except StoppedEarly as stop:
+            part *= 0.5
+            if part < SMALLEST_PART:
+                detail = f"at a flow of {goal:g} m/s"
+                raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, stop.part, detail) from None
+    return here
+
+
+def _find(scene: HoseScene, speed: float, near: Form | None) -> Form:
+    made = assembled(with_speed(scene, speed))
+    system, state = made.system, new_state(made.system)
+    if near is not None:
+        state.q[:] = near.state.q
+    lengths = np.diff(arc_lengths(scene))
+    find_equilibrium(system, state, 0.5 * float(lengths.min()))
+    nodes = np.array([made.layout.start[i + 1] for i in range(len(lengths) + 1)])[:, None] + np.arange(3)
+    return Form(speed, state.full_q[nodes], state.full_q[nodes + 3], system, state)

@@ -1,0 +1,97 @@
+"""Small vibrations with damping, flow and whatever else depends on velocity: complex eigenvalues about a steady state."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eig, null_space
+from scipy.sparse import bmat, eye_array
+from scipy.sparse.linalg import eigs
+
+from tautline.integrators.linearise import evaluate
+from tautline.integrators.modes import expand_shapes
+from tautline.integrators.state import State
+from tautline.kernels.matrix import dense, new_matrix, sparse
+from tautline.system.system import System
+
+DENSE = 700
+"""Unknowns up to which all eigenvalues are found by dense algebra."""
+TWIN = 1.0e-9
+"""Imaginary part, relative, below which an eigenvalue is real."""
+
+
+class Vibrations(NamedTuple):
+    """Motions exp(lambda t), of each conjugate pair one, by rising size of lambda.
+
+    ``value`` (k,) 1/s, imaginary part not negative; ``shape`` (n_full, k) complex, each one where it is largest;
+    multipliers and held degrees of freedom are zero.
+    """
+
+    value: np.ndarray
+    shape: np.ndarray
+
+    @property
+    def growth(self) -> float:
+        """Largest growth rate, 1/s; minus infinity where nothing can move."""
+        return float(self.value.real.max(initial=-np.inf))
+
+
+def vibrations(system: System, state: State, count: int | None = None) -> Vibrations:
+    """Solve (lambda^2 M + lambda C + K) x = 0 about a state at rest, material that flows steadily flowing on.
+
+    Parameters
+    ----------
+    system : System
+    state : State
+        In equilibrium at t = 0.
+    count : int or None
+        How many, those nearest to zero; None for all, which only a small scene allows.
+
+    Raises
+    ------
+    ValueError
+        If all of a large scene are asked for, or some of a large scene with multipliers.
+    """
+    if system.size <= DENSE:
+        value, shape = _all(*(dense(_part(system, state, *part)) for part in np.eye(3)), system.algebraic)
+    elif count is None or system.algebraic.size:
+        raise ValueError(f"{system.size} unknowns: too many for all vibrations, or for any with multipliers")
+    else:
+        value, shape = _nearest(*(sparse(_part(system, state, *part)) for part in np.eye(3)), 2 * count)
+    upper = value.imag >= -TWIN * np.abs(value)
+    value, shape = value[upper], shape[:, upper]
+    order = np.argsort(np.abs(value), kind="stable")[:count]
+    return Vibrations(value[order], expand_shapes(system, shape[:, order]))
+
+
+def _part(system: System, state: State, cm: float, cc: float, ck: float):
+    matrix = new_matrix(system.size, system.bandwidth, system.border)
+    keep = state.residual.copy()
+    evaluate(system, state, 0.0, 1.0, True, cm, cc, ck, matrix, np.zeros(system.size))
+    state.residual[:] = keep
+    return matrix
+
+
+def _all(mass, damping, stiffness, algebraic):
+    """All eigenvalues; what the constraints forbid is taken out through the null space of their rows."""
+    free = np.setdiff1d(np.arange(len(mass)), algebraic)
+    basis = null_space(stiffness[np.ix_(algebraic, free)]) if algebraic.size else np.eye(free.size)
+    m, c, k = (basis.T @ part[np.ix_(free, free)] @ basis for part in (mass, damping, stiffness))
+    n = len(m)
+    # Stiffness and mass are of very different size: time in units that make them alike.
+    unit = np.sqrt(np.linalg.norm(k) / np.linalg.norm(m)) if n and k.any() else 1.0
+    inverse = np.linalg.solve(m, np.hstack([k / unit**2, c / unit]))
+    value, vector = eig(np.block([[np.zeros((n, n)), np.eye(n)], [-inverse[:, :n], -inverse[:, n:]]]))
+    shape = np.zeros((len(mass), 2 * n), complex)
+    shape[free] = basis @ vector[:n]
+    return unit * value, shape
+
+
+def _nearest(mass, damping, stiffness, count):
+    """Those nearest to zero, by shift and invert."""
+    n = mass.shape[0]
+    one = eye_array(n)
+    left = bmat([[None, one], [-stiffness, -damping]], format="csc")
+    value, vector = eigs(left, count, bmat([[one, None], [None, mass]], format="csc"), sigma=0.0)
+    return value, vector[:n]
