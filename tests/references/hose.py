@@ -758,9 +758,9 @@ class Hose:
 class SpatialHose(Hose):
     """The same in space: components along, across (in the vertical plane) and out of it, along y of (x, y, z).
 
-    With a = r', b = r'', A = a . a and the projection P = 1 - a a^T/A the curvature vector is k = P b/A and its rate in
-    axes that turn with the tangent without spin P k-dot = P h with h = b-dot/A - 2 (a . a-dot) b/A^2 - (a . b) a-dot/A^2
-    (what of k-dot is along a drops out).
+    With a = r', b = r'', A = a . a and the projection P = 1 - a a^T/A the curvature vector is k = P b/A.  Its rate in
+    axes that turn with the tangent without spin is P k-dot = P h, as what of k-dot is along a drops out, with
+    h = b-dot/A - 2 (a . a-dot) b/A^2 - (a . b) a-dot/A^2.
 
     State: coefficients along, across, out of the plane, then their rates; shape (6 modes,).
     """
@@ -980,10 +980,10 @@ def rotation_of(times, tip, velocity):
     )
 
 
-def lateral_multipliers(parameters, U, modes, settle, periods=30, fitted=10):
+def lateral_multipliers(parameters, U, modes, settle, periods=30, fitted=10, tolerance=1e-7, push=1e-4):
     """Floquet multipliers of the planar cycle for small motion out of the plane, the two largest in magnitude.
 
-    From the states at the last `fitted` of some periods after a small lateral push of the settled planar motion.
+    From the states at the last `fitted` of some periods after a push [m/s] out of the plane of the settled motion.
 
     Returns
     -------
@@ -991,12 +991,12 @@ def lateral_multipliers(parameters, U, modes, settle, periods=30, fitted=10):
     period : s
     """
     times = settle + np.arange(0, 1.0001, 1e-3)
-    planar = simulate(Hose(parameters, modes), U, times, 1e-7)
+    planar = simulate(Hose(parameters, modes), U, times, tolerance)
     period = 1 / cycle_of(times, planar.tip, planar.tip_velocity).frequency
     halves = planar.states[-1].reshape(2, -1)
     start = np.hstack([halves, np.zeros((2, modes))]).ravel()
     strobe = np.arange(periods + 1) * period
-    states = simulate(SpatialHose(parameters, modes), U, strobe, 1e-7, start, lateral_rate=1e-4).states
+    states = simulate(SpatialHose(parameters, modes), U, strobe, tolerance, start, lateral_rate=push).states
     lateral = states.reshape(-1, 2, 3, modes)[-fitted - 1 :, :, 2].reshape(fitted + 1, -1)
     # successive states obey a recurrence of two terms once the others have died out
     before = np.column_stack([lateral[:-2].ravel(), lateral[1:-1].ravel()])
@@ -1034,7 +1034,8 @@ def write_spatial_file(U=15.0, lateral_rate=0.05, settle=36.0, to=HERE):
     }
     result["settle"] = settle
     result["rotation"] = {
-        str(modes): asdict(spatial_rotation(start, U, modes, settle, lateral_rate=lateral_rate)) for modes in (10, 14, 18)
+        str(modes): asdict(spatial_rotation(start, U, modes, settle, lateral_rate=lateral_rate))
+        for modes in (10, 14, 18)
     }
     with open(to / "hose_space.json", "w") as file:
         json.dump(result, file, indent=1)
@@ -1110,7 +1111,7 @@ class PiecewisePipe:
         return found[np.argsort(np.abs(found))]
 
     def critical_speed(self, low, high, count=40, considered=10):
-        """First speed [m/s] in (low, high) of the first piece at which the pipe turns unstable, and the frequency [1/s].
+        """First speed [m/s] of the first piece, in (low, high), at which the pipe turns unstable; frequency [1/s].
 
         `considered`: so many eigenvalues of least magnitude.  Raises ValueError if none is found.
         """
@@ -1132,9 +1133,7 @@ def _legendre(x, count, length):
     """Legendre polynomials at x in (-1, 1) of a piece of some length, and two derivatives for the arc length."""
     units = np.eye(count) * np.sqrt((2 * np.arange(count) + 1) / length)
     derivatives = [np.polynomial.legendre.legder(units, order) if order else units for order in range(3)]
-    return [
-        np.polynomial.legendre.legval(x, c).T * (2 / length) ** order for order, c in enumerate(derivatives)
-    ]
+    return [np.polynomial.legendre.legval(x, c).T * (2 / length) ** order for order, c in enumerate(derivatives)]
 
 
 def write_files(modes=24, coarser=18, smoothing=0.2, to=HERE):

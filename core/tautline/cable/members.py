@@ -178,7 +178,7 @@ def _pipes(layout: Layout, elements: list[Element]) -> Pipes:
         if e.conveyed is not None
     ]
     axial = table(*(gauss(3) if _quadrature(elements[0]) == "gauss" else lobatto()))
-    scratch = np.zeros((1, 6)), np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((9, 9)), np.zeros((12, 12))
+    scratch = np.zeros((1, 6)), np.zeros((6, 6)), np.zeros((9, 9)), np.zeros((12, 12))
     return Pipes(records(PIPE, rows), axial, table(*gauss(3)), unit_matrices(), *scratch)
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.elements.cubic import AXES, VECTORS
-from tautline.elements.curvature import square_of, write_hessian
+from tautline.elements.curvature import square_of
 from tautline.elements.shared_flow import C, D, E, M, times_c, times_e
 from tautline.elements.tension import strain_of
 from tautline.kernels.dofs import add_block
@@ -34,7 +34,7 @@ class Pipes(NamedTuple):
     """Elements (n,) of ``PIPE``; tables (k, 18) of the points of the axial and of the bending terms.
 
     ``unit`` (4, 4, 4) are M, C, D, E of an element of length and mass one. Scratch are ``vector``
-    (1, 6), ``stress`` (6, 6), ``hessian`` (6, 6), ``inner`` (9, 9) and ``block`` (12, 12).
+    (1, 6), ``stress`` (6, 6), ``inner`` (9, 9) and ``block`` (12, 12).
     """
 
     rows: np.recarray
@@ -43,7 +43,6 @@ class Pipes(NamedTuple):
     unit: np.ndarray
     vector: np.ndarray
     stress: np.ndarray
-    hessian: np.ndarray
     inner: np.ndarray
     block: np.ndarray
 
@@ -209,76 +208,78 @@ def _across(e, x, y):
 
 
 @kernel
-def _write_viscous(e, b, e_d, b_d, viscosity, cc, ck, stress):
-    """Write cc d(f_e, f_b)/d(e., b.) + ck d(f_e, f_b)/d(e, b) of the damping of bending (6, 6).
+def _write_stress(e, b, e_d, b_d, stiffness, viscosity, cc, ck, stress):
+    """Write cc d(f_e, f_b)/d(e., b.) + ck d(f_e, f_b)/d(e, b) of bending and its damping (6, 6).
 
-    The same as `tautline.elements.bending_damping.write_stress`, as sums of dyads: with b^, e^., b^. the parts across e
-    of b, e., b., dw/de. = -(beta P + 2 b^ e^T)/a^2, dw/db. = P/a, and by e and b
+    The second derivatives of EJ kappa^2 / 2 (`write_hessian` of the curvature), and of the damping those of
+    `tautline.elements.bending_damping`, as sums of dyads: every row of a block is a combination of e, b, e., w and of
+    b^, the part of b across e, and of one. With e.^ and b.^ likewise, dw/de. = -(beta P + 2 b^ e^T)/a^2, dw/db. = P/a,
 
-        W_e = c1 e^T + c2 b^T + c3 e.^T - (e.y) P/a - e w^T/a,   W_b = c2 e^T - 2 epsilon P/a^2,
-        c1 = -2 b^./a^2 + (4 beta e^. + 8 epsilon b^)/a^3,   c2 = -e^./a^2,   c3 = -2 b^/a^2.
+        dw/de = c1 e^T + c2 b^T + c3 e.^T - (e.y) P/a - e w^T/a,   dw/db = c2 e^T - 2 epsilon P/a^2,
+        c1 = -2 b.^/a^2 + (4 beta e.^ + 8 epsilon b^)/a^3,   c2 = -e.^/a^2,   c3 = -2 b^/a^2.
     """
-    x = 1.0 / _dot(e, e)
-    beta, epsilon = _dot(e, b), _dot(e, e_d)
+    x, beta, size = 1.0 / _dot(e, e), _dot(e, b), _dot(b, b)
     xx = x * x
+    bent = _across(e, x, b)
+    # kappa^2 = (a c - beta^2)/a^3: its derivatives by a, beta and c = b.b.
+    half = 0.5 * ck * stiffness
+    by_a, by_b, by_c = half * (3.0 * beta * beta * x - 2.0 * size) * x * xx, -2.0 * half * beta * x * xx, half * xx
+    by_aa, by_ab = half * (6.0 * size - 12.0 * beta * beta * x) * xx * xx, 6.0 * half * beta * xx * xx
+    by_ac = by_bb = -2.0 * half * x * xx
+    epsilon = _dot(e, e_d)
     y = (
         x * b_d[0] - xx * (beta * e_d[0] + 2.0 * epsilon * b[0]),
         x * b_d[1] - xx * (beta * e_d[1] + 2.0 * epsilon * b[1]),
         x * b_d[2] - xx * (beta * e_d[2] + 2.0 * epsilon * b[2]),
     )
-    along = x * _dot(e, y)
-    w, bent = _across(e, x, y), _across(e, x, b)
+    along, w = x * _dot(e, y), _across(e, x, y)
     turned, driven = _across(e, x, e_d), _across(e, x, b_d)
-    c1 = (
-        xx * (-2.0 * driven[0] + x * (4.0 * beta * turned[0] + 8.0 * epsilon * bent[0])),
-        xx * (-2.0 * driven[1] + x * (4.0 * beta * turned[1] + 8.0 * epsilon * bent[1])),
-        xx * (-2.0 * driven[2] + x * (4.0 * beta * turned[2] + 8.0 * epsilon * bent[2])),
-    )
-    pull, b1, b2, b3 = _dot(w, b), _dot(b, c1), -xx * _dot(b, turned), -2.0 * xx * _dot(b, bent)
-    square = _dot(bent, bent)
+    square, pull, b2, b3 = _dot(bent, bent), _dot(w, b), -xx * _dot(b, turned), -2.0 * xx * _dot(b, bent)
+    b1 = xx * (x * (4.0 * beta * _dot(b, turned) + 8.0 * epsilon * square) - 2.0 * _dot(b, driven))
+    k, c = ck * viscosity * xx, cc * viscosity * xx * xx
+    one_ee = 2.0 * by_a + k * (beta * along - 2.0 * pull) + c * beta * beta
+    one_eb = by_b + k * 2.0 * beta * xx * epsilon - c / x * beta
+    one_be = by_b - k / x * along - c / x * beta
+    one_bb = 2.0 * by_c - 2.0 * k * x * epsilon + c / xx
     for i in range(AXES):
+        ei, bi, wi = e[i], b[i], w[i]
+        c1 = xx * (x * (4.0 * beta * turned[i] + 8.0 * epsilon * bent[i]) - 2.0 * driven[i])
+        w_e, w_b = c1 + along * x * ei, xx * (2.0 * epsilon * x * ei - turned[i])
+        force = beta * wi + 2.0 * pull * ei
+        ee_e = 4.0 * by_aa * ei + 2.0 * by_ab * bi + k * (4.0 * x * force - beta * w_e - 2.0 * b1 * ei)
+        ee_e += c * ((4.0 * square - beta * beta * x) * ei + 2.0 * beta * bent[i])
+        ee_b = 2.0 * by_ab * ei + by_bb * bi + k * (beta * xx * turned[i] - wi - 2.0 * b2 * ei)
+        ee_r = 2.0 * k * (beta * xx * bent[i] - b3 * ei)
+        ee_w, ee_c = 3.0 * k * beta * x * ei, 2.0 * (k * along + c * beta) * ei
+        eb_e = 2.0 * by_ab * ei + by_bb * bi - k * (wi + beta * w_b + 2.0 * b2 * ei) + c * beta * ei
+        eb_b, eb_w, eb_c = 4.0 * by_ac * ei, -2.0 * k * ei, (4.0 * k * xx * epsilon - 2.0 * c / x) * ei
+        be_e = 2.0 * by_ab * ei + 4.0 * by_ac * bi + k * (w_e / x - 2.0 * wi) + c * (beta * ei - 2.0 / x * bent[i])
+        be_b, be_r, be_w = by_bb * ei - k * x * turned[i], -2.0 * k * x * bent[i], -k * ei
+        bb_e = by_bb * ei + k / x * w_b - c / x * ei
         for j in range(AXES):
-            one = 1.0 if i == j else 0.0
-            across = one - x * e[i] * e[j]
-            w_e = c1[i] * e[j] - xx * (turned[i] * b[j] + 2.0 * bent[i] * e_d[j]) - along * across - x * e[i] * w[j]
-            w_b = -xx * (turned[i] * e[j] + 2.0 * epsilon * across)
-            b_we = b1 * e[j] + b2 * b[j] + b3 * e_d[j] - along * bent[j] - x * beta * w[j]
-            b_wb = b2 * e[j] - 2.0 * xx * epsilon * bent[j]
-            force = beta * w[i] + 2.0 * pull * e[i]
-            k_ee = 4.0 * x * force * e[j] - w[i] * b[j] - beta * w_e - 2.0 * e[i] * b_we - 2.0 * pull * one
-            k_eb = -w[i] * e[j] - beta * w_b - 2.0 * e[i] * (b_wb + w[j])
-            c_ee = beta * beta * across + 2.0 * beta * (bent[i] * e[j] + e[i] * bent[j]) + 4.0 * square * e[i] * e[j]
-            c_eb = beta * across + 2.0 * e[i] * bent[j]
-            c_be = beta * across + 2.0 * bent[i] * e[j]
-            stress[i, j] = viscosity * xx * (ck * k_ee + cc * xx * c_ee)
-            stress[i, 3 + j] = viscosity * xx * (ck * k_eb - cc * x * c_eb)
-            stress[3 + i, j] = viscosity * x * (ck * (w_e - 2.0 * x * w[i] * e[j]) - cc * xx * c_be)
-            stress[3 + i, 3 + j] = viscosity * x * (ck * w_b + cc * x * across)
+            stress[i, j] = ee_e * e[j] + ee_b * b[j] + ee_r * e_d[j] + ee_w * w[j] + ee_c * bent[j]
+            stress[i, 3 + j] = eb_e * e[j] + eb_b * b[j] + eb_w * w[j] + eb_c * bent[j]
+            stress[3 + i, j] = be_e * e[j] + be_b * b[j] + be_r * e_d[j] + be_w * w[j]
+            stress[3 + i, 3 + j] = bb_e * e[j]
+        stress[i, i] += one_ee
+        stress[i, 3 + i] += one_eb
+        stress[3 + i, i] += one_be
+        stress[3 + i, 3 + i] += one_bb
 
 
 @kernel
 def _add_bending(g, row, q, v, cc, ck):
     """Add the part of bending and its damping to the inner block."""
-    i, j, h, z, inner, stress = row.a, row.b, 1.0 / row.length, g.vector, g.inner, g.stress
+    i, j, h, inner, stress = row.a, row.b, 1.0 / row.length, g.inner, g.stress
     for k in range(g.points.shape[0]):
         p = g.points[k]
         w1, w2 = _at(p, FIRST, 1.0, h), _at(p, SECOND, h, h)
-        e, b = _mix(w1, q, i, j), _mix(w2, q, i, j)
-        for c in range(AXES):
-            z[Z, c], z[Z, 3 + c] = e[c], b[c]
         weight = p[WEIGHT] * row.length * row.bending
-        write_hessian(z[Z], g.hessian)
-        if row.damping != 0.0:
-            _write_viscous(e, b, _mix(w1, v, i, j), _mix(w2, v, i, j), row.damping * weight, cc, ck, stress)
-        else:
-            stress.fill(0.0)
-        half = 0.5 * ck * weight
+        vectors = _mix(w1, q, i, j), _mix(w2, q, i, j), _mix(w1, v, i, j), _mix(w2, v, i, j)
+        _write_stress(*vectors, weight, row.damping * weight, cc, ck, stress)
         for x in range(AXES):
             for y in range(AXES):
-                ee = stress[x, y] + half * g.hessian[x, y]
-                eb = stress[x, 3 + y] + half * g.hessian[x, 3 + y]
-                be = stress[3 + x, y] + half * g.hessian[3 + x, y]
-                bb = stress[3 + x, 3 + y] + half * g.hessian[3 + x, 3 + y]
+                ee, eb, be, bb = stress[x, y], stress[x, 3 + y], stress[3 + x, y], stress[3 + x, 3 + y]
                 for s in range(3):
                     by_e, by_b = w1[s] * ee + w2[s] * be, w1[s] * eb + w2[s] * bb
                     for o in range(3):
