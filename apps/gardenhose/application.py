@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,13 @@ class Gardenhose:
 
     name = "gardenhose"
     title = "Hoses, risers and pipes conveying fluid: shape under flow, onset of flutter, limit cycles."
+
+    @property
+    def verbs(self) -> Sequence[Callable[..., None]]:
+        """Commands that other applications do not have."""
+        from gardenhose.verbs import flutter, static
+
+        return (static, flutter)
 
     @property
     def templates(self) -> Mapping[str, str]:

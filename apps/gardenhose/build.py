@@ -20,8 +20,8 @@ from tautline.scene.solver import error_of_steps, longest_step
 from tautline.system.model import Model, SolverSettings
 
 TOLERANCE = 1.0e-4
-"""Error of eq. 2.78 that counts as solved, in the root of energy over `energy_of`: at steps of 0.2 ms and more the tip is
-where a tolerance a hundred times tighter puts it, to a few micrometres (docs/hose.md)."""
+"""Error of eq. 2.78 that counts as solved, in the root of energy over `energy_of`: at steps of 0.2 ms and more the tip
+is where a tolerance a hundred times tighter puts it, to a few micrometres (docs/hose.md)."""
 STEP_ERROR = 1.0e-5
 """Error of a step over the hose's length, where the step is chosen and the scene gives none."""
 STARTS = {"straight": "as given", "static": "static", "relaxed": "relaxed"}

@@ -179,7 +179,9 @@ def _locate(linear: _Linear, left: float, right: float, plane: Plane) -> Critica
     # On the stable side of a divergence the pair may be anything: the eigenvalue just beyond says which it is.
     _, value = linear.growth(speed * (1.0 + 1e-7), plane)
     diverges = abs(value.imag) <= REAL * max(abs(value), 1.0)
-    return Critical(speed, 0.0 if diverges else value.imag / (2.0 * np.pi), plane, "divergence" if diverges else "flutter")
+    return Critical(
+        speed, 0.0 if diverges else value.imag / (2.0 * np.pi), plane, "divergence" if diverges else "flutter"
+    )
 
 
 def _follow(rows: list[tuple[Vibrations, np.ndarray]], modes: int) -> tuple[np.ndarray, np.ndarray]:

@@ -123,6 +123,7 @@ def make_app(application: Application | Catalogue) -> typer.Typer:
     Parameters
     ----------
     application : Application or Catalogue
+        An application may have ``verbs`` of its own: a sequence of typer commands.
 
     Returns
     -------
@@ -148,6 +149,6 @@ def make_app(application: Application | Catalogue) -> typer.Typer:
             typer.echo(f"{catalogue.name} (tautline {installed('tautline')})")
             raise typer.Exit
 
-    for verb in (check, simulate, plot, new, schema):
+    for verb in (check, simulate, plot, new, schema, *getattr(application, "verbs", ())):
         app.command()(verb)
     return app

@@ -1,0 +1,212 @@
+"""The verbs that only hoses have: ``static`` and ``flutter``. What they print with ``--json`` is a contract."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tautline.cli.verbs import Json, Scene
+
+if TYPE_CHECKING:
+    from gardenhose.flutter import Critical, Stability
+    from gardenhose.scene import HoseScene
+    from gardenhose.static import Form
+
+DEFAULT_SPEEDS = 7
+"""Speeds of form finding from rest to the scene's fastest flow, where none are given."""
+MOST_SPEEDS = 10_000
+STATIC_HELP = "Flow speeds in m/s. [dim]\\[default: from 0 to the scene's fastest][/]"
+
+StaticSpeeds = Annotated[str | None, typer.Option("--speed", metavar="FROM:TO:STEP|A,B,C", help=STATIC_HELP)]
+FlutterSpeeds = Annotated[
+    str | None,
+    typer.Option(
+        "--speed",
+        metavar="FROM:TO:STEP|A,B,C",
+        help="Flow speeds in m/s. [dim]\\[default: past the first instability][/]",
+    ),
+]
+Modes = Annotated[int, typer.Option("--modes", min=1, max=100, help="Modes to follow.")]
+Picture = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
+    ),
+]
+
+
+def static(scene: Scene, speed: StaticSpeeds = None, output: Picture = None, as_json: Json = False) -> None:
+    """Find the shape at rest at each flow speed, and draw them."""
+    from gardenhose.scene import read
+    from gardenhose.static import forms
+
+    hose = read(scene)
+    speeds = parse_speeds(speed) if speed is not None else _up_to_fastest(hose)
+    found = _stopping(lambda: forms(hose, speeds))
+    figure = _target(scene, "static", output)
+    _print_forms(found)
+    _draw_forms(hose, found, figure)
+    if as_json:
+        from tautline.cli.console import print_json
+
+        tips = [one.tip for one in found]
+        report = {"scene": str(scene), "status": "done", "figure": str(figure)}
+        print_json(report | {"speed": [one.speed for one in found], "tip": tips})
+
+
+def flutter(
+    scene: Scene, speed: FlutterSpeeds = None, modes: Modes = 8, output: Picture = None, as_json: Json = False
+) -> None:
+    """Find where the hose becomes unstable: eigenvalues against flow speed, critical speed and frequency."""
+    from gardenhose.flutter import stability
+    from gardenhose.scene import read
+
+    hose = read(scene)
+    speeds = parse_speeds(speed) if speed is not None else None
+    found = _stopping(lambda: stability(hose, speeds, modes))
+    figure = _target(scene, "flutter", output)
+    _print_stability(found)
+    _draw_stability(hose, found, figure)
+    if as_json:
+        from tautline.cli.console import print_json
+
+        first = found.critical[0] if found.critical else None
+        print_json(
+            {
+                "scene": str(scene),
+                "status": "done",
+                "figure": str(figure),
+                "critical_speed": first.speed if first else None,
+                "critical_frequency": first.frequency if first else None,
+                "plane": first.plane if first else None,
+                "kind": first.kind if first else None,
+                "critical": [one._asdict() for one in found.critical],
+                "speed": found.speed,
+                "eigenvalues": [[[x.real, x.imag] for x in row] for row in found.eigenvalues.tolist()],
+                "out_of_plane": found.out_of_plane,
+            }
+        )
+
+
+def parse_speeds(text: str) -> list[float]:
+    """Speeds of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``, m/s.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, the value, and what would do.
+    """
+    import math
+
+    from tautline.scene.errors import Problem, SceneError
+
+    def refuse(cause: str, cure: str) -> SceneError:
+        return SceneError([Problem("--speed", None, "", text, cause, cure)])
+
+    example = "write 0:12:3, or 0,3,6,9,12"
+    try:
+        numbers = [float(part) for part in text.split(":" if ":" in text else ",")]
+    except ValueError:
+        raise refuse("is no range of speeds", example) from None
+    if not all(math.isfinite(number) for number in numbers):
+        raise refuse("holds what is not a finite number", example)
+    if ":" not in text:
+        return numbers
+    if len(numbers) != 3:
+        raise refuse("needs three numbers: from, to and step", example)
+    first, last, step = numbers
+    if step == 0.0 or (last - first) * step < 0.0:
+        raise refuse("never gets to its end by such a step", example)
+    count = math.floor((last - first) / step * (1.0 + 1e-12) + 1e-9) + 1
+    if count > MOST_SPEEDS:
+        raise refuse(f"makes {count} speeds, more than {MOST_SPEEDS}", "take a larger step")
+    return [first + k * step for k in range(count)]
+
+
+def _up_to_fastest(hose: HoseScene) -> list[float]:
+    import numpy as np
+
+    from gardenhose.estimates import speeds
+
+    sampled = speeds(hose)
+    fastest = float(sampled[np.argmax(np.abs(sampled))])
+    return [0.0] if fastest == 0.0 else np.linspace(0.0, fastest, DEFAULT_SPEEDS).tolist()
+
+
+def _stopping(search: Any) -> Any:
+    """Run a search; one that finds nothing ends the command as a run that stopped early does."""
+    from tautline.cli.console import say
+    from tautline.cli.run import Ended, ExitCode
+    from tautline.integrators.status import StoppedEarly
+
+    try:
+        return search()
+    except StoppedEarly as stop:
+        say(f"stopped, {stop.part}: {stop.sentence}", "red")
+        raise Ended(ExitCode.STOPPED_EARLY) from None
+
+
+def _target(scene: Path, verb: str, output: Path | None) -> Path:
+    from tautline.results.errors import ResultError
+
+    path = output or Path(f"{scene.stem}_{verb}.png")
+    if path.suffix not in (".png", ".svg", ".pdf"):
+        raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", "name it .png, .svg or .pdf")
+    return path
+
+
+def _print_forms(found: list[Form]) -> None:
+    from rich.table import Table
+
+    from tautline.cli.console import console
+
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    for name in ("flow [m/s]", "tip x [m]", "y [m]", "z [m]"):
+        table.add_column(name, justify="right")
+    for one in found:
+        table.add_row(f"{one.speed:g}", *(f"{x + 0.0:.6f}" for x in one.tip))
+    console().print(table)
+
+
+def _draw_forms(hose: HoseScene, found: list[Form], path: Path) -> None:
+    import numpy as np
+
+    from gardenhose.cables import arc_lengths
+    from gardenhose.figures import static_figure
+    from tautline.cli.console import say
+    from tautline.view.figure import save
+
+    s = arc_lengths(hose)
+    curves, tips = [one.curve(s) for one in found], np.array([one.tip for one in found])
+    title = f"{hose.title or path.stem}: shapes at rest"
+    say(f"wrote {save(static_figure(np.array([one.speed for one in found]), curves, tips, title), path)}", "green")
+
+
+def words_of(critical: Critical) -> str:
+    """A critical speed in words."""
+    where = {"in": " in the plane", "out": " out of the plane", "any": ""}[critical.plane]
+    how = "diverges" if critical.kind == "divergence" else f"flutters at {critical.frequency:.4g} Hz"
+    return f"{how}{where} from {critical.speed:.6g} m/s"
+
+
+def _print_stability(found: Stability) -> None:
+    from tautline.cli.console import say
+
+    for critical in found.critical:
+        say(f"the hose {words_of(critical)}", "green")
+    if not found.critical:
+        say(f"stable from {found.speed[0]:g} to {found.speed[-1]:g} m/s, or unstable all the way", "yellow")
+
+
+def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
+    from gardenhose.figures import flutter_figure
+    from tautline.cli.console import say
+    from tautline.view.figure import save
+
+    first = found.critical[0] if found.critical else None
+    marked = (first.speed, first.frequency) if first else (None, None)
+    title = f"{hose.title or path.stem}: stability"
+    figure = flutter_figure(found.speed, found.eigenvalues, found.out_of_plane, *marked, title)
+    say(f"wrote {save(figure, path)}", "green")
