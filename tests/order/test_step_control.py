@@ -59,3 +59,28 @@ def test_an_error_that_no_halving_reaches_stops_the_run_by_its_name():
         run(0.02, 1e-30)
     assert stop.value.status == Status.INACCURATE
     assert stop.value.part.startswith("node 1")
+
+
+def test_a_step_that_chooses_itself_keeps_the_error_it_is_given(exact):
+    errors = [error(run("auto", tolerance), exact) for tolerance in (1e-5, 1e-6)]
+    assert errors[1] < errors[0] < 20.0 * 1e-5 * 100  # 100 frames of steps that may each err by the tolerance
+    given = run("auto").attributes
+    assert given["step"] == pytest.approx(2.0 / given["steps"])
+
+
+def test_a_step_that_chooses_itself_needs_no_tolerance(exact):
+    """It is a millionth of the rope's length then."""
+    result = run("auto")
+    assert error(result, exact) < 1e-3
+    assert result.attributes["steps"] < 100_000
+
+
+def test_rk4_chooses_a_step_below_its_critical_one():
+    """The rope alone, a bar that is pulled: 2.8 / omega without damping, 2.785 / (c omega^2) with much of it."""
+    text = SCENE.replace("mass: 1.0", "mass: 1.0e-3").replace("cDamp: 0", "cDamp: {c}").replace("G-alpha", "RK4")
+    text = text.replace("time_end: 2.0", "time_end: 0.2")
+    omega = np.sqrt(2.0e3 / (1.0e-3 + 1.0e-3 / 3.0))
+    for c, critical in ((0.0, 2.8 / omega), (0.01, 2.785 / (0.01 * omega**2))):
+        result = simulate(build(parse(text.format(step="auto", control="fixed", tolerance="", c=c))))
+        assert 0.6 * critical < result.attributes["step"] < 0.9 * critical
+        assert result.attributes["status"] == "done"

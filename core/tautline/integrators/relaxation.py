@@ -89,7 +89,7 @@ def relax(
     moves = np.ones(system.size)
     moves[system.algebraic] = 0.0
     last_q, last_a = state.q.copy(), np.zeros(system.size)
-    alpha, h, worst = 0.0, step, 0
+    alpha, h, longest, worst = 0.0, step, np.inf, 0
     kept = state.q[system.at_rest].copy()
     # An explicit step is so short that many pass before the damping has to act again.
     together, times = (BETWEEN, 1) if explicit else (1, BETWEEN)
@@ -97,6 +97,10 @@ def relax(
         for _ in range(times):
             part = np.array([together * h]), np.array([together])
             status, _, _ = march(method, still, state, *part, 0.0, frames)
+            if status != Status.DONE and h > step:
+                # Too long a step: what it was grown by is taken back.
+                h = longest = max(step, 0.25 * h)
+                continue
             if status != Status.DONE:
                 name = system.names[int(state.counters[WORST])]
                 raise StoppedEarly(Status(status), 0.0, name, "during the relaxation")
@@ -117,7 +121,7 @@ def relax(
         if square > 0.0:
             alpha = 2.0 * sqrt(square)
             if not explicit:
-                h = max(step, 2.0 / (STEPS_PER_RADIAN * alpha))
+                h = min(longest, 2.0 * h, max(step, 2.0 / (STEPS_PER_RADIAN * alpha)))
         last_q, last_a = state.q.copy(), state.a.copy()
     detail = f"still moving after {most} steps of dynamic relaxation"
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)

@@ -1,4 +1,4 @@
-"""Small vibrations with damping and flow, or whatever else depends on velocity: complex eigenvalues at a steady state."""
+"""Small vibrations with damping and flow, and whatever depends on velocity: complex eigenvalues at a steady state."""
 
 from __future__ import annotations
 

@@ -13,7 +13,14 @@ import matplotlib
 import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes as Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure as Figure
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
 
 from tautline.results.errors import ResultError
 
@@ -22,6 +29,9 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 
 QUIET = "#9A9A9A"
 SHADE = "#EDEDED"
+
+SHADES = LinearSegmentedColormap.from_list("time", matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, 64)))
+"""Colours of times and speeds, of a share from 0 to 1, without the yellow that is lost on paper."""
 
 STYLE: dict[Any, Any] = {
     "figure.dpi": 100,
@@ -124,6 +134,56 @@ def shade(plot: Axes, time: np.ndarray, flags: np.ndarray, colour: str = SHADE, 
     for number, (first, last) in enumerate(changes.reshape(-1, 2)):
         words = text if number == 0 else "_" + text
         plot.axvspan(edges[first], edges[last], color=colour, lw=0, zorder=0, label=words)
+
+
+def bar_of_shades(figure: Figure, plots: Any, low: float, high: float, text: str, **look: Any) -> Colorbar:
+    """Put a bar of `SHADES` below plots, from one value to another.
+
+    Parameters
+    ----------
+    plots : Axes or array of Axes
+        What gives it room.
+    text : str
+        Its label.
+    **look
+        Passed on to ``Figure.colorbar``: ``shrink``, ``pad`` and so on.
+    """
+    colours = ScalarMappable(Normalize(low, high), SHADES)
+    bar = figure.colorbar(colours, ax=plots, location="bottom", aspect=40, **look)
+    bar.set_label(text)
+    return bar
+
+
+def sample_line(text: str, **look: Any) -> Line2D:
+    """A line that is only in the legend."""
+    return Line2D([], [], label=text, **look)
+
+
+def outline(text: Text, width: float = 2.0) -> None:
+    """Set letters off from the curves below them by a white edge."""
+    text.set_path_effects([withStroke(linewidth=width, foreground="white")])
+
+
+def round_numbers(low: float, high: float, most: int) -> list[float]:
+    """About so many round numbers from low to high, both included where they are round."""
+    found = MaxNLocator(most, steps=[1, 2, 5, 10]).tick_values(low, high)
+    return [float(value) for value in found if low - 1e-9 <= value <= high + 1e-9]
+
+
+def height_over_width(x: np.ndarray, y: np.ndarray, least: float) -> float:
+    """Height over width of what `equal_scale` shows."""
+    wide, high = (max(float(np.ptp(values)), least) for values in (x, y))
+    return high / wide
+
+
+def equal_scale(plot: Axes, x: np.ndarray, y: np.ndarray, least: float) -> None:
+    """Show points at the same scale both ways, at least `least` each way, in their unit."""
+    plot.set_aspect("equal", adjustable="box")
+    for values, limit in zip((x, y), (plot.set_xlim, plot.set_ylim), strict=True):
+        middle, size = 0.5 * (values.min() + values.max()), max(float(np.ptp(values)), least)
+        limit(middle - 0.55 * size, middle + 0.55 * size)
+    (left, right), (bottom, top) = plot.get_xlim(), plot.get_ylim()
+    plot.locator_params(axis="x", nbins=int(np.clip(6.0 * (right - left) / (top - bottom), 2, 6)))
 
 
 @styled
