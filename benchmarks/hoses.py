@@ -12,8 +12,12 @@ from typing import Any
 import numpy as np
 
 import tautline
+from gardenhose.build import build
 from gardenhose.limit_cycle import LimitCycle, limit_cycle
 from gardenhose.scene import HoseScene
+from tautline.integrators.critical_step import CriticalStep
+from tautline.integrators.linearise import start_moving
+from tautline.integrators.state import new_state
 from tautline.integrators.status import StoppedEarly
 from tautline.scene.model import validate
 
@@ -68,6 +72,15 @@ def run(speed: float | dict[str, Any], end: float, step: float | str = 1e-3, **k
     except StoppedEarly as stop:
         result, failure = stop.result, f"{stop.status.name} at {stop.time:.2f} s"
     return Run(time.process_time() - cpu, result.attributes["wall_time"], result, failure)
+
+
+def critical_step(speed: float, **keys: Any) -> float:
+    """RK4's critical step at the start of a run, s, as the run itself finds it."""
+    scene = changed({"water.speed": speed} | {key.replace("__", "."): value for key, value in keys.items()})
+    system = build(scene).system
+    state = new_state(system)
+    start_moving(system, state, 1e-6)
+    return CriticalStep(system).search(state, 0.0)[0]
 
 
 def exact_tip(at: float = 1.0) -> np.ndarray:

@@ -112,3 +112,9 @@ def reference_tip() -> tuple[np.ndarray, np.ndarray]:
 
 def reference_file(name: str) -> dict[str, Any]:
     return json.loads((reference.HERE / f"hose_{name}.json").read_text())
+
+
+def orders(errors) -> np.ndarray:
+    """Observed orders of convergence of errors at halved steps or doubled numbers of elements."""
+    errors = np.asarray(errors)
+    return np.log2(errors[:-1] / errors[1:])

@@ -66,20 +66,22 @@ def _local_error(m, state, h):
 
 
 @kernel
-def _best_order(m, state):
+def _best_order(m, state, jumped):
     """Remember the acceleration before the step; returns the order of polynomial that would have predicted the new one.
 
-    What is smooth is continued by two orders more than the method's own prediction; what jumps or chatters is not.
+    What is smooth is continued by two orders more than the method's own prediction; what jumps or chatters is not, and
+    no step in which a law has changed its status.
     """
     constant = linear = square = 0.0
     for i in range(state.q.size):
         now, before, old, oldest = state.a[i], state.keep[2, i], m.history[0, i], m.history[1, i]
-        weight = m.length[i] * m.length[i]
-        constant += weight * (now - before) ** 2
-        linear += weight * (now - 2.0 * before + old) ** 2
-        square += weight * (now - 3.0 * before + 3.0 * old - oldest) ** 2
+        constant = max(constant, m.length[i] * abs(now - before))
+        linear = max(linear, m.length[i] * abs(now - 2.0 * before + old))
+        square = max(square, m.length[i] * abs(now - 3.0 * before + 3.0 * old - oldest))
         m.history[1, i] = old
         m.history[0, i] = before
+    if jumped:
+        return 0
     if square < linear and square < constant:
         return 2
     return 1 if linear < constant else 0
@@ -112,6 +114,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         state.a[i] += rise
     prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
     status = correct(m.corrector, groups, dofs, state, t + h, beta, gamma)
+    jumped = m.corrector.changed[1] > 0
     if status == DONE and m.tolerance > 0.0:
         m.control[0] = _local_error(m, state, h)
         if m.control[0] > m.tolerance:
@@ -126,7 +129,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         expand(dofs, state.a, state.full_a)
         return status
     m.last_step[0] = h
-    m.order[0] = _best_order(m, state)
+    m.order[0] = _best_order(m, state, jumped)
     for i in m.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0

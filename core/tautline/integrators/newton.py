@@ -27,7 +27,7 @@ from tautline.system.system import System
 DONE, NOT_CONVERGED, SINGULAR, NOT_FINITE = (
     int(s) for s in (Status.DONE, Status.NOT_CONVERGED, Status.SINGULAR, Status.NOT_FINITE)
 )
-CONTRACTION = 0.2
+CONTRACTION = 0.1
 """Old factors are kept while an iteration shrinks the residual to this fraction, else the tangent is made anew."""
 HALF_STEPS_FROM = 9
 """From this iteration on every third increment is halved: two statuses of a law may chase each other."""
@@ -78,10 +78,12 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
 
     ``beta`` and ``gamma`` are beta' and gamma' of eqs 2.88-2.89: how acceleration and velocity follow position.
     The factors of the tangent are used again, also across steps, while they still contract. A law that changes its
-    status forces new factors, for which the smooth groups' tangent is used again in turn. Returns a status.
+    status forces new factors, for which the smooth groups' tangent is used again in turn. Returns a status;
+    ``changed[1]`` says whether a law has changed its own.
     """
     c = corrector
     changed = c.changed
+    changed[1] = 0
     previous = energy = np.inf
     if abs(c.factored_for[0] - beta) > SAME_STEP * beta:
         c.factored_for[0] = 0.0
@@ -98,6 +100,7 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
             over.switch(groups, t, state.full_q, state.full_v, False, changed)
         event = False
         if changed[0] > 0:
+            changed[1] = 1
             c.factored_for[0] = 0.0
             previous = energy = np.inf
         state.residual.fill(0.0)
@@ -111,6 +114,7 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
             over.switch(groups, t, state.full_q, state.full_v, True, changed)
             if changed[0] == 0:
                 return DONE
+            changed[1] = 1
             c.factored_for[0] = 0.0
             previous = energy = np.inf
             event = True
