@@ -43,7 +43,7 @@ FAR = 0.7
 """Share of the critical step below which a step is far from it."""
 SAFE = 0.8
 """Share of the critical step that an explicit run takes where its step is chosen for it."""
-GAINED = 0.2
+GAINED = 0.05
 """Share of the energy that went through a run above which what came from nowhere makes its result wrong. What is lost
 without account may be what the method is to damp, and is only warned of."""
 
@@ -78,7 +78,7 @@ def simulate(
     ------
     StoppedEarly
         Where no start was found or a step failed, with the status and what was stored until then; and IMBALANCE where
-        the run came to its end with a fifth of its energy from nowhere.
+        the run came to its end with a twentieth of its energy from nowhere.
     Interrupted
         On Ctrl-C, with what was stored until then.
     ResultError

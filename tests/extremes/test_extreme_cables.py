@@ -196,16 +196,17 @@ def test_a_rope_folded_back_on_itself_hangs_double():
 
 @pytest.mark.parametrize("strain", ["green", "engineering"])
 @pytest.mark.parametrize("EJ", [0.0, 1e-3])
-def test_a_rope_with_a_fold_inside_an_element_moves_on_with_its_energy_or_stops_by_name(strain, EJ):
+@pytest.mark.parametrize(("method", "step"), [("Newmark", 1e-4), ("Newmark", 1e-3), ("G-alpha", 1e-3), ("RK4", 1e-3)])
+def test_a_rope_with_a_fold_inside_an_element_moves_on_with_its_energy_or_stops_by_name(strain, EJ, method, step):
     # the slope turns round inside one element: 100 J and more per kilogramme are let go at once
     folded = [node(0, (0, 0, 0), DOWN, HELD, p=0.0), node(1, (0, 0, -0.5), (0, 1, 0), p=0.5)]
     folded += [node(2, (0, 0.01, 0.0), (0, 0, 1), p=1.0)]
     items = folded + [element(i, EA=1e3, EJ=EJ, strain=strain) for i in range(2)]
-    text = scene(items, GRAVITY, "Newmark", time_step=1e-4, time_end=0.05, plotpoints=200)
+    text = scene(items, GRAVITY, method, time_step=step, time_end=0.05, plotpoints=200)
     try:
-        judged(text, energy=1e-2)
+        judged(text, energy=1e-2 if step < 1e-3 else 0.05)
     except StoppedEarly as stop:
-        assert stop.status in (Status.NOT_CONVERGED, Status.NOT_FINITE)
+        assert stop.status in (Status.NOT_CONVERGED, Status.NOT_FINITE, Status.UNSTABLE, Status.IMBALANCE)
 
 
 def _point_of_no_direction(**material):

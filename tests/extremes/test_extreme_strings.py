@@ -124,7 +124,11 @@ def test_2000_rpm_runs():
 def test_steps_of_1_s_are_warned_of_and_keep_the_bit_within_half_a_metre(rho_inf):
     scene = shipped("jwell", solver__step=1.0, output__interval=1.0, solver__rho_inf=rho_inf, well__wall__friction=0.2)
     assert any(caution.where == "solver.step" for caution in cautions(scene))
-    result = run(scene, energy=np.inf)
+    try:
+        result = run(scene, energy=np.inf)
+    except StoppedEarly as stop:  # without damping by the algorithm a sixth of the energy comes from nowhere
+        assert (stop.status, rho_inf) == (Status.IMBALANCE, 1.0)
+        result = stop.result
     history = planar.history()
     bit = result["bit_depth"] - result["bit_depth"][0]
     assert np.abs(bit - history["bit_displacement"][::20]).max() < 0.5
