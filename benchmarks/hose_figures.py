@@ -61,13 +61,16 @@ def portraits() -> None:
     """Phase portraits at three speeds, as Fig. 2.30 of the thesis."""
     keys = {"output__interval": "2 ms"}
     runs = [hoses.run(flow, 10.0, 5e-4, title=f"{flow:g} m/s", **keys) for flow in hoses.SPEEDS]
-    save(draw([run.result for run in runs], ["phase"])["phase"], IMAGES / "hose_portraits.png")
+    figure = draw([run.result for run in runs], ["phase"])["phase"]
+    figure.suptitle("Garden hose: limit cycles", x=0.01, ha="left", fontsize=12)
+    save(figure, IMAGES / "hose_portraits.png")
 
 
 def ramp() -> None:
-    """Onset and amplitude while the speed rises from 0 to 40 m/s."""
-    speed = {"ramp": {"to": 40.0, "over": 40.0}}
-    run = hoses.run(speed, 40.0, 1e-3, title="Garden hose, 0 to 40 m/s in 40 s", start="static")
+    """Onset and amplitude while the speed rises from 0 to 40 m/s, with the ripple of a pump to start the motion."""
+    rising, ripple = {"table": {"time": [0, 80], "value": [0, 40]}}, {"amplitude": 0.01, "frequency": "4.4 Hz"}
+    speed = {"sum": [rising, {"harmonic": ripple}]}
+    run = hoses.run(speed, 80.0, 1e-3, title="Garden hose: 0 to 40 m/s in 80 s", start="static")
     save(draw([run.result], ["ramp"])["ramp"], IMAGES / "hose_ramp.png")
 
 

@@ -22,6 +22,8 @@ from tautline.system.model import Model, SolverSettings
 TOLERANCE = 1.0e-4
 """Error of eq. 2.78 that counts as solved, in the root of energy over `energy_of`: at steps of 0.2 ms and more the tip
 is where a tolerance a hundred times tighter puts it, to a few micrometres (docs/hose.md)."""
+CONTRACTION = 0.2
+"""A fluttering hose turns so far in a step that factors seldom serve the next: old ones are given a little more time."""
 STEP_ERROR = 1.0e-5
 """Error of a step over the hose's length, where the step is chosen and the scene gives none."""
 STARTS = {"straight": "as given", "static": "static", "relaxed": "relaxed"}
@@ -54,7 +56,7 @@ def build(scene: HoseScene) -> Model:
             solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
             alpha_m, alpha_f, solver.tolerance or TOLERANCE, solver.criterion or "energy", solver.max_iterations,
             solver.max_halvings, projection="identity", stabilise=2, energy_unit=energy_of(scene),
-            step_error=error, automatic=solver.step == "auto",
+            step_error=error, automatic=solver.step == "auto", contraction=CONTRACTION,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gardenhose.curves import Plane, Trace, name_of, plane_of, shape_of, snapped, spread
+from gardenhose.curves import Plane, Trace, directions, name_of, plane_of, shape_of, snapped, spread
 from gardenhose.limit_cycle import LimitCycle, limit_cycle, spectrum, swings
 from gardenhose.stability_figures import boundary_figure as boundary_figure
 from gardenhose.stability_figures import flutter_figure as flutter_figure
@@ -55,6 +55,8 @@ SPREAD = 6
 """Points between two frames of a curve in time."""
 ONSET = 0.01
 """Amplitude over the hose's length that the figure of a ramp marks."""
+DRIFT = 5.0
+"""Times the usual duration of a swing from which on a change is none."""
 ALMOST = 0.15
 """How far a unit vector may be from an axis that figures take in its place."""
 HARMONICS = 8
@@ -285,7 +287,8 @@ def ramp(results: Sequence[Result]) -> Figure:
     """Extremes of the tip, and its amplitude, against the flow speed at the time: where the motion begins."""
     runs = _runs(results)
     leading = max(runs, key=lambda run: run.cycle.amplitude)
-    direction = snapped(leading.cycle.direction, ALMOST)
+    # Of the whole run: at its end the hose may have come to rest again.
+    direction = snapped(directions(leading.tip_velocity)[0], ALMOST)
     figure, plots = axes(2, 1, 8.0, 6.4, _title(results), sharex=True, height_ratios=(1.3, 1.0))
     place, size = plots[:, 0]
     for number, run in enumerate(runs):
@@ -298,6 +301,9 @@ def ramp(results: Sequence[Result]) -> Figure:
         if len(turns.time) < 2:
             continue
         middle, amplitude = 0.5 * (turns.time[1:] + turns.time[:-1]), 0.5 * np.abs(np.diff(turns.value))
+        # What drifts with the speed is no swing.
+        swing = np.diff(turns.time) < DRIFT * np.median(np.diff(turns.time))
+        middle, amplitude = middle[swing], amplitude[swing]
         for plot, time, values in ((place, turns.time, turns.value), (size, middle, amplitude)):
             flow = np.interp(time, run.time, run.flow)
             falls = np.interp(time, run.time, np.gradient(np.abs(run.flow), run.time)) < -1e-9 * np.abs(run.flow).max()
@@ -308,12 +314,14 @@ def ramp(results: Sequence[Result]) -> Figure:
                 words = words if len(runs) == 1 else f"{run.name}, speed {way}" if falls.any() else run.name
                 look = {"ls": "", "marker": "o", "ms": 3.5, "mfc": filled, "mec": colour, "mew": 0.8}
                 plot.plot(flow[chosen], values[chosen], label=words, **look)
-        onset = _onset(np.interp(middle, run.time, run.flow), amplitude, ONSET * run.length)
-        if onset is not None:
-            place.axvline(onset, color=colour, lw=0.9, ls="--")
-            size.axvline(
-                onset, color=colour, lw=0.9, ls="--", label=f"{100 * ONSET:g} % of the length at {onset:.3g} m/s"
-            )
+        flow = np.interp(middle, run.time, run.flow)
+        words = f"{100 * ONSET:g} % of the length"
+        # Backwards in time, what ceases begins.
+        for style, way, text in (("--", 1, f"{words} at"), (":", -1, f"{words} last at")):
+            onset = _onset(flow[::way], amplitude[::way], ONSET * run.length)
+            if onset is not None:
+                place.axvline(onset, color=colour, lw=0.9, ls=style)
+                size.axvline(onset, color=colour, lw=0.9, ls=style, label=f"{text} {onset:.3g} m/s")
     place.set_ylabel(label(f"tip {name_of(direction)}", "m"))
     size.set_ylabel(label("amplitude of a swing", "m"))
     size.set_xlabel(label("flow speed", "m/s"))
@@ -323,7 +331,7 @@ def ramp(results: Sequence[Result]) -> Figure:
     widen(place, np.concatenate([run.tip @ direction for run in runs]), 2e-3 * leading.length)
     size.set_ylim(0.0, max(size.get_ylim()[1], 2e-3 * leading.length) if size.get_lines() else 1.0)
     place.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=_columns(runs), borderaxespad=0.2)
-    lines = [line for line in size.get_lines() if not line.get_label().startswith("_") and line.get_ls() == "--"]
+    lines = [line for line in size.get_lines() if line.get_ls() in ("--", ":")]
     if lines:
         size.legend(handles=lines, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)
     figure.align_ylabels(plots[:, 0])

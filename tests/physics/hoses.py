@@ -15,6 +15,8 @@ from gardenhose.build import build
 from gardenhose.limit_cycle import LimitCycle, limit_cycle
 from gardenhose.scene import HoseScene
 from gardenhose.static import Form, form
+from tautline.integrators.equilibrium import find_equilibrium
+from tautline.integrators.state import new_state
 from tautline.results.result import Result
 from tautline.scene.document import Document
 from tautline.scene.model import validate
@@ -77,7 +79,9 @@ def flowing(speed: float, n: int = 10, step: float = 1e-3, end: float = 1.0, **m
     """Table 2.2's hose let go straight and at rest, with the water at full speed from t = 0."""
     hose, water, solver = (more.pop(key, {}) for key in ("hose", "water", "solver"))
     solver = {"step": step, "end": end} | solver
-    return scene({"elements": n} | hose, {"speed": speed} | water, solver, more.pop("interval", max(step, 5e-3)), **more)
+    if "segments" not in hose:
+        hose = {"elements": n} | hose
+    return scene(hose, {"speed": speed} | water, solver, more.pop("interval", max(step, 5e-3)), **more)
 
 
 def cycle_of(result: Result, since: float = 0.0) -> LimitCycle:
@@ -93,14 +97,12 @@ def ranges(result: Result, since: float) -> tuple[float, float, float]:
 
 
 def energy_missing(result: Result) -> float:
-    """Energy from nowhere over what went through, by the largest at any frame."""
-    kinetic, strain, potential, work, lost = (
-        np.asarray(result[f"{name}_energy" if name != "work" else "external_work"])
-        for name in ("kinetic", "strain", "potential", "work", "dissipated")
-    )
-    total = kinetic + strain + potential
-    missing = np.abs(total - total[0] - work + work[0] + lost - lost[0])
-    return float(missing.max() / (kinetic.max() + np.ptp(strain) + np.ptp(work) + np.ptp(lost)))
+    """Energy that has come from nowhere or gone there, the largest at any frame, over what went through the hose."""
+    names = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
+    kinetic, strain, potential, work, lost = (np.asarray(result[name]) for name in names)
+    missing = kinetic + strain + potential - work + lost
+    through = kinetic.max() + np.ptp(strain) + np.abs(np.diff(work)).sum() + lost[-1]
+    return float(np.abs(missing - missing[0]).max() / through)
 
 
 def reference_tip() -> tuple[np.ndarray, np.ndarray]:
@@ -118,3 +120,11 @@ def orders(errors) -> np.ndarray:
     """Observed orders of convergence of errors at halved steps or doubled numbers of elements."""
     errors = np.asarray(errors)
     return np.log2(errors[:-1] / errors[1:])
+
+
+def dry_at_rest(made: HoseScene) -> tuple[Any, Any]:
+    """System and state in equilibrium of a scene without water, which `form` refuses."""
+    model = build(made)
+    state = new_state(model.system)
+    find_equilibrium(model.system, state, model.step_limit)
+    return model.system, state

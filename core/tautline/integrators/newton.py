@@ -27,8 +27,6 @@ from tautline.system.system import System
 DONE, NOT_CONVERGED, SINGULAR, NOT_FINITE = (
     int(s) for s in (Status.DONE, Status.NOT_CONVERGED, Status.SINGULAR, Status.NOT_FINITE)
 )
-CONTRACTION = 0.1
-"""Old factors are kept while an iteration shrinks the residual to this fraction, else the tangent is made anew."""
 HALF_STEPS_FROM = 9
 """From this iteration on every third increment is halved: two statuses of a law may chase each other."""
 SAME_STEP = 1.0e-9
@@ -38,13 +36,15 @@ SAME_STEP = 1.0e-9
 class Corrector(NamedTuple):
     """Settings and scratch of the iteration.
 
-    ``tolerance``: with the energy criterion the bound of eq. 2.78 with the energy over ``unit``; with the force
+    Old factors are kept while an iteration shrinks the residual to the part ``contraction``, else the tangent is made
+    anew. ``tolerance``: with the energy criterion the bound of eq. 2.78 with the energy over ``unit``; with the force
     criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch
     and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they
     belong to, zeros where they are out of date.
     """
 
     tolerance: float
+    contraction: float
     unit: float
     by_energy: bool
     max_iterations: int
@@ -59,13 +59,18 @@ class Corrector(NamedTuple):
 
 
 def corrector(
-    system: System, tolerance: float, by_energy: bool, max_iterations: int, unit: float | None = None
+    system: System,
+    tolerance: float,
+    by_energy: bool,
+    max_iterations: int,
+    unit: float | None = None,
+    contraction: float = 0.1,
 ) -> Corrector:
     """Make the scratch of the iteration for a system; the unit of energy is that of its largest force by default."""
     n = system.size
     unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
     return Corrector(
-        float(tolerance), float(unit), bool(by_energy), int(max_iterations), system.scale,
+        float(tolerance), float(contraction), float(unit), bool(by_energy), int(max_iterations), system.scale,
         new_matrix(n, system.bandwidth, system.border), new_factors(n, system.bandwidth, system.border),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
         np.zeros(2, np.int64),
@@ -121,7 +126,7 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
             continue
         if iteration == c.max_iterations:
             break
-        if size > CONTRACTION * previous:
+        if size > c.contraction * previous:
             c.factored_for[0] = 0.0
             c.made_for[0] = 0.0
         if c.made_for[0] == 0.0:

@@ -20,7 +20,8 @@ class SolverSettings:
     eq. 2.128) and how often a step; tolerance and criterion (``force``: residual over scale; ``energy``: eq. 2.78 with
     the energy over ``energy_unit`` J, by default that of the largest force through one metre); limits;
     ``step_error`` m, above which the error of an implicit step halves it, or 0; ``automatic``: ``step`` is the longest,
-    an explicit method takes what is stable.
+    an explicit method takes what is stable; ``contraction``: the part of a residual that an iteration with old
+    factors may leave before they are made anew.
     """
 
     method: str
@@ -38,6 +39,7 @@ class SolverSettings:
     energy_unit: float | None = None
     step_error: float = 0.0
     automatic: bool = False
+    contraction: float = 0.1
 
 
 @dataclass
