@@ -20,10 +20,10 @@ from tautline.scene.solver import error_of_steps, longest_step
 from tautline.system.model import Model, SolverSettings
 
 TOLERANCE = 1.0e-4
-"""Error of eq. 2.78 that counts as solved, in the root of energy over `energy_of`: at steps of 0.2 ms and more the tip
-is where a tolerance a hundred times tighter puts it, to a few micrometres (docs/hose.md)."""
+"""Error of eq. 2.78 that counts as solved, in the root of energy over `energy_of`: it moves the tip of the hose of
+Table 2.2 by less in a second than a step of 1 ms does (docs/hose.md)."""
 CONTRACTION = 0.2
-"""A fluttering hose turns so far in a step that factors seldom serve the next: old ones are given a little more time."""
+"""A fluttering hose turns so far in a step that factors seldom serve the next: old ones are given more time."""
 STEP_ERROR = 1.0e-5
 """Error of a step over the hose's length, where the step is chosen and the scene gives none."""
 STARTS = {"straight": "as given", "static": "static", "relaxed": "relaxed"}

@@ -14,7 +14,8 @@ import numpy as np
 from scipy.linalg import LinAlgError, eigvalsh
 
 from gardenhose.scene import HoseScene, Segment
-from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, table
+from tautline.integrators.critical_step import critical_step
+from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, lobatto, table
 from tautline.kernels.time_function import sample
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
@@ -153,12 +154,18 @@ def first_frequency(scene: HoseScene, hose: Average) -> float | None:
     return support[0] / (2.0 * math.pi * hose.slowness)
 
 
-def _unit_matrices() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Matrices (4, 4) of a cubic element of length one: of N N, N' N' and N'' N''."""
-    rows = table(*gauss(4))
-    parts = (rows[:, at : at + 4] for at in (SHAPE, FIRST, SECOND))
-    mass, axial, bending = (np.einsum("p,pi,pj", rows[:, WEIGHT], part, part) for part in parts)
-    return mass, axial, bending
+def _unit_matrix(first: int, points: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Matrix (4, 4) of a cubic element of length one from the functions or derivatives that begin at a column."""
+    rows = table(*points)
+    part = rows[:, first : first + 4]
+    return np.einsum("p,pi,pj", rows[:, WEIGHT], part, part)
+
+
+def _stiffness_matrix(piece: Segment, order: int) -> np.ndarray:
+    """Of N' N' or N'' N'', at the points that the elements have: with bending the axial ones are Lobatto's."""
+    if order == 2:
+        return _unit_matrix(SECOND, gauss(3))
+    return _unit_matrix(FIRST, lobatto() if piece.bending_stiffness > 0.0 else gauss(3))
 
 
 def _largest(scene: HoseScene, stiffness: Callable[[Segment], float], order: int, held: tuple[int, int]) -> float:
@@ -176,7 +183,7 @@ def _largest(scene: HoseScene, stiffness: Callable[[Segment], float], order: int
         How many of (r, r') are held at root and tip.
     """
     pieces = scene.hose.pieces
-    mass, *stiff = _unit_matrices()
+    mass = _unit_matrix(SHAPE, gauss(4))
 
     def density(piece: Segment) -> float:
         return piece.mass_per_length + (piece.water_mass_per_length or 0.0)
@@ -193,7 +200,7 @@ def _largest(scene: HoseScene, stiffness: Callable[[Segment], float], order: int
     for i, piece in enumerate(parts):
         h, at = piece.length / piece.elements, slice(2 * i, 2 * i + 4)
         scale = np.outer(*[np.array([1.0, h, 1.0, h])] * 2)
-        k[at, at] += stiffness(piece) * stiff[order - 1] * scale / h ** (2 * order - 1)
+        k[at, at] += stiffness(piece) * _stiffness_matrix(piece, order) * scale / h ** (2 * order - 1)
         m[at, at] += density(piece) * mass * scale * h
     if last == len(pieces):
         m[-2, -2] += scene.hose.tip_mass
@@ -206,20 +213,6 @@ def _largest(scene: HoseScene, stiffness: Callable[[Segment], float], order: int
         return float(eigvalsh(k[np.ix_(free, free)], m[np.ix_(free, free)])[-1])
     except (LinAlgError, ValueError):  # numbers of no hose, whose matrices overflow or lose their rank
         return math.nan
-
-
-def critical_step(square: float, decay: float) -> float:
-    """Critical step of RK4, s, for x.. + decay x. + square x = 0: inf where nothing moves."""
-    if not (square > 0.0 and math.isfinite(square) and math.isfinite(decay)):
-        return math.nan if math.isnan(square) or math.isnan(decay) else math.inf
-    # Divided by the frequency, so that neither square overflows.
-    damping = 0.5 * decay / math.sqrt(square)
-    if damping >= 1.0:
-        return REAL_LIMIT / (math.sqrt(square) * (damping + math.sqrt(damping**2 - 1.0)))
-    root = complex(-damping, math.sqrt(1.0 - damping**2))
-    z = np.linspace(2.0, 4.0, 4001)[:, None] * root
-    growth = np.abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))))
-    return float(abs(z[np.argmax(growth > 1.0 + 1e-9)][0])) / math.sqrt(square)
 
 
 @dataclass(frozen=True)
@@ -237,8 +230,7 @@ def rk4_limit(scene: HoseScene) -> Limit:
 
     An element's highest frequency is the 2 S / L_eff of eq. 2.151, here of the mesh with its ends as they are held.
     Damping that grows with stiffness makes that motion decay at c omega^2 where c omega / 2 > 1, which is what then
-    sets the step: 2.785 / (c omega^2), shorter than 2.83 / omega. Damping of bending is that of a bent hose; a straight
-    one has none.
+    sets the step: 2.785 / (c omega^2), shorter than 2.8 / omega.
     """
     hose = scene.hose
     clamped = hose.root_support == "clamped", hose.end == "clamped"

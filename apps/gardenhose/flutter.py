@@ -20,7 +20,7 @@ from tautline.scene.errors import SceneError
 
 MODES = 8
 """Pairs of eigenvalues that are followed."""
-SPEEDS = 25
+SPEEDS = 61
 """Speeds of a search that is not told where to look."""
 PRECISION = 1.0e-10
 """Relative precision of the critical speed."""
@@ -69,14 +69,18 @@ class _Linear:
     def __init__(self, scene: HoseScene) -> None:
         self.scene, self.normal = scene, normal_of(scene)
         self.known: dict[float, Form] = {}
+        self.solved: dict[float, tuple[Vibrations, np.ndarray]] = {}
 
     def at(self, speed: float) -> tuple[Vibrations, np.ndarray]:
         """The motions that grow fastest or are slowest, and which share of each is out of the plane."""
+        if speed in self.solved:
+            return self.solved[speed]
         near = min(self.known.values(), key=lambda one: abs(one.speed - speed), default=None)
         found = form(self.scene, speed, near)
         self.known[speed] = found
         motions = vibrations(found.system, found.state)
-        return motions, self._share(motions.shape)
+        self.solved[speed] = motions, self._share(motions.shape)
+        return self.solved[speed]
 
     def _share(self, shape: np.ndarray) -> np.ndarray:
         if self.normal is None:

@@ -197,7 +197,11 @@ def _print_stability(found: Stability) -> None:
     for critical in found.critical:
         say(f"the hose {words_of(critical)}", "green")
     if not found.critical:
-        say(f"stable from {found.speed[0]:g} to {found.speed[-1]:g} m/s, or unstable all the way", "yellow")
+        grows = (found.eigenvalues.real > 0.0).any(axis=1)
+        what = (
+            "unstable" if grows.all() else "stable" if not grows.any() else "unstable in part"
+        )
+        say(f"{what} from {found.speed[0]:g} to {found.speed[-1]:g} m/s", "yellow")
 
 
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
