@@ -110,7 +110,7 @@ def test_vertical_hose_is_stretched_by_its_weight_alone_whatever_the_flow(sign, 
         def stretch(s, thrust=thrust):
             weight = -sign * p.weight * (p.length - s)
 
-            def surplus(x):
+            def surplus(x, thrust=thrust, weight=weight):
                 strain = (x * x - 1) / 2 * x if p.strain == "green" else x - 1
                 return p.EA * strain - thrust * (x - 1) - weight
 
