@@ -163,7 +163,7 @@ def test_critical_speed_is_that_of_linear_coupling_whatever_ties_hose_and_water(
 
 @pytest.mark.parametrize("U", [0.0, 10.0, 14.2])
 def test_hose_with_springs_to_its_water_has_the_slow_eigenvalues_of_linear_coupling(U):
-    # of stiffness 1e5 N/m, which gives 1e-7 of the length at rest; measured 2.6e-4 where two modes meet, else 1e-6
+    # of stiffness 1e5 N/m, which give 2e-7 m at rest; measured 8e-7, 5e-6, 5e-5 at 0, 10, 14.2 m/s
     plain, tied = (
         found_by.vibrations(rest.system, rest.state, 6).value
         for rest in (
@@ -171,7 +171,7 @@ def test_hose_with_springs_to_its_water_has_the_slow_eigenvalues_of_linear_coupl
         )
     )
     for value in plain[:4]:
-        assert np.abs(tied - value).min() < 1e-3 * abs(value)
+        assert np.abs(tied - value).min() < 1.5e-4 * abs(value)
 
 
 # supported pipes

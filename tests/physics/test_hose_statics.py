@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from physics import hoses
 from physics.hoses import COUPLINGS, TIED, at_rest, orders, scene, tip_of
-from references.hose import PINNED_PINNED, Parameters, static_shape
+from references.hose import Parameters, static_shape
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
@@ -98,27 +98,26 @@ def test_inclined_hose_at_rest_is_the_references(angle):
         assert miss(uniform(n, direction=direction), 6, angle=angle) < limit
 
 
+def length_of_vertical(p, U, sign):
+    """Length, m, of a hose that stands or hangs straight: N - M U^2 (stretch - 1) = weight beyond, by quadrature."""
+    thrust = p.water * U**2
+
+    def surplus(stretch, s):
+        strain = (stretch**2 - 1) / 2 * stretch if p.strain == "green" else stretch - 1
+        return p.EA * strain - thrust * (stretch - 1) + sign * p.weight * (p.length - s)
+
+    points, weights = np.polynomial.legendre.leggauss(12)
+    places = p.length * (1 + points) / 2
+    return p.length / 2 * weights @ [brentq(surplus, 0.9, 1.1, (s,), xtol=1e-15) for s in places]
+
+
 @pytest.mark.parametrize(("sign", "strain"), [(-1, "green"), (1, "green"), (-1, "engineering")])
-def test_vertical_hose_is_stretched_by_its_weight_alone_whatever_the_flow(sign, strain):
-    # straight, what the water loses in the bends is nothing, and F = M U^2 (r' - r'(L)) is the change of its thrust by
-    # the stretch: N - M U^2 (stretch - 1) = weight. Hanging 4.8e-4, standing -4.8e-4; to rounding, as r is smooth
+def test_vertical_hose_is_stretched_by_its_weight_alone_and_hardly_by_the_flow(sign, strain):
+    # straight, the flow gives its own momentum to nothing: F = M U^2 (r' - r'(L)) + weight is what changes by stretch.
+    # Measured 2e-14: the stretch is all but linear in s, which cubic elements hold
     made = uniform(8, direction=[0, 0, sign], strain=strain)
-    p = Parameters(angle=sign * np.pi / 2, strain=strain)
     for U in (0.0, 9.0):
-        thrust = p.water * U**2
-
-        def stretch(s, thrust=thrust):
-            weight = -sign * p.weight * (p.length - s)
-
-            def surplus(x, thrust=thrust, weight=weight):
-                strain = (x * x - 1) / 2 * x if p.strain == "green" else x - 1
-                return p.EA * strain - thrust * (x - 1) - weight
-
-            return brentq(surplus, 0.9, 1.1, xtol=1e-15)
-
-        points, weights = np.polynomial.legendre.leggauss(12)
-        length = p.length / 2 * weights @ [stretch(p.length * (1 + x) / 2) for x in points]
-        # measured 2e-14 (green), as the slope is all but linear
+        length = length_of_vertical(Parameters(strain=strain), U, sign)
         assert tip_of(made, U) == pytest.approx([0, 0, sign * length], abs=1e-12)
 
 
@@ -314,8 +313,8 @@ def test_weightless_hose_between_supports_stays_straight_and_unstretched(support
 
 @pytest.mark.parametrize("u", [0.0, 1.5, 2.5])
 def test_pinned_hose_sags_by_the_formula_of_a_strut_under_the_thrust_of_the_water(u):
-    # EJ w'''' + M U^2 w'' = -q: q/(P k^2) (sec(kL/2) - 1 - (kL)^2/8), k = u/L; twice as far from buckling as the hose
-    # of 1/1000 of its length in sag is from being stretched by it. Measured 3.5e-5 relative at most, of the stretch
+    # EJ w'''' + M U^2 w'' = -q: q/(P k^2) (sec(kL/2) - 1 - (kL)^2/8), P = M U^2, k = u/L. The sag is
+    # so small, 1e-5 to 4e-5 m, that the tension of the stretch does not count. Measured at most 5.7e-5
     q, L, EJ = 1e-3, 1.0, 1.0
     hose = {"length": L, "elements": 8, "axial_stiffness": 1e3, "bending_stiffness": EJ, "mass_per_length": 0.8}
     hose |= {"root_support": "pinned", "end": "pinned", "damping": 0.0}
@@ -325,8 +324,7 @@ def test_pinned_hose_sags_by_the_formula_of_a_strut_under_the_thrust_of_the_wate
         exact = q / (EJ * k**4) * (1 / np.cos(k * L / 2) - 1 - (k * L) ** 2 / 8)
     else:
         exact = 5 * q * L**4 / (384 * EJ)
-    assert u < PINNED_PINNED
-    assert found.position[4, 2] == pytest.approx(-exact, rel=1e-4)
+    assert found.position[4, 2] == pytest.approx(-exact, rel=1.5e-4)
     assert found.position[4, 0] == pytest.approx(L / 2, abs=1e-12)
 
 
@@ -334,7 +332,7 @@ def test_clamped_hose_sags_as_a_beam_between_walls():
     q, EJ = 1e-3, 1.0
     hose = {"length": 1.0, "elements": 8, "axial_stiffness": 1e3, "bending_stiffness": EJ, "mass_per_length": 0.8}
     made = scene(hose | {"end": "clamped", "damping": 0.0}, {"mass_per_length": 0.2}, gravity=[0, 0, -q])
-    assert at_rest(made, 0.0).position[4, 2] == pytest.approx(-q / (384 * EJ), rel=1e-5)
+    assert at_rest(made, 0.0).position[4, 2] == pytest.approx(-q / (384 * EJ), rel=1e-8)  # measured 3e-10
 
 
 def first_frame(**changed):

@@ -103,13 +103,13 @@ def _dot(x, y):
 
 
 @kernel
-def _spread(r, i, j, w, f):
-    """Add a force against a vector of a point to the rows that it depends on."""
-    for c in range(AXES):
-        r[i + c] -= w[0] * f[c]
-        r[j + c] += w[0] * f[c]
-        r[i + 3 + c] += w[1] * f[c]
-        r[j + 3 + c] += w[2] * f[c]
+def _gathered(sums, w, x, y, z):
+    """Sums of forces on the distance and on both slopes (9), with that of a force against a vector of a point."""
+    return (
+        sums[0] + w[0] * x, sums[1] + w[0] * y, sums[2] + w[0] * z,
+        sums[3] + w[1] * x, sums[4] + w[1] * y, sums[5] + w[1] * z,
+        sums[6] + w[2] * x, sums[7] + w[2] * y, sums[8] + w[2] * z,
+    )  # fmt: skip
 
 
 @kernel
@@ -118,6 +118,7 @@ def _residual(g, t, q, v, a, r):
         row = g.rows[n]
         _inertia(row, q, v, a, r)
         i, j, h = row.a, row.b, 1.0 / row.length
+        sums = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for k in range(g.axial.shape[0]):
             p = g.axial[k]
             w = _at(p, FIRST, 1.0, h)
@@ -126,10 +127,8 @@ def _residual(g, t, q, v, a, r):
             if row.damping != 0.0:
                 strain += row.damping * factor * _dot(e, _mix(w, v, i, j))
             force = p[WEIGHT] * row.length * row.stiffness * strain * factor
-            _spread(r, i, j, w, (force * e[0], force * e[1], force * e[2]))
-        if row.bending == 0.0:
-            continue
-        for k in range(g.points.shape[0]):
+            sums = _gathered(sums, w, force * e[0], force * e[1], force * e[2])
+        for k in range(g.points.shape[0] if row.bending > 0.0 else 0):
             p = g.points[k]
             w1, w2 = _at(p, FIRST, 1.0, h), _at(p, SECOND, h, h)
             e, b = _mix(w1, q, i, j), _mix(w2, q, i, j)
@@ -154,8 +153,12 @@ def _residual(g, t, q, v, a, r):
                 fy -= viscous * x * (beta * yy + pull * e[1])
                 fz -= viscous * x * (beta * yz + pull * e[2])
                 gx, gy, gz = gx + viscous * yx, gy + viscous * yy, gz + viscous * yz
-            _spread(r, i, j, w1, (fx, fy, fz))
-            _spread(r, i, j, w2, (gx, gy, gz))
+            sums = _gathered(_gathered(sums, w1, fx, fy, fz), w2, gx, gy, gz)
+        for c in range(AXES):
+            r[i + c] -= sums[c]
+            r[j + c] += sums[c]
+            r[i + 3 + c] += sums[3 + c]
+            r[j + 3 + c] += sums[6 + c]
 
 
 @kernel
