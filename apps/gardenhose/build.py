@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from gardenhose.cables import Stream, arc_lengths, cables_of, streams
+from gardenhose.estimates import average
 from gardenhose.limit_cycle import headline
 from gardenhose.observe import Observer, variables
 from gardenhose.scene import HoseScene
@@ -24,6 +25,9 @@ TOLERANCE = 1.0e-4
 Table 2.2 by less in a second than a step of 1 ms does (docs/hose.md)."""
 CONTRACTION = 0.2
 """A fluttering hose turns so far in a step that factors seldom serve the next: old ones are given more time."""
+LONG_STEP, TIGHTEST = 2.0e-3, 1.0e-7
+"""Step over L^2 sqrt((m + M)/EJ) from which TOLERANCE is as it stands, 1 ms for the hose of Table 2.2; with shorter
+steps it falls as their square, the order of the method, down to the second figure."""
 STEP_ERROR = 1.0e-5
 """Error of a step over the hose's length, where the step is chosen and the scene gives none."""
 STARTS = {"straight": "as given", "static": "static", "relaxed": "relaxed"}
@@ -54,8 +58,8 @@ def build(scene: HoseScene) -> Model:
         system=made.system,
         solver=SolverSettings(
             solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
-            alpha_m, alpha_f, solver.tolerance or TOLERANCE, solver.criterion or "energy", solver.max_iterations,
-            solver.max_halvings, projection="identity", stabilise=2, energy_unit=energy_of(scene),
+            alpha_m, alpha_f, solver.tolerance or tolerance_of(scene), solver.criterion or "energy",
+            solver.max_iterations, solver.max_halvings, projection="identity", stabilise=2, energy_unit=energy_of(scene),
             step_error=error, automatic=solver.step == "auto", contraction=CONTRACTION,
         ),
         variables=variables(observer),
@@ -81,6 +85,15 @@ def assembled(scene: HoseScene, fused: bool = True) -> Assembly:
     made = assemble_cables(cables_of(scene, fused), lambda layout: _jets(scene, layout))
     _disturb(scene, made)
     return made
+
+
+def tolerance_of(scene: HoseScene) -> float:
+    """Tolerance where the scene gives none: what is left of an iteration is to be less than what a step leaves out."""
+    slow = average(scene, 1.0).slowness
+    if scene.solver.step == "auto" or not np.isfinite(slow):
+        return TIGHTEST
+    steps = float(scene.solver.step) / (LONG_STEP * slow)
+    return float(np.clip(TOLERANCE * steps**2, TIGHTEST, TOLERANCE))
 
 
 def energy_of(scene: HoseScene) -> float:

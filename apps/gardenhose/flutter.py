@@ -17,6 +17,7 @@ from gardenhose.scene import HoseScene
 from gardenhose.static import Form, form
 from tautline.integrators.vibrations import Vibrations, vibrations
 from tautline.scene.errors import SceneError
+from tautline.scene.model import validate
 
 MODES = 8
 """Pairs of eigenvalues that are followed."""
@@ -24,8 +25,10 @@ SPEEDS = 61
 """Speeds of a search that is not told where to look."""
 PRECISION = 1.0e-10
 """Relative precision of the critical speed."""
-STILL = 1.0e-9
-"""Growth over the size of the eigenvalue that is rounding."""
+STILL, ROUNDING = 1.0e-7, 1.0e-11
+"""Growth over the size of the eigenvalue, and over that of the largest, that is rounding."""
+BEYOND = 1.0e-3
+"""How far past a critical speed the way in which it becomes unstable is looked at, relative to it."""
 REAL = 1.0e-6
 """Frequency over the size of the eigenvalue below which a hose diverges and does not flutter."""
 FARTHEST = 4.0
@@ -67,7 +70,7 @@ class _Linear:
     """A scene's eigenvalues at any speed, each static shape sought from the nearest one known."""
 
     def __init__(self, scene: HoseScene) -> None:
-        self.scene, self.normal = scene, normal_of(scene)
+        self.scene, self.normal = _tied(scene), normal_of(scene)
         self.known: dict[float, Form] = {}
         self.solved: dict[float, tuple[Vibrations, np.ndarray]] = {}
 
@@ -92,11 +95,20 @@ class _Linear:
         return (np.abs(across) ** 2).sum(axis=0) / np.where(whole > 0.0, whole, 1.0)
 
     def growth(self, speed: float, plane: Plane) -> tuple[float, complex]:
-        """Largest growth rate, 1/s, of motions in a plane, and the eigenvalue that has it."""
+        """Largest growth rate of motions in a plane less what may be rounding, 1/s, and the eigenvalue that has it."""
         motions, share = self.at(speed)
         chosen = motions.value if plane == "any" else motions.value[(share > 0.5) == (plane == "out")]
-        value = complex(chosen[np.argmax(chosen.real)])
-        return value.real, value
+        grows = chosen.real - STILL * np.abs(chosen) - ROUNDING * np.abs(motions.value).max()
+        fastest = int(np.argmax(grows))
+        return float(grows[fastest]), complex(chosen[fastest])
+
+
+def _tied(scene: HoseScene) -> HoseScene:
+    """The scene with hose and water tied without springs, on which entering water excites a fast mode of its own."""
+    if scene.coupling != "penalty" or scene.document is None:
+        return scene
+    values = {("coupling",): ("linear", "coupling"), ("stiffness",): (None, "stiffness")}
+    return validate(HoseScene, scene.document.replaced(values))
 
 
 def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: int = MODES) -> Stability:
@@ -141,8 +153,7 @@ def _range(linear: _Linear) -> np.ndarray:
     step, speed = guess / 10.0, 0.0
     while speed < FARTHEST * guess:
         speed += step
-        value, fastest = linear.growth(speed, "any")
-        if value > STILL * abs(fastest):
+        if _grows(linear, speed, "any"):
             break
     return np.linspace(0.0, 1.5 * speed, SPEEDS)
 
@@ -168,21 +179,16 @@ def _crossings(linear: _Linear, grid: np.ndarray, plane: Plane) -> list[Critical
 
 
 def _grows(linear: _Linear, speed: float, plane: Plane) -> bool:
-    value, fastest = linear.growth(float(speed), plane)
-    return value > STILL * abs(fastest)
+    return linear.growth(float(speed), plane)[0] > 0.0
 
 
 def _locate(linear: _Linear, left: float, right: float, plane: Plane) -> Critical:
     """Critical speed between one at which nothing grows and one at which something does."""
-
-    def beyond(speed: float) -> float:
-        value, fastest = linear.growth(speed, plane)
-        return value - STILL * abs(fastest)
-
-    speed = float(brentq(beyond, left, right, xtol=PRECISION * right, rtol=1e-12))
-    # On the stable side of a divergence the pair may be anything: the eigenvalue just beyond says which it is.
-    _, value = linear.growth(speed * (1.0 + 1e-7), plane)
-    diverges = abs(value.imag) <= REAL * max(abs(value), 1.0)
+    speed = float(brentq(lambda u: linear.growth(u, plane)[0], left, right, xtol=PRECISION * right, rtol=1e-12))
+    _, value = linear.growth(speed * (1.0 + PRECISION), plane)
+    # Where a pair meets at zero rounding has a say in what it looks like: the eigenvalue past it says which it is.
+    _, past = linear.growth(speed * (1.0 + BEYOND), plane)
+    diverges = abs(past.imag) <= REAL * abs(past)
     return Critical(
         speed, 0.0 if diverges else value.imag / (2.0 * np.pi), plane, "divergence" if diverges else "flutter"
     )

@@ -198,9 +198,7 @@ def _print_stability(found: Stability) -> None:
         say(f"the hose {words_of(critical)}", "green")
     if not found.critical:
         grows = (found.eigenvalues.real > 0.0).any(axis=1)
-        what = (
-            "unstable" if grows.all() else "stable" if not grows.any() else "unstable in part"
-        )
+        what = "unstable" if grows.all() else "stable" if not grows.any() else "unstable in part"
         say(f"{what} from {found.speed[0]:g} to {found.speed[-1]:g} m/s", "yellow")
 
 

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import yaml
 from references import hose as reference
-from references.hose import Parameters
 
 from gardenhose.build import build
 from gardenhose.limit_cycle import LimitCycle, limit_cycle
@@ -28,8 +27,6 @@ WATER = 0.0007854
 SECTION = {"axial_stiffness": 10.0, "bending_stiffness": 0.00108, "mass_per_length": 0.0031316, "damping": 0.0031316}
 UNIFORM = {"length": 0.5, "elements": 10} | SECTION
 SOLVER = {"method": "generalized-alpha", "rho_inf": 0.9, "step": 1e-3, "end": 1.0}
-CLAMPED_AT_REST = Parameters()
-"""The same hose in the reference."""
 
 
 def scene(

@@ -62,12 +62,12 @@ def test_tip_at_rest_is_the_references_and_converges_with_order_four(U):
 
 
 def test_whole_shape_at_rest_is_the_references():
-    # measured 4.8e-6 (the tip, the worst place) and 1.4e-5 of slope; between the nodes their cubic errs alike
+    # nodes and points between them; measured 2.5e-6 m and 4.4e-6 rad
     found, shape = at_rest(uniform(10), 6.0), static_shape(Parameters(), 6.0, points=81)
     curve = found.curve(np.linspace(0, 0.5, 11))
-    assert curve[:, [0, 2]] == pytest.approx(np.column_stack([shape.x, shape.z]), abs=1e-5)
+    assert curve[:, [0, 2]] == pytest.approx(np.column_stack([shape.x, shape.z]), abs=6e-6)
     angle = np.arctan2(found.slope[:, 2], found.slope[:, 0])
-    assert angle == pytest.approx(shape.angle[::8], abs=5e-5)
+    assert angle == pytest.approx(shape.angle[::8], abs=1.2e-5)
 
 
 def test_clamp_that_holds_all_of_the_slope_is_of_first_order_and_within_a_tenth_of_the_claim():

@@ -89,6 +89,7 @@ def _search(
         if factorise_matrix(factors):
             return iteration, np.inf, worst
         solve_matrix(factors, x)
-        largest = float(np.abs(x).max())
+        # A multiplier is no way gone: it may change as it must.
+        largest = float(np.abs(np.delete(x, system.algebraic)).max(initial=0.0))
         state.q[:] -= x * min(1.0, step_limit / largest) if largest > 0.0 else 0.0
     return ITERATIONS, np.inf, worst
