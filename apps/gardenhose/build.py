@@ -59,8 +59,8 @@ def build(scene: HoseScene) -> Model:
         solver=SolverSettings(
             solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
             alpha_m, alpha_f, solver.tolerance or tolerance_of(scene), solver.criterion or "energy",
-            solver.max_iterations, solver.max_halvings, projection="identity", stabilise=2, energy_unit=energy_of(scene),
-            step_error=error, automatic=solver.step == "auto", contraction=CONTRACTION,
+            solver.max_iterations, solver.max_halvings, projection="identity", stabilise=2,
+            energy_unit=energy_of(scene), step_error=error, automatic=solver.step == "auto", contraction=CONTRACTION,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),

@@ -412,7 +412,7 @@ RK4 = "method: generalized-alpha, rho_inf: 0.9, step: 1 ms", "method: rk4, step:
 
 WARNED = {
     "rk4 by damping": ([(RK4[0], RK4[1] + "0.1 ms")], "solver.step", "c omega / 2 = 20.4"),
-    "rk4 without damping": ([(RK4[0], RK4[1] + "0.25 ms"), ("damping: 0.00", "damping: 0 # ")], "solver.step", "0.00021 s"),
+    "rk4 undamped": ([(RK4[0], RK4[1] + "0.25 ms"), ("damping: 0.00", "damping: 0 # ")], "solver.step", "0.00021 s"),
     "a long step": ([("step: 1 ms", "step: 10 ms"), ("5 ms", "10 ms")], "solver.step", "period of flutter"),
     "a long step at rest": (
         [("step: 1 ms", "step: 100 ms"), ("5 ms", "100 ms"), (SPEED, "1")],
