@@ -91,7 +91,10 @@ def test_rest_is_a_share_of_the_length():
 def van_der_pol(frames):
     period = 6.6632868593  # at mu = 1; the amplitude is 2.008619861
     time = np.arange(0.0, 25 * period, period / frames)
-    rates = lambda _, y: [y[1], (1.0 - y[0] ** 2) * y[1] - y[0]]  # noqa: E731
+
+    def rates(_, y):
+        return [y[1], (1.0 - y[0] ** 2) * y[1] - y[0]]
+
     done = solve_ivp(rates, (0.0, time[-1] + 1.0), [1e-3, 0.0], t_eval=time, rtol=1e-11, atol=1e-12, method="DOP853")
     return period, moving(time, *done.y)
 

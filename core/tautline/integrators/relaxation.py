@@ -115,9 +115,7 @@ def relax(
         if size <= tolerance:
             _settle(system, state)
             return Relaxation(BETWEEN * round_, size)
-        way, lost = moves * (state.q - last_q), moves * (last_a - state.a)
-        weight = float(way @ (m @ way))
-        square = float(way @ (m @ lost)) / weight if weight > 0.0 and round_ > 1 else 0.0
+        square = _frequency(m, moves * (state.q - last_q), moves * (last_a - state.a)) if round_ > 1 else 0.0
         if square > 0.0:
             alpha = 2.0 * sqrt(square)
             if not explicit:
@@ -125,6 +123,12 @@ def relax(
         last_q, last_a = state.q.copy(), state.a.copy()
     detail = f"still moving after {most} steps of dynamic relaxation"
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)
+
+
+def _frequency(mass, way: np.ndarray, lost: np.ndarray) -> float:
+    """Square of the frequency of what still moves, 1/s^2, from the way gone and the acceleration lost on it."""
+    weight = float(way @ (mass @ way))
+    return float(way @ (mass @ lost)) / weight if weight > 0.0 else 0.0
 
 
 @entry

@@ -1,0 +1,84 @@
+"""An application whose scenes have a ``solver`` section and whose modules have the usual names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import import_module, resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tautline.results.result import Result
+    from tautline.scene.errors import Caution
+    from tautline.system.model import Model
+
+
+class Packaged:
+    """A package with ``scene`` (read, json_schema), ``cautions`` (cautions, figures), ``build``, ``figures``.
+
+    Every module is imported by the method that needs it. An application adds its title and what it recognises.
+
+    Attributes
+    ----------
+    name : str
+        Of the package and its console script.
+    starters : tuple of str
+        Names of its templates; the first is the default of ``new``.
+    """
+
+    name: str
+    starters: tuple[str, ...]
+
+    def _module(self, name: str) -> Any:
+        return import_module(f"{self.name}.{name}")
+
+    @property
+    def templates(self) -> Mapping[str, str]:
+        """Commented starter scenes."""
+        folder = resources.files(self.name) / "templates"
+        return {name: (folder / f"{name}.yaml").read_text(encoding="utf8") for name in self.starters}
+
+    def read(self, path: Path) -> Any:
+        """Read and validate a scene; raises SceneError."""
+        return self._module("scene").read(path)
+
+    def with_overrides(
+        self,
+        scene: Any,
+        method: str | None = None,
+        step: float | None = None,
+        end: float | None = None,
+        rho_inf: float | None = None,
+    ) -> Any:
+        """Copy of a scene with other solver settings; raises SceneError naming the option."""
+        from tautline.scene.model import validate
+
+        given = {"method": method, "step": step, "end": end, "rho_inf": rho_inf}
+        values = {
+            ("solver", key): (value, "--" + key.replace("_", "-")) for key, value in given.items() if value is not None
+        }
+        if not values:
+            return scene
+        return validate(type(scene), scene.document.replaced(values))
+
+    def schema(self) -> dict[str, Any]:
+        """JSON schema of a scene."""
+        return self._module("scene").json_schema()
+
+    def cautions(self, scene: Any) -> list[Caution]:
+        """What is large compared with what."""
+        return self._module("cautions").cautions(scene)
+
+    def check_figures(self, scene: Any) -> dict[str, Any]:
+        """What ``check`` tells of a scene in figures."""
+        return self._module("cautions").figures(scene)
+
+    def build(self, scene: Any) -> Model:
+        """Compile a scene; raises SceneError."""
+        return self._module("build").build(scene)
+
+    def figures(
+        self, results: Sequence[Result], folder: Path, what: Sequence[str], formats: Sequence[str], stem: str | None
+    ) -> list[Path]:
+        """Draw results."""
+        return self._module("figures").figures(results, folder, what, formats, stem)
