@@ -114,7 +114,7 @@ class Quantity:
         if match is None:
             if written.strip().lower().lstrip("+-.") in ("nan", "inf", "infinity"):
                 raise refusal("is not a finite number", self.cure)
-            hint = f"{nearest(written, self.words)} Or " if self.words else ""
+            hint = f"{nearest(written, self.words)}, or " if self.words else ""
             raise refusal("is not a number with a unit", hint + self.cure)
         number, unit = match["number"], match["unit"]
         exponent = re.split("[eE]", number)[1] if re.search("[eE]", number) else "0"
