@@ -12,7 +12,7 @@ SOME = {
     "test_string_groups.py": "spatial and 1 and not one and (power or difference and (damped or stiff))",
     "test_contact_groups.py": "(spatial and 1 and power) or drag or drive or load",
     "test_unknowns.py": "transpose or transformed",
-    "test_lapack.py": "numpy",
+    "test_band.py": "numpy",
     "test_matrix.py": "dense or singular",
     "test_cable_groups.py": "residual and anyhow",
 }

@@ -38,8 +38,8 @@ class Corrector(NamedTuple):
 
     Old factors are kept while an iteration shrinks the residual to the part ``contraction``, else the tangent is made
     anew. ``tolerance``: with the energy criterion the bound of eq. 2.78 with the energy over ``unit``; with the force
-    criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch
-    and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they
+    criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch,
+    kept where others do, and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they
     belong to, zeros where they are out of date.
     """
 
@@ -129,14 +129,17 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
         if size > c.contraction * previous:
             c.factored_for[0] = 0.0
             c.made_for[0] = 0.0
-        if c.made_for[0] == 0.0:
-            clear(c.smooth)
-            over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, c.smooth, dofs)
-            c.made_for[0] = beta
-            c.made_for[1] = gamma
         if c.factored_for[0] == 0.0:
             matrix = c.factors.matrix
-            copy_matrix(c.smooth, matrix)
+            switches = over.may_switch(groups)
+            smooth = c.smooth if switches else matrix
+            if c.made_for[0] == 0.0 or not switches:
+                clear(smooth)
+                over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, smooth, dofs)
+                c.made_for[0] = beta
+                c.made_for[1] = gamma
+            if switches:
+                copy_matrix(smooth, matrix)
             over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, matrix, dofs)
             state.counters[FACTORISATIONS] += 1
             row = factorise_matrix(c.factors)

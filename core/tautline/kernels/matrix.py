@@ -6,14 +6,18 @@ last; the band is factorised without them, and they are solved for by their Schu
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numba import typeof
 
+from tautline.kernels.band import eliminate, equilibrate, find_envelope, substitute
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.lapack import factorise, factorise_dense, solve_dense
+from tautline.kernels.lapack import factorise_dense, solve_dense
+
+
+EXCHANGED = 7
+"""Place among the ``integers`` of factors: how many rows of the band were exchanged."""
 
 
 class Matrix(NamedTuple):
@@ -37,9 +41,9 @@ class Factors(NamedTuple):
     """A matrix that is factorised in place, and the scratch for it.
 
     ``columns[j]`` (m, n) is the band's inverse times the border's column j. ``above`` and ``below`` (n,) say how far
-    from the diagonal a column of the band's factors goes, and ``inverse`` (n,) is one over their diagonal. ``scale``
-    (n,) has made the diagonal of the band one: slopes and positions are of one size then, and rows are seldom
-    exchanged, which would fill the band.
+    from the diagonal a column of the band's factors goes, ``right`` (n,) is the last column that a row reaches, and
+    ``inverse`` (n,) is one over their diagonal. ``scale`` (n,) has made the diagonal of the band one: slopes and
+    positions are of one size then, and rows are seldom exchanged, which would fill the band.
     """
 
     matrix: Matrix
@@ -48,6 +52,7 @@ class Factors(NamedTuple):
     columns: np.ndarray
     above: np.ndarray
     below: np.ndarray
+    right: np.ndarray
     inverse: np.ndarray
     scale: np.ndarray
     integers: np.ndarray
@@ -65,7 +70,7 @@ def new_factors(size: int, bandwidth: int, border: int = 0) -> Factors:
     """Zero matrix with room for its factors."""
     return Factors(
         new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
-        np.zeros((border, size - border)), np.zeros(size - border, np.int32), np.zeros(size - border, np.int32),
+        np.zeros((border, size - border)), *(np.zeros(size - border, np.int32) for _ in range(3)),
         np.zeros(size - border), np.zeros(size - border), np.zeros(8, np.int32),
     )  # fmt: skip
 
@@ -109,61 +114,12 @@ def add_at(matrix, row, column, x):
         matrix.corner[column - n, row - n] += x
 
 
-@kernel
-def _equilibrate(f, n, k):
-    """Scale rows and columns of the band by one over the square root of its diagonal."""
-    band, scale = f.matrix.band, f.scale
-    for j in range(n):
-        size = abs(band[j, 2 * k])
-        scale[j] = 1.0 / sqrt(size) if size > 0.0 else 1.0
-    for j in range(n):
-        column = band[j]
-        first, last = max(0, j - k), min(n, j + k + 1)
-        for i in range(first, last):
-            column[2 * k + i - j] *= scale[i] * scale[j]
-
-
-@kernel
-def _measure(f, n, k):
-    """Find how far the columns of the band's factors go."""
-    for j in range(n):
-        column = f.matrix.band[j]
-        above = min(j, 2 * k)
-        while above > 0 and column[2 * k - above] == 0.0:
-            above -= 1
-        below = min(n - 1 - j, k)
-        while below > 0 and column[2 * k + below] == 0.0:
-            below -= 1
-        f.above[j] = above
-        f.below[j] = below
-        f.inverse[j] = 1.0 / column[2 * k]
-
-
 @kernel(inline="always")
 def _substitute(f, n, k, x):
-    """Solve by the band's factors: LAPACK's dgbtrs without its calls, and without the zeros of a band half full."""
-    band = f.matrix.band
-    for j in range(n):
-        x[j] *= f.scale[j]
-    for j in range(n):
-        row = f.pivots[j] - 1
-        y = x[row]
-        if row != j:
-            x[row] = x[j]
-            x[j] = y
-        column = band[j]
-        for i in range(1, f.below[j] + 1):
-            x[j + i] -= column[2 * k + i] * y
-    for j in range(n - 1, -1, -1):
-        column = band[j]
-        y = x[j] * f.inverse[j]
-        x[j] = y
-        above = f.above[j]
-        first, place = j - above, 2 * k - above
-        for i in range(above):
-            x[first + i] -= column[place + i] * y
-    for j in range(n):
-        x[j] *= f.scale[j]
+    """Solve by the band's factors."""
+    substitute(
+        f.matrix.band, f.pivots, f.above, f.below, f.inverse, f.scale, f.integers[EXCHANGED] > 0, n, k, x
+    )  # fmt: skip
 
 
 @entry
@@ -171,12 +127,12 @@ def factorise_matrix(factors):
     """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    _equilibrate(f, n, k)
-    row = factorise(f.matrix.band, f.pivots, n, k, k, f.integers)
-    m = f.corner_pivots.size
+    equilibrate(f.matrix.band, f.scale, n, k)
+    find_envelope(f.matrix.band, f.below, f.right, n, k)
+    row, f.integers[EXCHANGED] = eliminate(f.matrix.band, f.pivots, f.above, f.below, f.right, f.inverse, n, k)
     if row != 0:
         return row
-    _measure(f, n, k)
+    m = f.corner_pivots.size
     if m == 0:
         return 0
     for j in range(m):
