@@ -7,26 +7,23 @@ validated; the builder computes with `Hose.pieces`, in which nothing is left ope
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, GetCoreSchemaHandler, PrivateAttr, ValidationError, model_validator
-from pydantic_core import CoreSchema, InitErrorDetails, core_schema
+from pydantic import Field, PrivateAttr, model_validator
 
-from tautline.cable.entries import listed
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Constant, FunctionOfTime, time_function
-from tautline.scene.model import MARK, Model, Scene, Whole, validate, word
+from tautline.scene.magnitude import LARGEST, OUTSIDE, is_outside
+from tautline.scene.model import Model, Scene, Whole, validate, word
 from tautline.scene.quantity import quantity
-from tautline.scene.refusal import fault, refusal
+from tautline.scene.refusal import fault, raise_all
 from tautline.scene.solver import Output, Solver, check_output
+from tautline.scene.vector import Direction, Gravity, Position, Vector, Velocity, unit
 
 MOST_ELEMENTS = 2000
 FAR_AWAY = 1.0e9
 """Distance of the root from the origin, in lengths of an element, at which rounding would bend the hose."""
-SMALLEST, LARGEST = 1.0e-30, 1.0e30
-"""Between these lie all lengths, masses and stiffnesses from a nanotube's to anything: what can be computed with."""
 PLAIN_HOSE = "{length: 0.5, elements: 10, axial_stiffness: 10, bending_stiffness: 0.00108, mass_per_length: 0.00313}"
 
 Length = Annotated[float, quantity("m", positive=True)]
@@ -35,50 +32,6 @@ BendingStiffness = Annotated[float, quantity("N m^2", nonnegative=True)]
 MassPerLength = Annotated[float, quantity("kg/m", positive=True)]
 Damping = Annotated[float, quantity("s", nonnegative=True)]
 Elements = Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS, examples=["10"])]
-Vector = tuple[float, float, float]
-
-
-def _three(example: str) -> BeforeValidator:
-    return listed(3, "three numbers: x, y and z", example)
-
-
-Position = Annotated[tuple[Annotated[float, quantity("m")], ...], _three("[0, 0, 0]")]
-Direction = Annotated[tuple[Annotated[float, quantity("")], ...], _three("[1, 0, 0]")]
-Velocity = Annotated[tuple[Annotated[float, quantity("m/s")], ...], _three("[0, 0.01, 0]")]
-Acceleration = Annotated[tuple[Annotated[float, quantity("m/s^2")], ...], _three("[0, 0, -9.81]")]
-
-
-class _Gravity:
-    """Annotation of gravity: a vector, or a number, which acts downwards."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        def tag(value: Any) -> str:
-            return f"{MARK}vector" if isinstance(value, (list, tuple)) else f"{MARK}number"
-
-        number = handler.generate_schema(Annotated[float, quantity("m/s^2", nonnegative=True)])
-        choices: dict[Any, CoreSchema] = {
-            f"{MARK}vector": handler.generate_schema(Acceleration),
-            f"{MARK}number": core_schema.no_info_after_validator_function(lambda g: (0.0, 0.0, 0.0 - g), number),
-        }
-        return core_schema.tagged_union_schema(choices, discriminator=tag)
-
-
-def raise_all(faults: Iterable[tuple[str | tuple[str | int, ...], str, str]]) -> None:
-    """Refuse several keys at once: (key or path, cause, cure) of each; none is no fault."""
-    details = [
-        InitErrorDetails(type=refusal(cause, cure), loc=key if isinstance(key, tuple) else (key,), input=None)
-        for key, cause, cure in faults
-    ]
-    if details:
-        raise ValidationError.from_exception_data("scene", details)
-
-
-OUTSIDE = "is beyond all that can be computed with", f"give a number from {SMALLEST:g} to {LARGEST:g}, in SI"
-
-
-def _is_outside(value: float | None) -> bool:
-    """Whether a number that is not zero is too small or too large to be raised to a power."""
-    return value is not None and value != 0.0 and not SMALLEST <= abs(value) <= LARGEST
 
 
 class Segment(Model):
@@ -161,11 +114,7 @@ class Hose(Model):
     @property
     def unit_direction(self) -> Vector:
         """The way the hose leaves its root, as a unit vector."""
-        # Scaled first: the square of a very small or very large number is none.
-        largest = max(abs(x) for x in self.direction)
-        x, y, z = (x / largest for x in self.direction)
-        size = math.hypot(x, y, z)
-        return x / size, y / size, z / size
+        return unit(self.direction)
 
     @property
     def tip_straight(self) -> Vector:
@@ -203,11 +152,9 @@ class Hose(Model):
         for i, piece in enumerate(self.pieces):
             at = () if self.segments is None else ("segments", i)
             raise_all(
-                ((*at, key), *OUTSIDE)
-                for key in (*UNIFORM, "water_mass_per_length")
-                if _is_outside(getattr(piece, key))
+                ((*at, key), *OUTSIDE) for key in (*UNIFORM, "water_mass_per_length") if is_outside(getattr(piece, key))
             )
-        if _is_outside(self.tip_mass):
+        if is_outside(self.tip_mass):
             raise fault("tip_mass", *OUTSIDE)
         shortest = min(piece.length / piece.elements for piece in self.pieces)
         if max(abs(x) for x in (*self.root, self.total_length)) > FAR_AWAY * shortest:
@@ -248,7 +195,7 @@ class HoseScene(Scene):
     water: Water | None = None
     coupling: Annotated[Literal["linear", "lagrange", "penalty", "augmented"], COUPLINGS] = "linear"
     stiffness: Annotated[float, quantity("N/m", positive=True)] | None = None
-    gravity: Annotated[Vector, _Gravity()] = (0.0, 0.0, -9.81)
+    gravity: Gravity = (0.0, 0.0, -9.81)
     disturbance: Velocity = (0.0, 0.0, 0.0)
     start: Annotated[Literal["straight", "static", "relaxed"], word("straight", "static", "relaxed")] = "straight"
     solver: Solver = Field(examples=["{method: generalized-alpha, rho_inf: 0.9, step: 1 ms, end: 5 s}"])
@@ -264,7 +211,7 @@ class HoseScene(Scene):
             if self.coupling != "linear":
                 raise fault("coupling", "there is no water to couple", "add `water:`, or remove this")
         else:
-            if _is_outside(self.water.mass_per_length):
+            if is_outside(self.water.mass_per_length):
                 raise fault(("water", "mass_per_length"), *OUTSIDE)
             self.hose._water = self.water.mass_per_length
             if self.water.outlet != 1.0 and self.hose.end != "free":

@@ -9,25 +9,10 @@ from pydantic import BeforeValidator, Field
 from tautline.scene.model import Whole
 from tautline.scene.quantity import quantity
 from tautline.scene.refusal import refusal
+from tautline.scene.vector import Acceleration as Acceleration
+from tautline.scene.vector import listed, three
 
 DOFS = {7: "rx ry rz r'x r'y r'z p", 4: "rx ry rz p"}
-
-
-def listed(count: int | None, of: str, example: str) -> BeforeValidator:
-    """Annotate a list of `count` entries, or of at least one."""
-
-    def read(value: Any) -> Any:
-        cure = f"give {of}, such as {example}"
-        if not isinstance(value, (list, tuple)):
-            raise refusal("is empty" if value is None else "is not a list", cure)
-        if not value:
-            raise refusal("is an empty list", cure)
-        if count is not None and len(value) != count:
-            entries = "1 entry" if len(value) == 1 else f"{len(value)} entries"
-            raise refusal(f"has {entries}, not {count}", cure)
-        return value
-
-    return BeforeValidator(read)
 
 
 def _flag(value: Any) -> Any:
@@ -42,18 +27,13 @@ def _ordinal(value: Any) -> Any:
     return value
 
 
-def _three(example: str) -> BeforeValidator:
-    return listed(3, "three numbers: x, y and z", example)
-
-
 Id = Annotated[Whole, BeforeValidator(_ordinal)]
 Ids = Annotated[tuple[Id, ...], listed(None, "ids of nodes", "[2]")]
 Pair = Annotated[tuple[Id, ...], listed(2, "the ids of two nodes", "[0, 1]")]
-Position = Annotated[tuple[Annotated[float, quantity("m")], ...], _three("[0.5, 0, 0]")]
-Slope = Annotated[tuple[Annotated[float, quantity("")], ...], _three("[1, 0, 0]")]
-Acceleration = Annotated[tuple[Annotated[float, quantity("m/s^2")], ...], _three("[0, 0, -9.81]")]
-Thrust = Annotated[tuple[Annotated[float, quantity("N")], ...], _three("[0, 8.5, 0]")]
-Load = Annotated[tuple[Annotated[float, quantity("N/m")], ...], _three("[0, 0, -10]")]
+Position = Annotated[tuple[Annotated[float, quantity("m")], ...], three("[0.5, 0, 0]")]
+Slope = Annotated[tuple[Annotated[float, quantity("")], ...], three("[1, 0, 0]")]
+Thrust = Annotated[tuple[Annotated[float, quantity("N")], ...], three("[0, 8.5, 0]")]
+Load = Annotated[tuple[Annotated[float, quantity("N/m")], ...], three("[0, 0, -10]")]
 Flag = Annotated[int, BeforeValidator(_flag)]
 Flags7 = Annotated[tuple[Flag, ...], listed(7, f"a 0 or 1 for each of {DOFS[7]}", "[1, 1, 1, 0, 0, 0, 1]")]
 Flags4 = Annotated[tuple[Flag, ...], listed(4, f"a 0 or 1 for each of {DOFS[4]}", "[1, 1, 1, 1]")]

@@ -18,7 +18,9 @@ class Status(IntEnum):
     INACCURATE = 6
     NO_LENGTH = 7
     NULL_MOTION = 8
-    IMBALANCE = 9
+    OFF_WHEEL = 9
+    RUN_OUT = 10
+    IMBALANCE = 11
 
 
 SENTENCES = {
@@ -45,6 +47,13 @@ SENTENCES = {
     Status.NULL_MOTION: (
         "the rope has turned across all that holds its node, whose p is free: the node may slide along the rope "
         "without moving any of it, and nothing resists; hold the node in a further direction, or hold its p"
+    ),
+    Status.OFF_WHEEL: (
+        "the rope has left a sheave that it ran over: the straight line between its neighbours passes it by; keep the "
+        "load where the rope is led, or add a sheave that leads it"
+    ),
+    Status.RUN_OUT: (
+        "all of the rope has run off its drum; pay out less, or give the drum more rope"
     ),
     Status.IMBALANCE: (
         "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "

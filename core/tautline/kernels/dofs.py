@@ -26,7 +26,7 @@ class Dofs(NamedTuple):
     """The map from n reduced unknowns to the full degrees of freedom.
 
     ``unknown[start[i]:start[i + 1]]`` (n,) and ``factor[...]`` are the masters of full degree of freedom i;
-    ``number[i]`` is its only master where that has factor 1, ``HELD`` where it has none and ``TIED`` otherwise;
+    ``number[i]`` is its only free master where that has factor 1, ``HELD`` where it has none and ``TIED`` otherwise;
     ``free`` (n,) is the full degree of freedom that each unknown is, and ``tied`` lists those with masters;
     a master that is held stands in ``unknown`` as -1 less its full number, and ``carried`` lists what has such masters;
     ``held`` lists those that are fixed (``motion`` -1) or follow a function of time, and ``offset`` is added to it;

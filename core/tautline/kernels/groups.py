@@ -24,8 +24,8 @@ dissipation    t, q, v, p                                       p[0] += power lo
                                                                 p[2] += by how much that jumps at t
 commit         t, h, q, v, a                                    the step to t is accepted
 record         out, at                                          writes its own numbers from ``out[at[0]]``, moves at[0]
-alarm          t, q, alarm                                      writes into ``alarm[0]`` what must not be (``EMPTY``,
-                                                                ``LOOSE``), and where into ``alarm[1]``, a full place
+alarm          t, q, alarm                                      writes into ``alarm[0]`` what must not be (``EMPTY``
+                                                                and so on), and where into ``alarm[1]``, a full place
 violation      order, q, v, r                                   r += what is missing for an equation of its own between
                                                                 positions (order 0) or velocities (1)
 =============  ===============================================  =====================================================
@@ -70,8 +70,9 @@ HOOKS = {
 }  # fmt: skip
 """Names and types of each hook's arguments after the group."""
 
-EMPTY, LOOSE = 1, 2
-"""Alarms: an element has lost its length; a node may slide along its rope without moving any of it."""
+EMPTY, LOOSE, OFF_WHEEL, RUN_OUT = 1, 2, 3, 4
+"""Alarms: an element has lost its length; a node may slide along its rope without moving any of it; a rope has left a
+wheel that it ran over; all of a rope has run off its drum."""
 
 KINDS: dict[type, dict[str, Kernel]] = {}
 """The kernels of each kind of group, by hook."""

@@ -50,6 +50,16 @@ def fault(key: str | int | tuple[str | int, ...], cause: str, cure: str = "") ->
     )
 
 
+def raise_all(faults: Iterable[tuple[str | tuple[str | int, ...], str, str]]) -> None:
+    """Refuse several keys at once: (key or path, cause, cure) of each; none is no fault."""
+    details = [
+        InitErrorDetails(type=refusal(cause, cure), loc=key if isinstance(key, tuple) else (key,), input=None)
+        for key, cause, cure in faults
+    ]
+    if details:
+        raise ValidationError.from_exception_data("scene", details)
+
+
 def nearest(word: str, known: Iterable[str]) -> str:
     """Say which known word was probably meant, or list those there are."""
     words = list(known)

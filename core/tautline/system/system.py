@@ -221,10 +221,12 @@ def _velocity(given: np.ndarray, degrees: Degrees) -> np.ndarray:
 
 
 def _number(masters: list[tuple[int, float]], rank: np.ndarray) -> int:
-    if not masters:
+    """Mark of a degree of freedom, of whose masters those that are held have no row or column in a matrix."""
+    free = [(k, factor) for k, factor in masters if k >= 0]
+    if not free:
         return HELD
-    (first, factor), *others = masters
-    return int(rank[first]) if first >= 0 and factor == 1.0 and not others else TIED
+    (first, factor), *others = free
+    return int(rank[first]) if factor == 1.0 and not others else TIED
 
 
 def _masters(i: int, number: np.ndarray, degrees: Degrees) -> list[tuple[int, float]]:

@@ -34,7 +34,7 @@ class FunctionRequest:
     Attributes
     ----------
     model
-        A model of `tautline.scene.functions`; a `Velocity` is integrated whatever `integrate` says.
+        A model of `tautline.scene.functions`, or `Samples`; a `Velocity` is integrated whatever `integrate` says.
     integrate : bool
         Whether the model is a rate, and its antiderivative that is zero at t = 0 is wanted.
     end : float
@@ -51,6 +51,44 @@ class FunctionRequest:
     end: float = 0.0
     key: str = ""
     factor: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A function known by its value and both derivatives at some times, such as the motion of a frame.
+
+    Between the times it is the quintic through all six numbers at both ends: C2, in error by
+    ``h^6 max|f^(6)| / 46080``. It is constant before the first time and after the last. It stands in a request in the
+    place of a model, and may be integrated like one.
+
+    Attributes
+    ----------
+    time : float64 (n,)
+        Increasing, s.
+    value, rate, second : float64 (n,)
+        The function and its first and second derivative at these times.
+
+    Raises
+    ------
+    ValueError
+        If the arrays differ in length or are empty, a number is not finite, or the times do not increase.
+    """
+
+    time: np.ndarray
+    value: np.ndarray
+    rate: np.ndarray
+    second: np.ndarray
+
+    def __post_init__(self) -> None:
+        columns = [np.asarray(column, dtype=float) for column in (self.time, self.value, self.rate, self.second)]
+        for name, column in zip(("time", "value", "rate", "second"), columns, strict=True):
+            if column.ndim != 1 or column.size == 0 or column.shape != columns[0].shape:
+                raise ValueError(f"{name} has the shape {column.shape}: give an entry for each of the times")
+            if not np.all(np.isfinite(column)):
+                raise ValueError(f"{name} is not finite everywhere")
+            object.__setattr__(self, name, column)
+        if np.any(np.diff(columns[0]) <= 0.0):
+            raise ValueError("the times do not increase")
 
 
 @dataclass
@@ -175,6 +213,9 @@ def _add(model: Any, parts: Parts, smooth: bool) -> None:
     elif isinstance(model, Table):
         cubic = model.interpolation == "cubic" or (model.interpolation is None and smooth)
         parts.tracks.append(_table(np.array(model.time, dtype=float), np.array(model.value, dtype=float), cubic))
+    elif isinstance(model, Samples):
+        rows = _hermite(np.diff(model.time), model.value, model.rate, model.second)
+        parts.tracks.append(Track.held(model.time, rows, model.value[0], model.value[-1]))
     elif isinstance(model, Harmonic):
         w = 2.0 * math.pi * (model.frequency if model.frequency is not None else 1.0 / model.period)
         parts.waves.append((model.amplitude, w, 0.0, model.phase, model.ramp))

@@ -1,0 +1,391 @@
+"""Active heave compensation: rope paid out as the tip rises, by an actuator of limited stroke, speed and acceleration.
+
+The tip's heave is prescribed, and so is the actuator's answer: it is computed before the run and is a function of time
+like any other. The actuator is a mass point with a command, ``gain`` times the heave of ``delay`` ago. It *is* at its
+command until that asks for more than a limit allows; then it leaves it, early enough to brake before the end of its
+stroke, does what it can, and joins it again with its speed and acceleration. Steps are short beside the waves. Away
+from the command the acceleration is linear over a step, so that limits can be kept to between steps as well as at
+them: a step is only taken to where full braking would still keep within all limits.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from tautline.kernels.time_function import sample
+from tautline.scene.functions import Constant
+from tautline.system.time_functions import FunctionRequest, Samples, compile_functions
+
+PHASE = 0.02
+"""Phase of the heave that a step spans, rad."""
+MOST_STEPS = 500_000
+AMPLE = 10.0
+"""Acceleration of an actuator without a limit of it, in those of its command."""
+BRAKING = 0.8
+"""Share of the acceleration that is counted upon for braking before the end of the stroke."""
+GENTLE = 0.05
+"""Least share that is counted upon for joining the command. The rest is for the command's own acceleration: an actuator
+that has too little of it, and chases its command with all it has, swings past it and is worse than none."""
+SPARE = 0.5
+"""Share counted upon of what is not needed to follow the command, up to what is."""
+JOLT = 1.5
+"""Most by which the acceleration may differ from the command's while it is joined, in those counted upon for that."""
+SOFT = 5.0
+"""Steps over which the approach to a command or to an end of the stroke dies away."""
+EAGER = 3.0
+"""Steps over which a speed is brought to what is wanted."""
+PARTS = 8
+"""Parts of a step at which the command is held against the limits."""
+GRACE = 1.0
+"""Time by which the last piece outlasts the run, s."""
+CLOSE = 1.0e-9
+"""Departure from the command, as a share of its size, that counts as none; and what is kept free of a limit."""
+
+
+class Limits(Protocol):
+    """What an actuator can do: stroke either way from its middle m, speed m/s, acceleration m/s^2; None: anything."""
+
+    @property
+    def stroke(self) -> float | None:
+        """Largest displacement, m."""
+
+    @property
+    def speed(self) -> float | None:
+        """Largest speed, m/s."""
+
+    @property
+    def acceleration(self) -> float | None:
+        """Largest acceleration, m/s^2."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compensation:
+    """What the actuator does in a run.
+
+    Attributes
+    ----------
+    pay_out : Samples or Constant
+        Unstretched rope that it has paid out since t = 0, m; it is added to the operator's.
+    place : Samples or Constant
+        Its displacement from the middle of its stroke, m: `pay_out` and where it was at t = 0.
+    away : float
+        Share of the run during which it is not where it is commanded to be.
+    met : dict of str to float
+        Share of the run during which each limit (``stroke``, ``speed``, ``acceleration``) holds it back; of two at
+        once the narrower counts. The rest of `away` it spends returning to its command.
+    error : float
+        Farthest that it is from its command, m.
+    """
+
+    pay_out: Samples | Constant
+    place: Samples | Constant
+    away: float
+    met: dict[str, float]
+    error: float
+
+
+def compensate(
+    heave: Samples | Constant, gain: float, delay: float, limits: Limits, end: float, step: float | None = None
+) -> Compensation:
+    """Follow a tip's heave with an actuator.
+
+    Parameters
+    ----------
+    heave : Samples or Constant
+        Height of the tip, m, above where it is with the vessel at rest; before t = 0 it is what it is then.
+    gain : float
+        Rope paid out per metre that the tip rises.
+    delay : float
+        Age of the heave that is answered, s.
+    limits : Limits
+        Of the actuator.
+    end : float
+        Time to which the run goes, s.
+    step : float, optional
+        Of the actuator's motion, s; by default so that the heave turns by 0.02 rad in one.
+
+    Returns
+    -------
+    Compensation
+    """
+    stroke, speed, most = (
+        math.inf if limit is None else (1.0 - CLOSE) * float(limit)
+        for limit in (limits.stroke, limits.speed, limits.acceleration)
+    )
+    h = step or _step(heave, end)
+    if isinstance(heave, Constant) or gain == 0.0 or h == 0.0 or min(stroke, speed, most) == 0.0:
+        return _still(heave, gain)
+    time = np.linspace(0.0, end, max(2, math.ceil(end / h)) + 1)
+    command = _Command(heave, gain, delay, time)
+    moved, cause = _Actuator(command, stroke, speed, most).run()
+    away = cause >= 0
+    shares = {name: float(np.mean(cause == i)) for i, name in enumerate(("stroke", "speed", "acceleration"))}
+    value, rate, second = moved[:, -1]
+    later = np.array([value + GRACE * (rate + 0.5 * GRACE * second), rate + GRACE * second, second])
+    time, jets = np.append(time, end + GRACE), np.column_stack((moved, later))
+    return Compensation(
+        Samples(time, jets[0] - jets[0, 0], jets[1], jets[2]),
+        Samples(time, jets[0], jets[1], jets[2]),
+        float(np.mean(away)),
+        shares,
+        float(np.abs(moved[0] - command.jets[0]).max()),
+    )
+
+
+def _still(heave: Samples | Constant, gain: float) -> Compensation:
+    """What an actuator does that cannot move, or has nothing to do."""
+    rest = Constant(value=0.0)
+    error = 0.0 if isinstance(heave, Constant) else abs(gain) * float(np.abs(heave.value).max())
+    moves = error > 0.0
+    return Compensation(rest, rest, float(moves), {"stroke": 0.0, "speed": 0.0, "acceleration": 0.0}, error)
+
+
+def _step(heave: Samples | Constant, end: float) -> float:
+    """Step that resolves the heave, s; 0 where there is none."""
+    if isinstance(heave, Constant):
+        return 0.0
+    run = heave.time <= end
+    fastest, sharpest = (float(np.abs(jet[run]).max(initial=0.0)) for jet in (heave.rate, heave.second))
+    if sharpest == 0.0:
+        return 0.0 if fastest == 0.0 else end / 100.0
+    return float(np.clip(PHASE * fastest / sharpest, end / MOST_STEPS, end / 100.0))
+
+
+class _Command:
+    """Where the actuator should be: `jets` (3, n + 1) at the ends of the steps, and how far it goes within each.
+
+    `reach` (3, n) is the largest displacement, speed and acceleration within each step, `size` (3,) of the whole run;
+    `sudden` (n,) says in which step the speed jumps: where a heave that begins with a speed is first answered.
+    """
+
+    def __init__(self, heave: Samples, gain: float, delay: float, time: np.ndarray) -> None:
+        functions = compile_functions([FunctionRequest(heave, factor=gain)])
+        self.time, self.h = time, float(time[1] - time[0])
+        inside = np.linspace(0.0, 1.0, PARTS + 1)
+        at = (time[:-1, None] + self.h * inside).ravel() - delay
+        fine = np.abs(sample(functions, 0, at)).reshape(time.size - 1, PARTS + 1, 3)
+        # a crest between two samples rises above them by an eighth of the second difference there
+        crest = np.abs(np.diff(fine, n=2, axis=1)).max(axis=1) / 4.0
+        self.reach = (fine.max(axis=1) + crest).T
+        self.jets = sample(functions, 0, np.minimum(time, np.nextafter(time[-1], 0.0)) - delay).T
+        self.size = np.maximum(np.abs(self.jets).max(axis=1), 1e-300)
+        begin, first = heave.time[0] + delay, sample(functions, 0, heave.time[:1])[0]
+        near = CLOSE * self.h
+        self.sudden = (time[:-1] <= begin + near) & (time[1:] >= begin - near)
+        self.sudden &= begin > 0.0 and bool(np.any(np.abs(first[1:]) > CLOSE * self.size[1:]))
+
+
+class _State(NamedTuple):
+    """Displacement, speed and acceleration."""
+
+    y: float
+    v: float
+    a: float
+
+    def mirrored(self) -> _State:
+        return _State(-self.y, -self.v, -self.a)
+
+    def after(self, a: float, h: float) -> _State:
+        """State after a step over which the acceleration goes to `a` in a straight line."""
+        y = self.y + h * self.v + h * h * (2.0 * self.a + a) / 6.0
+        return _State(y, self.v + 0.5 * h * (self.a + a), a)
+
+
+FREE, STROKE, SPEED, ACCELERATION, RETURNING = -1, 0, 1, 2, 3
+
+
+class _Actuator:
+    """An actuator on its way through a run; limits may be infinite."""
+
+    def __init__(self, command: _Command, stroke: float, speed: float, most: float) -> None:
+        self.command, self.h = command, command.h
+        self.stroke, self.speed, self.most = stroke, speed, most
+        # what it uses while away from its command: no more than a few steps can resolve
+        used = min(most, AMPLE * float(command.size[2]), 0.2 * speed / self.h, 0.02 * stroke / self.h**2)
+        self.used, self.braking = used, BRAKING * used
+        needed = float(command.size[2])
+        self.joining = max(GENTLE * used, min(SPARE * (used - needed), needed))
+        over = (command.reach[0] > stroke) | (command.reach[1] > speed) | (command.reach[2] > most) | command.sudden
+        self.over = np.flatnonzero(over)
+
+    def run(self) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement, speed and acceleration (3, n + 1), and what holds it back in each step (n,)."""
+        jets = self.command.jets
+        n = jets.shape[1] - 1
+        moved, cause = np.empty((3, n + 1)), np.full(n, FREE)
+        state, k = self._start(), 0
+        moved[:, 0] = state
+        while k < n:
+            if self._is_at(state, k):
+                leave = self._leaves(k)
+                if leave > k:
+                    moved[:, k : leave + 1] = jets[:, k : leave + 1]
+                    state, k = _State(*jets[:, leave]), leave
+                    continue
+            way = self._joining(state, k)
+            if way is not None:
+                moved[:, k + 1 : k + 1 + len(way)] = np.array(way).T
+                cause[k : k + len(way)] = RETURNING
+                # on it by construction; not by rounding, which would keep it from being recognised
+                k += len(way)
+                moved[:, k] = jets[:, k]
+                state = _State(*jets[:, k])
+                continue
+            state, cause[k] = self._limited(state, k)
+            k += 1
+            moved[:, k] = state
+        return moved, cause
+
+    def _start(self) -> _State:
+        """State at t = 0: on the command if it can be, else at rest, within the stroke."""
+        state = _State(*self.command.jets[:, 0])
+        if not self.over.size or (self.over[0] > 0 and self._brakes_in_time(state)):
+            return state
+        return _State(float(np.clip(state.y, -0.99 * self.stroke, 0.99 * self.stroke)), 0.0, 0.0)
+
+    def _is_at(self, state: _State, k: int) -> bool:
+        return bool(np.all(np.abs(np.array(state) - self.command.jets[:, k]) <= CLOSE * self.command.size))
+
+    def _leaves(self, k: int) -> int:
+        """Step at whose beginning the command is left: the last from which the limit ahead can be respected."""
+        ahead = np.searchsorted(self.over, k)
+        if ahead == self.over.size:
+            return self.command.jets.shape[1] - 1
+        leave = int(self.over[ahead])
+        while leave > k and not self._brakes_in_time(_State(*self.command.jets[:, leave])):
+            leave -= 1
+        return leave
+
+    def _brakes_in_time(self, state: _State) -> bool:
+        """Whether what is counted upon for braking keeps it within its limits from here on, either way and smoothly."""
+        return abs(state.a) <= self.most and all(
+            s.v + EAGER * self.h * max(s.a, 0.0) <= self.speed
+            and self._broken(s, s.after(-self.braking, self.h), self.braking) == FREE
+            for s in (state, state.mirrored())
+        )
+
+    def _broken(self, before: _State, state: _State, braking: float) -> int:
+        """Upper limit that is broken in the step from `before` to `state`, or by braking after it; `FREE` for none."""
+        stop = state.after(-braking, self.h)
+        most_y, most_v = -math.inf, -math.inf
+        for left, right in ((before, state), (state, stop)):
+            y, v = _crest(left, right, self.h)
+            most_y, most_v = max(most_y, y), max(most_v, v)
+        if stop.v > 0.0:
+            most_y = max(most_y, stop.y + 0.5 * stop.v**2 / braking)
+        if most_y > self.stroke:
+            return STROKE
+        return SPEED if most_v > self.speed else FREE
+
+    def _joining(self, state: _State, k: int) -> list[_State] | None:
+        """States of a way back on to the command that keeps to all limits, in 3, 6 or 12 steps; None if none does."""
+        jets = self.command.jets
+        for n in (1, 2, 4):
+            goal = k + 3 * n
+            if goal >= jets.shape[1] - 1:
+                return None
+            ahead = np.searchsorted(self.over, goal)
+            if ahead < self.over.size and self.over[ahead] <= goal + 3:
+                continue
+            y, v, a = jets[:, goal]
+            long = n * self.h
+            p = (v - state.v) / long - 0.5 * (state.a + a)
+            q = (y - state.y - 3.0 * long * state.v) / long**2 - 4.0 / 3.0 * state.a - a / 6.0
+            bends = (q - p, 2.0 * p - q, float(a))
+            jolt = max(abs(bend - a) for bend in (state.a, *bends))
+            if (
+                jolt <= JOLT * self.joining
+                and max(map(abs, bends)) <= self.most
+                and self._brakes_in_time(_State(y, v, a))
+            ):
+                way = self._way(state, bends, n)
+                if way is not None:
+                    return way
+        return None
+
+    def _way(self, state: _State, bends: tuple[float, ...], n: int) -> list[_State] | None:
+        """States of a way along which the acceleration goes to each of `bends` in n steps; None if it breaks limits."""
+        way = [state]
+        for bend in bends:
+            begin = way[-1].a
+            way += [state := state.after(begin + (bend - begin) * (i + 1) / n, self.h) for i in range(n)]
+        for left, right in itertools.pairwise(way):
+            for before, after in ((left, right), (left.mirrored(), right.mirrored())):
+                y, v = _crest(before, after, self.h)
+                if y > self.stroke or v > self.speed:
+                    return None
+        return way[1:]
+
+    def _limited(self, state: _State, k: int) -> tuple[_State, int]:
+        """State after a step towards the command that a limit may cut short, and which limit does."""
+        wanted, cause = self._wanted(state, k)
+        a = min(max(wanted, -self.used), self.used)
+        if a != wanted:
+            cause = ACCELERATION
+        a, above = self._cut(state, a)
+        a, below = self._cut(state.mirrored(), -a)
+        broken = max(above, below)
+        return state.after(-a, self.h), broken if cause == RETURNING and broken != FREE else cause
+
+    def _wanted(self, state: _State, k: int) -> tuple[float, int]:
+        """Acceleration that brings it to its command, or smoothly to a limit in its way, and which limit that is."""
+        y, v, a = self.command.jets[:, k]
+        soon = EAGER * self.h
+        closing, slope = self._closing(y - state.y, self.joining)
+        wanted, cause = a + slope * (v - state.v) + (v + closing - state.v) / soon, RETURNING
+        for sign in (1.0, -1.0):
+            most = (self.speed - sign * state.v) / soon
+            if sign * wanted > most:
+                wanted, cause = sign * most, SPEED
+            if math.isfinite(self.stroke):
+                room, slope = self._closing(self.stroke - sign * state.y, self.braking)
+                most = (room - sign * state.v) / soon - slope * sign * state.v
+                if sign * wanted > most:
+                    wanted, cause = sign * most, STROKE
+        return wanted, cause
+
+    def _closing(self, distance: float, braking: float) -> tuple[float, float]:
+        """Speed at which a distance can be closed by braking, softly at the last, and its slope over the distance."""
+        soft = SOFT * braking * self.h
+        root = math.sqrt(soft * soft + 2.0 * braking * abs(distance))
+        return math.copysign(root - soft, distance), braking / root
+
+    def _cut(self, state: _State, a: float) -> tuple[float, int]:
+        """Acceleration at the end of the step, lowered until full braking keeps the upper limits, and which cut it."""
+        broken = self._broken(state, state.after(a, self.h), self.used)
+        if broken == FREE:
+            return a, FREE
+        low, high = -self.used, a
+        for _ in range(30):
+            middle = 0.5 * (low + high)
+            if self._broken(state, state.after(middle, self.h), self.used) == FREE:
+                low = middle
+            else:
+                high = middle
+        return low, broken
+
+
+def _crest(left: _State, right: _State, h: float) -> tuple[float, float]:
+    """Largest displacement and speed over a step with an acceleration that is linear in it."""
+    most_y, most_v = max(left.y, right.y), max(left.v, right.v)
+    jerk = (right.a - left.a) / h
+    if left.a > 0.0 > right.a:
+        most_v = max(most_v, left.v - 0.5 * left.a**2 / jerk)
+    for t in _roots(left.v, left.a, 0.5 * jerk):
+        if 0.0 < t < h:
+            most_y = max(most_y, left.y + t * (left.v + t * (0.5 * left.a + t * jerk / 6.0)))
+    return most_y, most_v
+
+
+def _roots(c: float, b: float, a: float) -> tuple[float, ...]:
+    """Real roots of ``a t^2 + b t + c``, without loss of digits."""
+    square = b * b - 4.0 * a * c
+    if square < 0.0:
+        return ()
+    q = -0.5 * (b + math.copysign(math.sqrt(square), b))
+    return tuple(above / below for above, below in ((q, a), (c, q)) if below != 0.0)

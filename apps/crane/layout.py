@@ -1,0 +1,250 @@
+"""Where everything of a crane scene stands in the full vectors: frames, bodies, stations of the rope, rims.
+
+The rope is cut at stations: the items of its path, and the nodes that divide each span. A station has a position and
+the material coordinate that is there. What rides on a frame follows its twelve numbers, what rides on a body its
+position; the nodes of a span are free, and their material follows that of the marks at both its ends in proportion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from crane.frames import ENTRIES, GROUND, Frame, point_of, requests_of
+from crane.line import POINT, WHEEL
+from crane.reeving import Path, ReevingError, Wheel, reeve, sigma_of
+from crane.scene import Anchor, Body, CraneScene, Drum, Efficiency, End, Sheave
+from crane.span import MATERIAL, STATION
+from crane.vessel import frames_of
+from tautline.kernels.time_function import evaluate
+from tautline.scene.errors import Problem, SceneError
+from tautline.scene.functions import Constant
+from tautline.system.system import Degrees
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+AXES = 3
+IDENTITY = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+OPERATOR, COMPENSATOR = 0, 1
+
+
+@dataclass
+class Requests:
+    """Functions of time of a scene, as they are asked for."""
+
+    of: list[FunctionRequest] = field(default_factory=list)
+
+    def add(self, request: FunctionRequest) -> int:
+        """Number of a function."""
+        self.of.append(request)
+        return len(self.of) - 1
+
+
+@dataclass
+class Layout:
+    """A scene's geometry at t = 0 and its degrees of freedom.
+
+    Attributes
+    ----------
+    scene : CraneScene
+    frames : tuple of Frame
+    frame : dict
+        Place of each frame's twelve numbers, by its place among `frames`; `GROUND` too.
+    body : dict
+        Place of each body's position, by its name.
+    station : list of int
+        Places of all stations, along the rope.
+    item : list of int
+        Number of the station of each item of the path.
+    rim : dict
+        Place of the travel of a rim that the rope may slip on, by the number of its item.
+    supply : dict
+        Places of the material that a drum's operator and its compensation have taken up, by the number of its item.
+    wheels : (items,) records of ``WHEEL``
+        With a radius of zero for points.
+    path : Path
+        The rope's way at t = 0.
+    entries : (frames, 12) array
+        The frames' numbers at t = 0.
+    """
+
+    scene: CraneScene
+    frames: tuple[Frame, ...]
+    frame: dict[int, int]
+    body: dict[str, int]
+    station: list[int]
+    item: list[int]
+    rim: dict[int, int]
+    supply: dict[int, tuple[int, int]]
+    wheels: np.recarray
+    path: Path
+    entries: np.ndarray
+    degrees: Degrees
+    requests: Requests
+
+    @property
+    def spans(self) -> list[tuple[int, int]]:
+        """First and last station of every span of the path, by their numbers."""
+        return list(zip(self.item[:-1], self.item[1:], strict=True))
+
+    def material(self, item: int) -> int:
+        """Place of the material coordinate at an item."""
+        return self.station[self.item[item]] + MATERIAL
+
+
+def has_rim(item: Any) -> bool:
+    """Whether a wheel's rim may move apart from the rope: a capstan that can turn."""
+    return isinstance(item, Sheave) and item.law == "capstan" and item.inertia > 0.0 and not item.locked
+
+
+def _compiled_frames(scene: CraneScene) -> tuple[tuple[Frame, ...], dict[str, int], list[FunctionRequest]]:
+    """Frames with the functions of time that place them; faults get their line."""
+    end = scene.solver.end
+    try:
+        frames, places = frames_of(scene.vessel, scene.frames, scene.folder, end)
+        return frames, places, requests_of(frames, end)
+    except SceneError as error:
+        problems = [
+            scene.problem(p.key, p.cause, p.cure) if p.line is None and p.key else p for p in error.problems
+        ]  # fmt: skip
+        raise SceneError(problems) from None
+
+
+def lay_out(scene: CraneScene) -> Layout:
+    """Lay a scene out.
+
+    Raises
+    ------
+    SceneError
+        Where no rope can take the path, and for faults of the files of a vessel's motion.
+    """
+    frames, places, requests = _compiled_frames(scene)
+    functions = compile_functions(requests)
+    entries = np.array([evaluate(functions, i, 0.0)[0] for i in range(len(requests))]).reshape(-1, ENTRIES)
+    on = [_frame_number(scene, item, places) for item in scene.path]
+    wheels = [_wheel(scene, item, entries[k] if k != GROUND else IDENTITY) for item, k in zip(scene.path, on, strict=True)]
+    path = _reeved(scene, wheels)
+    builder = _Builder(scene, frames, entries, requests)
+    records = np.zeros(len(wheels), WHEEL).view(np.recarray)
+    for i, (wheel, k) in enumerate(zip(wheels, on, strict=True)):
+        turned = (entries[k] if k != GROUND else IDENTITY)[3:].reshape(3, 3).T
+        mark = path.sigma[i] * path.marks[i]
+        records[i] = (
+            builder.frame[k], path.sigma[i] * wheel.radius, turned.T @ wheel.axis, turned.T @ mark,
+            int(k != GROUND and _turns(requests, k)),
+        )  # fmt: skip
+    return builder.finish(records, wheels, on, path)
+
+
+def _turns(requests: list[FunctionRequest], k: int) -> bool:
+    return any(not isinstance(r.model, Constant) for r in requests[ENTRIES * k + 3 : ENTRIES * (k + 1)])
+
+
+def _frame_number(scene: CraneScene, item: Any, places: dict[str, int]) -> int:
+    name = scene.frame_of(item)
+    return GROUND if name is None else places[name]
+
+
+def _wheel(scene: CraneScene, item: Any, entries: np.ndarray) -> Wheel:
+    """An item as the geometry sees it, where it is at t = 0."""
+    turned = entries[3:].reshape(3, 3).T
+    if isinstance(item, End):
+        return Wheel(item.name, np.add(scene.body(item.body).position, item.offset), np.array([0, 1, 0]), 0.0, None, True)
+    if isinstance(item, Anchor):
+        return Wheel(item.name, point_of(entries, item.position), np.array([0, 1, 0]), 0.0, None, True)
+    if isinstance(item, Sheave) and item.body is not None:
+        center = np.add(scene.body(item.body).position, item.offset)
+        return Wheel(item.name, center, np.array(item.unit_axis), item.radius, item.wrap)
+    center = point_of(entries, item.center)
+    return Wheel(item.name, center, turned @ np.array(item.unit_axis), item.radius, item.wrap)
+
+
+def _reeved(scene: CraneScene, wheels: list[Wheel]) -> Path:
+    try:
+        sigma = sigma_of(wheels)
+        return reeve(wheels, sigma, scene.rope.diameter or 0.0)
+    except ReevingError as error:
+        key = "path" if error.index is None else f"path[{error.index}].{scene.path[error.index].key}"
+        raise SceneError([scene.problem(key, error.message, error.cure)]) from None
+
+
+class _Builder:
+    """Numbers degrees of freedom in the order: frames, bodies, stations, rims."""
+
+    def __init__(self, scene: CraneScene, frames: tuple[Frame, ...], entries: np.ndarray, requests: list) -> None:
+        self.scene, self.frames, self.entries = scene, frames, entries
+        self.requests = Requests()
+        self.names: list[str] = []
+        self.value: list[float] = []
+        self.motion: dict[int, int] = {}
+        self.masters: dict[int, tuple[list[tuple[int, float]], float]] = {}
+        self.frame = {GROUND: self._add("the ground", ENTRIES, IDENTITY)}
+        for i in range(ENTRIES):
+            self.motion[self.frame[GROUND] + i] = -1
+        for k, frame in enumerate(frames):
+            self.frame[k] = self._add(frame.name, ENTRIES, entries[k])
+            for i in range(ENTRIES):
+                request = requests[ENTRIES * k + i]
+                still = isinstance(request.model, Constant)
+                self.motion[self.frame[k] + i] = -1 if still else self.requests.add(request)
+                if not still:
+                    self.value[self.frame[k] + i] = 0.0
+        self.body = {body.name: self._add_body(body) for body in scene.bodies}
+
+    def _add(self, name: str, count: int, value: Any) -> int:
+        first = len(self.names)
+        words = ("x", "y", "z", "material")
+        self.names += [f"{name}: {words[i]}" if count <= len(words) else name for i in range(count)]
+        self.value += [float(x) for x in value]
+        return first
+
+    def _add_body(self, body: Body) -> int:
+        place = self._add(body.name, AXES, body.position)
+        for i, axis in enumerate("xyz"):
+            if axis in body.guide:
+                self.motion[place + i] = -1
+        return place
+
+    def finish(self, records: np.recarray, wheels: list[Wheel], on: list[int], path: Path) -> Layout:
+        """Add the rope's stations and rims, and tie what is tied."""
+        scene = self.scene
+        station, item = [], []
+        for i, wheel in enumerate(wheels):
+            item.append(len(station))
+            station.append(self._add(wheel.name, STATION, (*wheel.center, 0.0)))
+            if i < len(wheels) - 1:
+                count = scene.elements[i]
+                for k in range(1, count):
+                    at = path.tangents[i][0] + k / count * (path.tangents[i][1] - path.tangents[i][0])
+                    station.append(self._add(f"rope {wheel.name} to {wheels[i + 1].name}, node {k}", STATION, (*at, 0.0)))
+        rim = {
+            i: self._add(f"{thing.name}: rim", 1, [0.0]) for i, thing in enumerate(scene.path) if has_rim(thing)
+        }  # fmt: skip
+        for i, thing in enumerate(scene.path):
+            self._place(thing, station[item[i]], on[i])
+        layout = Layout(
+            scene, self.frames, self.frame, self.body, station, item, rim, {}, records, path, self.entries,
+            Degrees(self.names, np.array(self.value), np.ones(len(self.names))), self.requests,
+        )  # fmt: skip
+        layout.degrees.motion.update(self.motion)
+        for place, (masters, offset) in self.masters.items():
+            layout.degrees.tie(place, masters, offset)
+        return layout
+
+    def _place(self, thing: Any, place: int, k: int) -> None:
+        """Put an item on what it rides on."""
+        if isinstance(thing, End) or (isinstance(thing, Sheave) and thing.body is not None):
+            for c in range(AXES):
+                self.masters[place + c] = [(self.body[thing.body] + c, 1.0)], thing.offset[c]
+            return
+        drawn = thing.position if isinstance(thing, Anchor) else thing.center
+        f = self.frame[k]
+        for c in range(AXES):
+            if k == GROUND:
+                self.motion[place + c] = -1
+                self.value[place + c] = drawn[c]
+            else:
+                self.masters[place + c] = [(f + c, 1.0), *((f + 3 + 3 * j + c, drawn[j]) for j in range(AXES))], 0.0
+
+

@@ -1,0 +1,184 @@
+"""What a run's frames mean in a crane scene: variables, units, headline figures."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from crane.compensation import Compensation
+from crane.layout import Layout
+from crane.masses import Drums
+from crane.scene import Drum, Sheave
+from crane.slip import BEARING, NONE, Slips
+from crane.span import FIRST_PSI, FORCE, LAST_PSI, MATERIAL, RECORDED, STRETCH
+from tautline.kernels.time_function import sample
+from tautline.results.variable import Variable
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+COORDINATE_UNITS = (
+    "z up; tension is positive; the rope runs from the first item of the path to the last, material grows along it; "
+    "a drum's rope speed and power are positive where it pays out and where it hoists; rotation is right-handed about "
+    "the axis; wrap and fleet angles in rad"
+)
+AXES = 3
+PER_SPAN = RECORDED + AXES
+
+
+def variables(observer: Observer) -> list[Variable]:
+    """Everything that is stored, with units."""
+    node, time = ("time", "node"), ("time",)
+    span, sheave, body, drum = ("time", "span", "end"), ("time", "sheave"), ("time", "body", "axis"), ("time", "drum")
+    of_sheaves = [
+        Variable("wrap", sheave, "rad", "angle of contact of rope and sheave"),
+        Variable("fleet_angle", (*sheave, "end"), "rad", "angle of rope and sheave plane, where it runs on and off"),
+        Variable("sheave_load", (*sheave, "axis"), "N", "force of the rope on the sheave"),
+        Variable("sheave_rotation", sheave, "rad", "rotation of the sheave about its axis"),
+        Variable("slipping", sheave, "", "1 or -1 where the rope slips on the sheave, else 0"),
+    ]
+    of_drums = [
+        Variable("drum_tension", drum, "N", "tension at the drum"),
+        Variable("paid_out", drum, "m", "unstretched rope paid out since the start"),
+        Variable("pay_out_speed", drum, "m/s", "speed of unstretched rope, positive out"),
+        Variable("drum_rotation", drum, "rad", "rotation of the drum, positive where it pays out"),
+        Variable("winch_power", drum, "W", "power of the winch, positive where it hoists"),
+    ]
+    return [
+        Variable("position", (*node, "axis"), "m", "position"),
+        Variable("velocity", (*node, "axis"), "m/s", "velocity"),
+        Variable("material", node, "m", "material coordinate p"),
+        Variable("axial_force", ("time", "element"), "N", "axial force, with its damping"),
+        Variable("tension", span, "N", "tension at the beginning and at the end of a span"),
+        *(of_sheaves if observer.sheaves else []),
+        *(of_drums if observer.drums else []),
+        Variable("body_position", body, "m", "position of a body"),
+        Variable("body_velocity", body, "m/s", "velocity of a body"),
+        *([Variable("compensator", time, "m", "displacement of the heave compensator")] if observer.compensator else []),
+        Variable("kinetic_energy", time, "J", "kinetic energy"),
+        Variable("strain_energy", time, "J", "strain energy, of springs too"),
+        Variable("potential_energy", time, "J", "potential energy of weight and buoyancy"),
+        Variable("dissipated_energy", time, "J", "energy lost to damping and friction"),
+        Variable("external_work", time, "J", "work of winches, moving frames and forces"),
+    ]
+
+
+class Observer:
+    """Turns frames into variables; all of it vectorised over the frames of a batch."""
+
+    def __init__(self, layout: Layout, groups: tuple[Any, ...], compensation: Compensation | None) -> None:
+        self.layout, self.scene = layout, layout.scene
+        self.stations = np.array(layout.station)
+        self.elements = len(self.stations) - 1
+        self.sheaves = [i for i, item in enumerate(self.scene.path) if isinstance(item, Sheave)]
+        self.drums = [i for i, item in enumerate(self.scene.path) if isinstance(item, Drum)]
+        self.slips = next((g for g in groups if isinstance(g, Slips)), None)
+        motors = next((g for g in groups if isinstance(g, Drums)), None)
+        self.own = PER_SPAN * self.elements
+        self.own += 2 * len(self.slips.rows) if self.slips is not None else 0
+        self.own += len(motors.rows) if motors is not None else 0
+        self.start = layout.degrees.value.copy()
+        self.compensator: Any = None
+        if compensation is not None:
+            self.compensator = compile_functions([FunctionRequest(compensation.place, end=self.scene.solver.end)])
+
+    def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
+        """Arrays that do not change with time."""
+        path = self.scene.path
+        made: dict[str, tuple[Any, np.ndarray, str, str]] = {
+            "node": ("node", np.arange(1, len(self.stations) + 1), "", "node of the rope, from 1 at its beginning"),
+            "element": ("element", np.arange(1, self.elements + 1), "", "element of the rope, from 1 at its beginning"),
+            "axis": ("axis", np.array(["x", "y", "z"]), "", "axis"),
+            "span": ("span", np.array([f"{a.name} to {b.name}" for a, b in pairwise(path)]), "", "span"),
+            "end": ("end", np.array(["first", "last"]), "", "where the rope comes from, and where it goes"),
+            "body": ("body", np.array([body.name for body in self.scene.bodies]), "", "body"),
+        }
+        if self.sheaves:
+            made["sheave"] = ("sheave", np.array([path[i].name for i in self.sheaves]), "", "sheave")
+            made["sheave_radius"] = ("sheave", np.array([path[i].radius for i in self.sheaves]), "m", "pitch radius")
+        if self.drums:
+            made["drum"] = ("drum", np.array([path[i].name for i in self.drums]), "", "drum")
+        return made
+
+    def observe(self, frames: Any) -> dict[str, np.ndarray]:
+        """Variables of a batch of frames, leading axis time."""
+        q, v, three = frames.q, frames.v, np.arange(AXES)
+        found = frames.own[:, : PER_SPAN * self.elements].reshape(len(q), self.elements, PER_SPAN)
+        first, last = np.array(self.layout.spans).T
+        force = found[..., FORCE]
+        made = {
+            "position": q[:, self.stations[:, None] + three],
+            "velocity": v[:, self.stations[:, None] + three],
+            "material": q[:, self.stations + MATERIAL],
+            "axial_force": force.copy(),
+            "tension": np.stack((force[:, first], force[:, last - 1]), axis=-1),
+        }
+        bodies = np.array([self.layout.body[body.name] for body in self.scene.bodies], dtype=int)
+        made["body_position"], made["body_velocity"] = (x[:, bodies[:, None] + three] for x in (q, v))
+        if self.sheaves:
+            made |= self._sheaves(frames, found)
+        if self.drums:
+            made |= self._drums(frames, found)
+        if self.compensator is not None:
+            made["compensator"] = sample(self.compensator, 0, np.ascontiguousarray(frames.time))[:, 0]
+        for k, name in enumerate(("kinetic_energy", "strain_energy", "potential_energy")):
+            made[name] = frames.energy[:, k].copy()
+        made["external_work"], made["dissipated_energy"] = frames.energy[:, 3].copy(), frames.energy[:, 4].copy()
+        return made
+
+    def _sheaves(self, frames: Any, found: np.ndarray) -> dict[str, np.ndarray]:
+        layout, rows = self.layout, self.layout.wheels
+        after = np.array([layout.item[i] for i in self.sheaves])
+        on, off = found[:, after - 1], found[:, after]
+        e_on, e_off = on[..., RECORDED:], off[..., RECORDED:]
+        wheels = rows[self.sheaves]
+        columns = frames.q[:, wheels.frame[:, None] + 3 + np.arange(9)].reshape(len(frames.q), -1, 3, 3)
+        axis = np.einsum("tsjc,sj->tsc", columns, wheels.axis)
+        place = np.array([layout.material(i) for i in self.sheaves])
+        speed = on[..., STRETCH] * frames.v[:, place]
+        flux = (self.scene.rope.mass_per_length * speed**2)[..., None]
+        load = (off[..., [FORCE]] - flux) * e_off - (on[..., [FORCE]] - flux) * e_on
+        fleet = [np.arcsin(np.clip(np.einsum("tsc,tsc->ts", e, axis), -1.0, 1.0)) for e in (e_on, e_off)]
+        return {
+            "wrap": np.abs(off[..., FIRST_PSI] - on[..., LAST_PSI]),
+            "fleet_angle": np.stack(fleet, axis=-1),
+            "sheave_load": load,
+            "sheave_rotation": self._rotation(frames, on[..., STRETCH], place, wheels.radius),
+            "slipping": self._slipping(frames),
+        }
+
+    def _rotation(self, frames: Any, stretch: np.ndarray, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
+        """Rotation of sheaves: their rims' travel, or that of the rope which does not slip on them."""
+        travel = -stretch[:1] * (frames.q[:, place] - self.start[place])
+        for k, i in enumerate(self.sheaves):
+            if i in self.layout.rim:
+                travel[:, k] = frames.q[:, self.layout.rim[i]]
+            elif self.scene.path[i].locked:
+                travel[:, k] = 0.0
+        return travel / rho
+
+    def _slipping(self, frames: Any) -> np.ndarray:
+        slipping = np.zeros((len(frames.q), len(self.sheaves)))
+        if self.slips is None:
+            return slipping
+        own = frames.own[:, PER_SPAN * self.elements :]
+        after = {self.layout.item[i]: k for k, i in enumerate(self.sheaves)}
+        for j, row in enumerate(self.slips.rows):
+            if row.after != NONE and row.kind != BEARING:
+                slipping[:, after[row.after]] = own[:, 2 * j + 1]
+        return slipping
+
+    def _drums(self, frames: Any, found: np.ndarray) -> dict[str, np.ndarray]:
+        place = np.array([self.layout.material(i) for i in self.drums])
+        way = np.array([-1.0 if i == 0 else 1.0 for i in self.drums])
+        radius = np.array([self.scene.path[i].radius for i in self.drums])
+        element = np.array([0 if i == 0 else self.elements - 1 for i in self.drums])
+        tension, stretch = found[:, element, FORCE], found[:, element, STRETCH]
+        out, speed = way * (frames.q[:, place] - self.start[place]), way * frames.v[:, place]
+        return {
+            "drum_tension": tension.copy(),
+            "paid_out": out,
+            "pay_out_speed": speed,
+            "drum_rotation": out * stretch / radius,
+            "winch_power": -tension * stretch * speed,
+        }

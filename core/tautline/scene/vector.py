@@ -1,0 +1,72 @@
+"""Vectors as they are written in a scene: lists of three numbers, along x, y and z."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from tautline.scene.model import MARK
+from tautline.scene.quantity import quantity
+from tautline.scene.refusal import refusal
+
+Vector = tuple[float, float, float]
+
+
+def listed(count: int | None, of: str, example: str) -> BeforeValidator:
+    """Annotate a list of `count` entries, or of at least one."""
+
+    def read(value: Any) -> Any:
+        cure = f"give {of}, such as {example}"
+        if not isinstance(value, (list, tuple)):
+            raise refusal("is empty" if value is None else "is not a list", cure)
+        if not value:
+            raise refusal("is an empty list", cure)
+        if count is not None and len(value) != count:
+            entries = "1 entry" if len(value) == 1 else f"{len(value)} entries"
+            raise refusal(f"has {entries}, not {count}", cure)
+        return value
+
+    return BeforeValidator(read)
+
+
+def three(example: str) -> BeforeValidator:
+    """Annotate a list of three numbers."""
+    return listed(3, "three numbers: x, y and z", example)
+
+
+Position = Annotated[tuple[Annotated[float, quantity("m")], ...], three("[0, 0, 0]")]
+Direction = Annotated[tuple[Annotated[float, quantity("")], ...], three("[1, 0, 0]")]
+Velocity = Annotated[tuple[Annotated[float, quantity("m/s")], ...], three("[0, 0.01, 0]")]
+Acceleration = Annotated[tuple[Annotated[float, quantity("m/s^2")], ...], three("[0, 0, -9.81]")]
+
+
+class _Downwards:
+    """Annotation of gravity: a vector, or a number, which acts downwards."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        def tag(value: Any) -> str:
+            return f"{MARK}vector" if isinstance(value, (list, tuple)) else f"{MARK}number"
+
+        number = handler.generate_schema(Annotated[float, quantity("m/s^2", nonnegative=True)])
+        choices: dict[Any, CoreSchema] = {
+            f"{MARK}vector": handler.generate_schema(Acceleration),
+            f"{MARK}number": core_schema.no_info_after_validator_function(lambda g: (0.0, 0.0, 0.0 - g), number),
+        }
+        return core_schema.tagged_union_schema(choices, discriminator=tag)
+
+
+Gravity = Annotated[Vector, _Downwards()]
+"""Acceleration of gravity, m/s^2, z up; ``9.81`` is ``[0, 0, -9.81]``."""
+
+
+def unit(vector: Sequence[float]) -> Vector:
+    """Return the vector of length one along another that is not zero."""
+    # Scaled first: the square of a very small or very large number is none.
+    largest = max(abs(x) for x in vector)
+    x, y, z = (x / largest for x in vector)
+    size = math.hypot(x, y, z)
+    return x / size, y / size, z / size

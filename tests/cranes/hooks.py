@@ -1,0 +1,112 @@
+"""Calls from Python of the hooks of groups whose degrees of freedom are all free."""
+
+import numpy as np
+
+from tautline.kernels import groups as over
+from tautline.kernels.groups import link
+from tautline.kernels.jit import entry
+from tautline.kernels.matrix import dense, new_matrix
+from tautline.system.system import Degrees, assemble
+from tautline.system.time_functions import compile_functions
+
+SUMS = ("residual", "mass", "smooth_tangent", "energy", "dissipation")
+
+
+class Hooks:
+    """Groups over `size` degrees of freedom, by stencils that list what they couple."""
+
+    def __init__(self, groups, size, stencils):
+        degrees = Degrees([f"x{i}" for i in range(size)], np.zeros(size), np.ones(size))
+        stencils = [np.atleast_2d(s) for s in stencils]
+        self.system = assemble(groups, degrees, compile_functions([]), np.zeros(size), stencils, stencils)
+        self.linked, self.order = link(groups, *SUMS), np.argsort(self.system.free)
+
+    def residual(self, q, v, a):
+        """Residual (n,)."""
+        r = np.zeros(q.size)
+        _residual(self.linked, q, v, a, r)
+        return r
+
+    def _matrix(self):
+        return new_matrix(self.system.size, self.system.bandwidth, self.system.border)
+
+    def tangent(self, q, v, a, cm, cc, ck):
+        """cm dr/da + cc dr/dv + ck dr/dq (n, n)."""
+        matrix = self._matrix()
+        _tangent(self.linked, q, v, a, float(cm), float(cc), float(ck), matrix, self.system.dofs)
+        return dense(matrix)[np.ix_(self.order, self.order)]
+
+    def mass(self, q):
+        """Mass matrix (n, n)."""
+        matrix = self._matrix()
+        _mass(self.linked, q, matrix, self.system.dofs)
+        return dense(matrix)[np.ix_(self.order, self.order)]
+
+    def energies(self, q, v):
+        """Kinetic, strain and potential energy (3,)."""
+        e = np.zeros(3)
+        _energy(self.linked, q, v, e)
+        return e
+
+    def powers(self, q, v):
+        """Power lost, and put in."""
+        p = np.zeros(3)
+        _dissipation(self.linked, q, v, p)
+        return p[0], p[1]
+
+    def tangent_error(self, q, v, a, cm, cc, ck, h=1e-6):
+        """Largest difference of the tangent from the residual's, over its largest entry."""
+        made = self.tangent(q, v, a, cm, cc, ck)
+        steps = np.eye(q.size) * h
+        # differences of second and fourth order together cancel what a curved residual leaves
+        first, second = (
+            np.array(
+                [
+                    self.residual(q + k * ck * s, v + k * cc * s, a + k * cm * s)
+                    - self.residual(q - k * ck * s, v - k * cc * s, a - k * cm * s)
+                    for s in steps
+                ]
+            ).T
+            / (2.0 * k * h)
+            for k in (1.0, 2.0)
+        )
+        expected = (4.0 * first - second) / 3.0
+        return np.abs(made - expected).max() / np.abs(expected).max()
+
+    def imbalance(self, q, v, a, h=1e-5):
+        """Power into the groups less what becomes of it, over the largest of the three."""
+        ahead, behind = (
+            self.energies(q + s * v + 0.5 * s * s * a, v + s * a).sum() for s in (h, -h)
+        )
+        further, back = (
+            self.energies(q + s * v + 0.5 * s * s * a, v + s * a).sum() for s in (2.0 * h, -2.0 * h)
+        )
+        stored = (8.0 * (ahead - behind) - (further - back)) / (12.0 * h)
+        lost, given = self.powers(q, v)
+        power = self.residual(q, v, a) @ v
+        return abs(power - stored - lost + given) / max(abs(power), abs(stored), abs(lost), abs(given))
+
+
+@entry
+def _residual(groups, q, v, a, r):
+    over.residual(groups, 0.0, q, v, a, r)
+
+
+@entry
+def _tangent(groups, q, v, a, cm, cc, ck, matrix, dofs):
+    over.smooth_tangent(groups, 0.0, q, v, a, cm, cc, ck, matrix, dofs)
+
+
+@entry
+def _mass(groups, q, matrix, dofs):
+    over.mass(groups, q, matrix, dofs)
+
+
+@entry
+def _energy(groups, q, v, e):
+    over.energy(groups, 0.0, q, v, e)
+
+
+@entry
+def _dissipation(groups, q, v, p):
+    over.dissipation(groups, 0.0, q, v, p)

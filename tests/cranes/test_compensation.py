@@ -1,0 +1,211 @@
+"""Active heave compensation: at its command below its limits, within them always."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from crane.compensation import compensate
+from crane.frames import GROUND, Frame, heave_of
+from tautline.kernels.time_function import sample
+from tautline.scene.functions import Constant, Harmonic, Spectrum
+from tautline.system.time_functions import FunctionRequest, Samples, compile_functions
+
+END = 60.0
+ROUNDING = 1e-9
+NIL = Constant(value=0.0)
+WAVE = Harmonic(amplitude=1.0, period=8.0, ramp=8.0)
+SEA = Spectrum(significant_height=2.5, peak_period=9.0, gamma=2.0, seed=7, rao=0.6, ramp=10.0)
+
+
+@dataclass
+class Limits:
+    stroke: float | None = None
+    speed: float | None = None
+    acceleration: float | None = None
+
+
+def heave(model, end=END):
+    frame = Frame("vessel", GROUND, (0.0, 0.0, 0.0), (NIL, NIL, model, NIL, NIL, NIL))
+    return heave_of((frame,), 0, 0, (10.0, 0.0, 20.0), end)
+
+
+HEAVES = {"wave": heave(WAVE), "sea": heave(SEA)}
+
+
+def sampled(model, times, factor=1.0):
+    return sample(compile_functions([FunctionRequest(model, factor=factor)]), 0, times)
+
+
+def commanded(model, gain, delay, times):
+    return sampled(model, times - delay, gain)
+
+
+def times(end=END, n=40001):
+    """Neither at the steps nor between them."""
+    return np.linspace(0.0, end, n)
+
+
+def assert_within(compensation, limits, end=END):
+    moved = np.abs(sampled(compensation.place, times(end))).max(axis=0)
+    for most, limit in zip(moved, (limits.stroke, limits.speed, limits.acceleration), strict=True):
+        assert limit is None or most <= limit * (1.0 + ROUNDING)
+
+
+@pytest.mark.parametrize("name", HEAVES)
+@pytest.mark.parametrize("gain", [0.95, 1.0])
+@pytest.mark.parametrize("delay", [0.0, 0.1, 0.37])
+def test_below_its_limits_it_pays_out_gain_times_the_heave_of_a_while_ago(name, gain, delay):
+    limits = Limits(4.0, 2.0, 2.0)
+    compensation = compensate(HEAVES[name], gain, delay, limits, END)
+    got, wanted = sampled(compensation.pay_out, times()), commanded(HEAVES[name], gain, delay, times())
+    assert np.abs(got[:, 0] - wanted[:, 0]).max() < 1e-9
+    assert np.abs(got[:, 1] - wanted[:, 1]).max() < 1e-6 and np.abs(got[:, 2] - wanted[:, 2]).max() < 1e-4
+    assert compensation.away == 0.0 and compensation.error == 0.0 and not any(compensation.met.values())
+    assert_within(compensation, limits)
+
+
+def test_limits_that_are_just_not_met_change_nothing():
+    w = 2.0 * np.pi / 8.0
+    limits = Limits(1.0001, 1.0001 * w, 1.0001 * w * w)
+    plain = heave(Harmonic(amplitude=1.0, period=8.0))
+    compensation = compensate(plain, 1.0, 0.0, limits, END)
+    assert compensation.away == 0.0 and compensation.met == {"stroke": 0.0, "speed": 0.0, "acceleration": 0.0}
+
+
+def test_without_limits_there_is_no_actuator_to_see():
+    compensation = compensate(HEAVES["sea"], 0.95, 0.1, Limits(), END)
+    got, wanted = sampled(compensation.pay_out, times()), commanded(HEAVES["sea"], 0.95, 0.1, times())
+    assert np.abs(got[:, 0] - wanted[:, 0]).max() < 1e-9
+
+
+SATURATED = {
+    "stroke": Limits(stroke=0.5),
+    "speed": Limits(speed=0.5),
+    "acceleration": Limits(acceleration=0.3),
+    "stroke, not to be stopped at once": Limits(stroke=0.5, acceleration=1.0),
+    "all three": Limits(0.4, 0.3, 0.25),
+    "a crawl": Limits(speed=0.01, acceleration=2.0),
+    "a hair": Limits(stroke=0.001),
+    "a feeble actuator": Limits(acceleration=0.01),
+}
+
+
+@pytest.mark.parametrize("limits", SATURATED.values(), ids=SATURATED)
+@pytest.mark.parametrize("name", HEAVES)
+def test_no_limit_is_ever_exceeded_and_those_met_are_told(name, limits):
+    compensation = compensate(HEAVES[name], 0.95, 0.1, limits, END)
+    assert_within(compensation, limits)
+    for limit, share in compensation.met.items():
+        if getattr(limits, limit) is None and limit != "acceleration":
+            assert share == 0.0
+    assert 0.0 < compensation.away <= 1.0 and sum(compensation.met.values()) <= compensation.away + 1e-12
+    assert max(compensation.met.values()) > 0.0
+    got = sampled(compensation.place, times())
+    off = np.abs(got[:, 0] - commanded(HEAVES[name], 0.95, 0.1, times())[:, 0])
+    assert off.max() == pytest.approx(compensation.error, rel=1e-3)
+
+
+@pytest.mark.parametrize("limits", [Limits(stroke=0.55), Limits(speed=0.6), Limits(stroke=0.55, acceleration=2.0)])
+def test_it_joins_its_command_again_after_a_limit(limits):
+    """Of a sea only the highest waves reach these limits; between them the command is followed to the last digit."""
+    compensation = compensate(HEAVES["sea"], 0.95, 0.1, limits, END)
+    off = sampled(compensation.place, times())[:, 0] - commanded(HEAVES["sea"], 0.95, 0.1, times())[:, 0]
+    assert 0.0 < compensation.away < 0.2
+    assert np.mean(np.abs(off) > 1e-9) < compensation.away + 0.01
+    assert np.abs(off).max() < 0.15
+
+
+def test_a_stroke_that_is_used_up_is_used_fully():
+    compensation = compensate(HEAVES["wave"], 1.0, 0.0, Limits(stroke=0.5, acceleration=3.0), END)
+    late = times() > 20.0
+    place, goal = sampled(compensation.place, times())[late, 0], commanded(HEAVES["wave"], 1.0, 0.0, times())[late, 0]
+    assert np.all(np.abs(place[np.abs(goal) > 0.8]) > 0.48)
+    assert compensation.met["stroke"] > 0.3 and compensation.met["speed"] == 0.0
+    assert compensation.error == pytest.approx(0.5, abs=0.01)
+
+
+def test_a_speed_that_is_too_low_gives_a_saw_tooth():
+    compensation = compensate(HEAVES["wave"], 1.0, 0.0, Limits(speed=0.4), END)
+    late = times() > 20.0
+    speed = np.abs(sampled(compensation.place, times())[late, 1])
+    assert np.mean(speed > 0.399) > 0.6 and compensation.met["speed"] > 0.5
+
+
+def test_an_actuator_of_half_the_acceleration_still_helps():
+    compensation = compensate(HEAVES["sea"], 1.0, 0.0, Limits(acceleration=0.4), END)
+    late = times() > 15.0
+    rest = (sampled(compensation.place, times()) - commanded(HEAVES["sea"], 1.0, 0.0, times()))[late, 0]
+    assert np.std(rest) < 0.7 * np.std(commanded(HEAVES["sea"], 1.0, 0.0, times())[late, 0])
+
+
+@pytest.mark.parametrize("limits", SATURATED.values(), ids=SATURATED)
+def test_the_pay_out_is_c2_and_moves_without_chatter(limits):
+    place = compensate(HEAVES["wave"], 0.95, 0.1, limits, END).place
+    knots = place.time[1:-1]
+    jump = np.abs(sampled(place, np.nextafter(knots, 0.0)) - sampled(place, knots)).max(axis=0)
+    assert np.all(jump < (1e-10, 1e-9, 1e-6))
+    # a switching actuator would go from one end to the other at every step
+    turns = np.abs(np.diff(place.second)).sum() / np.abs(place.second).max()
+    assert turns < 60.0
+
+
+@pytest.mark.parametrize(
+    ("source", "gain", "limits"),
+    [
+        (HEAVES["wave"], 0.0, Limits(4.0, 2.0, 2.0)),
+        (NIL, 0.95, Limits()),
+        (Constant(value=0.4), 0.95, Limits(stroke=0.1)),
+        (HEAVES["wave"], 0.95, Limits(stroke=0.0)),
+    ],
+)
+def test_what_has_nothing_to_do_or_cannot_move_stays_where_it_is(source, gain, limits):
+    compensation = compensate(source, gain, 0.1, limits, END)
+    assert compensation.pay_out == NIL
+    assert (compensation.away > 0.0) == (limits.stroke == 0.0)
+
+
+def test_a_vessel_that_heaves_from_the_first_moment_is_caught_up_with():
+    """Without an envelope the heave has a speed at t = 0, and with a delay its command jumps in speed."""
+    plain = heave(Harmonic(amplitude=1.0, period=8.0, phase=0.5))
+    limits = Limits(1.5, 1.0, 1.5)
+    compensation = compensate(plain, 0.95, 0.1, limits, END)
+    assert_within(compensation, limits)
+    assert sampled(compensation.pay_out, np.zeros(1))[0, 0] == 0.0
+    late = times()[times() > 5.0]
+    start = commanded(plain, 0.95, 0.1, np.zeros(1))[0, 0]
+    off = sampled(compensation.pay_out, late)[:, 0] - commanded(plain, 0.95, 0.1, late)[:, 0] + start
+    assert np.abs(off).max() < 1e-6
+    outside = compensate(plain, 5.0, 0.1, Limits(stroke=0.5, acceleration=1.0), END)
+    assert_within(outside, Limits(stroke=0.5, acceleration=1.0))
+
+
+def test_it_moves_on_at_the_very_end_of_the_run():
+    compensation = compensate(HEAVES["wave"], 1.0, 0.0, Limits(), END)
+    got, wanted = (sampled(model, np.array([END])) for model in (compensation.pay_out, HEAVES["wave"]))
+    assert np.allclose(got, wanted, atol=1e-6) and abs(got[0, 1]) + abs(got[0, 2]) > 0.1
+
+
+def test_a_coarser_step_keeps_to_the_limits_as_well():
+    for step in (0.005, 0.05, 0.2):
+        limits = Limits(0.4, 0.3, 0.25)
+        assert_within(compensate(HEAVES["sea"], 1.0, 0.1, limits, END, step), limits)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    stroke=st.none() | st.floats(0.01, 3.0),
+    speed=st.none() | st.floats(0.01, 3.0),
+    acceleration=st.none() | st.floats(0.01, 3.0),
+    gain=st.floats(0.1, 2.0),
+    delay=st.floats(0.0, 1.0),
+    seed=st.integers(0, 100),
+)
+def test_any_actuator_in_any_sea_keeps_to_its_limits(stroke, speed, acceleration, gain, delay, seed):
+    end = 25.0
+    limits = Limits(stroke, speed, acceleration)
+    source = heave(SEA.model_copy(update={"seed": seed, "components": 40, "ramp": 0.0}), end)
+    assert isinstance(source, Samples)
+    assert_within(compensate(source, gain, delay, limits, end), limits, end)
