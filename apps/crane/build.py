@@ -44,8 +44,7 @@ def build(scene: CraneScene) -> Model:
     Raises
     ------
     SceneError
-        For a path that no rope can take, faults of files, more rope than a drum holds; and where the drawing has no
-        static equilibrium.
+        For a path that no rope can take, faults of files, and more rope than a drum holds.
     """
     made = assembled(scene)
     layout, system, notes = made.layout, made.system, list(made.notes)
@@ -75,6 +74,7 @@ def build(scene: CraneScene) -> Model:
         step_limit=0.3 * float(layout.path.chords.min()),
         own=observer.own,
         notes=notes,
+        settle=lambda state: draw_true(layout, system, state),
     )  # fmt: skip
 
 
@@ -86,7 +86,7 @@ class Assembly:
 
 
 def assembled(scene: CraneScene) -> Assembly:
-    """Lay a scene out, write its equations, and give it the rope that makes its drawing true; see `build`."""
+    """Lay a scene out and write its equations; see `build`."""
     layout = lay_out(scene)
     tension = _tension(scene)
     stretch = _tie_material(layout, tension)
@@ -106,10 +106,7 @@ def assembled(scene: CraneScene) -> Assembly:
     for k, place in enumerate(system.dofs.held):
         if system.dofs.motion[k] >= 0:
             system.q[place] = system.dofs.offset[k] + evaluate(functions, system.dofs.motion[k], 0.0)[0]
-    notes = [*layout.path.warnings]
-    if scene.start == "static":
-        notes += draw_true(layout, system)
-    return Assembly(layout, system, compensation, notes)
+    return Assembly(layout, system, compensation, [*layout.path.warnings])
 
 
 def _physics(scene: CraneScene) -> str:
@@ -216,9 +213,18 @@ def _groups(layout: Layout, stretch: float) -> tuple[list[Any], list[np.ndarray]
         n, slips = len(rows), _records(SLIP, rows)
         made.append(
             lambda functions: Slips(
-                slips, spans.found, spans.start, ends, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
-                np.zeros(n, np.int64), np.zeros(1), functions,
-            )  # fmt: skip
+                slips,
+                spans.found,
+                spans.start,
+                ends,
+                np.zeros(n),
+                np.zeros(n),
+                np.zeros(n),
+                np.zeros(n),
+                np.zeros(n, np.int64),
+                np.zeros(1),
+                functions,
+            )
         )
     drums = _drums(layout, spans)
     if drums:
@@ -230,7 +236,9 @@ def _groups(layout: Layout, stretch: float) -> tuple[list[Any], list[np.ndarray]
     if bodies:
         mass = np.array([row[1] for row in bodies])
         made.append(
-            lambda functions: Bodies(_records(BODY, bodies), gravity, floor, mass, np.zeros(len(mass)), functions)
+            lambda functions: Bodies(
+                _records(BODY, bodies), gravity, floor, mass, mass.copy(), np.zeros(len(mass)), functions
+            )
         )
     for group in (_rims(layout, stretch), _springs(layout), _supplies(layout)):
         if group is not None:
@@ -255,9 +263,16 @@ def _spans(layout: Layout) -> Spans:
             two = i + 1 if k == last - 1 and layout.wheels.radius[i + 1] != 0.0 else POINT
             rows.append(
                 (
-                    layout.station[k], layout.station[k + 1], one, two, rope.axial_stiffness, rope.mass_per_length,
-                    rope.damping, load, slack,
-                )  # fmt: skip
+                    layout.station[k],
+                    layout.station[k + 1],
+                    one,
+                    two,
+                    rope.axial_stiffness,
+                    rope.mass_per_length,
+                    rope.damping,
+                    load,
+                    slack,
+                )
             )
     return new_spans(_records(SPAN, rows), layout.wheels)
 
@@ -288,9 +303,17 @@ def _slips(layout: Layout, spans: Spans, stretch: float) -> tuple[list[tuple], l
         if item.law == "capstan" and (rim != NONE or item.locked) and item.groove_friction > 0.0:
             rows.append(
                 (
-                    CAPSTAN, p, -stretch, rim, -1.0 if rim != NONE else 0.0, *common, item.groove_friction, stiffness,
-                    rope.mass_per_length, NONE,
-                )  # fmt: skip
+                    CAPSTAN,
+                    p,
+                    -stretch,
+                    rim,
+                    -1.0 if rim != NONE else 0.0,
+                    *common,
+                    item.groove_friction,
+                    stiffness,
+                    rope.mass_per_length,
+                    NONE,
+                )
             )
         if item.bearing is not None and item.bearing.friction > 0.0 and not item.locked:
             share = item.bearing.friction * item.bearing.radius / item.radius
@@ -343,11 +366,20 @@ def _drums(layout: Layout, spans: Spans) -> list[tuple]:
         begin = layout.degrees.value[place]
         rows.append(
             (
-                place, 1.0 if first else -1.0, 1.0 / item.radius, item.inertia, scene.rope.mass_per_length,
-                np.inf if item.rope_on_drum is None else item.rope_on_drum, begin, function,
-                int(item.drive == "tension"), gains.proportional if gains else 0.0, gains.integral if gains else 0.0,
-                item.torque_limit or np.inf, span,
-            )  # fmt: skip
+                place,
+                1.0 if first else -1.0,
+                1.0 / item.radius,
+                item.inertia,
+                scene.rope.mass_per_length,
+                np.inf if item.rope_on_drum is None else item.rope_on_drum,
+                begin,
+                function,
+                int(item.drive == "tension"),
+                gains.proportional if gains else 0.0,
+                gains.integral if gains else 0.0,
+                item.torque_limit or np.inf,
+                span,
+            )
         )
     return rows
 
@@ -362,11 +394,18 @@ def _bodies(layout: Layout) -> list[tuple]:
         released = body.release
         rows.append(
             (
-                layout.body[body.name], body.mass, released.remaining if released else body.mass,
-                released.at if released else np.inf, body.added_mass, body.drag.linear, body.drag.quadratic,
-                (water.density * body.volume if water else 0.0) * up, functions, body.bottom,
+                layout.body[body.name],
+                body.mass,
+                released.remaining if released else body.mass,
+                released.at if released else np.inf,
+                body.added_mass,
+                body.drag.linear,
+                body.drag.quadratic,
+                (water.density * body.volume if water else 0.0) * up,
+                functions,
+                body.bottom,
                 int(scene.ground is not None),
-            )  # fmt: skip
+            )
         )
     return rows
 
@@ -416,5 +455,3 @@ def _stencils(layout: Layout, pending: list[np.ndarray]) -> tuple[list[np.ndarra
     single = np.array([[place] for place in layout.rim.values()], dtype=np.int64).reshape(-1, 1)
     bodies = np.array([place + np.arange(AXES) for place in layout.body.values()], dtype=np.int64).reshape(-1, AXES)
     return [spans, single, bodies, *pending], [spans, single, bodies]
-
-

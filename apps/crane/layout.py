@@ -13,20 +13,19 @@ from typing import Any
 import numpy as np
 
 from crane.frames import ENTRIES, GROUND, Frame, point_of, requests_of
-from crane.line import POINT, WHEEL
+from crane.line import WHEEL
 from crane.reeving import Path, ReevingError, Wheel, reeve, sigma_of
-from crane.scene import Anchor, Body, CraneScene, Drum, Efficiency, End, Sheave
+from crane.scene import Anchor, Body, CraneScene, End, Sheave
 from crane.span import MATERIAL, STATION
 from crane.vessel import frames_of
 from tautline.kernels.time_function import evaluate
-from tautline.scene.errors import Problem, SceneError
+from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant
 from tautline.system.system import Degrees
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 AXES = 3
 IDENTITY = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
-OPERATOR, COMPENSATOR = 0, 1
 
 
 @dataclass
@@ -123,7 +122,9 @@ def lay_out(scene: CraneScene) -> Layout:
     functions = compile_functions(requests)
     entries = np.array([evaluate(functions, i, 0.0)[0] for i in range(len(requests))]).reshape(-1, ENTRIES)
     on = [_frame_number(scene, item, places) for item in scene.path]
-    wheels = [_wheel(scene, item, entries[k] if k != GROUND else IDENTITY) for item, k in zip(scene.path, on, strict=True)]
+    wheels = [
+        _wheel(scene, item, entries[k] if k != GROUND else IDENTITY) for item, k in zip(scene.path, on, strict=True)
+    ]
     path = _reeved(scene, wheels)
     builder = _Builder(scene, frames, entries, requests)
     records = np.zeros(len(wheels), WHEEL).view(np.recarray)
@@ -150,7 +151,9 @@ def _wheel(scene: CraneScene, item: Any, entries: np.ndarray) -> Wheel:
     """An item as the geometry sees it, where it is at t = 0."""
     turned = entries[3:].reshape(3, 3).T
     if isinstance(item, End):
-        return Wheel(item.name, np.add(scene.body(item.body).position, item.offset), np.array([0, 1, 0]), 0.0, None, True)
+        return Wheel(
+            item.name, np.add(scene.body(item.body).position, item.offset), np.array([0, 1, 0]), 0.0, None, True
+        )
     if isinstance(item, Anchor):
         return Wheel(item.name, point_of(entries, item.position), np.array([0, 1, 0]), 0.0, None, True)
     if isinstance(item, Sheave) and item.body is not None:
@@ -217,7 +220,9 @@ class _Builder:
                 count = scene.elements[i]
                 for k in range(1, count):
                     at = path.tangents[i][0] + k / count * (path.tangents[i][1] - path.tangents[i][0])
-                    station.append(self._add(f"rope {wheel.name} to {wheels[i + 1].name}, node {k}", STATION, (*at, 0.0)))
+                    station.append(
+                        self._add(f"rope {wheel.name} to {wheels[i + 1].name}, node {k}", STATION, (*at, 0.0))
+                    )
         rim = {
             i: self._add(f"{thing.name}: rim", 1, [0.0]) for i, thing in enumerate(scene.path) if has_rim(thing)
         }  # fmt: skip
@@ -246,5 +251,3 @@ class _Builder:
                 self.value[place + c] = drawn[c]
             else:
                 self.masters[place + c] = [(f + c, 1.0), *((f + 3 + 3 * j + c, drawn[j]) for j in range(AXES))], 0.0
-
-

@@ -1,9 +1,9 @@
 """The taut line between two wheels or points, and how its length follows them, inside compiled code.
 
 The line of direction e touches a wheel of signed radius rho about the unit axis a at rho w, w = e x a / |e x a|; psi is
-the angle about a from the wheel's mark m to w. A rope from mark to mark is Lambda = l + rho1 psi1 - rho2 psi2 long. With
-e' the part of e in a wheel's plane, of length c = cos(fleet angle), dw = e' dpsi / c and dpsi = -w.de / c (the axis
-standing still), and so de = E dd for d = c2 - c1, with
+the angle about a from the wheel's mark m to w. A rope from mark to mark is Lambda = l + rho1 psi1 - rho2 psi2 long.
+With e' the part of e in a wheel's plane, of length c = cos(fleet angle), dw = e' dpsi / c and dpsi = -w.de / c (the
+axis standing still), and so de = E dd for d = c2 - c1, with
 
     E = A^-1 (1 - e e^T),  A = l + (1 - e e^T) (rho2 e2' w2^T / c2^2 - rho1 e1' w1^T / c1^2),
 
@@ -44,8 +44,8 @@ class Line(NamedTuple):
     """A line, and scratch.
 
     ``e, g, drift`` (3,): direction, gradient of its length, and the rate of e that turning wheels cause, 1/s; ``turn``
-    (3, 3) is E, 1/m; ``wheel`` (2, 8, 3) holds of each wheel axis, mark, w, e' / c, the rates of axis and mark, b = a x m
-    and the drift of w; ``number`` (8,) is indexed by names above.
+    (3, 3) is E, 1/m; ``wheel`` (2, 8, 3) holds of each wheel axis, mark, w, e' / c, the rates of axis and mark, b = a x
+    m and the drift of w; ``number`` (8,) is indexed by names above.
     """
 
     e: np.ndarray
@@ -123,7 +123,7 @@ def _start(a, b, q, rho1, rho2, line):
 
 @kernel
 def _improve(a, b, q, rho1, rho2, line):
-    """Newton's iteration on the direction: l e - x2(e) + x1(e) = d, across e. Returns l, zero where there is no line."""
+    """Newton's iteration on the direction: l e - x2(e) + x1(e) = d, across e. Returns l, or zero where no line is."""
     e, one, two = line.e, line.wheel[0], line.wheel[1]
     residual = line.g
     number = line.number

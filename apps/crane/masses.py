@@ -30,13 +30,14 @@ STILL = 1.0e-3
 
 class Bodies(NamedTuple):
     """Bodies (n,) of ``BODY`` under ``gravity`` (3,) m/s^2, and ``ground`` (4,): level m, stiffness N/m, damping N s/m
-    and friction. ``mass`` (n,) is what each has now; ``let_go`` (n,) the power, W, at which energy left with what was
-    released, in the step of its release."""
+    and friction. ``mass`` (n,) is what each has in the step under way and ``kept`` (n,) what it had after the last;
+    ``let_go`` (n,) is the power, W, at which energy left with what was released, in the step of its release."""
 
     rows: np.recarray
     gravity: np.ndarray
     ground: np.ndarray
     mass: np.ndarray
+    kept: np.ndarray
     let_go: np.ndarray
     functions: TimeFunctions
 
@@ -47,13 +48,23 @@ def _body_begin(g, t, h, beta, gamma, q, v, a):
     for n in range(g.rows.size):
         b = g.rows[n]
         g.let_go[n] = 0.0
-        before = g.mass[n]
-        g.mass[n] = b.remaining if t + 0.5 * h >= b.released else b.mass
-        if h > 0.0 and g.mass[n] < before:
+        if beta < 0.0:
+            # An equilibrium is one with all of the load.
+            g.mass[n] = g.kept[n]
+            continue
+        g.mass[n] = b.remaining if t + 0.5 * h >= b.released else g.kept[n]
+        if h > 0.0 and g.mass[n] < g.kept[n]:
             energy = 0.0
             for c in range(AXES):
-                energy += (before - g.mass[n]) * (0.5 * v[b.place + c] ** 2 - g.gravity[c] * q[b.place + c])
+                energy += (g.kept[n] - g.mass[n]) * (0.5 * v[b.place + c] ** 2 - g.gravity[c] * q[b.place + c])
             g.let_go[n] = energy / h
+
+
+@kernel
+def _body_commit(g, t, h, q, v, a):
+    for n in range(g.rows.size):
+        if h > 0.0:
+            g.kept[n] = g.mass[n]
 
 
 @kernel
@@ -101,7 +112,7 @@ def _body_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             o = b.place + c
             x = cm * (g.mass[n] + b.added[c]) + cc * (b.linear[c] + 2.0 * b.quadratic[c] * abs(v[o]))
             add_entry(matrix, dofs, o, o, x)
-        depth, push = _ground(g, b, q, v)
+        _, push = _ground(g, b, q, v)
         if push > 0.0:
             z = b.place + 2
             by = ck * g.ground[1] + cc * g.ground[2]
@@ -137,8 +148,8 @@ def _body_energy(g, t, q, v, energy):
         b = g.rows[n]
         for c in range(AXES):
             o = b.place + c
-            energy[0] += 0.5 * (g.mass[n] + b.added[c]) * v[o] * v[o]
-            energy[2] -= (g.mass[n] * g.gravity[c] + b.lift[c]) * q[o]
+            energy[0] += 0.5 * (g.kept[n] + b.added[c]) * v[o] * v[o]
+            energy[2] -= (g.kept[n] * g.gravity[c] + b.lift[c]) * q[o]
         depth, _ = _ground(g, b, q, v)
         energy[1] += 0.5 * g.ground[1] * depth * depth
 
@@ -147,7 +158,9 @@ def _body_energy(g, t, q, v, energy):
 def _body_dissipation(g, t, q, v, p):
     for n in range(g.rows.size):
         b = g.rows[n]
-        p[1] -= g.let_go[n]
+        # An impulse in the ledger's trapezoid: all of it at the end of this step, none at the start of the next.
+        p[1] -= 2.0 * g.let_go[n]
+        p[2] += 2.0 * g.let_go[n]
         for c in range(AXES):
             o = b.place + c
             p[0] += (b.linear[c] + b.quadratic[c] * abs(v[o])) * v[o] * v[o]
@@ -163,13 +176,13 @@ def _body_dissipation(g, t, q, v, p):
 
 register(
     Bodies, begin=_body_begin, switch=_body_switch, residual=_body_residual, mass=_body_mass, tangent=_body_tangent,
-    energy=_body_energy, dissipation=_body_dissipation,
+    energy=_body_energy, dissipation=_body_dissipation, commit=_body_commit,
 )  # fmt: skip
 
 
 class Rims(NamedTuple):
-    """Inertia (n,) of rims, kg, on the degrees of freedom ``place`` (n,): I/R^2 on a rim's travel, or I lambda^2/R^2 on
-    the material that does not slip on it."""
+    """Inertia (n,) of rims, kg, on the degrees of freedom ``place`` (n,): I/R^2 on a rim's travel, or I lambda^2/R^2
+    on the material that does not slip on it."""
 
     place: np.ndarray
     mass: np.ndarray
@@ -203,20 +216,21 @@ register(Rims, residual=_rim_residual, mass=_rim_mass, tangent=_rim_tangent, ene
 
 DRUM = np.dtype(
     [
-        ("p", "i8"), ("way", "f8"), ("gear", "f8"), ("inertia", "f8"), ("rope", "f8"), ("stored", "f8"), ("begin", "f8"),
-        ("function", "i8"), ("holds", "i8"), ("proportional", "f8"), ("integral", "f8"), ("limit", "f8"),
+        ("p", "i8"), ("way", "f8"), ("gear", "f8"), ("inertia", "f8"), ("rope", "f8"), ("stored", "f8"),
+        ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"), ("integral", "f8"),
+        ("limit", "f8"),
         ("span", "i8"),
     ]
 )  # fmt: skip
 """A drum whose motion is not prescribed: the place of p at its mark; +1 at the beginning of the rope, where p grows as
 it is hoisted, and -1 at its end; gear = lambda/R 1/m (turns of the drum in rad per metre of material); inertia kg m^2;
-rhoA kg/m; rope on the drum at the start m (infinite: no end of it) and p there; the function of its torque N m or, where
-it holds a tension (holds 1), of that, N; its gains, 1 and 1/s, and largest torque N m; and the span that leaves it."""
+rhoA kg/m; rope on the drum at the start m (infinite: no end of it) and p there; the function of its torque N m or,
+where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; its largest torque N m; and the span that leaves it."""
 
 
 class Drums(NamedTuple):
-    """Drums (n,) of ``DRUM``; ``found`` as in `Slips`; ``sum`` (n,) is the integral of what tension lacks, N s, ``torque``
-    (n,) that of the last step."""
+    """Drums (n,) of ``DRUM``; ``found`` as in `Slips`; ``sum`` (n,) is the integral of what tension lacks, N s,
+    ``torque`` (n,) that of the last step."""
 
     rows: np.recarray
     found: np.ndarray
@@ -344,7 +358,7 @@ register(
 
 
 class Supplies(NamedTuple):
-    """Rope on drums (n,): place of p at the mark, p at which none is left there, and +1 where p falls as it is paid out."""
+    """Rope on drums (n,): place of p at the mark, p where none is left there, and +1 where p falls as rope is paid out."""
 
     p: np.ndarray
     least: np.ndarray

@@ -54,7 +54,11 @@ def variables(observer: Observer) -> list[Variable]:
         *(of_drums if observer.drums else []),
         Variable("body_position", body, "m", "position of a body"),
         Variable("body_velocity", body, "m/s", "velocity of a body"),
-        *([Variable("compensator", time, "m", "displacement of the heave compensator")] if observer.compensator else []),
+        *(
+            [Variable("compensator", time, "m", "displacement of the heave compensator")]
+            if observer.compensator
+            else []
+        ),
         Variable("kinetic_energy", time, "J", "kinetic energy"),
         Variable("strain_energy", time, "J", "strain energy, of springs too"),
         Variable("potential_energy", time, "J", "potential energy of weight and buoyancy"),

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from crane.layout import Layout
+from crane.bodies import XYZ
+from crane.layout import AXES, Layout
 from crane.masses import Drums, Supplies
 from crane.scene import Drum, End, Sheave
 from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.state import State, new_state
-from tautline.integrators.status import StoppedEarly
+from tautline.integrators.state import State
 from tautline.system.system import System
 
 ITERATIONS = 40
@@ -33,53 +33,56 @@ def stretch_of(tension: float, stiffness: float) -> float:
     return stretch
 
 
-def draw_true(layout: Layout, system: System) -> list[str]:
+def draw_true(layout: Layout, system: System, state: State) -> None:
     """Bring a scene to rest, with as much rope as makes its load hang as high as drawn.
 
-    Rope is added at an end that is no drum, where there is one. What is found is left in the system; where there is no
-    equilibrium nothing is: the run says so.
+    Rope is added at an end that is no drum, where there is one; where the scene gives the rope's length, none is.
 
-    Returns
-    -------
-    list of str
-        Notes for the user.
+    Parameters
+    ----------
+    layout : Layout
+    system : System
+        In which the material at the rope's end is changed.
+    state : State
+        Where the search starts, and where the equilibrium is left.
+
+    Raises
+    ------
+    StoppedEarly
+        NO_EQUILIBRIUM, naming the unknown that is worst.
     """
-    state = new_state(system)
     limit = SHORTEST_WAY * float(layout.path.chords.min())
-    masses = _hanging(layout)
-    given = layout.scene.rope.length is not None
-    try:
-        find_equilibrium(system, state, limit)
-        if masses and not given:
-            _lengthen(layout, system, state, masses, limit)
-    except StoppedEarly:
-        return []
-    moved = _farthest(layout, system, state)
-    system.q[:] = state.full_q
-    if moved is None:
-        return []
-    return [f"at rest {moved[0]} hangs {moved[1]:.3g} m from where it is drawn"]
+    weights = _hanging(layout)
+    find_equilibrium(system, state, limit)
+    if weights and layout.scene.rope.length is None:
+        _lengthen(layout, system, state, weights, limit)
 
 
 def _hanging(layout: Layout) -> dict[int, float]:
-    """Mass of every body that hangs on the rope and is free to rise, by the place of its height."""
+    """What makes the height of the load: the weight of every body on the rope along each axis that it is free to move
+    along, N, by place."""
     scene = layout.scene
     names = {item.body for item in scene.path if isinstance(item, (End, Sheave)) and item.body is not None}
-    bodies = [scene.body(name) for name in sorted(names)]
-    return {layout.body[b.name] + 2: b.mass for b in bodies if "z" not in b.guide and b.mass > 0.0}
+    return {
+        layout.body[body.name] + c: body.mass * scene.gravity[c]
+        for body in (scene.body(name) for name in sorted(names))
+        for c in range(AXES)
+        if XYZ[c] not in body.guide and body.mass * scene.gravity[c] != 0.0
+    }
 
 
-def _height(state: State, masses: dict[int, float]) -> float:
-    return sum(mass * float(state.full_q[place]) for place, mass in masses.items()) / sum(masses.values())
+def _height(x: np.ndarray, weights: dict[int, float]) -> float:
+    """How high the load is in a field of gravity, m."""
+    return -sum(w * float(x[place]) for place, w in weights.items()) / sum(abs(w) for w in weights.values())
 
 
-def _lengthen(layout: Layout, system: System, state: State, masses: dict[int, float], limit: float) -> None:
+def _lengthen(layout: Layout, system: System, state: State, weights: dict[int, float], limit: float) -> None:
     """Secant iteration on the rope's length."""
-    drawn = sum(m * float(layout.degrees.value[place]) for place, m in masses.items()) / sum(masses.values())
+    drawn = _height(layout.degrees.value, weights)
     close = CLOSE * float(layout.path.chords.max())
     last, slope = None, -1.0 / max(1, _falls(layout))
     for _ in range(ITERATIONS):
-        off = _height(state, masses) - drawn
+        off = _height(state.full_q, weights) - drawn
         if abs(off) <= close:
             return
         if last is not None and abs(off - last[1]) > 0.0:
@@ -123,17 +126,3 @@ def _move_supply(layout: Layout, system: System, i: int, way: float) -> None:
             group.least[group.p == place] += way
         elif isinstance(group, Drums):
             group.rows["begin"][group.rows["p"] == place] += way
-
-
-def _farthest(layout: Layout, system: System, state: State) -> tuple[str, float] | None:
-    """Body that hangs farthest from where it is drawn, and how far, m, if that is plain to see."""
-    away = {
-        body.name: float(
-            np.linalg.norm(state.full_q[layout.body[body.name] :][:3] - layout.degrees.value[layout.body[body.name] :][:3])
-        )
-        for body in layout.scene.bodies
-    }
-    if not away:
-        return None
-    name = max(away, key=lambda body: away[body])
-    return (name, away[name]) if away[name] > 0.01 else None

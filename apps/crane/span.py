@@ -30,7 +30,7 @@ SPAN = np.dtype(
         ("damping", "f8"), ("load", "f8", (3,)), ("slack", "i8"),
     ]
 )  # fmt: skip
-"""A span: its stations' places, the wheels there or ``POINT``, EA N, rhoA kg/m, c s, weight N/m, whether it goes slack."""
+"""A span: its stations' places, the wheels there or ``POINT``, EA N, rhoA kg/m, c s, weight N/m, whether it slacks."""
 FORCE, FIRST_PSI, LAST_PSI, STRETCH, BY_STRETCH, BY_SPEED, SIZE = range(7)
 """Places in ``found``: N (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m); and how many there are."""
 

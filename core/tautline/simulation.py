@@ -174,7 +174,9 @@ class _Run:
     def start(self) -> None:
         """Find the equilibrium the scene asks for, and set it moving."""
         model = self.model
-        if model.start == "static":
+        if model.start == "static" and model.settle is not None:
+            model.settle(self.state)
+        elif model.start == "static":
             find_equilibrium(model.system, self.state, model.step_limit)
         elif model.start == "relaxed":
             fresh = remember((), model.system.groups, ())

@@ -1,11 +1,15 @@
-"""Calls from Python of the hooks of groups whose degrees of freedom are all free."""
+"""Groups by themselves: calls from Python of their hooks, and runs of a few of them."""
 
 import numpy as np
 
+from tautline.integrators.generalized_alpha import alphas
 from tautline.kernels import groups as over
 from tautline.kernels.groups import link
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import dense, new_matrix
+from tautline.results.variable import Variable
+from tautline.simulation import ENERGIES, simulate
+from tautline.system.model import Model, SolverSettings
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
 
@@ -13,7 +17,7 @@ SUMS = ("residual", "mass", "smooth_tangent", "energy", "dissipation")
 
 
 class Hooks:
-    """Groups over `size` degrees of freedom, by stencils that list what they couple."""
+    """Groups over `size` free degrees of freedom, by stencils that list what they couple."""
 
     def __init__(self, groups, size, stencils):
         degrees = Degrees([f"x{i}" for i in range(size)], np.zeros(size), np.ones(size))
@@ -23,8 +27,8 @@ class Hooks:
 
     def residual(self, q, v, a):
         """Residual (n,)."""
-        r = np.zeros(q.size)
-        _residual(self.linked, q, v, a, r)
+        r = np.zeros(len(q))
+        _residual(self.linked, *_vectors(q, v, a), r)
         return r
 
     def _matrix(self):
@@ -33,32 +37,36 @@ class Hooks:
     def tangent(self, q, v, a, cm, cc, ck):
         """cm dr/da + cc dr/dv + ck dr/dq (n, n)."""
         matrix = self._matrix()
-        _tangent(self.linked, q, v, a, float(cm), float(cc), float(ck), matrix, self.system.dofs)
+        _tangent(self.linked, *_vectors(q, v, a), float(cm), float(cc), float(ck), matrix, self.system.dofs)
         return dense(matrix)[np.ix_(self.order, self.order)]
 
     def mass(self, q):
         """Mass matrix (n, n)."""
         matrix = self._matrix()
-        _mass(self.linked, q, matrix, self.system.dofs)
+        _mass(self.linked, *_vectors(q), matrix, self.system.dofs)
         return dense(matrix)[np.ix_(self.order, self.order)]
 
     def energies(self, q, v):
         """Kinetic, strain and potential energy (3,)."""
         e = np.zeros(3)
-        _energy(self.linked, q, v, e)
+        _energy(self.linked, *_vectors(q, v), e)
         return e
 
     def powers(self, q, v):
         """Power lost, and put in."""
         p = np.zeros(3)
-        _dissipation(self.linked, q, v, p)
+        _dissipation(self.linked, *_vectors(q, v), p)
         return p[0], p[1]
+
+    def acceleration(self, q, v):
+        """Acceleration (n,) of a free motion."""
+        return np.linalg.solve(self.mass(q), -self.residual(q, v, np.zeros(q.size)))
 
     def tangent_error(self, q, v, a, cm, cc, ck, h=1e-6):
         """Largest difference of the tangent from the residual's, over its largest entry."""
         made = self.tangent(q, v, a, cm, cc, ck)
         steps = np.eye(q.size) * h
-        # differences of second and fourth order together cancel what a curved residual leaves
+        # two differences together cancel what a curved residual leaves in one
         first, second = (
             np.array(
                 [
@@ -75,16 +83,15 @@ class Hooks:
 
     def imbalance(self, q, v, a, h=1e-5):
         """Power into the groups less what becomes of it, over the largest of the three."""
-        ahead, behind = (
-            self.energies(q + s * v + 0.5 * s * s * a, v + s * a).sum() for s in (h, -h)
-        )
-        further, back = (
-            self.energies(q + s * v + 0.5 * s * s * a, v + s * a).sum() for s in (2.0 * h, -2.0 * h)
-        )
-        stored = (8.0 * (ahead - behind) - (further - back)) / (12.0 * h)
+        e = {k: self.energies(q + k * h * v + 0.5 * (k * h) ** 2 * a, v + k * h * a).sum() for k in (-2, -1, 1, 2)}
+        stored = (8.0 * (e[1] - e[-1]) - (e[2] - e[-2])) / (12.0 * h)
         lost, given = self.powers(q, v)
         power = self.residual(q, v, a) @ v
         return abs(power - stored - lost + given) / max(abs(power), abs(stored), abs(lost), abs(given))
+
+
+def _vectors(*given):
+    return [np.ascontiguousarray(x, dtype=float) for x in given]
 
 
 @entry
@@ -110,3 +117,22 @@ def _energy(groups, q, v, e):
 @entry
 def _dissipation(groups, q, v, p):
     over.dissipation(groups, 0.0, q, v, p)
+
+
+def run(groups, q, v, stencils, held=(), *, step, end, interval, scale=1.0):
+    """Result of a run with the trapezoidal rule: `q`, `v` (frames, n) and energies. No group may record numbers."""
+    degrees = Degrees([f"x{i}" for i in range(q.size)], q.copy(), np.full(q.size, scale))
+    for i in held:
+        degrees.fix(i)
+    stencils = [np.atleast_2d(s) for s in stencils]
+    system = assemble(groups, degrees, compile_functions([]), v.copy(), stencils, stencils)
+    solver = SolverSettings("generalized-alpha", step, end, interval, *alphas(1.0), tolerance=1e-11)
+    variables = [Variable(name, ("time",), "J", name) for name in ENERGIES]
+    variables += [Variable(name, ("time", "unknown"), "1", name) for name in "qv"]
+
+    def observe(frames):
+        energies = {name: frames.energy[:, k].copy() for k, name in enumerate(ENERGIES)}
+        return {**energies, "q": frames.q.copy(), "v": frames.v.copy()}
+
+    unknowns = {"unknown": ("unknown", np.arange(q.size), "", "degree of freedom")}
+    return simulate(Model(system, solver, variables, unknowns, {}, observe, lambda result: {}, start="as given"))

@@ -20,6 +20,10 @@ class Application(Protocol):
         Name of its console script: ``drillstring``.
     title : str
         One line for ``--help``.
+
+    It may have more: ``verbs``, typer commands of its own; ``describe(figures)``, rows of a table (what, how much) that
+    ``check`` prints of `check_figures`; ``draw(scene, path)``, which ``check --figure`` calls and which returns the
+    path.
     """
 
     name: str

@@ -73,6 +73,20 @@ class Packaged:
         """What ``check`` tells of a scene in figures."""
         return self._module("cautions").figures(scene)
 
+    def describe(self, figures: dict[str, Any]) -> list[tuple[str, str]]:
+        """Rows of a table for people, of what `check_figures` gives; none if ``cautions`` has no ``describe``."""
+        rows = getattr(self._module("cautions"), "describe", None)
+        return [] if rows is None else rows(figures)
+
+    def draw(self, scene: Any, path: Path) -> Path:
+        """Draw a scene before it runs, by ``draw_scene`` of ``figures``; raises ResultError if it has none."""
+        drawing = getattr(self._module("figures"), "draw_scene", None)
+        if drawing is None:
+            from tautline.results.errors import ResultError
+
+            raise ResultError("--figure", f"scenes of {self.name} are not drawn", "leave it out, and `plot` the result")
+        return drawing(scene, path)
+
     def build(self, scene: Any) -> Model:
         """Compile a scene; raises SceneError."""
         return self._module("build").build(scene)

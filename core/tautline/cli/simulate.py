@@ -10,9 +10,10 @@ from tautline.cli.catalogue import Catalogue
 from tautline.cli.console import console, print_json, say
 from tautline.cli.progress import Bar
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.summary import quantity, table
+from tautline.cli.summary import quantity, table, two_columns
 
 if TYPE_CHECKING:
+    from tautline.cli.application import Application
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
 
@@ -24,23 +25,45 @@ COPIED = ("method", "step", "steps", "newton_iterations", "wall_time", "real_tim
 """Keys of the report that are attributes of the result."""
 
 
-def check(catalogue: Catalogue, scene: Path, as_json: bool) -> None:
-    """Validate a scene and print its warnings."""
+def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None = None) -> None:
+    """Validate a scene, print its warnings and what it comes to, and draw it if a `figure` is asked for.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For a scene that cannot be run, and a figure that cannot be drawn.
+    """
     application = catalogue.for_scene(scene)
     read = application.read(scene)
     cautions = application.cautions(read)
     figures = application.check_figures(read)
     print_cautions(cautions)
+    if figure is not None:
+        _draw(application, read, figure)
     # What only the builder can tell, such as a constraint said twice, is refused here too; nothing is run.
     model = application.build(read)
     for note in getattr(model, "notes", ()):
         say(f"note: {note}")
+    rows = () if as_json else getattr(application, "describe", lambda _: ())(figures)
+    if rows:
+        console().print(two_columns(rows))
     count = len(cautions)
     warned = f", {count} warning{'s' * (count > 1)}" if count else ""
     say(f"{scene} can be run{warned}. Next: {catalogue.name} simulate {scene}", "green")
     if as_json:
         warnings = [{"where": caution.where, "text": caution.text} for caution in cautions]
-        print_json({"scene": str(scene), "status": "good", "warnings": warnings} | figures)
+        drawn = {} if figure is None else {"figure": str(figure)}
+        print_json({"scene": str(scene), "status": "good", "warnings": warnings} | drawn | figures)
+
+
+def _draw(application: Application, scene: Any, figure: Path) -> None:
+    """Draw a scene; raises ResultError for an application that draws none."""
+    from tautline.results.errors import ResultError
+
+    draw = getattr(application, "draw", None)
+    if draw is None:
+        raise ResultError("--figure", f"scenes of {application.name} are not drawn", "leave it out")
+    say(f"wrote {draw(scene, figure)}", "green")
 
 
 def print_cautions(cautions: Iterable[Caution]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -53,6 +54,18 @@ def speed(factor: float | None) -> str:
     return f"{significant(factor, 3)} ({significant(factor, 2)} x slower than real time)"
 
 
+def two_columns(rows: Iterable[tuple[str, str]]) -> Table:
+    """Lay out rows of what and how much."""
+    from rich.table import Table
+
+    laid_out = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    laid_out.add_column(style="cyan")
+    laid_out.add_column()
+    for what, value in rows:
+        laid_out.add_row(what, value)
+    return laid_out
+
+
 def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str, dict[str, Any]]) -> Table:
     """Lay out the summary.
 
@@ -65,8 +78,6 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
     headline : dict
         The application's figures: name -> {value, unit, text}.
     """
-    from rich.table import Table
-
     rows: list[tuple[str, str]] = [
         ("method", str(report["method"] or "–")),
         ("step", quantity(report["step"], "s")),
@@ -82,11 +93,7 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
         rows.append(("step halvings", str(attributes["halvings"])))
     if report["energy_error"] is not None:
         rows.append(("energy balance, relative error", significant(report["energy_error"], 2)))
-    summary = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    summary.add_column(style="cyan")
-    summary.add_column()
-    for row in rows:
-        summary.add_row(*row)
+    summary = two_columns(rows)
     if headline:
         summary.add_section()
         summary.add_row("", "")

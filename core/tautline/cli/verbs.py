@@ -40,6 +40,9 @@ What = Annotated[
     list[str] | None,
     typer.Option("--what", metavar="NAME", help="A figure's name, repeatable. [dim]\\[default: all][/]"),
 ]
+Drawing = Annotated[
+    Path | None, typer.Option("--figure", metavar="FILE", help="Draw the scene into a png, svg or pdf file.")
+]
 Format = Annotated[str | None, typer.Option("--format", metavar="png|svg|pdf", help="[dim]\\[default: png][/]")]
 Template = Annotated[
     str | None, typer.Argument(metavar="[TEMPLATE]", help="Which one; see --list.", show_default=False)
@@ -54,11 +57,11 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an u
 Version = Annotated[bool, typer.Option("--version", help="Print the version and leave.")]
 
 
-def check(context: typer.Context, scene: Scene, as_json: Json = False) -> None:
+def check(context: typer.Context, scene: Scene, figure: Drawing = None, as_json: Json = False) -> None:
     """Validate a scene and warn, with cause and cure; runs nothing."""
     from tautline.cli import simulate as verb
 
-    verb.check(context.obj, scene, as_json)
+    verb.check(context.obj, scene, as_json, figure)
 
 
 def simulate(

@@ -68,6 +68,9 @@ class Model:
         Numbers that the groups record each frame.
     notes : list of str
         What the builder decided that the user should know.
+    settle : callable or None
+        Brings the run's state to the static equilibrium that it starts from, where that takes more than finding it: a
+        rope of the length that makes its drawing true.
     """
 
     system: System
@@ -81,3 +84,4 @@ class Model:
     step_limit: float = 1.0
     own: int = 0
     notes: list[str] = field(default_factory=list)
+    settle: Callable[[Any], None] | None = None

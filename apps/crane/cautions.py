@@ -1,0 +1,319 @@
+"""What to tell a user about a crane before it runs: large against what, and what to do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from crane.build import _compensation as compensation_of
+from crane.estimates import Estimate, estimate, pull, rk4_limit
+from crane.path import FLEET_LIMIT
+from crane.scene import CraneScene, Drum, Sheave
+from crane.supply import check_supply, supply_of
+from tautline.kernels.time_function import evaluate
+from tautline.scene.errors import Caution
+from tautline.system.time_functions import compile_functions
+
+LEAST_RATIO = 16.0
+"""Sheave over rope diameter below which bending wears a wire rope out quickly; the codes ask for 18 to 25."""
+LEAST_SAFETY = 3.0
+"""Breaking load over tension at rest: a rule of thumb of offshore lifting."""
+STEPS_PER_PERIOD = 10.0
+FRAMES_PER_PERIOD = 3.0
+SUDDEN = 0.01
+"""Share of the tension at rest that a jump in speed may add without a word."""
+HEAVY = 0.05
+"""Share of a span's tension that half an element may weigh: by as much its end's tension is off."""
+SAGGING = 0.02
+"""Sag over length of a span from which it wants elements, however much it pulls."""
+ENOUGH = 8
+
+Sentences = Iterator[tuple[str, str]]
+
+
+def cautions(scene: CraneScene) -> list[Caution]:
+    """Cautions of a scene, each with its cause and a cure; raises SceneError where it cannot be run."""
+    check_supply(scene)
+    found = estimate(scene)
+    sentences = [
+        *(("path", text) for text in found.path.warnings),
+        *_fleet(found), *_bending(scene), *_safety(found), *_sheaves(scene), *_steps(found), *_mesh(found),
+        *_compression(scene), *_supply(found), *_start(found), *_compensation(found),
+    ]  # fmt: skip
+    return [Caution(where, text) for where, text in sentences]
+
+
+def _key(scene: CraneScene, item: Any, key: str = "") -> str:
+    """Key path of an item of the path, or of a key of it."""
+    first, place, kind = scene.key_of(item)
+    return f"{first}[{place}].{kind}" + (f".{key}" if key else "")
+
+
+def fleet_angle(found: Estimate, i: int) -> float:
+    """Larger of the two angles of rope and plane at an item of the path, rad, as a size."""
+    angles = found.path.fleet
+    sides = [angles[i - 1, 1]] * (i > 0) + [angles[i, 0]] * (i < len(angles))
+    return max(abs(float(angle)) for angle in sides)
+
+
+def _fleet(found: Estimate) -> Sentences:
+    """Rope that meets a sheave or a drum askew."""
+    for i, item in enumerate(found.scene.path):
+        if not isinstance(item, (Sheave, Drum)):
+            continue
+        limit = item.fleet_limit if isinstance(item, Sheave) else FLEET_LIMIT
+        angle = fleet_angle(found, i)
+        if angle > limit:
+            cure = "turn the axis or move it into the rope's way"
+            cure += ", or raise fleet_limit" if isinstance(item, Sheave) else ""
+            text = (
+                f"the rope meets {item.name} at {math.degrees(angle):.3g} deg to its plane, more than "
+                f"{math.degrees(limit):.3g} deg: it rubs on the flange and wears; {cure}"
+            )
+            yield _key(found.scene, item), text
+
+
+def _bending(scene: CraneScene) -> Sentences:
+    """Sheaves small for their rope."""
+    diameter = scene.rope.diameter
+    if diameter is None:
+        return
+    small = [
+        (2.0 * item.radius / diameter, item)
+        for item in scene.path
+        if isinstance(item, (Sheave, Drum)) and 2.0 * item.radius < LEAST_RATIO * diameter
+    ]
+    if small:
+        ratio, item = min(small, key=lambda pair: pair[0])
+        others = f", and {len(small) - 1} more below {LEAST_RATIO:g}" if len(small) > 1 else ""
+        text = (
+            f"{2.0 * item.radius:.3g} m over a rope of {1e3 * diameter:.3g} mm is D/d = {ratio:.3g}{others}: wire rope "
+            f"soon breaks of bending so, and {LEAST_RATIO:g} or more is usual; take a larger radius, or see whether "
+            "rope.diameter is what was meant"
+        )
+        yield _key(scene, item, "radius"), text
+
+
+def _safety(found: Estimate) -> Sentences:
+    """Rope weak for its load."""
+    breaking, tension = found.scene.rope.breaking_load, found.largest_tension
+    if breaking is None or tension <= 0.0 or breaking >= LEAST_SAFETY * tension:
+        return
+    text = (
+        f"{breaking:.3g} N is {breaking / tension:.2g} times the tension at rest, about {tension:.3g} N; by a rule of "
+        f"thumb of offshore lifting it should be {LEAST_SAFETY:g} times, and codes ask for their own factor; take a "
+        "stronger rope, more falls or less load"
+    )
+    yield "rope.breaking_load", text
+
+
+def _sheaves(scene: CraneScene) -> Sentences:
+    """Friction that cannot act."""
+    for item in scene.sheaves:
+        if item.law == "capstan" and not item.locked and item.inertia == 0.0:
+            text = (
+                f"nothing resists {item.name}: without inertia it turns with the rope, and the friction of law: "
+                "capstan never acts; give inertia, locked: yes, or law: frictionless"
+            )
+            yield _key(scene, item, "law"), text
+
+
+def shortest(found: Estimate) -> list[float]:
+    """Length of an element in every span when it is shortest, m, as far as the winches' motion is prescribed."""
+    scene, path = found.scene, found.path
+    reeled = -min((float(s.paid_out.min()) for s in map(lambda d: supply_of(scene, d), scene.drums) if s), default=0.0)
+    loose = _between(scene)
+    share = reeled / max(1, len(loose))
+    lengths = [span.length - (share if k in loose else 0.0) for k, span in enumerate(path.spans)]
+    return [max(length, 1e-3 * span.length) / n for length, span, n in zip(lengths, path.spans, scene.elements, strict=True)]
+
+
+def _between(scene: CraneScene) -> list[int]:
+    """Numbers of the spans of which just one end rides on a body: those that hoisting shortens."""
+    rides = [getattr(item, "body", None) is not None for item in scene.path]
+    return [k for k in range(len(rides) - 1) if rides[k] != rides[k + 1]]
+
+
+def _steps(found: Estimate) -> Sentences:
+    scene, frequency = found.scene, found.frequency
+    solver, interval = scene.solver, scene.output.interval
+    if solver.method == "rk4":
+        begin = min(span.length / n for span, n in zip(found.path.spans, scene.elements, strict=True))
+        critical, later = rk4_limit(scene, begin), rk4_limit(scene, min(shortest(found)))
+        falls = f", and {later:.2g} s when the spans are shortest" if later < 0.9 * critical else ""
+        if solver.step == "auto" or float(solver.step) > later:
+            long = "" if solver.step == "auto" else f": {solver.step:g} s will be unstable"
+            text = (
+                f"rk4 takes steps of no more than about {critical:.2g} s here, the time of a wave of tension along an "
+                f"element{falls}{long}; method: generalized-alpha takes ten to a hundred times longer ones"
+            )
+            yield "solver.method" if solver.step == "auto" else "solver.step", text
+    if frequency is None:
+        return
+    period = 1.0 / frequency
+    if solver.step != "auto" and not scene.controlled and float(solver.step) * STEPS_PER_PERIOD > period:
+        text = (
+            f"{solver.step:g} s is long against the period of the load's bounce, about {period:.2g} s: fewer than "
+            f"{STEPS_PER_PERIOD:.0f} steps in it do not follow the motion; take {0.5 * period / STEPS_PER_PERIOD:.1g} s "
+            "or less, or control: error"
+        )
+        yield "solver.step", text
+    if interval * FRAMES_PER_PERIOD > period:
+        text = (
+            f"{interval:g} s keeps fewer than {FRAMES_PER_PERIOD:.0f} frames in a bounce of the load, about "
+            f"{period:.2g} s: peaks between frames are not seen; take {period / 10.0:.1g} s or less where they matter"
+        )
+        yield "output.interval", text
+
+
+def _mesh(found: Estimate) -> Sentences:
+    """Elements too long for a heavy rope."""
+    scene = found.scene
+    g = np.array(scene.gravity, float)
+    if found.tension is None:
+        return
+    for k, (span, n) in enumerate(zip(found.path.spans, scene.elements, strict=True)):
+        tension = max(float(found.tension[k].max()), 1e-9 * scene.rope.axial_stiffness)
+        load = scene.rope.mass_per_length * g
+        along = abs(float(load @ span.e)) * span.length
+        across = float(np.linalg.norm(load - (load @ span.e) * span.e)) * span.length
+        names = f"{scene.path[k].name} to {scene.path[k + 1].name}"
+        off = 0.5 * along / n / tension
+        if off > HEAVY:
+            text = (
+                f"{n} from {names}: half of one weighs {100.0 * off:.2g} % of the tension there, which is by as much "
+                f"off at the span's ends; take {math.ceil(0.4 * along / tension / HEAVY)} or more for that span"
+            )
+            yield "mesh.elements_per_span", text
+        elif across / (8.0 * tension) > SAGGING and n < ENOUGH:
+            sag = across * span.length / (8.0 * tension)
+            text = (
+                f"{n} from {names}: the rope sags by about {sag:.2g} m in {span.length:.3g} m, and is drawn as {n} "
+                f"straight pieces; take {ENOUGH} or more for that span"
+            )
+            yield "mesh.elements_per_span", text
+
+
+def _compression(scene: CraneScene) -> Sentences:
+    if scene.rope.compression == "elastic":
+        text = (
+            "elastic: the rope carries pressure as a rod does, so that it never goes slack and no snap follows; give "
+            "none for a rope, unless it is known to stay taut"
+        )
+        yield "rope.compression", text
+
+
+def _supply(found: Estimate) -> Sentences:
+    """Motion of winches that begins with a jump, or goes too far."""
+    scene = found.scene
+    for drum in scene.drums:
+        supply = supply_of(scene, drum)
+        if supply is None:
+            continue
+        front = abs(float(supply.speed[0])) * found.impedance
+        if front > SUDDEN * found.largest_tension:
+            text = (
+                f"jumps to {supply.speed[0]:.3g} m/s at t = 0: a front of {front:.3g} N runs along the rope, v sqrt(EA "
+                "rho); begin at 0 with a ramp, such as {ramp: {to: "
+                f"{supply.speed[0]:.3g}, over: 1.0}}}}, unless that is what is asked"
+            )
+            yield _key(scene, drum, drum.drive), text
+        yield from _limits(found, drum, supply)
+
+
+def _limits(found: Estimate, drum: Drum, supply: Any) -> Sentences:
+    scene = found.scene
+    most, held = float(supply.paid_out.max()), drum.rope_on_drum
+    if held is not None and most > held:
+        k = int(np.argmax(supply.paid_out > held))
+        text = (
+            f"{held:.4g} m, and {most:.4g} m are paid out: the run will stop at t = {supply.time[k]:.3g} s, when the "
+            "drum is empty; give more rope, or pay out less"
+        )
+        yield _key(scene, drum, "rope_on_drum"), text
+    loose = _between(scene)
+    if not loose:
+        return
+    room = sum(found.path.spans[k].length for k in loose)
+    taken = -float(supply.paid_out.min())
+    if taken > room:
+        k = int(np.argmax(-supply.paid_out > room))
+        text = (
+            f"reels {taken:.4g} m in, and there are {room:.4g} m between the load and what it hangs on: the load comes "
+            f"into the sheave at about t = {supply.time[k]:.3g} s; hoist less, or end earlier"
+        )
+        yield _key(scene, drum, drum.drive), text
+
+
+def _start(found: Estimate) -> Sentences:
+    """What the rope hangs on moves at t = 0, and the load rests."""
+    scene, layout = found.scene, found.layout
+    if scene.start != "static" or not layout.frames:
+        return
+    functions = compile_functions(layout.requests.of)
+    fastest, name = 0.0, ""
+    for i, item in enumerate(scene.path):
+        frame = int(layout.wheels.frame[i])
+        if getattr(item, "body", None) is not None or frame == layout.frame[-1]:
+            continue
+        rate = np.array([_rate(layout, functions, frame + c) for c in range(12)])
+        drawn = np.array(getattr(item, "center", None) or getattr(item, "position", None))
+        speed = float(np.linalg.norm(rate[:3] + rate[3:].reshape(3, 3).T @ drawn))
+        if speed > fastest:
+            fastest, name = speed, item.name
+    front = fastest * found.impedance
+    if front > SUDDEN * found.largest_tension:
+        text = (
+            f"{name} moves at {fastest:.2g} m/s at t = 0, and the load rests: up to {front:.3g} N of tension come of "
+            "the jump alone; let the motion grow with `ramp`, or leave the first waves out of account"
+        )
+        yield "vessel.motion" if scene.vessel is not None else "frames", text
+
+
+def _rate(layout: Any, functions: Any, place: int) -> float:
+    function = layout.degrees.motion.get(place, -1)
+    return float(evaluate(functions, function, 0.0)[1]) if function >= 0 else 0.0
+
+
+def _compensation(found: Estimate) -> Sentences:
+    """Limits of the actuator that hold it back."""
+    if found.scene.heave_compensation is None:
+        return
+    done = compensation_of(found.layout)
+    if done is None or done.away == 0.0:
+        return
+    met = {name: share for name, share in done.met.items() if share > 0.0}
+    what = ", ".join(f"{name} {100.0 * share:.2g} %" for name, share in met.items()) or "its start"
+    text = (
+        f"the actuator is off its command for {100.0 * done.away:.2g} % of the run, by up to {done.error:.2g} m, held "
+        f"back by {what}; give it wider limits, or expect that much heave at the load"
+    )
+    yield "heave_compensation.limits", text
+
+
+def figures(scene: CraneScene) -> dict[str, Any]:
+    """Figures of the rope's way for ``check --json``, m and rad; `fleet_angles` are the larger of both sides, a size."""
+    found = estimate(scene)
+    path, items = found.path, scene.path
+    sheaves = [i for i, item in enumerate(items) if isinstance(item, Sheave)]
+    return {
+        "spans": [
+            {"from": items[k].name, "to": items[k + 1].name, "length": float(span.length)}
+            for k, span in enumerate(path.spans)
+        ],
+        "wraps": [{"sheave": items[i].name, "angle": float(path.wraps[i])} for i in sheaves],
+        "fleet_angles": [{"sheave": items[i].name, "angle": fleet_angle(found, i)} for i in sheaves],
+        "path_length": path.length,
+    }
+
+
+def describe(found: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows of a table for people, of what `figures` found."""
+    rows = [(f"{span['from']} to {span['to']}", f"{span['length']:.4g} m") for span in found["spans"]]
+    for wrap, fleet in zip(found["wraps"], found["fleet_angles"], strict=True):
+        angles = math.degrees(wrap["angle"]), math.degrees(fleet["angle"])
+        rows.append((f"around {wrap['sheave']}", f"{angles[0]:.4g} deg, fleet angle {angles[1]:.2g} deg"))
+    return [*rows, ("length of the rope's way", f"{found['path_length']:.4g} m")]

@@ -1,0 +1,149 @@
+"""Rough estimates of a crane before it runs: tensions at rest, the load's bounce, which step of RK4 is stable."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from crane.layout import Layout, lay_out
+from crane.reeving import Path
+from crane.scene import CraneScene, Drum, End, Sheave
+
+REAL_LIMIT = 2.785294
+"""Decay rate times step beyond which RK4 is unstable: 1 - x + x^2/2 - x^3/6 + x^4/24 = 1."""
+IMAGINARY_LIMIT = 2.0 * math.sqrt(2.0)
+"""Angular frequency times step beyond which RK4 is unstable."""
+HIGHEST = 2.0 * math.sqrt(3.0)
+"""Highest angular frequency of linear elements with consistent mass, in wave speeds over their length."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """A scene as drawn, at t = 0.
+
+    Attributes
+    ----------
+    scene : CraneScene
+    layout : Layout
+    tension : (spans, 2) array or None
+        At rest at both ends of every span, N, without friction; None where nothing hangs on the rope.
+    frequency : float or None
+        Of the load's bounce on the whole rope as one spring, Hz; None where nothing can bounce.
+    """
+
+    scene: CraneScene
+    layout: Layout
+    tension: np.ndarray | None
+    frequency: float | None
+
+    @property
+    def path(self) -> Path:
+        """The rope's way."""
+        return self.layout.path
+
+    @property
+    def wave_speed(self) -> float:
+        """Of tension along the rope, m/s."""
+        return math.sqrt(self.scene.rope.axial_stiffness / self.scene.rope.mass_per_length)
+
+    @property
+    def impedance(self) -> float:
+        """Tension that a sudden metre a second at an end makes, N s/m: sqrt(EA rho)."""
+        return math.sqrt(self.scene.rope.axial_stiffness * self.scene.rope.mass_per_length)
+
+    @property
+    def largest_tension(self) -> float:
+        """At rest, N; 0 where it is not known."""
+        return 0.0 if self.tension is None else float(self.tension.max())
+
+
+def estimate(scene: CraneScene) -> Estimate:
+    """Lay a scene out and estimate it; raises SceneError for a path that no rope can take."""
+    layout = lay_out(scene)
+    return Estimate(scene, layout, _tension(scene, layout.path), _bounce(scene, layout.path))
+
+
+def pull(scene: CraneScene, path: Path) -> dict[str, np.ndarray]:
+    """By body that the rope touches: the force on it of a tension of 1 N all along the rope, (3,)."""
+    e = np.array([span.e for span in path.spans])
+    found: dict[str, np.ndarray] = {}
+    for i, item in enumerate(scene.path):
+        if isinstance(item, (End, Sheave)) and item.body is not None:
+            leaves = e[i] if i < len(e) else np.zeros(3)
+            comes = e[i - 1] if i > 0 else np.zeros(3)
+            found[item.body] = found.get(item.body, np.zeros(3)) + leaves - comes
+    return found
+
+
+def _tension(scene: CraneScene, path: Path) -> np.ndarray | None:
+    """Tensions that hold the loads: one level all along a frictionless rope, plus its weight below each point."""
+    g = np.array(scene.gravity, float)
+    size = float(np.linalg.norm(g))
+    if size == 0.0:
+        return None
+    up = -g / size
+    weight = scene.rope.mass_per_length * size * (path.tangents @ up)
+    held, load = [], []
+    for name, force in pull(scene, path).items():
+        body = scene.body(name)
+        fixed = body.spring is not None and any(body.spring.stiffness)
+        if fixed or set(body.guide) == set("xyz"):
+            continue
+        buoyancy = scene.water.density * body.volume if scene.water is not None else 0.0
+        held.append(float(force @ up))
+        load.append((body.mass - buoyancy) * size - _of_weight(scene, path, name, weight, up))
+    share = np.array(held)
+    if not (share > 1e-6).any():
+        return None
+    level = float(share @ np.array(load)) / float(share @ share)
+    tension = level + weight
+    return tension if tension.max() > 0.0 else None
+
+
+def _of_weight(scene: CraneScene, path: Path, name: str, weight: np.ndarray, up: np.ndarray) -> float:
+    """Upward force on a body of the part of the tension that is the rope's weight, N."""
+    total = 0.0
+    for i, item in enumerate(scene.path):
+        if isinstance(item, (End, Sheave)) and item.body == name:
+            if i < len(path.spans):
+                total += float(path.spans[i].e @ up) * weight[i, 0]
+            if i > 0:
+                total -= float(path.spans[i - 1].e @ up) * weight[i - 1, 1]
+    return total
+
+
+def _bounce(scene: CraneScene, path: Path) -> float | None:
+    """Frequency with the whole rope as one spring EA / L: omega^2 = EA / L times the sum of pull^2 / mass."""
+    rope, mobility = scene.rope, 0.0
+    for name, force in pull(scene, path).items():
+        body = scene.body(name)
+        for c, axis in enumerate("xyz"):
+            # A third of the rope's mass on it goes with the load, as with any spring.
+            mass = body.mass + body.added_mass[c] + rope.mass_per_length * _hanging(scene, path, name) / 3.0
+            # A pull of less is that of a fall a little off plumb: there the load swings, and does not bounce.
+            if axis not in body.guide and mass > 0.0 and abs(force[c]) > 0.3:
+                mobility += float(force[c]) ** 2 / mass
+    for item in scene.path:
+        if isinstance(item, Drum) and not item.prescribed and item.inertia:
+            mobility += item.radius**2 / item.inertia
+    if mobility == 0.0:
+        return None
+    return math.sqrt(rope.axial_stiffness / path.length * mobility) / (2.0 * math.pi)
+
+
+def _hanging(scene: CraneScene, path: Path, name: str) -> float:
+    """Length of the spans that touch a body, m."""
+    on = {i for i, item in enumerate(scene.path) if isinstance(item, (End, Sheave)) and item.body == name}
+    return sum(span.length for k, span in enumerate(path.spans) if k in on or k + 1 in on)
+
+
+def rk4_limit(scene: CraneScene, length: float) -> float:
+    """Longest step of RK4, s, by rope elements of a length, m."""
+    rope = scene.rope
+    omega = HIGHEST * math.sqrt(rope.axial_stiffness / rope.mass_per_length) / length
+    ratio = 0.5 * rope.damping * omega
+    if ratio <= 1.0:
+        return IMAGINARY_LIMIT / omega
+    return REAL_LIMIT / (omega * (ratio + math.sqrt(ratio * ratio - 1.0)))
