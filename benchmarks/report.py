@@ -5,6 +5,7 @@ from __future__ import annotations
 import accuracy
 import cable_speed
 import cold_start
+import cranes
 import hose
 import jwell
 import real_time
@@ -42,7 +43,7 @@ def replace(text: str, part: str) -> str:
 def main() -> None:
     quick = quick_asked(__doc__)
     before = load()
-    modules = (real_time, cold_start, scaling, cable_speed, hose, accuracy, table_2_5)
+    modules = (real_time, cold_start, scaling, cable_speed, hose, cranes, accuracy, table_2_5)
     sections = [module.measure(quick) for module in modules]
     measured = machine(before)
     text, part = page(sections, measured), headline(sections, measured)

@@ -24,7 +24,7 @@ N m^2, and whether all the rope beyond the mark lies on the wheel, as on a drum.
 
 
 class Arcs(NamedTuple):
-    """Arcs (n,) of ``ARC``; on spans of ``SPAN``, over ``wheels`` of ``WHEEL``.
+    """Arcs (n,) of ``ARC`` on spans of ``SPAN``, over ``wheels`` of ``WHEEL``.
 
     ``start`` (spans, 3) holds directions; the rest is scratch: ``vector`` and ``middle`` (3, 3), ``block`` (8, 8).
     """
@@ -144,5 +144,5 @@ def new_arcs(
             rows.append((n, 1, stiffness, int(n == len(spans) - 1 and stored[1])))
     return Arcs(
         np.array(rows, ARC).view(np.recarray), spans, wheels, np.zeros((len(spans), 3)), new_line(), np.zeros((3, 3)),
-        np.zeros((3, 3)), np.zeros((PAIR, PAIR)),
+        np.zeros((3, 3)), np.zeros((2 * STATION, 2 * STATION)),
     )  # fmt: skip

@@ -9,11 +9,13 @@ f is phi^2 up to the power phi^8, as for an arc of a circle; being a polynomial 
 through straight, and through a fold, where those of tan(phi / 2) would grow beyond bounds.
 
 What is lost is EJ c h kappa.^2, smoothed as in ``tautline.elements.bending``: EJ c h u.^2 / (u + k0^2) / 4. u does not
-change while the rope turns as a rigid body. What a particle loses that runs through a curve which stands still is not in
-it, as u is that of the station.
+change while the rope turns as a rigid body. As u is that of the station, a particle that runs through a curve which
+stands still loses nothing.
 
 Next to a wheel an element is the line that touches it (`crane.line`), and free is what does not lie on the wheel: h_i =
-L - rho1 psi1 + rho2 psi2, the strain on the wheel being neglected.
+L - rho1 psi1 + rho2 psi2, the strain on the wheel being neglected. Its direction is that of the rope at the wheel, not
+in its middle, so that all of its length is bent at the next station: h = h1 + h2 / 2. With `crane.arcs` the rope then
+leaves the wheel with the curvature 1 / R, as an elastica does.
 """
 
 from __future__ import annotations
@@ -33,15 +35,16 @@ BEND = np.dtype([("first", "i8"), ("second", "i8"), ("stiffness", "f8"), ("dampi
 """A kink: numbers of the spans before and after its station, EJ N m^2, c s, k0 1/m."""
 PAIR = 2 * STATION
 SHAPE, SHAPE_1, SHAPE_2, MEAN, HELD_1, HELD_2 = range(6)
-"""Places in ``number``: f and its derivatives by s, h (m), and the rates of h1, h2 that turning wheels cause (m/s)."""
+"""Places in ``number``: f and its derivatives by s, h (m), and the rates of h that wheels turning at either
+end cause (m/s)."""
 
 
 class Bends(NamedTuple):
     """Kinks (n,) of ``BEND`` between spans of ``SPAN``, over ``wheels`` of ``WHEEL``.
 
     The stations of a kink are equally far from one another in the full vectors. ``start`` (spans, 3) holds directions.
-    Scratch: ``before``, ``after`` the lines; ``number`` (6,); ``kink`` (3,) is e2 - e1, ``reach`` (2, 3) the
-    derivatives of h_i by e_i; ``gradient`` (4, 8) and ``hessian`` (2, 8, 8) go by (d1, L1, d2, L2); ``vector`` (3, 3),
+    Scratch: ``before``, ``after`` the lines; ``number`` (6,); ``kink`` (3,) is e2 - e1, ``share`` (2,) dh/dh_i,
+    ``reach`` (2, 3) dh/de_i; ``gradient`` (4, 8) and ``hessian`` (2, 8, 8) go by (d1, L1, d2, L2); ``vector`` (3, 3),
     ``middle`` (3, 3), ``block`` (12, 12).
     """
 
@@ -53,6 +56,7 @@ class Bends(NamedTuple):
     after: Line
     number: np.ndarray
     kink: np.ndarray
+    share: np.ndarray
     reach: np.ndarray
     gradient: np.ndarray
     hessian: np.ndarray
@@ -67,10 +71,11 @@ FORCE, BY_U, BY_H, SPEED = range(4)
 
 @kernel
 def _write_side(g, n, side, line, q, v):
-    """Line of one element, and how its free length follows its direction; returns that length."""
+    """Line of one element, and how h follows its direction; returns its part of h."""
     s = g.spans[n]
     find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, g.start[n], line)
     number, reach = line.number, g.reach[side]
+    share = 0.5 if s.wheel1 == POINT and s.wheel2 == POINT else 1.0
     held = -number[RATE]
     for c in range(AXES):
         reach[c] = 0.0
@@ -83,16 +88,17 @@ def _write_side(g, n, side, line, q, v):
             rho = g.wheels[n_wheel].radius if end == 0 else -g.wheels[n_wheel].radius
             held += rho * dot(w, line.drift)
             for c in range(AXES):
-                reach[c] += rho / number[COS1 + end] * w[c]
-    g.number[HELD_1 + side] = held
-    return q[s.b + MATERIAL] - q[s.a + MATERIAL] - (number[PATH] - number[LENGTH])
+                reach[c] += share * rho / number[COS1 + end] * w[c]
+    g.share[side] = share
+    g.number[HELD_1 + side] = share * held
+    return share * (q[s.b + MATERIAL] - q[s.a + MATERIAL] - (number[PATH] - number[LENGTH]))
 
 
 @kernel
 def _write_kink(g, row, q, v):
     """Both lines, f and h of a kink; returns u."""
     g.kink.fill(0.0)
-    h = 0.5 * (_write_side(g, row.first, 0, g.before, q, v) + _write_side(g, row.second, 1, g.after, q, v))
+    h = _write_side(g, row.first, 0, g.before, q, v) + _write_side(g, row.second, 1, g.after, q, v)
     s = 0.25 * dot(g.kink, g.kink)
     number = g.number
     number[MEAN] = h
@@ -105,7 +111,7 @@ def _write_kink(g, row, q, v):
 @kernel
 def _write_gradient(g, value, slope, out):
     """Gradient of f P(h) by (d1, L1, d2, L2), for P and its derivative."""
-    by_e, by_h = 0.5 * value * g.number[SHAPE_1], 0.5 * slope * g.number[SHAPE]
+    by_e, by_h = 0.5 * value * g.number[SHAPE_1], slope * g.number[SHAPE]
     for side in range(2):
         turn, sign = (g.before.turn, -by_e) if side == 0 else (g.after.turn, by_e)
         for c in range(AXES):
@@ -114,7 +120,7 @@ def _write_gradient(g, value, slope, out):
             out[STATION * side + c] = (
                 turn[0, c] * g.vector[Y, 0] + turn[1, c] * g.vector[Y, 1] + turn[2, c] * g.vector[Y, 2]
             )
-        out[STATION * side + MATERIAL] = by_h
+        out[STATION * side + MATERIAL] = by_h * g.share[side]
 
 
 @kernel
@@ -124,7 +130,7 @@ def _held_rate(g, value, slope):
     for c in range(AXES):
         turned += g.kink[c] * (g.after.drift[c] - g.before.drift[c])
     held = g.number[HELD_1] + g.number[HELD_2]
-    return 0.5 * (value * g.number[SHAPE_1] * turned + slope * g.number[SHAPE] * held)
+    return 0.5 * value * g.number[SHAPE_1] * turned + slope * g.number[SHAPE] * held
 
 
 @kernel
@@ -132,10 +138,10 @@ def _write_hessian(g, row, value, slope, second, out):
     """Second derivatives of f P(h) by (d1, L1, d2, L2), for P and its derivatives."""
     number, kink, m = g.number, g.kink, g.middle
     ee, e, eh, hh = (
-        0.25 * value * number[SHAPE_2], 0.5 * value * number[SHAPE_1], 0.25 * slope * number[SHAPE_1],
-        0.25 * second * number[SHAPE],
+        0.25 * value * number[SHAPE_2], 0.5 * value * number[SHAPE_1], 0.5 * slope * number[SHAPE_1],
+        second * number[SHAPE],
     )  # fmt: skip
-    by_h = 0.5 * slope * number[SHAPE]
+    by_h = slope * number[SHAPE]
     for one in range(2):
         left, sign1 = (g.before, -1.0) if one == 0 else (g.after, 1.0)
         for two in range(2):
@@ -150,9 +156,9 @@ def _write_hessian(g, row, value, slope, second, out):
                 s = g.spans[row.first if one == 0 else row.second]
                 rho1, rho2 = radius_of(g.wheels, s.wheel1), radius_of(g.wheels, s.wheel2)
                 if rho1 != 0.0:
-                    add_psi(left, 0, -by_h * rho1, m)
+                    add_psi(left, 0, -by_h * g.share[one] * rho1, m)
                 if rho2 != 0.0:
-                    add_psi(left, 1, by_h * rho2, m)
+                    add_psi(left, 1, by_h * g.share[one] * rho2, m)
                 for c in range(AXES):
                     g.vector[Y, c] = sign1 * e * kink[c] + by_h * g.reach[one, c]
                 add_turning(left, rho1, rho2, g.vector, m)
@@ -163,14 +169,14 @@ def _write_hessian(g, row, value, slope, second, out):
                 for k in range(AXES):
                     by_1 += left.turn[k, i] * (eh * sign1 * kink[k] + hh * g.reach[one, k])
                     by_2 += right.turn[k, i] * (eh * sign2 * kink[k] + hh * g.reach[two, k])
-                out[row_at + i, column_at + MATERIAL] = by_1
-                out[row_at + MATERIAL, column_at + i] = by_2
+                out[row_at + i, column_at + MATERIAL] = by_1 * g.share[two]
+                out[row_at + MATERIAL, column_at + i] = by_2 * g.share[one]
                 if one == two:
                     for j in range(AXES):
                         out[row_at + i, column_at + j] -= (
                             left.e[i] * g.vector[TURNED_Z, j] + g.vector[TURNED_Z, i] * left.e[j]
                         )
-            out[row_at + MATERIAL, column_at + MATERIAL] = hh
+            out[row_at + MATERIAL, column_at + MATERIAL] = hh * g.share[one] * g.share[two]
 
 
 @kernel
@@ -226,10 +232,10 @@ def _add_viscous(g, row, u, rate, cc, ck):
     for side in range(2):
         turn = g.before.turn if side == 0 else g.after.turn
         for c in range(AXES):
-            gradient[BY_H, STATION * side + c] = 0.5 * (
+            gradient[BY_H, STATION * side + c] = (
                 turn[0, c] * g.reach[side, 0] + turn[1, c] * g.reach[side, 1] + turn[2, c] * g.reach[side, 2]
             )
-        gradient[BY_H, STATION * side + MATERIAL] = 0.5
+        gradient[BY_H, STATION * side + MATERIAL] = g.share[side]
     for j in range(PAIR):
         turned = 0.0
         for i in range(PAIR):
@@ -341,8 +347,8 @@ def new_bends(
             rows.append((n, n + 1, stiffness, damping, smoothing))
     return Bends(
         np.array(rows, BEND).view(np.recarray), spans, wheels, np.zeros((len(spans), 3)), new_line(), new_line(),
-        np.zeros(6), np.zeros(3), np.zeros((2, 3)), np.zeros((4, PAIR)), np.zeros((2, PAIR, PAIR)), np.zeros((3, 3)),
-        np.zeros((3, 3)), np.zeros((3 * STATION, 3 * STATION)),
+        np.zeros(6), np.zeros(3), np.zeros(2), np.zeros((2, 3)), np.zeros((4, PAIR)), np.zeros((2, PAIR, PAIR)),
+        np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3 * STATION, 3 * STATION)),
     )  # fmt: skip
 
 

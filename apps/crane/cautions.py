@@ -9,20 +9,21 @@ from typing import Any
 import numpy as np
 
 from crane.build import _compensation as compensation_of
-from crane.estimates import Estimate, estimate, pull, rk4_limit
+from crane.compensation import Compensation
+from crane.estimates import Estimate, estimate, rk4_limit
 from crane.path import FLEET_LIMIT
 from crane.scene import CraneScene, Drum, Sheave
-from crane.supply import check_supply, supply_of
-from tautline.kernels.time_function import evaluate
+from crane.supply import Supply, check_supply, supply_of
+from tautline.kernels.time_function import sample
 from tautline.scene.errors import Caution
-from tautline.system.time_functions import compile_functions
+from tautline.system.time_functions import Samples, compile_functions
 
 LEAST_RATIO = 16.0
 """Sheave over rope diameter below which bending wears a wire rope out quickly; the codes ask for 18 to 25."""
 LEAST_SAFETY = 3.0
 """Breaking load over tension at rest: a rule of thumb of offshore lifting."""
 STEPS_PER_PERIOD = 10.0
-FRAMES_PER_PERIOD = 3.0
+FRAMES_PER_PERIOD = 4.0
 SUDDEN = 0.01
 """Share of the tension at rest that a jump in speed may add without a word."""
 HEAVY = 0.05
@@ -30,6 +31,8 @@ HEAVY = 0.05
 SAGGING = 0.02
 """Sag over length of a span from which it wants elements, however much it pulls."""
 ENOUGH = 8
+HELD_BACK = 0.01
+"""Share of the run for which an actuator may be off its command without a word."""
 
 Sentences = Iterator[tuple[str, str]]
 
@@ -38,10 +41,12 @@ def cautions(scene: CraneScene) -> list[Caution]:
     """Cautions of a scene, each with its cause and a cure; raises SceneError where it cannot be run."""
     check_supply(scene)
     found = estimate(scene)
+    actuator = compensation_of(found.layout) if scene.heave_compensation is not None else None
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *_fleet(found), *_bending(scene), *_safety(found), *_sheaves(scene), *_steps(found), *_mesh(found),
-        *_compression(scene), *_supply(found), *_start(found), *_compensation(found),
+        *_compression(scene), *_supply(found, actuator), *_start(found),
+        *_compensation(actuator),
     ]  # fmt: skip
     return [Caution(where, text) for where, text in sentences]
 
@@ -128,7 +133,8 @@ def shortest(found: Estimate) -> list[float]:
     loose = _between(scene)
     share = reeled / max(1, len(loose))
     lengths = [span.length - (share if k in loose else 0.0) for k, span in enumerate(path.spans)]
-    return [max(length, 1e-3 * span.length) / n for length, span, n in zip(lengths, path.spans, scene.elements, strict=True)]
+    kept = [max(length, 1e-3 * span.length) for length, span in zip(lengths, path.spans, strict=True)]
+    return [length / n for length, n in zip(kept, scene.elements, strict=True)]
 
 
 def _between(scene: CraneScene) -> list[int]:
@@ -157,8 +163,8 @@ def _steps(found: Estimate) -> Sentences:
     if solver.step != "auto" and not scene.controlled and float(solver.step) * STEPS_PER_PERIOD > period:
         text = (
             f"{solver.step:g} s is long against the period of the load's bounce, about {period:.2g} s: fewer than "
-            f"{STEPS_PER_PERIOD:.0f} steps in it do not follow the motion; take {0.5 * period / STEPS_PER_PERIOD:.1g} s "
-            "or less, or control: error"
+            f"{STEPS_PER_PERIOD:.0f} steps in it do not follow the motion; take "
+            f"{0.5 * period / STEPS_PER_PERIOD:.1g} s or less, or control: error"
         )
         yield "solver.step", text
     if interval * FRAMES_PER_PERIOD > period:
@@ -185,7 +191,7 @@ def _mesh(found: Estimate) -> Sentences:
         if off > HEAVY:
             text = (
                 f"{n} from {names}: half of one weighs {100.0 * off:.2g} % of the tension there, which is by as much "
-                f"off at the span's ends; take {math.ceil(0.4 * along / tension / HEAVY)} or more for that span"
+                f"off at the span's ends; take {math.ceil(0.5 * along / tension / HEAVY)} or more for that span"
             )
             yield "mesh.elements_per_span", text
         elif across / (8.0 * tension) > SAGGING and n < ENOUGH:
@@ -206,7 +212,7 @@ def _compression(scene: CraneScene) -> Sentences:
         yield "rope.compression", text
 
 
-def _supply(found: Estimate) -> Sentences:
+def _supply(found: Estimate, actuator: Compensation | None) -> Sentences:
     """Motion of winches that begins with a jump, or goes too far."""
     scene = found.scene
     for drum in scene.drums:
@@ -221,19 +227,28 @@ def _supply(found: Estimate) -> Sentences:
                 f"{supply.speed[0]:.3g}, over: 1.0}}}}, unless that is what is asked"
             )
             yield _key(scene, drum, drum.drive), text
-        yield from _limits(found, drum, supply)
+        yield from _empty(scene, drum, supply, actuator)
+        yield from _too_high(found, drum, supply)
 
 
-def _limits(found: Estimate, drum: Drum, supply: Any) -> Sentences:
-    scene = found.scene
-    most, held = float(supply.paid_out.max()), drum.rope_on_drum
+def _empty(scene: CraneScene, drum: Drum, supply: Supply, actuator: Compensation | None) -> Sentences:
+    """A drum that runs out of rope."""
+    paid_out, held = supply.paid_out, drum.rope_on_drum
+    if actuator is not None and isinstance(actuator.pay_out, Samples):
+        paid_out = paid_out + np.interp(supply.time, actuator.pay_out.time, actuator.pay_out.value)
+    most = float(paid_out.max())
     if held is not None and most > held:
-        k = int(np.argmax(supply.paid_out > held))
+        k = int(np.argmax(paid_out > held))
         text = (
-            f"{held:.4g} m, and {most:.4g} m are paid out: the run will stop at t = {supply.time[k]:.3g} s, when the "
-            "drum is empty; give more rope, or pay out less"
+            f"{held:.4g} m, and {most:.4g} m are paid out: the run will stop at about t = {supply.time[k]:.3g} s, when "
+            "the drum is empty; give more rope, or pay out less"
         )
         yield _key(scene, drum, "rope_on_drum"), text
+
+
+def _too_high(found: Estimate, drum: Drum, supply: Supply) -> Sentences:
+    """A load that is hoisted into what it hangs on."""
+    scene = found.scene
     loose = _between(scene)
     if not loose:
         return
@@ -275,27 +290,24 @@ def _start(found: Estimate) -> Sentences:
 
 def _rate(layout: Any, functions: Any, place: int) -> float:
     function = layout.degrees.motion.get(place, -1)
-    return float(evaluate(functions, function, 0.0)[1]) if function >= 0 else 0.0
+    return float(sample(functions, function, np.zeros(1))[0, 1]) if function >= 0 else 0.0
 
 
-def _compensation(found: Estimate) -> Sentences:
+def _compensation(actuator: Compensation | None) -> Sentences:
     """Limits of the actuator that hold it back."""
-    if found.scene.heave_compensation is None:
+    if actuator is None or actuator.away <= HELD_BACK:
         return
-    done = compensation_of(found.layout)
-    if done is None or done.away == 0.0:
-        return
-    met = {name: share for name, share in done.met.items() if share > 0.0}
+    met = {name: share for name, share in actuator.met.items() if share > 0.0}
     what = ", ".join(f"{name} {100.0 * share:.2g} %" for name, share in met.items()) or "its start"
     text = (
-        f"the actuator is off its command for {100.0 * done.away:.2g} % of the run, by up to {done.error:.2g} m, held "
-        f"back by {what}; give it wider limits, or expect that much heave at the load"
+        f"the actuator is off its command for {100.0 * actuator.away:.2g} % of the run, by up to {actuator.error:.2g} "
+        f"m, held back by {what}; give it wider limits, or expect that much heave at the load"
     )
     yield "heave_compensation.limits", text
 
 
 def figures(scene: CraneScene) -> dict[str, Any]:
-    """Figures of the rope's way for ``check --json``, m and rad; `fleet_angles` are the larger of both sides, a size."""
+    """Figures of the rope's way for ``check --json``, m and rad; fleet angles are sizes, of both sides the larger."""
     found = estimate(scene)
     path, items = found.path, scene.path
     sheaves = [i for i, item in enumerate(items) if isinstance(item, Sheave)]

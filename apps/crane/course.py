@@ -117,7 +117,8 @@ def course_of(result: Any, layout: Layout, frames: Any = slice(None)) -> Course:
     leaves[:, :-1] = _tangents(after - center[:, :-1], axis[:, :-1], rho[:-1], axis[:, 1:], far)
     comes[:, 1:] = _tangents(center[:, 1:] - before, axis[:, :-1], near, axis[:, 1:], rho[1:])
     mark = np.einsum("mijc,ij->mic", columns, wheels.mark) * np.sign(rho)[:, None]
-    return Course(scene, layout, center, axis, comes, leaves, _middle(result, frames, layout, mark, axis, comes, leaves))
+    middle = _middle(result, frames, layout, mark, axis, comes, leaves)
+    return Course(scene, layout, center, axis, comes, leaves, middle)
 
 
 def _columns(layout: Layout, time: np.ndarray) -> np.ndarray:
@@ -183,7 +184,7 @@ def contacts_of(result: Any, course: Course) -> list[Contact]:
     for i, item in enumerate(scene.path):
         if not isinstance(item, (Sheave, Drum)):
             continue
-        sides = [tension[:, i - 1, 1]] * (i > 0) + [tension[:, i, 0]] * (i < len(node) - 1)
+        sides = ([tension[:, i - 1, 1]] if i > 0 else []) + ([tension[:, i, 0]] if i < len(node) - 1 else [])
         pulled = np.maximum(np.max(sides, axis=0), 0.0)
         stretch = 1.0 + pulled / stiffness
         middle = material[:, node[i]] + rho[i] * course.middle[:, i] / stretch
@@ -194,7 +195,7 @@ def contacts_of(result: Any, course: Course) -> list[Contact]:
             stored = "before" if i == 0 else "after"
             made.append(drum_contact(item.name, middle, pulled, item.radius, side, stored))
             continue
-        k = [j for j, other in enumerate(scene.sheaves) if other is item][0]
+        k = next(j for j, other in enumerate(scene.sheaves) if other is item)
         half = 0.5 * item.radius * result["wrap"][:, k] / stretch
         made.append(Contact(item.name, middle - half, middle + half, pulled, item.radius, side))
     return _apart(made)

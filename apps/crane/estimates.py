@@ -62,7 +62,7 @@ class Estimate:
 def estimate(scene: CraneScene) -> Estimate:
     """Lay a scene out and estimate it; raises SceneError for a path that no rope can take."""
     layout = lay_out(scene)
-    return Estimate(scene, layout, _tension(scene, layout.path), _bounce(scene, layout.path))
+    return Estimate(scene, layout, static_tension(scene, layout.path), _bounce(scene, layout.path))
 
 
 def pull(scene: CraneScene, path: Path) -> dict[str, np.ndarray]:
@@ -77,8 +77,11 @@ def pull(scene: CraneScene, path: Path) -> dict[str, np.ndarray]:
     return found
 
 
-def _tension(scene: CraneScene, path: Path) -> np.ndarray | None:
-    """Tensions that hold the loads: one level all along a frictionless rope, plus its weight below each point."""
+def static_tension(scene: CraneScene, path: Path) -> np.ndarray | None:
+    """Tensions that hold the loads, (spans, 2) N; None where nothing hangs on the rope.
+
+    Without friction there is one level all along the rope, but for the weight of what hangs below each point.
+    """
     g = np.array(scene.gravity, float)
     size = float(np.linalg.norm(g))
     if size == 0.0:

@@ -15,6 +15,7 @@ import numpy as np
 from crane.frames import ENTRIES, GROUND, Frame, point_of, requests_of
 from crane.line import WHEEL
 from crane.reeving import Path, ReevingError, Wheel, reeve, sigma_of
+from crane.rigid import QUATERNION, quaternion_of, rotation_of
 from crane.scene import Anchor, Body, CraneScene, End, Sheave
 from crane.span import MATERIAL, STATION
 from crane.vessel import frames_of
@@ -58,6 +59,8 @@ class Layout:
         Number of the station of each item of the path.
     rim : dict
         Place of the travel of a rim that the rope may slip on, by the number of its item.
+    turn : dict
+        Place of the quaternion of each body that turns, by its name.
     supply : dict
         Places of the material that a drum's operator and its compensation have taken up, by the number of its item.
     wheels : (items,) records of ``WHEEL``
@@ -66,6 +69,8 @@ class Layout:
         The rope's way at t = 0.
     entries : (frames, 12) array
         The frames' numbers at t = 0.
+    stretch : float
+        Of the rope as it is laid out, by which material and rims that do not slip go together.
     """
 
     scene: CraneScene
@@ -75,12 +80,14 @@ class Layout:
     station: list[int]
     item: list[int]
     rim: dict[int, int]
+    turn: dict[str, int]
     supply: dict[int, tuple[int, int]]
     wheels: np.recarray
     path: Path
     entries: np.ndarray
     degrees: Degrees
     requests: Requests
+    stretch: float = 1.0
 
     @property
     def spans(self) -> list[tuple[int, int]]:
@@ -95,6 +102,30 @@ class Layout:
 def has_rim(item: Any) -> bool:
     """Whether a wheel's rim may move apart from the rope: a capstan that can turn."""
     return isinstance(item, Sheave) and item.law == "capstan" and item.inertia > 0.0 and not item.locked
+
+
+def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
+    """Quaternion (4,) of a body that turns at t = 0: as drawn, or at rest with its rope's end above its centre.
+
+    It is turned from the drawing by the least angle, the rope's ends taken together.
+    """
+    drawn = quaternion_of(body.orientation)
+    ends = [item.offset for item in scene.path if isinstance(item, End) and item.body == body.name]
+    up = -np.array(scene.gravity, dtype=float)
+    held = np.sum(ends, axis=0) if ends else np.zeros(AXES)
+    if scene.start != "static" or not held.any() or not up.any():
+        return drawn
+    one, other = rotation_of(drawn) @ held / np.linalg.norm(held), up / np.linalg.norm(up)
+    cosine = float(one @ other)
+    across = np.cross(one, other)
+    if cosine < -1.0 + 1e-12:
+        across = np.cross(one, np.eye(AXES)[int(np.argmin(np.abs(one)))])
+        least = np.array([0.0, *(across / np.linalg.norm(across))])
+    else:
+        least = np.array([1.0 + cosine, *across])
+        least = least / np.linalg.norm(least)
+    s, v, w, x = least[0], least[1:], drawn[0], drawn[1:]
+    return np.array([s * w - v @ x, *(s * x + w * v + np.cross(v, x))])
 
 
 def _compiled_frames(scene: CraneScene) -> tuple[tuple[Frame, ...], dict[str, int], list[FunctionRequest]]:
@@ -151,9 +182,9 @@ def _wheel(scene: CraneScene, item: Any, entries: np.ndarray) -> Wheel:
     """An item as the geometry sees it, where it is at t = 0."""
     turned = entries[3:].reshape(3, 3).T
     if isinstance(item, End):
-        return Wheel(
-            item.name, np.add(scene.body(item.body).position, item.offset), np.array([0, 1, 0]), 0.0, None, True
-        )
+        body = scene.body(item.body)
+        turned = rotation_of(orientation_of(scene, body)) if body.inertia is not None else np.eye(AXES)
+        return Wheel(item.name, body.position + turned @ item.offset, np.array([0, 1, 0]), 0.0, None, True)
     if isinstance(item, Anchor):
         return Wheel(item.name, point_of(entries, item.position), np.array([0, 1, 0]), 0.0, None, True)
     if isinstance(item, Sheave) and item.body is not None:
@@ -194,6 +225,11 @@ class _Builder:
                 if not still:
                     self.value[self.frame[k] + i] = 0.0
         self.body = {body.name: self._add_body(body) for body in scene.bodies}
+        self.turn = {
+            body.name: self._add(f"{body.name}: turn", QUATERNION, orientation_of(scene, body))
+            for body in scene.bodies
+            if body.inertia is not None
+        }
 
     def _add(self, name: str, count: int, value: Any) -> int:
         first = len(self.names)
@@ -229,7 +265,8 @@ class _Builder:
         for i, thing in enumerate(scene.path):
             self._place(thing, station[item[i]], on[i])
         layout = Layout(
-            scene, self.frames, self.frame, self.body, station, item, rim, {}, records, path, self.entries,
+            scene, self.frames, self.frame, self.body, station, item, rim, self.turn, {}, records, path,
+            self.entries,
             Degrees(self.names, np.array(self.value), np.ones(len(self.names))), self.requests,
         )  # fmt: skip
         layout.degrees.motion.update(self.motion)
@@ -239,6 +276,8 @@ class _Builder:
 
     def _place(self, thing: Any, place: int, k: int) -> None:
         """Put an item on what it rides on."""
+        if isinstance(thing, End) and thing.body in self.turn and any(thing.offset):
+            return
         if isinstance(thing, End) or (isinstance(thing, Sheave) and thing.body is not None):
             for c in range(AXES):
                 self.masters[place + c] = [(self.body[thing.body] + c, 1.0)], thing.offset[c]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.line import AXES
-from crane.span import FORCE, STRETCH
+from crane.span import FIRST, LAST, STRETCH
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import RUN_OUT, register
 from tautline.kernels.jit import kernel
@@ -225,7 +225,7 @@ DRUM = np.dtype(
 """A drum whose motion is not prescribed: the place of p at its mark; +1 at the beginning of the rope, where p grows as
 it is hoisted, and -1 at its end; gear = lambda/R 1/m (turns of the drum in rad per metre of material); inertia kg m^2;
 rhoA kg/m; rope on the drum at the start m (infinite: no end of it) and p there; the function of its torque N m or,
-where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; its largest torque N m; and the span that leaves it."""
+where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; largest torque N m; and the span that leaves it."""
 
 
 class Drums(NamedTuple):
@@ -240,11 +240,17 @@ class Drums(NamedTuple):
 
 
 @kernel
+def _pull(g, d):
+    """What the rope pulls at a drum with, N."""
+    return g.found[d.span, FIRST] if d.way > 0.0 else g.found[d.span, LAST]
+
+
+@kernel
 def _drum_torque(g, n, t):
     d = g.rows[n]
     asked, _, _ = evaluate(g.functions, d.function, t)
     if d.holds == 1:
-        lack = asked - g.found[d.span, FORCE]
+        lack = asked - _pull(g, d)
         asked = (asked + d.proportional * lack + d.integral * g.sum[n]) * g.found[d.span, STRETCH] / d.gear
     return min(max(asked, -d.limit), d.limit)
 
@@ -302,7 +308,7 @@ def _drum_commit(g, t, h, q, v, a):
         g.torque[n] = _drum_torque(g, n, t)
         if d.holds == 1 and abs(g.torque[n]) < d.limit:
             asked, _, _ = evaluate(g.functions, d.function, t)
-            g.sum[n] += h * (asked - g.found[d.span, FORCE])
+            g.sum[n] += h * (asked - _pull(g, d))
 
 
 @kernel
@@ -358,7 +364,7 @@ register(
 
 
 class Supplies(NamedTuple):
-    """Rope on drums (n,): place of p at the mark, p where none is left there, and +1 where p falls as rope is paid out."""
+    """Rope on drums (n,): place of p at the mark, p where none is left, and +1 where p falls as rope is paid out."""
 
     p: np.ndarray
     least: np.ndarray

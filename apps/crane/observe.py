@@ -10,9 +10,10 @@ import numpy as np
 from crane.compensation import Compensation
 from crane.layout import Layout
 from crane.masses import Drums
+from crane.rigid import QUATERNION
 from crane.scene import Drum, Sheave
 from crane.slip import BEARING, NONE, Slips
-from crane.span import FIRST_PSI, FORCE, LAST_PSI, MATERIAL, RECORDED, STRETCH
+from crane.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH
 from tautline.kernels.time_function import sample
 from tautline.results.variable import Variable
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -54,6 +55,15 @@ def variables(observer: Observer) -> list[Variable]:
         *(of_drums if observer.drums else []),
         Variable("body_position", body, "m", "position of a body"),
         Variable("body_velocity", body, "m/s", "velocity of a body"),
+        *(
+            [
+                Variable(
+                    "body_turn", ("time", "body", "part"), "", "quaternion of a body; 1, 0, 0, 0 of a point"
+                )
+            ]
+            if observer.layout.turn
+            else []
+        ),
         *(
             [Variable("compensator", time, "m", "displacement of the heave compensator")]
             if observer.compensator
@@ -100,6 +110,8 @@ class Observer:
         if self.sheaves:
             made["sheave"] = ("sheave", np.array([path[i].name for i in self.sheaves]), "", "sheave")
             made["sheave_radius"] = ("sheave", np.array([path[i].radius for i in self.sheaves]), "m", "pitch radius")
+        if self.layout.turn:
+            made["part"] = ("part", np.array(["s", "x", "y", "z"]), "", "part of a quaternion")
         if self.drums:
             made["drum"] = ("drum", np.array([path[i].name for i in self.drums]), "", "drum")
         return made
@@ -109,20 +121,34 @@ class Observer:
         q, v, three = frames.q, frames.v, np.arange(AXES)
         found = frames.own[:, : PER_SPAN * self.elements].reshape(len(q), self.elements, PER_SPAN)
         first, last = np.array(self.layout.spans).T
-        force = found[..., FORCE]
+        # What turns the rope's momentum at a mark is part of its tension there.
+        flux = self.scene.rope.mass_per_length * v[:, self.stations + MATERIAL] ** 2
+        at_first = found[:, first, FIRST] + flux[:, first] * found[:, first, STRETCH] ** 2
+        at_last = found[:, last - 1, LAST] + flux[:, last] * found[:, last - 1, STRETCH] ** 2
+        if self.scene.rope.compression == "none":
+            # Where the half element beside a mark is thrown about while it is slack, its inertia is no tension.
+            at_first = np.where(found[:, first, FORCE] > 0.0, np.maximum(at_first, 0.0), 0.0)
+            at_last = np.where(found[:, last - 1, FORCE] > 0.0, np.maximum(at_last, 0.0), 0.0)
         made = {
             "position": q[:, self.stations[:, None] + three],
             "velocity": v[:, self.stations[:, None] + three],
             "material": q[:, self.stations + MATERIAL],
-            "axial_force": force.copy(),
-            "tension": np.stack((force[:, first], force[:, last - 1]), axis=-1),
+            "axial_force": found[..., FORCE].copy(),
+            "tension": np.stack((at_first, at_last), axis=-1),
         }
         bodies = np.array([self.layout.body[body.name] for body in self.scene.bodies], dtype=int)
         made["body_position"], made["body_velocity"] = (x[:, bodies[:, None] + three] for x in (q, v))
         if self.sheaves:
             made |= self._sheaves(frames, found)
         if self.drums:
-            made |= self._drums(frames, found)
+            made |= self._drums(frames, found, made["tension"])
+        if self.layout.turn:
+            made["body_turn"] = np.zeros((len(q), len(bodies), QUATERNION))
+            made["body_turn"][..., 0] = 1.0
+            for k, body in enumerate(self.scene.bodies):
+                if body.name in self.layout.turn:
+                    place = self.layout.turn[body.name]
+                    made["body_turn"][:, k] = q[:, place : place + QUATERNION]
         if self.compensator is not None:
             made["compensator"] = sample(self.compensator, 0, np.ascontiguousarray(frames.time))[:, 0]
         for k, name in enumerate(("kinetic_energy", "strain_energy", "potential_energy")):
@@ -139,21 +165,19 @@ class Observer:
         columns = frames.q[:, wheels.frame[:, None] + 3 + np.arange(9)].reshape(len(frames.q), -1, 3, 3)
         axis = np.einsum("tsjc,sj->tsc", columns, wheels.axis)
         place = np.array([layout.material(i) for i in self.sheaves])
-        speed = on[..., STRETCH] * frames.v[:, place]
-        flux = (self.scene.rope.mass_per_length * speed**2)[..., None]
-        load = (off[..., [FORCE]] - flux) * e_off - (on[..., [FORCE]] - flux) * e_on
+        load = off[..., [FIRST]] * e_off - on[..., [LAST]] * e_on
         fleet = [np.arcsin(np.clip(np.einsum("tsc,tsc->ts", e, axis), -1.0, 1.0)) for e in (e_on, e_off)]
         return {
             "wrap": np.abs(off[..., FIRST_PSI] - on[..., LAST_PSI]),
             "fleet_angle": np.stack(fleet, axis=-1),
             "sheave_load": load,
-            "sheave_rotation": self._rotation(frames, on[..., STRETCH], place, wheels.radius),
+            "sheave_rotation": self._rotation(frames, place, wheels.radius),
             "slipping": self._slipping(frames),
         }
 
-    def _rotation(self, frames: Any, stretch: np.ndarray, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
+    def _rotation(self, frames: Any, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
         """Rotation of sheaves: their rims' travel, or that of the rope which does not slip on them."""
-        travel = -stretch[:1] * (frames.q[:, place] - self.start[place])
+        travel = -self.layout.stretch * (frames.q[:, place] - self.start[place])
         for k, i in enumerate(self.sheaves):
             if i in self.layout.rim:
                 travel[:, k] = frames.q[:, self.layout.rim[i]]
@@ -172,15 +196,16 @@ class Observer:
                 slipping[:, after[row.after]] = own[:, 2 * j + 1]
         return slipping
 
-    def _drums(self, frames: Any, found: np.ndarray) -> dict[str, np.ndarray]:
+    def _drums(self, frames: Any, found: np.ndarray, tensions: np.ndarray) -> dict[str, np.ndarray]:
         place = np.array([self.layout.material(i) for i in self.drums])
         way = np.array([-1.0 if i == 0 else 1.0 for i in self.drums])
         radius = np.array([self.scene.path[i].radius for i in self.drums])
         element = np.array([0 if i == 0 else self.elements - 1 for i in self.drums])
-        tension, stretch = found[:, element, FORCE], found[:, element, STRETCH]
+        tension = np.stack([tensions[:, 0, 0] if i == 0 else tensions[:, -1, 1] for i in self.drums], axis=-1)
+        stretch = found[:, element, STRETCH]
         out, speed = way * (frames.q[:, place] - self.start[place]), way * frames.v[:, place]
         return {
-            "drum_tension": tension.copy(),
+            "drum_tension": tension,
             "paid_out": out,
             "pay_out_speed": speed,
             "drum_rotation": out * stretch / radius,

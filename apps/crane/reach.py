@@ -10,8 +10,10 @@ from crane.bodies import XYZ
 from crane.layout import AXES, Layout
 from crane.masses import Drums, Supplies
 from crane.scene import Drum, End, Sheave
+from crane.span import Spans
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.state import State
+from tautline.integrators.status import StoppedEarly
 from tautline.system.system import System
 
 ITERATIONS = 40
@@ -53,9 +55,34 @@ def draw_true(layout: Layout, system: System, state: State) -> None:
     """
     limit = SHORTEST_WAY * float(layout.path.chords.min())
     weights = _hanging(layout)
-    find_equilibrium(system, state, limit)
+    _rest(system, state, limit)
     if weights and layout.scene.rope.length is None:
         _lengthen(layout, system, state, weights, limit)
+
+
+def _rest(system: System, state: State, limit: float) -> None:
+    """Find the equilibrium first of a rope that could push, then of the one there is.
+
+    A little too much rope would leave a span slack, which nothing straightens again; where the rope hangs taut in the
+    end the two are the same.
+    """
+    spans = next(group for group in system.groups if isinstance(group, Spans))
+    begin, slack = state.q.copy(), spans.rows.slack.copy()
+    if not slack.any():
+        find_equilibrium(system, state, limit)
+        return
+    try:
+        spans.rows["slack"] = 0
+        find_equilibrium(system, state, limit)
+    except StoppedEarly:
+        state.q[:] = begin
+    finally:
+        spans.rows["slack"] = slack
+    try:
+        find_equilibrium(system, state, limit)
+    except StoppedEarly:
+        state.q[:] = begin
+        find_equilibrium(system, state, limit)
 
 
 def _hanging(layout: Layout) -> dict[int, float]:
@@ -92,7 +119,7 @@ def _lengthen(layout: Layout, system: System, state: State, weights: dict[int, f
         step = math.copysign(min(abs(step), limit), step)
         last = step, off
         _add_rope(layout, system, state, step)
-        find_equilibrium(system, state, limit)
+        _rest(system, state, limit)
 
 
 def _falls(layout: Layout) -> int:

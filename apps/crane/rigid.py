@@ -410,4 +410,7 @@ def rotation_of(quaternion: np.ndarray) -> np.ndarray:
     return np.eye(3) + 2.0 * (s * cross + cross @ cross)
 
 
-__all__ = ["FREQUENCY", "QUATERNION", "RIGID", "SOCKET", "Rigids", "Sockets", "new_rigids", "new_sockets"]
+__all__ = [
+    "FREQUENCY", "QUATERNION", "RIGID", "SOCKET", "Rigids", "Sockets", "new_rigids", "new_sockets", "quaternion_of",
+    "rotation_of",
+]  # fmt: skip

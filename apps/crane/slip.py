@@ -5,7 +5,7 @@ grows with u as a stiff spring's does, F = F_n + k (u - u_n), up to a limit F_m,
 CRANE.md 3). F_n and u_n are those of the last accepted step. A rope that sticks does not creep, and its tangent is that
 of the spring. The limits:
 
-- ``CAPSTAN``, Euler-Eytelwein: (exp(mu theta) - 1) max(min(T_1, T_2) - rhoA u^2, 0), theta the wrap;
+- ``CAPSTAN``, Euler-Eytelwein: (exp(mu theta) - 1) max(min(T_1, T_2), 0), theta the wrap and T less rhoA u^2;
 - ``EFFICIENCY``: the same with 1/eta in place of exp(mu theta);
 - ``BEARING``: mu_b r_b / R |F|, F what rope and rim press on the pin;
 - ``TORQUE``: what a function of time says.
@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.line import AXES
-from crane.span import BY_SPEED, BY_STRETCH, FIRST_PSI, FORCE, LAST_PSI, MATERIAL, STRETCH
+from crane.span import BY_SPEED, BY_STRETCH, FIRST, FIRST_PSI, INERTIA, LAST, LAST_PSI, MATERIAL, STRETCH
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -30,20 +30,21 @@ NONE = -1
 SLIP = np.dtype(
     [
         ("kind", "i8"), ("p", "i8"), ("by_p", "f8"), ("s", "i8"), ("by_s", "f8"), ("before", "i8"), ("after", "i8"),
-        ("coefficient", "f8"), ("stiffness", "f8"), ("mass", "f8"), ("function", "i8"),
+        ("coefficient", "f8"), ("stiffness", "f8"), ("function", "i8"),
     ]
 )  # fmt: skip
 """A contact: kind; places of p and of s or ``NONE`` with their factors; numbers of the spans before and after; mu,
-1/eta - 1 or mu_b r_b / R; k N/m; rhoA kg/m; and the function of time of a limit (N), times the coefficient."""
+1/eta - 1 or mu_b r_b / R; k N/m; and the function of time of a limit (N), times the coefficient."""
 
 
 class Slips(NamedTuple):
     """Contacts (n,) of ``SLIP``.
 
-    ``found`` (spans, 6) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
+    ``found`` (spans, 9) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
     ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what the last step lost, W,
     ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts`` (1,) is 0 while an equilibrium is
-    sought: nothing moves there, and nothing resists.
+    sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the first step is accepted: no contact
+    has moved or been loaded before.
     """
 
     rows: np.recarray
@@ -56,6 +57,7 @@ class Slips(NamedTuple):
     power: np.ndarray
     slips: np.ndarray
     acts: np.ndarray
+    fresh: np.ndarray
     functions: TimeFunctions
 
 
@@ -66,19 +68,9 @@ def _travel(row, x):
 
 
 @kernel
-def _flux(g, row, v):
-    """rhoA u^2: what of the tension only turns the rope's momentum."""
-    if row.before == NONE:
-        return 0.0
-    stretch = g.found[row.before, STRETCH]
-    rate = stretch * v[g.ends[row.before, 1] + MATERIAL]
-    return row.mass * rate * rate
-
-
-@kernel
-def _pin(g, row, flux):
+def _pin(g, row):
     """What rope presses on a pin with, N, and its share across each side."""
-    one, two = g.found[row.before, FORCE] - flux, g.found[row.after, FORCE] - flux
+    one, two = g.found[row.before, LAST], g.found[row.after, FIRST]
     square = 0.0
     by_one = by_two = 0.0
     for c in range(AXES):
@@ -92,30 +84,29 @@ def _pin(g, row, flux):
 
 
 @kernel
-def _limit(g, row, t, v):
+def _limit(g, row, t):
     """F_m, and its derivatives by the tensions before and after."""
     if row.kind == TORQUE:
         share, _, _ = evaluate(g.functions, row.function, t)
         return row.coefficient * max(0.0, share), 0.0, 0.0
-    flux = _flux(g, row, v)
     if row.kind == BEARING:
-        size, by_one, by_two = _pin(g, row, flux)
+        size, by_one, by_two = _pin(g, row)
         return row.coefficient * size, row.coefficient * by_one, row.coefficient * by_two
-    one, two = g.found[row.before, FORCE], g.found[row.after, FORCE]
+    one, two = g.found[row.before, LAST], g.found[row.after, FIRST]
     gain = row.coefficient
     if row.kind == CAPSTAN:
         gain = exp(row.coefficient * abs(g.found[row.after, FIRST_PSI] - g.found[row.before, LAST_PSI])) - 1.0
-    lower = min(one, two) - flux
+    lower = min(one, two)
     if lower <= 0.0:
         return 0.0, 0.0, 0.0
     return gain * lower, gain if one <= two else 0.0, 0.0 if one <= two else gain
 
 
 @kernel
-def _trial(g, i, t, q, v):
+def _trial(g, i, t, q):
     """Force, the sign of the slip or 0, and the limit with its derivatives."""
     row = g.rows[i]
-    limit, by_one, by_two = _limit(g, row, t, v)
+    limit, by_one, by_two = _limit(g, row, t)
     force = g.force[i] + row.stiffness * (_travel(row, q) - g.travel[i])
     if abs(force) <= limit:
         return force, 0, by_one, by_two
@@ -125,6 +116,9 @@ def _trial(g, i, t, q, v):
 @kernel
 def _begin(g, t, h, beta, gamma, q, v, a):
     g.acts[0] = 0.0 if beta < 0.0 else 1.0
+    if g.fresh[0] == 1.0:
+        for i in range(g.rows.size):
+            g.travel[i] = _travel(g.rows[i], q)
 
 
 @kernel
@@ -133,7 +127,7 @@ def _switch(g, t, q, v, converged, changed):
     if converged:
         return
     for i in range(g.rows.size):
-        _, sign, _, _ = _trial(g, i, t, q, v)
+        _, sign, _, _ = _trial(g, i, t, q)
         if sign != g.slips[i]:
             g.slips[i] = sign
             changed[0] += 1
@@ -143,7 +137,7 @@ def _switch(g, t, q, v, converged, changed):
 def _residual(g, t, q, v, a, r):
     for i in range(g.rows.size):
         row = g.rows[i]
-        force, _, _, _ = _trial(g, i, t, q, v)
+        force, _, _, _ = _trial(g, i, t, q)
         force *= g.acts[0]
         g.now[i] = force
         if row.p != NONE:
@@ -161,15 +155,18 @@ def _add(g, row, matrix, dofs, column, x):
 
 
 @kernel
-def _add_span(g, row, n, matrix, dofs, x, cc, ck):
-    """Add x times the derivative of a span's tension."""
+def _add_span(g, row, n, first, matrix, dofs, x, cm, cc, ck):
+    """Add x times the derivative of the tension at one end of a span: N's, and that of the rope beside it."""
     a, b = g.ends[n, 0], g.ends[n, 1]
     by = x * (ck * g.found[n, BY_STRETCH] + cc * g.found[n, BY_SPEED])
+    mass = x * cm * g.found[n, INERTIA]
+    by_a = -by - 2.0 * mass if first else -by + mass
+    by_b = by - mass if first else by + 2.0 * mass
     for c in range(AXES):
-        _add(g, row, matrix, dofs, a + c, -by * g.direction[n, c])
-        _add(g, row, matrix, dofs, b + c, by * g.direction[n, c])
-    _add(g, row, matrix, dofs, a + MATERIAL, by * g.found[n, STRETCH])
-    _add(g, row, matrix, dofs, b + MATERIAL, -by * g.found[n, STRETCH])
+        _add(g, row, matrix, dofs, a + c, by_a * g.direction[n, c])
+        _add(g, row, matrix, dofs, b + c, by_b * g.direction[n, c])
+    _add(g, row, matrix, dofs, a + MATERIAL, -by_a * g.found[n, STRETCH])
+    _add(g, row, matrix, dofs, b + MATERIAL, -by_b * g.found[n, STRETCH])
 
 
 @kernel
@@ -178,7 +175,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         return
     for i in range(g.rows.size):
         row = g.rows[i]
-        _, sign, by_one, by_two = _trial(g, i, t, q, v)
+        _, sign, by_one, by_two = _trial(g, i, t, q)
         if sign == 0:
             x = ck * row.stiffness
             if row.p != NONE:
@@ -187,9 +184,9 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
                 _add(g, row, matrix, dofs, row.s, x * row.by_s)
         else:
             if by_one != 0.0:
-                _add_span(g, row, row.before, matrix, dofs, sign * by_one, cc, ck)
+                _add_span(g, row, row.before, False, matrix, dofs, sign * by_one, cm, cc, ck)
             if by_two != 0.0:
-                _add_span(g, row, row.after, matrix, dofs, sign * by_two, cc, ck)
+                _add_span(g, row, row.after, True, matrix, dofs, sign * by_two, cm, cc, ck)
 
 
 @kernel
@@ -207,14 +204,13 @@ def _dissipation(g, t, q, v, p):
 @kernel
 def _commit(g, t, h, q, v, a):
     """Keep force and travel. What was not stored of the work in a step is lost."""
+    if h == 0.0:
+        return
+    g.fresh[0] = 0.0
     for i in range(g.rows.size):
         row = g.rows[i]
         u = _travel(row, q)
-        if h == 0.0:
-            g.travel[i] = u
-            g.force[i] = g.now[i] = g.power[i] = 0.0
-            continue
-        force, _, _, _ = _trial(g, i, t, q, v)
+        force, _, _, _ = _trial(g, i, t, q)
         work = 0.5 * (force + g.force[i]) * (u - g.travel[i])
         stored = 0.5 * (force * force - g.force[i] * g.force[i]) / row.stiffness
         g.power[i] = (work - stored) / h

@@ -7,7 +7,7 @@ Its particles at the marks move at v_i = c_i. - t p_i., t = lambda e, and those 
 
 and the residual is Lagrange's: d/dt dT/dq. - dT/dq + dV/dq, in which the momentum that is turned at a kink and that
 which goes round a sheave come out by themselves. Green's strain, N = EA (eps + c eps.) lambda; a rope that takes no
-compression has W = N = 0 where it is slack.
+compression has W = 0 where it is shorter than unstretched, and N = 0 where N would be negative.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 
 from crane.line import AXES, FOUND, LENGTH, PATH, POINT, PSI1, PSI2, RATE, Line, dot, find_line
 from tautline.kernels.dofs import add_block
-from tautline.kernels.groups import EMPTY, OFF_WHEEL, register
+from tautline.kernels.groups import EMPTY, OFF_WHEEL, TWO_BLOCKED, register
 from tautline.kernels.jit import kernel
 
 STATION = 4
@@ -31,11 +31,12 @@ SPAN = np.dtype(
     ]
 )  # fmt: skip
 """A span: its stations' places, the wheels there or ``POINT``, EA N, rhoA kg/m, c s, weight N/m, whether it slacks."""
-FORCE, FIRST_PSI, LAST_PSI, STRETCH, BY_STRETCH, BY_SPEED, SIZE = range(7)
-"""Places in ``found``: N (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m); and how many there are."""
-
-
-RECORDED = 4
+FORCE, FIRST, LAST, FIRST_PSI, LAST_PSI, STRETCH, BY_STRETCH, BY_SPEED, INERTIA, SIZE = range(10)
+"""Places in ``found``: N in the middle (N), what is left of the tension at either end beside what turns the rope's
+momentum, T - rhoA u^2 (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m), rhoA L / 6 (kg)."""
+MET = 0.05
+"""Straight rope between a sheave and what hangs from it, over the radius, below which the two have met."""
+RECORDED = 6
 """How many of them are recorded; the direction (3,) follows."""
 
 
@@ -88,12 +89,13 @@ def _stretch(g, n, q, v):
     number[BY_RATE] = s.stiffness * s.damping * lam * lam
     if s.slack == 1 and strain < 0.0:
         number[ENERGY] = number[ELASTIC] = 0.0
-    if s.slack == 1 and (strain < 0.0 or number[TENSION] < 0.0):
+    if s.slack == 1 and number[TENSION] < 0.0:
         number[TENSION] = number[BY_LAM] = number[BY_RATE] = 0.0
     g.found[n, FORCE], g.found[n, STRETCH] = number[TENSION], lam
     g.found[n, FIRST_PSI], g.found[n, LAST_PSI] = line.number[PSI1], line.number[PSI2]
     g.found[n, BY_STRETCH] = (number[BY_LAM] - number[BY_RATE] * size_d / size) / size
     g.found[n, BY_SPEED] = number[BY_RATE] / size
+    g.found[n, INERTIA] = s.mass * size / 6.0
 
 
 @kernel
@@ -147,13 +149,17 @@ def _residual(g, t, q, v, a, r):
         _move(g, n, q, v)
         _accelerate(g, n, v, a)
         force, lam, size = number[TENSION], number[LAM], number[L]
-        lifted = 0.0
+        lifted = first = last = 0.0
         for c in range(AXES):
             pull = number[P_E] * line.g[c] / size + lam * x[TURNED_P, c] + force * line.g[c]
             weight = 0.5 * size * s.load[c]
-            r[i + c] += x[N1, c] - pull - weight
-            r[j + c] += x[N2, c] + pull - weight
+            r1, r2 = x[N1, c] - pull - weight, x[N2, c] + pull - weight
+            r[i + c] += r1
+            r[j + c] += r2
+            first -= r1 * line.e[c]
+            last += r2 * line.e[c]
             lifted += 0.5 * s.load[c] * (q[i + c] + q[j + c])
+        g.found[n, FIRST], g.found[n, LAST] = first, last
         inner = number[TAU] - number[ENERGY] + force * lam + lifted
         r[i + MATERIAL] += inner - dot(x[T_D], x[M1]) - dot(x[T], x[N1])
         r[j + MATERIAL] -= inner + dot(x[T_D], x[M2]) + dot(x[T], x[N2])
@@ -324,6 +330,10 @@ def _alarm(g, t, q, alarm):
         if not (q[s.b + MATERIAL] > q[s.a + MATERIAL] and g.line.number[PATH] > 0.0 and g.line.number[FOUND] == 1.0):
             alarm[0], alarm[1] = EMPTY, s.a
             return
+        for wheel in (s.wheel1, s.wheel2):
+            if wheel != POINT and g.line.number[LENGTH] < MET * abs(g.wheels[wheel].radius):
+                alarm[0], alarm[1] = TWO_BLOCKED, s.a
+                return
         g.found[n, FIRST_PSI], g.found[n, LAST_PSI] = g.line.number[PSI1], g.line.number[PSI2]
         # A wheel between two spans has rope on it as long as the rope runs on before it leaves.
         if n > 0 and s.wheel1 != POINT and g.rows[n - 1].wheel2 == s.wheel1:

@@ -55,11 +55,11 @@ def capacity_of(scene: CraneScene, drum: Drum) -> float | None:
 
 
 def _too_much(scene: CraneScene, drum: Drum) -> list[Problem]:
-    capacity = capacity_of(scene, drum)
-    if capacity is None:
+    capacity, layers = capacity_of(scene, drum), drum.layers
+    if capacity is None or layers is None:
         return []
     key = (*scene.key_of(drum), "layers")
-    held = f"{drum.layers.count} layers of {drum.layers.turns} turns hold {capacity:.4g} m"
+    held = f"{layers.count} layers of {layers.turns} turns hold {capacity:.4g} m"
     cure = "give the drum more turns or layers"
     start = drum.rope_on_drum or 0.0
     supply = supply_of(scene, drum)

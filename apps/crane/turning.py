@@ -20,6 +20,7 @@ Y, Z, TURNED_Z = range(3)
 
 @kernel
 def radius_of(wheels, n):
+    """Signed radius of a wheel, zero in place of a point."""
     return wheels[n].radius if n != POINT else 0.0
 
 

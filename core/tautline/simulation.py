@@ -218,7 +218,7 @@ class _Run:
             self._store(store, self.frames, filled)
         if status != Status.DONE:
             worst = int(self.state.counters[WORST])
-            raise StoppedEarly(Status(status), reached, system.names[worst])
+            raise StoppedEarly(Status(status), reached, system.name_of(worst))
         limit = max(1, BATCH_NUMBERS // (4 * system.q.size + self.model.own + 6))
         if isinstance(self.method, RungeKutta4):
             limit = min(limit, self.unchecked)

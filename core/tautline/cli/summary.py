@@ -55,14 +55,15 @@ def speed(factor: float | None) -> str:
 
 
 def two_columns(rows: Iterable[tuple[str, str]]) -> Table:
-    """Lay out rows of what and how much."""
+    """Lay out rows of what and how much; brackets in them are just brackets."""
     from rich.table import Table
+    from rich.text import Text
 
     laid_out = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
     laid_out.add_column(style="cyan")
     laid_out.add_column()
     for what, value in rows:
-        laid_out.add_row(what, value)
+        laid_out.add_row(Text(what), Text(value))
     return laid_out
 
 
@@ -93,11 +94,9 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
         rows.append(("step halvings", str(attributes["halvings"])))
     if report["energy_error"] is not None:
         rows.append(("energy balance, relative error", significant(report["energy_error"], 2)))
-    summary = two_columns(rows)
     if headline:
-        summary.add_section()
-        summary.add_row("", "")
+        rows.append(("", ""))
     for name, figure in headline.items():
         label = str(figure.get("text") or name.replace("_", " "))
-        summary.add_row(label, quantity(figure.get("value"), str(figure.get("unit") or "")))
-    return summary
+        rows.append((label, quantity(figure.get("value"), str(figure.get("unit") or ""))))
+    return two_columns(rows)

@@ -102,7 +102,7 @@ def relax(
                 h = longest = max(step, 0.25 * h)
                 continue
             if status != Status.DONE:
-                name = system.names[int(state.counters[WORST])]
+                name = system.name_of(int(state.counters[WORST]))
                 raise StoppedEarly(Status(status), 0.0, name, "during the relaxation")
             state.q[system.at_rest] = kept
             state.v[system.at_rest] = state.a[system.at_rest] = 0.0

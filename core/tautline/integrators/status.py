@@ -20,7 +20,8 @@ class Status(IntEnum):
     NULL_MOTION = 8
     OFF_WHEEL = 9
     RUN_OUT = 10
-    IMBALANCE = 11
+    TWO_BLOCKED = 11
+    IMBALANCE = 12
 
 
 SENTENCES = {
@@ -52,8 +53,9 @@ SENTENCES = {
         "the rope has left a sheave that it ran over: the straight line between its neighbours passes it by; keep the "
         "load where the rope is led, or add a sheave that leads it"
     ),
-    Status.RUN_OUT: (
-        "all of the rope has run off its drum; pay out less, or give the drum more rope"
+    Status.RUN_OUT: "all of the rope has run off its drum; pay out less, or give the drum more rope",
+    Status.TWO_BLOCKED: (
+        "a hook or a block has come up to the sheave above it, and nothing is left between them; stop hoisting earlier"
     ),
     Status.IMBALANCE: (
         "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "

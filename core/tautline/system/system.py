@@ -98,6 +98,8 @@ class System:
         Unknowns, the last ones, that are kept out of the band because too many others depend on them.
     algebraic : (k,) int array
         Reduced unknowns that are multipliers.
+    places : list of str
+        What each full degree of freedom is.
     force : float
         Force that counts as large, N; 0 for the largest of ``scale``.
     linked : dict
@@ -118,8 +120,13 @@ class System:
     mass_bandwidth: int
     border: int = 0
     algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
+    places: list[str] = field(default_factory=list)
     force: float = 0.0
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
+
+    def name_of(self, row: int) -> str:
+        """What a reduced row is; or, counted from -1 downwards, a full degree of freedom."""
+        return self.names[row] if row >= 0 else self.places[-1 - row]
 
     def link(self, sums: tuple[str, ...]) -> Any:
         """The groups as compiled code calls them for some sums; kernels that were never compiled are compiled now."""
@@ -210,6 +217,7 @@ def assemble(
         mass_bandwidth=_bandwidth(mass_pattern, rank, border) if border == 0 else _bandwidth(pattern, rank, border),
         border=border,
         algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
+        places=list(degrees.names),
     )
 
 

@@ -1,0 +1,252 @@
+"""What `check` warns of in a crane scene: with cause and cure, and only where there is cause."""
+
+import math
+
+import numpy as np
+import pytest
+from results.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
+
+from crane.cautions import cautions, describe, figures
+from crane.estimates import estimate, rk4_limit
+from crane.figures import draw_scene
+from crane.scene import CraneScene
+from crane.supply import check_supply, supply_of
+from tautline.scene.errors import SceneError
+
+GRAVITY = 9.81
+
+
+def winch(**more):
+    drum = {key: value for key, value in WINCH["drum"].items() if key != "pay_out" or "pay_out" not in more}
+    return {"drum": drum | more}
+
+
+def tip(**more):
+    return {"sheave": TIP["sheave"] | more}
+
+
+def told(of, where):
+    """Texts of the cautions at a key path."""
+    return [caution.text for caution in cautions(of) if caution.where == where]
+
+
+def only(of, where):
+    (text,) = told(of, where)
+    return text
+
+
+@pytest.mark.parametrize("of", [one_fall(), falls(2), falls(16), elevator(), fixed_rope()], ids=lambda of: of.title)
+def test_sound_scenes_are_not_warned_of(of):
+    assert cautions(of.model_copy(update={"output": of.output.model_copy(update={"interval": 0.005})})) == []
+
+
+def test_rope_that_meets_a_sheave_askew_is_told_with_angle_and_limit():
+    bent = one_fall(path=[WINCH, tip(center=[12, 4.0, 30]), HOOK], bodies=[LOAD | {"position": [12.4, 4.0, 5]}])
+    text = only(bent, "path[1].sheave")
+    assert "boom tip at 7" in text and "more than 4 deg" in text and "fleet_limit" in text
+    assert "winch at 7" in only(bent, "path[0].drum") and "fleet_limit" not in only(bent, "path[0].drum")
+    wide = tip(center=[12, 4.0, 30], fleet_limit="10 deg")
+    assert (
+        told(one_fall(path=[WINCH, wide, HOOK], bodies=[LOAD | {"position": [12.4, 4.0, 5]}]), "path[1].sheave") == []
+    )
+
+
+def test_sheaves_small_for_their_rope_are_told_the_smallest_by_name():
+    text = only(one_fall(rope={"diameter": "60 mm"}), "path[1].sheave.radius")
+    assert "D/d = 13.3" in text and "16 or more" in text and "more below" not in text
+    assert "and 1 more below 16" in only(one_fall(rope={"diameter": "70 mm"}), "path[1].sheave.radius")
+    assert cautions(one_fall(rope={"diameter": None})) == []
+
+
+def test_a_rope_weak_for_its_load_is_told_with_the_rule_it_is_held_against():
+    text = only(one_fall(rope={"breaking_load": "120 kN"}), "rope.breaking_load")
+    assert "2.4 times the tension at rest" in text and "rule of thumb" in text
+    assert told(falls(4, rope={"breaking_load": "1 MN"}), "rope.breaking_load") == []
+
+
+def test_tension_at_rest_is_the_load_on_its_falls_and_the_rope_below():
+    found = estimate(one_fall())
+    assert found.tension[1] == pytest.approx([5000 * GRAVITY + 25.0 * 6.5 * GRAVITY, 5000 * GRAVITY])
+    height = found.path.tangents[0, 0, 2] - found.path.tangents[0, 1, 2]
+    assert found.tension[0, 0] - found.tension[0, 1] == pytest.approx(6.5 * GRAVITY * height)
+    of = falls(16)
+    lower = estimate(of).tension[1::2, 0]
+    block = [estimate(of).tension[2 * k + 1, 1] for k in range(8)] + [
+        estimate(of).tension[2 * k + 2, 0] for k in range(8)
+    ]
+    assert sum(block) == pytest.approx(50e3 * GRAVITY, rel=1e-9) and np.ptp(lower) < 1e-6 * lower.max()
+    assert estimate(fixed_rope()).tension is None
+
+
+def test_the_bounce_is_that_of_the_load_on_the_whole_rope():
+    of = falls(4)
+    found = estimate(of)
+    stiffness = 16 * of.rope.axial_stiffness / found.path.length
+    mass = 50e3 + 6.5 * sum(span.length for span in found.path.spans[1:]) / 3.0
+    assert found.frequency == pytest.approx(math.sqrt(stiffness / mass) / (2.0 * math.pi), rel=1e-6)
+    light = [1e3 + 6.5 * found_length(elevator(), k) / 3.0 for k in (0, 1)]
+    light[1] += 100.0
+    wanted = math.sqrt(8.0e7 / estimate(elevator()).path.length * sum(1.0 / m for m in light)) / (2.0 * math.pi)
+    assert estimate(elevator()).frequency == pytest.approx(wanted)
+    assert estimate(fixed_rope()).frequency is None
+
+
+def found_length(of, k):
+    return estimate(of).path.spans[k].length
+
+
+def test_a_fixed_step_is_held_against_the_bounce_and_a_controlled_one_is_not():
+    fixed = {"step": "50 ms", "control": "fixed"}
+    assert "fewer than 10 steps" in only(one_fall(solver=fixed), "solver.step")
+    assert told(one_fall(solver={"step": "50 ms"}), "solver.step") == []
+    assert told(one_fall(solver=fixed | {"step": "10 ms"}), "solver.step") == []
+
+
+def test_frames_too_few_to_see_the_bounce_are_told():
+    assert "fewer than 4 frames" in only(one_fall(interval=0.2), "output.interval")
+    assert told(one_fall(interval=0.05), "output.interval") == []
+
+
+def test_rk4_is_told_its_step_at_the_start_and_when_the_spans_are_short():
+    hoisting = [winch(pay_out={"ramp": {"to": -2.0, "over": 1.0}}), TIP, HOOK]
+    text = only(one_fall(path=hoisting, solver={"method": "rk4"}), "solver.step")
+    assert "0.0015 s here" in text and "when the spans are shortest" in text and "5" in text
+    assert told(one_fall(solver={"method": "rk4", "step": "0.1 ms"}), "solver.step") == []
+    assert "rk4 takes steps" in only(one_fall(solver={"method": "rk4", "step": "auto"}), "solver.method")
+
+
+def test_the_step_of_rk4_is_that_of_an_element_and_less_where_damping_rules():
+    plain = one_fall()
+    wave = math.sqrt(plain.rope.axial_stiffness / plain.rope.mass_per_length)
+    assert rk4_limit(plain, 6.25) == pytest.approx(math.sqrt(2.0 / 3.0) * 6.25 / wave)
+    damped = one_fall(rope={"damping": 0.05})
+    assert rk4_limit(damped, 0.1) < 0.1 * rk4_limit(plain, 0.1)
+
+
+def test_elements_long_for_a_heavy_or_sagging_rope_are_told_span_by_span():
+    deep = [winch(), TIP, HOOK]
+    heavy = one_fall(path=deep, bodies=[LOAD | {"position": [12.4, 0, -3000]}], mesh={"elements_per_span": 2})
+    (text,) = told(heavy, "mesh.elements_per_span")
+    assert text.startswith("2 from boom tip to hook: half of one weighs 20 % of the tension") and "take 8 " in text
+    level = [{"anchor": {"name": "pole", "position": [-200, 0, 30]}}, tip(radius=0.6), HOOK]
+    slack = one_fall(path=level, bodies=[LOAD | {"mass": "300 kg", "position": [12.6, 0, 5]}])
+    assert "sags by about" in only(slack, "mesh.elements_per_span") and "pole to boom tip" in only(
+        slack, "mesh.elements_per_span"
+    )
+
+
+def test_elastic_compression_and_friction_that_cannot_act_are_told():
+    assert "never goes slack" in only(
+        one_fall(rope={"compression": "elastic", "bending_stiffness": 10.0}), "rope.compression"
+    )
+    free = [WINCH, tip(law="capstan", friction=0.1), HOOK]
+    assert "never acts" in only(one_fall(path=free), "path[1].sheave.law")
+    for more in ({"inertia": 10.0}, {"locked": True}):
+        assert told(one_fall(path=[WINCH, tip(law="capstan", friction=0.1, **more), HOOK]), "path[1].sheave.law") == []
+
+
+def test_a_winch_that_begins_with_a_jump_is_told_the_front_it_sends():
+    sudden = one_fall(path=[winch(pay_out=-1.0), TIP, HOOK])
+    wave = math.sqrt(8.0e7 * 6.5)
+    assert f"a front of {wave:.3g} N" in only(sudden, "path[0].drum.pay_out")
+    table = {"table": {"time": [0, 1, 9, 10], "value": [0, -1, -1, 0]}}
+    assert told(one_fall(path=[winch(pay_out=table), TIP, HOOK]), "path[0].drum.pay_out") == []
+    drum = {key: value for key, value in WINCH["drum"].items() if key != "pay_out"} | {"speed": 2.0}
+    assert "jumps to 1 m/s" in only(one_fall(path=[{"drum": drum}, TIP, HOOK]), "path[0].drum.speed")
+
+
+def test_a_drum_that_runs_out_and_a_load_hoisted_too_high_are_told_with_the_time():
+    out = winch(pay_out={"ramp": {"to": 1.0, "over": 1.0}}, rope_on_drum="5 m")
+    assert "t = 5.5 s" in only(one_fall(path=[out, TIP, HOOK]), "path[0].drum.rope_on_drum")
+    enough = winch(pay_out={"ramp": {"to": 1.0, "over": 1.0}}, rope_on_drum="50 m")
+    assert told(one_fall(path=[enough, TIP, HOOK]), "path[0].drum.rope_on_drum") == []
+    up = winch(pay_out={"ramp": {"to": -4.0, "over": 1.0}})
+    assert "t = 6.75 s" in only(one_fall(path=[up, TIP, HOOK]), "path[0].drum.pay_out")
+
+
+def test_motion_that_begins_at_once_is_told_and_motion_that_grows_is_not():
+    sudden = {"reference": [0, 0, 0], "motion": {"heave": {"harmonic": {"amplitude": 0.5, "period": 8}}}}
+    text = only(one_fall(vessel=sudden), "vessel.motion")
+    assert "moves at 0.39 m/s at t = 0" in text and "`ramp`" in text
+    sudden["motion"]["heave"]["harmonic"]["ramp"] = 8
+    assert told(one_fall(vessel=sudden), "vessel.motion") == []
+    rolling = {"reference": [0, 0, 0], "motion": {"roll": {"harmonic": {"amplitude": 0.1, "period": 8}}}}
+    speed = 0.1 * 2.0 * math.pi / 8.0 * 30.0
+    assert f"boom tip moves at {speed:.2g} m/s" in only(one_fall(vessel=rolling), "vessel.motion")
+    slewing = [{"name": "boom", "pivot": [0, 0, 0], "slew": {"harmonic": {"amplitude": 0.1, "period": 8}}}]
+    path = [winch(frame="boom"), tip(frame="boom"), HOOK]
+    assert "boom tip moves at 0.94 m/s" in only(one_fall(path=path, frames=slewing), "frames")
+
+
+def test_limits_that_hold_the_actuator_back_are_told_with_their_share():
+    heave = {"harmonic": {"amplitude": 1.0, "period": 8, "ramp": 8}}
+    vessel = {"reference": [0, 0, 0], "motion": {"heave": heave}}
+    short = one_fall(vessel=vessel, heave_compensation={"gain": 1.0, "limits": {"stroke": "0.5 m"}}, solver={"end": 40})
+    assert "held back by stroke" in only(short, "heave_compensation.limits")
+    ample = one_fall(vessel=vessel, heave_compensation={"gain": 1.0, "limits": {"stroke": "2 m"}}, solver={"end": 40})
+    assert told(ample, "heave_compensation.limits") == []
+
+
+def layered(**more):
+    return one_fall(path=[winch(layers={"turns": 5, "core_radius": 0.45, "count": 2}, **more), TIP, HOOK])
+
+
+def test_more_rope_than_a_drum_holds_is_refused_with_the_time_it_is_full():
+    drum = layered().drums[0]
+    capacity = drum.layers.capacity(0.036)
+    hoisting = {"ramp": {"to": -3.0, "over": 1.0}}
+    full = 0.5 + (capacity - 10.0) / 3.0
+    with pytest.raises(SceneError) as refused:
+        check_supply(layered(rope_on_drum="10 m", pay_out=hoisting))
+    (problem,) = refused.value.problems
+    assert problem.key == "path[0].drum.layers" and "2 layers of 5 turns hold" in problem.cause
+    assert float(problem.cause.split("t = ")[1].split()[0]) == pytest.approx(full, abs=0.01)
+    with pytest.raises(SceneError, match="beginning empty, as no rope_on_drum is given"):
+        check_supply(layered(pay_out={"ramp": {"to": -5.0, "over": 1.0}}))
+    with pytest.raises(SceneError, match="layers hold|turns hold"):
+        cautions(layered(rope_on_drum="10 m", pay_out=hoisting))
+    check_supply(layered(rope_on_drum="3 m", pay_out={"ramp": {"to": -1.0, "over": 1.0}}))
+    check_supply(layered(rope_on_drum="10 m", pay_out={"ramp": {"to": 1.0, "over": 1.0}}))
+
+
+def test_the_supply_of_a_drum_is_the_integral_of_its_speed():
+    driven = one_fall(path=[winch(pay_out={"ramp": {"to": -2.0, "over": 1.0}}), TIP, HOOK])
+    supply = supply_of(driven, driven.drums[0])
+    assert supply.paid_out[-1] == pytest.approx(-19.0) and supply.speed[-1] == pytest.approx(-2.0)
+    torque = {key: value for key, value in WINCH["drum"].items() if key != "pay_out"}
+    free = one_fall(path=[{"drum": torque | {"torque": 24e3, "inertia": 500.0}}, TIP, HOOK])
+    assert supply_of(free, free.drums[0]) is None and told(free, "path[0].drum.torque") == []
+
+
+def test_figures_are_those_that_check_promises_and_read_as_a_table():
+    found = figures(falls(2))
+    assert found.keys() == {"spans", "wraps", "fleet_angles", "path_length"}
+    assert [(span["from"], span["to"]) for span in found["spans"]] == [
+        ("winch", "head 1"), ("head 1", "block 1"), ("block 1", "dead end"),
+    ]  # fmt: skip
+    assert [wrap["sheave"] for wrap in found["wraps"]] == ["head 1", "block 1"]
+    assert found["wraps"][1]["angle"] == pytest.approx(math.pi)
+    arcs = 0.4 * sum(wrap["angle"] for wrap in found["wraps"])
+    assert found["path_length"] == pytest.approx(sum(span["length"] for span in found["spans"]) + arcs)
+    rows = dict(describe(found))
+    assert rows["head 1 to block 1"] == "25 m" and rows["around block 1"] == "180 deg, fleet angle 0 deg"
+    assert describe(figures(fixed_rope())) == [("one to other", "10 m"), ("length of the rope's way", "10 m")]
+
+
+def test_the_fleet_angle_is_the_larger_of_both_sides():
+    bent = one_fall(path=[WINCH, tip(center=[12, 1.0, 30]), HOOK], bodies=[LOAD | {"position": [12.4, 4.0, 5]}])
+    (angle,) = figures(bent)["fleet_angles"]
+    assert angle["sheave"] == "boom tip" and angle["angle"] == pytest.approx(
+        math.asin(3.0 / math.hypot(3.0, 25.0)), rel=1e-3
+    )
+
+
+def test_a_scene_is_drawn_before_it_runs(tmp_path):
+    for k, of in enumerate((one_fall(), falls(4), elevator(), fixed_rope())):
+        assert draw_scene(of, tmp_path / f"{k}.png").stat().st_size > 5000
+
+
+def test_a_scene_that_no_rope_can_take_is_refused():
+    with pytest.raises(SceneError, match="boom tip"):
+        cautions(scene(path=[WINCH, tip(center=[0.2, 0, 0.1]), HOOK]))
+    assert isinstance(one_fall(), CraneScene)
