@@ -14,8 +14,9 @@ stands still loses nothing.
 
 Next to a wheel an element is the line that touches it (`crane.line`), and free is what does not lie on the wheel: h_i =
 L - rho1 psi1 + rho2 psi2, the strain on the wheel being neglected. Its direction is that of the rope at the wheel, not
-in its middle, so that all of its length is bent at the next station: h = h1 + h2 / 2. With `crane.arcs` the rope then
-leaves the wheel with the curvature 1 / R, as an elastica does.
+in its middle, so that all of its length is bent at the next station: h = h1 + h2 / 2. With `crane.arcs` the energy is
+then stationary where the rope leaves the wheel with the curvature 1 / R, as an elastica does; meshes show it that are
+far finer than sqrt(EJ / T). On others the rope runs EJ / (2 T R) beside the line that touches the wheel all the same.
 """
 
 from __future__ import annotations

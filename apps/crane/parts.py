@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from crane.arcs import Arcs, new_arcs
+from crane.bends import Bends, new_bends, stencils
 from crane.friction import contacts_of, couplings_of
 from crane.layout import AXES, Layout, has_rim
 from crane.line import POINT
@@ -21,6 +23,8 @@ from crane.wet import WET, Wet, new_wet
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.time_functions import FunctionRequest
 
+SMOOTHING = 0.01
+"""Curvature below which the damping of bending fades, over that of an element bent to its own length."""
 STIFFER = 10.0
 """Stiffness of a socket over that of a metre of the rope, 1/m."""
 Maker = Callable[[TimeFunctions], Any]
@@ -42,11 +46,28 @@ def groups_of(layout: Layout) -> tuple[list[Maker], list[np.ndarray]]:
     ):  # fmt: skip
         if group is not None:
             made.append(partial(_constant, group))
-    return made, [*couplings_of(contacts, spans), *_couplings(layout)]
+    couplings = [*couplings_of(contacts, spans), *_couplings(layout)]
+    if layout.scene.rope.bending_stiffness > 0.0:
+        bends, arcs = _bending(layout, spans)
+        made += [partial(_constant, bends), partial(_constant, arcs)]
+        couplings.append(stencils(bends))
+    return made, couplings
 
 
 def _constant(group: Any, functions: TimeFunctions) -> Any:
     return group
+
+
+def _bending(layout: Layout, spans: Spans) -> tuple[Bends, Arcs]:
+    """Bending stiffness of the rope at its nodes, and on the wheels that it is laid about."""
+    rope, path = layout.scene.rope, layout.scene.path
+    longest = max(float(chord) / count for chord, count in zip(layout.path.chords, layout.scene.elements, strict=True))
+    smoothing = SMOOTHING / longest if rope.damping > 0.0 else 0.0
+    stored = isinstance(path[0], Drum), isinstance(path[-1], Drum)
+    return (
+        new_bends(spans.rows, spans.wheels, rope.bending_stiffness, rope.damping, smoothing),
+        new_arcs(spans.rows, spans.wheels, rope.bending_stiffness, stored),
+    )
 
 
 def _records(kind: np.dtype, rows: list[dict[str, Any]]) -> np.recarray:

@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 from results.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
 
@@ -69,12 +68,9 @@ def test_tension_at_rest_is_the_load_on_its_falls_and_the_rope_below():
     assert found.tension[1] == pytest.approx([5000 * GRAVITY + 25.0 * 6.5 * GRAVITY, 5000 * GRAVITY])
     height = found.path.tangents[0, 0, 2] - found.path.tangents[0, 1, 2]
     assert found.tension[0, 0] - found.tension[0, 1] == pytest.approx(6.5 * GRAVITY * height)
-    of = falls(16)
-    lower = estimate(of).tension[1::2, 0]
-    block = [estimate(of).tension[2 * k + 1, 1] for k in range(8)] + [
-        estimate(of).tension[2 * k + 2, 0] for k in range(8)
-    ]
-    assert sum(block) == pytest.approx(50e3 * GRAVITY, rel=1e-9) and np.ptp(lower) < 1e-6 * lower.max()
+    tension = estimate(falls(16)).tension
+    on_the_block = [tension[2 * k + 1, 1] + tension[2 * k + 2, 0] for k in range(8)]
+    assert sum(on_the_block) == pytest.approx(50e3 * GRAVITY, rel=1e-9)
     assert estimate(fixed_rope()).tension is None
 
 
@@ -188,7 +184,7 @@ def test_limits_that_hold_the_actuator_back_are_told_with_their_share():
 
 
 def layered(**more):
-    return one_fall(path=[winch(layers={"turns": 5, "core_radius": 0.45, "count": 2}, **more), TIP, HOOK])
+    return one_fall(path=[winch(layers={"turns": 5, "core_radius": 0.48, "count": 2}, **more), TIP, HOOK])
 
 
 def test_more_rope_than_a_drum_holds_is_refused_with_the_time_it_is_full():
@@ -203,7 +199,7 @@ def test_more_rope_than_a_drum_holds_is_refused_with_the_time_it_is_full():
     assert float(problem.cause.split("t = ")[1].split()[0]) == pytest.approx(full, abs=0.01)
     with pytest.raises(SceneError, match="beginning empty, as no rope_on_drum is given"):
         check_supply(layered(pay_out={"ramp": {"to": -5.0, "over": 1.0}}))
-    with pytest.raises(SceneError, match="layers hold|turns hold"):
+    with pytest.raises(SceneError, match="5 turns hold"):
         cautions(layered(rope_on_drum="10 m", pay_out=hoisting))
     check_supply(layered(rope_on_drum="3 m", pay_out={"ramp": {"to": -1.0, "over": 1.0}}))
     check_supply(layered(rope_on_drum="10 m", pay_out={"ramp": {"to": 1.0, "over": 1.0}}))

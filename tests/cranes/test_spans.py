@@ -34,7 +34,7 @@ def test_energies_and_powers_are_the_references(case):
 @pytest.mark.parametrize("case", CASES, ids=NAMES)
 @pytest.mark.parametrize("weights", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)], ids=["mass", "damping", "all"])
 def test_tangent_is_the_residuals_difference(case, weights):
-    """Exact but for the curvature of lines that run askew of their wheels: 1e-7 of the row else."""
+    """Exact for points; what is left out is how e's derivative changes on wheels that turn or are met askew."""
     span = held(case)
     cm, cc, ck = weights
     made = span.matrix(case.q, case.v, case.a, cm, cc, ck)
@@ -46,9 +46,7 @@ def test_tangent_is_the_residuals_difference(case, weights):
         ends = [span.residual(case.q + s * ck * step, case.v + s * cc * step, case.a + s * cm * step) for s in (1, -1)]
         expected[:, j] = (ends[0] - ends[1]) / (2.0 * h)
     scale = np.abs(expected).max()
-    print(case.name, weights, np.abs(made - expected).max() / scale)
-    straight = case.name in ("no fleet angle", "point to point")
-    bound = 1e-7 if straight or ck == 0.0 else 2e-3
+    bound = 1e-7 if case.name == "point to point" or ck == 0.0 else 5e-4
     assert np.abs(made - expected).max() < bound * scale
 
 

@@ -23,7 +23,9 @@ from physics.crane_scenes import (
 from tautline.simulation import simulate
 
 SAME = 1.0e-9
-EXACT = {"control": "fixed", "tolerance": 1.0e-12}
+EXACT = {"control": "fixed", "tolerance": 1.0e-10}
+"""What a step leaves unsolved is far less than this: Newton's method squares it. Below is rounding, which 100 m of
+displacement add to, and steps that cannot do better are halved."""
 UP, ALONG = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 TURNS = {
     "moved": (np.eye(3), (100.0, -30.0, 7.0)),
@@ -34,7 +36,7 @@ TURNS = {
     "any way": (turn((1.0, 2.0, -0.5), 2.1), (-3.0, 4.0, 5.0)),
     "upside down": (turn(ALONG, np.pi), (0.0, 0.0, 60.0)),
 }
-RIM = {"inertia": 12.0, "law": "capstan", "friction": 0.05}
+RIM = {"inertia": 12.0, "law": "capstan", "friction": 0.004}
 
 
 def slewing(base=None, **payload):
@@ -69,8 +71,8 @@ def askew(aside=4.0, tilt=0.05):
 SCENES = {
     "a hoist": hoist(),
     "a swinging payload": hoist(load={"velocity": (1.0, 2.0, 0.0)}),
-    "four falls that may slip": block_of_falls(
-        4, 20.0e3, hooks=RIM, drive={"pay_out": {"ramp": {"to": -0.5, "over": 0.5}}}, load={"guide": []}
+    "four falls that slip": block_of_falls(
+        4, 20.0e3, hooks=RIM, drive={"pay_out": {"ramp": {"to": -2.5, "over": 0.3}}}, load={"guide": []}
     ),
     "fleet angles": askew(),
     "a slack rope": hoist(rope={"length": 58.0, "damping": 1.0e-2}, start="as drawn"),

@@ -1,0 +1,203 @@
+"""The figures that sum a run of a crane up, against made-up runs of which they are known, and one that was computed."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from results.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result
+
+from crane.build import build
+from crane.course import contacts_of, course_of, laid_out, nodes_of, scene_of
+from crane.estimates import static_tension
+from crane.summary import headline, most_worked_end, span_ends
+from tautline.results.errors import ResultError
+from tautline.simulation import simulate
+
+KINDS = [
+    (one_fall, {}), (one_fall, {"frames": 1}), (one_fall, {"frames": 2}), (one_fall, {"bounce": 0.0, "rise": 0.0}),
+    (one_fall, {"slack": True}), (falls, {}), (elevator, {}), (fixed_rope, {}), (fixed_rope, {"frames": 1}),
+]  # fmt: skip
+
+
+def summed(of, **kind):
+    return headline(result(of, **kind), of)
+
+
+def value(found, name):
+    return found[name]["value"]
+
+
+@pytest.mark.parametrize(("of", "kind"), KINDS, ids=[f"{of.__name__} {kind}" for of, kind in KINDS])
+def test_every_kind_of_run_is_summed_up_in_finite_numbers(of, kind):
+    made = of(4) if of is falls else of()
+    found = summed(made, **kind)
+    for figure in found.values():
+        assert figure.keys() == {"value", "unit", "text"} and math.isfinite(figure["value"])
+        assert isinstance(figure["value"], (int, float)) and figure["text"]
+    assert {"max_tension", "min_tension", "slack_events", "safety_factor"} <= found.keys()
+    assert ("max_winch_power" in found) == bool(made.drums)
+    assert ("max_sheave_load" in found) == bool(made.sheaves)
+
+
+def test_the_largest_tension_is_told_with_where_and_when():
+    run = result(one_fall())
+    found = headline(run, one_fall())
+    tension = run["tension"]
+    frame = int(np.argmax(tension[:, 1, 0]))
+    assert value(found, "max_tension") == tension.max()
+    assert found["max_tension"]["text"] == f"largest tension (boom tip, side of hook, at {run.time[frame]:.4g} s)"
+    assert value(found, "safety_factor") == pytest.approx(1.1e6 / tension.max())
+    assert value(found, "dynamic_amplification") == pytest.approx(tension.max() / tension[0, 1, 0])
+    places = ("winch", "boom_tip_in", "boom_tip_out", "hook")
+    assert [value(found, f"max_tension_{place}") for place in places] == list(tension.max(axis=0).ravel())
+
+
+def test_of_many_sheaves_only_the_largest_tension_is_told():
+    found = summed(falls(16))
+    told = [name for name in found if name.startswith("max_tension_")]
+    assert told == ["max_tension_winch", "max_tension_dead_end", "max_tension_sheaves"]
+    assert len(span_ends(falls(16))) == len(set(span_ends(falls(16)))) == 34
+
+
+def test_without_a_breaking_load_there_is_no_safety_factor_and_without_a_diameter_no_ratio():
+    bare = one_fall(rope={"breaking_load": None, "diameter": None})
+    assert not {"safety_factor", "smallest_bending_ratio"} & summed(bare).keys()
+
+
+def test_a_scene_that_starts_as_drawn_is_held_against_an_estimate_of_its_rest():
+    drawn = one_fall(start="as drawn")
+    run = result(drawn)
+    run["tension"][0] = 0.0
+    found = headline(run, drawn)
+    rest = static_tension(drawn, laid_out(drawn).path).ravel()
+    wanted = (run["tension"].reshape(-1, 4) / rest).max()
+    assert value(found, "dynamic_amplification") == pytest.approx(wanted)
+    assert "estimate" in found["dynamic_amplification"]["text"]
+
+
+def test_slack_is_told_with_its_length_and_its_snap():
+    run = result(one_fall(), slack=True)
+    found = headline(run, one_fall())
+    assert value(found, "slack_events") == 2 and isinstance(value(found, "slack_events"), int)
+    assert value(found, "longest_slack") == pytest.approx(1.0, abs=0.11)
+    after = run["tension"][(run.time > 5.0) & (run.time < 7.0)]
+    assert value(found, "max_snap") == after.max() and "winch to boom tip" in found["longest_slack"]["text"]
+    assert not {"longest_slack", "max_snap"} & summed(one_fall()).keys()
+
+
+def test_the_winch_gives_the_rope_its_tension_times_its_travel():
+    run = result(one_fall(), bounce=0.0, sway=0.0, rise=15.0)
+    found = headline(run, one_fall())
+    assert value(found, "energy_hoisted") == pytest.approx(5000.0 * 9.81 * 15.0, rel=1e-6)
+    assert value(found, "max_winch_power") == pytest.approx(5000.0 * 9.81 * 1.5, rel=1e-6)
+    assert value(found, "energy_regenerated") == 0.0
+    lowered = summed(one_fall(), bounce=0.0, sway=0.0, rise=-15.0)
+    assert value(lowered, "energy_regenerated") == pytest.approx(5000.0 * 9.81 * 15.0, rel=1e-6)
+    assert value(lowered, "energy_hoisted") == 0.0
+
+
+def test_the_equivalent_range_is_that_of_equal_cycles():
+    found = summed(one_fall(), frequency=1.0)
+    assert value(found, "equivalent_tension_range") == pytest.approx(0.2 * 5000.0 * 9.81 * 1.01, rel=0.02)
+    assert "m = 5" in found["equivalent_tension_range"]["text"]
+
+
+def test_the_most_worked_end_is_that_of_most_damage():
+    time = np.linspace(0.0, 10.0, 201)
+    still, much = 1e5 + 0.0 * time, 1e5 + 1e4 * np.sin(2 * np.pi * time)
+    few = 1e5 + 1.3e4 * np.where(time < 1.0, np.sin(2 * np.pi * time), 0.0)
+    assert most_worked_end(time, np.stack([still, few, much], axis=1))[0] == 2
+    assert most_worked_end(time, np.stack([still, still], axis=1))[0] == 0
+
+
+def test_hoisting_over_a_sheave_bends_each_metre_once_and_back():
+    found = summed(one_fall(), sway=0.0)
+    assert value(found, "max_bending_cycles") == 1.0 and "boom tip" in found["max_bending_cycles"]["text"]
+    assert value(found, "smallest_bending_ratio") == pytest.approx(0.8 / 0.036)
+    assert value(summed(one_fall(), sway=0.0, rise=0.0), "max_bending_cycles") == 0.0
+    # In four falls the rope that hoisting brings over two sheaves is bent by both.
+    assert value(summed(falls(4), sway=0.0, rise=20.0), "max_bending_cycles") >= 3.0
+
+
+@pytest.mark.parametrize("of", [one_fall(), falls(4), elevator()], ids=lambda of: of.title)
+def test_between_what_lies_on_two_wheels_is_the_rope_of_a_span(of):
+    run = result(of, sway=1.0, across=0.7, bounce=0.0)
+    course = course_of(run, laid_out(of))
+    wheels = {contact.name: contact for contact in contacts_of(run, course)}
+    node = nodes_of(of)
+    stretch = 1.0 + run["tension"].max() / of.rope.axial_stiffness
+    for k in range(len(of.path) - 1):
+        one, two = of.path[k], of.path[k + 1]
+        begin = wheels[one.name].off if one.name in wheels else run["material"][:, node[k]]
+        end = wheels[two.name].on if two.name in wheels else run["material"][:, node[k + 1]]
+        length = np.linalg.norm(course.touch(k + 1, True) - course.touch(k, False), axis=1)
+        # Made-up material is that of the middle of a wrap, and unstretched; marks stand still.
+        assert np.abs(end - begin - length).max() < 0.05 + 2.0 * (stretch - 1.0) * length.max()
+
+
+def test_the_course_of_a_single_element_is_that_of_many():
+    coarse, fine = (falls(2, mesh={"elements_per_span": n}) for n in (1, 4))
+    one, many = (course_of(result(of, sway=1.0, across=0.5), laid_out(of)) for of in (coarse, fine))
+    for name in ("comes", "leaves", "middle"):
+        np.testing.assert_allclose(getattr(one, name), getattr(many, name), atol=1e-8)
+
+
+def test_loads_are_told_by_rise_and_displacement():
+    found = summed(elevator(), sway=0.3)
+    assert value(found, "rise_car") == pytest.approx(15.0) and value(found, "rise_counterweight") == pytest.approx(
+        -15.0
+    )
+    assert value(summed(one_fall(), sway=0.3), "max_displacement") == pytest.approx(
+        np.hypot(15.0, 0.3 * np.sin(10.0)), rel=1e-3
+    )
+
+
+def test_lead_angles_are_those_of_the_rope_from_plumb_in_and_out_of_the_sheaves_plane():
+    found = summed(one_fall(), sway=0.0, across=2.0, rise=0.0)
+    assert value(found, "max_sidelead") == pytest.approx(math.atan2(2.0, 25.0), rel=0.02)
+    assert value(found, "max_offlead") < 2e-3
+    swaying = summed(one_fall(), sway=2.0, rise=0.0)
+    assert value(swaying, "max_offlead") == pytest.approx(math.atan2(2.0, 25.0), rel=0.03)
+    assert value(swaying, "max_sidelead") == 0.0
+    assert f"{math.degrees(value(swaying, 'max_offlead')):.3g} deg" in swaying["max_offlead"]["text"]
+
+
+def test_names_of_items_make_keys():
+    odd = {"end": {"name": "Hook [5 t]!", "body": "payload"}}
+    found = summed(one_fall(path=[WINCH, TIP, odd]))
+    assert "max_tension_hook_5_t" in found and all(re.fullmatch("[a-z0-9_]+", name) for name in found)
+    alike = [WINCH, TIP, {"end": HOOK["end"] | {"name": "Boom tip, in"}}]
+    told = [name for name in summed(one_fall(path=alike)) if name.startswith("max_tension_")]
+    assert told == [f"max_tension_{end}" for end in ("winch", "boom_tip_in", "boom_tip_out", "boom_tip_in_2")]
+
+
+def test_a_result_whose_scene_names_files_that_are_gone_says_so(tmp_path):
+    run = result(one_fall())
+    run.attributes["scene"] = run.attributes["scene"].replace("pay_out: 0", "pay_out: {table: {file: gone.csv}}")
+    with pytest.raises(ResultError, match=r"its scene cannot be read: .*beside the result"):
+        scene_of(run)
+
+
+def test_a_vessel_whose_record_is_gone_is_taken_to_rest():
+    vessel = {"reference": [0, 0, 0], "motion": {"file": "gone.csv"}}
+    assert laid_out(one_fall(vessel=vessel)).path.length == laid_out(one_fall()).path.length
+
+
+def test_a_computed_hoist_is_summed_up_as_its_frames_say():
+    hoisting = {"drum": WINCH["drum"] | {"pay_out": {"ramp": {"to": -2.0, "over": 1.0}}}}
+    of = one_fall(path=[hoisting, TIP, HOOK], bodies=[LOAD], solver={"end": "3 s", "rho_inf": 0.6}, interval=0.02)
+    run = simulate(build(of))
+    found = run.headline
+    assert value(found, "rise") == pytest.approx(5.0, rel=2e-3)
+    assert value(found, "max_tension") == run["tension"].max()
+    work = run["external_work"][-1] - run["external_work"][0]
+    assert value(found, "energy_hoisted") - value(found, "energy_regenerated") == pytest.approx(work, rel=2e-3)
+    course = course_of(run, laid_out(of))
+    drum, sheave = contacts_of(run, course)
+    tension, stiffness = run["axial_force"], of.rope.axial_stiffness
+    straight = np.linalg.norm(course.touch(1, True) - course.touch(0, False), axis=1)
+    length = (sheave.on - drum.off) * (1.0 + tension[:, :4].mean(axis=1) / stiffness)
+    # Its elements sag and sway between the two, by millimetres of length.
+    np.testing.assert_allclose(length, straight, atol=5e-3)
+    assert value(found, "max_bending_cycles") == 1.0
