@@ -10,10 +10,12 @@ from crane.bodies import XYZ
 from crane.layout import AXES, Layout
 from crane.masses import Drums, Supplies
 from crane.scene import Drum, End, Sheave
+from crane.slip import TORQUE, Slips
 from crane.span import Spans
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.state import State
 from tautline.integrators.status import StoppedEarly
+from tautline.kernels.time_function import evaluate
 from tautline.system.system import System
 
 ITERATIONS = 40
@@ -58,6 +60,24 @@ def draw_true(layout: Layout, system: System, state: State) -> None:
     _rest(system, state, limit)
     if weights and layout.scene.rope.length is None:
         _lengthen(layout, system, state, weights, limit)
+    _hold(layout, system, state)
+
+
+def _hold(layout: Layout, system: System, state: State) -> None:
+    """Let brakes begin with the force that holds their drums at rest, as far as they can.
+
+    They would else give way until their springs are wound up, and the load with them.
+    """
+    slips = next((group for group in system.groups if isinstance(group, Slips)), None)
+    if slips is None:
+        return
+    for place in (layout.material(i) for i, item in enumerate(layout.scene.path) if isinstance(item, Drum)):
+        lacking = -float(state.residual[place])
+        for k, row in enumerate(slips.rows):
+            if row.kind == TORQUE and row.p == place:
+                limit = row.coefficient * max(0.0, evaluate(slips.functions, row.function, 0.0)[0])
+                slips.force[k] = min(max(lacking / row.by_p, -limit), limit)
+                lacking -= row.by_p * slips.force[k]
 
 
 def _rest(system: System, state: State, limit: float) -> None:

@@ -41,7 +41,7 @@ class Slips(NamedTuple):
     """Contacts (n,) of ``SLIP``.
 
     ``found`` (spans, 9) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
-    ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what the last step lost, W,
+    ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turns to heat, W,
     ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts`` (1,) is 0 while an equilibrium is
     sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the first step is accepted: no contact
     has moved or been loaded before.
@@ -203,17 +203,15 @@ def _dissipation(g, t, q, v, p):
 
 @kernel
 def _commit(g, t, h, q, v, a):
-    """Keep force and travel. What was not stored of the work in a step is lost."""
+    """Keep force and travel."""
     if h == 0.0:
         return
     g.fresh[0] = 0.0
     for i in range(g.rows.size):
         row = g.rows[i]
         u = _travel(row, q)
-        force, _, _, _ = _trial(g, i, t, q)
-        work = 0.5 * (force + g.force[i]) * (u - g.travel[i])
-        stored = 0.5 * (force * force - g.force[i] * g.force[i]) / row.stiffness
-        g.power[i] = (work - stored) / h
+        force, sign, _, _ = _trial(g, i, t, q)
+        g.power[i] = force * _travel(row, v) if sign != 0 else 0.0
         g.force[i], g.travel[i], g.now[i] = force, u, force
 
 

@@ -33,7 +33,9 @@ def crane(path, bodies=(), rope=None, **more):
     solver = {"method": "generalized-alpha", "rho_inf": 0.6, "step": 5e-3, "end": 1.0} | more.pop("solver", {})
     output = {"interval": more.pop("interval", 0.01)}
     rope = {"mass_per_length": 6.5, "axial_stiffness": 8.0e7, "damping": 1.0e-4} | (rope or {})
-    return deepcopy({"rope": rope, "bodies": list(bodies), "path": list(path), **more, "solver": solver, "output": output})
+    return deepcopy(
+        {"rope": rope, "bodies": list(bodies), "path": list(path), **more, "solver": solver, "output": output}
+    )
 
 
 def body(name, mass, position, **more):
@@ -142,27 +144,36 @@ def turned(scene, matrix, shift=(0.0, 0.0, 0.0), gravity=True):
         move(thing, "position", "velocity")
     if gravity:
         made["gravity"] = _listed(matrix @ np.asarray(scene.get("gravity", (0.0, 0.0, -GRAVITY)), dtype=float))
-    return _rewrapped(made, scene, matrix)
+    return _rewrapped(made, scene)
 
 
 FREE = ("axis", "offset", "velocity")
 """Vectors that a displacement of the scene leaves as they are."""
 
 
-def _rewrapped(made, scene, matrix):
+def _rewrapped(made, scene):
     """Name the sides of the wheels so that the rope runs as it did: over and under are sides in space."""
     wanted = lay_out(parsed(scene)).path.sigma
-    wheels = [i for i, item in enumerate(made["path"]) if "wrap" in next(iter(item.values()))]
-    for words in product(("over", "under", "left", "right"), repeat=len(wheels)):
-        for i, word in zip(wheels, words, strict=True):
-            next(iter(made["path"][i].values()))["wrap"] = word
+    wheels = [(i, next(iter(item.values()))) for i, item in enumerate(made["path"])]
+    wheels = [(i, wheel) for i, wheel in wheels if "wrap" in wheel]
+    for words in product(*(_words(wheel["axis"], wanted[i]) for i, wheel in wheels)):
+        for (_, wheel), word in zip(wheels, words, strict=True):
+            wheel["wrap"] = word
         try:
             sigma = lay_out(parsed(made)).path.sigma
         except SceneError:
             continue
-        if all(sigma[i] == wanted[i] for i in wheels):
+        if all(sigma[i] == wanted[i] for i, _ in wheels):
             return made
     raise AssertionError("no words of the wraps lead the rope as it ran")
+
+
+def _words(axis, sigma):
+    """Words that may lead a rope about an axis in a sense: left or right say it alone, over and under with the path."""
+    rise = axis[2] / np.linalg.norm(axis)
+    if abs(rise) < 0.15:
+        return ("over", "under")
+    return ("right",) if rise * sigma > 0.0 else ("left",)
 
 
 # runs
@@ -205,3 +216,12 @@ def unbalanced(result):
     """Energy from nowhere, J, at every frame: (n,)."""
     total = sum(result[name] for name in ENERGIES)
     return total - total[0] - (result["external_work"] - result["dissipated_energy"])
+
+
+def imbalance(result, begin=0.0):
+    """Largest energy from nowhere since a time, as a share of what moves and what the rope gives and takes."""
+    since = result["time"] >= begin - 1.0e-9
+    kinetic, strain, missing = (
+        x[since] for x in (result["kinetic_energy"], result["strain_energy"], unbalanced(result))
+    )
+    return np.abs(missing - missing[0]).max() / (kinetic.max() + np.ptp(strain))

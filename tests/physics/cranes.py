@@ -83,9 +83,14 @@ def scene(
     return validate(CraneScene, Document.parse(yaml.safe_dump(plain(document), sort_keys=False), "crane.yaml"))
 
 
+def drawn_length(made: CraneScene) -> float:
+    """Rope between both ends of the path as drawn, m."""
+    return float(lay_out(made).path.chords.sum())
+
+
 def taut(made: CraneScene, tension: float) -> CraneScene:
     """The scene, begun as drawn, with rope of such a length that it has a tension, N, all along at the start."""
-    length = lay_out(made).path.chords.sum() / stretch_under(tension, made.rope.axial_stiffness)
+    length = drawn_length(made) / stretch_under(tension, made.rope.axial_stiffness)
     rope = made.rope.model_copy(update={"length": float(length)})
     return made.model_copy(update={"rope": rope, "start": "as drawn"})
 
@@ -157,15 +162,6 @@ def travel(result: Result) -> np.ndarray:
     """How far the second mass of Atwood's machine has come down, m."""
     z = of(result, "body_position")[:, 1, 2]
     return z[0] - z
-
-
-def tension_at_ends(result: Result, elements: int) -> np.ndarray:
-    """Axial force at both ends of every span (frames, spans, 2), N, continued linearly from the middles of elements."""
-    force, size = of(result, "axial_force"), np.diff(of(result, "material"), axis=1)
-    force, size = (x.reshape(len(x), -1, elements) for x in (force, size))
-    first = force[..., 0] + (force[..., 0] - force[..., 1]) * size[..., 0] / (size[..., 0] + size[..., 1])
-    last = force[..., -1] + (force[..., -1] - force[..., -2]) * size[..., -1] / (size[..., -1] + size[..., -2])
-    return np.stack((first, last), axis=-1)
 
 
 def energy_missing(result: Result) -> float:

@@ -15,6 +15,7 @@ from physics.cranes import (
     atwood,
     block,
     body,
+    drawn_length,
     end,
     energy_missing,
     of,
@@ -24,7 +25,6 @@ from physics.cranes import (
     run,
     scene,
     taut,
-    tension_at_ends,
     travel,
 )
 from references import crane as reference
@@ -57,7 +57,7 @@ HEAVY = {"mass_1": 80.0, "mass_2": 100.0, "mass_per_length": 2.0, "length": 30.0
 
 @pytest.mark.parametrize("elements", [1, 8])
 def test_atwoods_machine_with_a_heavy_rope_runs_off_with_the_hyperbolic_cosine(elements):
-    # Of 1.4 m in 2 s: 2.3e-6 m, whatever the mesh. Tension at the masses with 8 elements: 4e-5
+    # Of 1.4 m in 2 s: 2.3e-6 m, whatever the mesh. Tension at the masses: 1e-8
     law = {"law": "no_slip", "inertia": 12.0}
     side = 0.5 * (30.0 - np.pi * 0.4)
     rope = {"mass_per_length": 2.0}
@@ -65,14 +65,13 @@ def test_atwoods_machine_with_a_heavy_rope_runs_off_with_the_hyperbolic_cosine(e
     result = run(made)
     expected = reference.heavy_atwood(of(result, "time"), **HEAVY, x0=0.5)
     assert 0.5 + travel(result) == pytest.approx(expected.x, abs=1e-5)
-    if elements >= 1:
-        tension = of(result, "tension")[2:]
-        assert tension[:, 0, 0] == pytest.approx(80.0 * (G + expected.a[2:]), rel=2e-4)
-        assert tension[:, 1, 1] == pytest.approx(100.0 * (G - expected.a[2:]), rel=2e-4)
-        # the rope on the sheave counts as hanging on either side: rho g pi R/2 = 12.3 N more at the mark
-        more = tension[:, [0, 1], [1, 0]] - np.stack((expected.tension_1, expected.tension_2), 1)[2:]
-        print(elements, more[[0,-1]], (tension[:,0,0]/(80.0 * (G + expected.a[2:]))-1)[[0,-1]], (tension[:,1,1]/(100.0 * (G - expected.a[2:]))-1)[[0,-1]])
-        assert np.abs(more - 2.0 * G * 0.2 * np.pi).max() < 3.0
+    tension, a = of(result, "tension")[2:], expected.a[2:]
+    assert tension[:, 0, 0] == pytest.approx(80.0 * (G + a), rel=1e-7)
+    assert tension[:, 1, 1] == pytest.approx(100.0 * (G - a), rel=1e-7)
+    # at the mark on top of the sheave half the rope on it hangs on either side: 12.3 N of 1 kN at rest
+    arc = 2.0 * 0.5 * np.pi * 0.4
+    assert tension[:, 0, 1] == pytest.approx(expected.tension_1[2:] + arc * (G + a), abs=0.02)
+    assert tension[:, 1, 0] == pytest.approx(expected.tension_2[2:] + arc * (G - a), abs=0.02)
 
 
 # capstan
@@ -89,7 +88,9 @@ def test_rope_that_slips_over_a_locked_sheave_has_the_ratio_of_euler_and_eytelwe
     result = run(atwood(80.0, 130.0, 0.4, capstan(friction, groove, locked=True), tension=0.5 * (T1 + T2)))
     late = slice(2, None)
     tension = of(result, "tension")[late]
-    assert tension[:, 1, 0] / tension[:, 0, 1] == pytest.approx(reference.capstan_ratio(friction, np.pi, groove), rel=1e-6)
+    assert tension[:, 1, 0] / tension[:, 0, 1] == pytest.approx(
+        reference.capstan_ratio(friction, np.pi, groove), rel=1e-6
+    )
     assert tension[:, 0] == pytest.approx(T1, rel=1e-5) and tension[:, 1] == pytest.approx(T2, rel=1e-5)
     speed, time = -of(result, "body_velocity")[late, 1, 2], of(result, "time")[late]
     assert np.diff(speed) / np.diff(time) == pytest.approx(expected, rel=1e-5)
@@ -110,7 +111,9 @@ def test_rope_at_98_percent_of_the_ratio_does_not_creep_over_a_locked_sheave(fri
     assert np.ptp(travel(result)[held]) < 1e-8
     assert np.ptp(of(result, "material")[held, 1]) < 1e-8
     tension = of(result, "tension")[-1]
-    assert tension[1, 0] / tension[0, 1] == pytest.approx(0.98 * reference.capstan_ratio(friction, np.pi, groove), rel=1e-6)
+    assert tension[1, 0] / tension[0, 1] == pytest.approx(
+        0.98 * reference.capstan_ratio(friction, np.pi, groove), rel=1e-6
+    )
 
 
 def test_rope_just_above_the_ratio_does_slip():
@@ -134,22 +137,15 @@ def test_rope_at_98_percent_of_the_ratio_does_not_creep_over_a_sheave_that_turns
     tension = of(result, "tension")[-1]
     assert tension[1, 0] / tension[0, 1] == pytest.approx(ratio, rel=1e-4)
     assert x[-1] == pytest.approx(0.5 * a * 10.5**2, rel=1e-3)
-    material = of(result, "material")[:, 1]
-    slipped = rim_travel + (material - material[0]) * made_stretch(made)
-    print(np.ptp(slipped[late]))
+    # As built the rope has one stretch all along, by which the contact counts its travel.
+    stretch = drawn_length(made) / made.rope.length
+    slipped = rim_travel + stretch * of(result, "material")[:, 1]
     assert np.ptp(slipped[late]) < 1e-6
 
 
-def made_stretch(made):
-    """Stretch as built, by which the contact counts the rope's travel."""
-    from crane.layout import lay_out
-
-    return float(lay_out(made).path.chords.sum() / made.rope.length)
-
-
 def test_heavy_rope_sticks_to_a_free_sheave_until_its_tensions_reach_the_ratio():
-    # FrictionAtwood sticks for 6.07 s of 7 s, then slips. Of 7.8 m off by 19, 3.6 and 1.4 mm at 1, 4 and 16 elements:
-    # the law takes the force at the middle of an element for that at the sheave, and leaves out the arc's weight
+    # FrictionAtwood sticks for 6.07 s of 7 s, then slips. Of 7.8 m off by 0.4 mm, the rim by 0.6 mm: the reference has
+    # the rope's weight all along the arc
     machine = reference.FrictionAtwood(300.0, 305.0, 0.03, 80.0, 0.4, 6.0, 30.0)
     expected = machine.simulate(np.linspace(0, 7, 29), x0=2.0)
     side = 0.5 * (30.0 - np.pi * 0.4)
@@ -158,12 +154,11 @@ def test_heavy_rope_sticks_to_a_free_sheave_until_its_tensions_reach_the_ratio()
         rope={"mass_per_length": 6.0}, elements=8, solver={"step": 5e-3, "end": 7.0}, interval=0.25,
     )  # fmt: skip
     result = run(made)
-    assert 2.0 + travel(result) == pytest.approx(expected.x, abs=5e-3)
-    assert 0.4 * of(result, "sheave_rotation")[:, 0] == pytest.approx(expected.s, abs=1e-2)
+    assert 2.0 + travel(result) == pytest.approx(expected.x, abs=1.5e-3)
+    assert 0.4 * of(result, "sheave_rotation")[:, 0] == pytest.approx(expected.s, abs=2e-3)
     ((when, _),) = expected.events
     slips, time = of(result, "slipping")[:, 0], of(result, "time")
     assert np.all(slips[time < when - 0.25] == 0) and np.all(slips[time > when + 0.25] != 0)
-    print(np.abs(2.0 + travel(result) - expected.x).max(), np.abs(0.4 * of(result, "sheave_rotation")[:, 0] - expected.s).max(), energy_missing(result))
     assert energy_missing(result) < 1e-4
 
 
@@ -216,11 +211,14 @@ def pulled_atwood(times):
 
 
 def test_rope_pulled_over_a_free_sheave_slips_and_sticks_again():
+    # Of 0.53 m: 1.1e-5, 6.8e-6, 6.4e-6 m at 2, 1 and 0.5 ms, of which 6e-6 is the rope's stretch
     law = capstan(PULLED["friction"], inertia=PULLED["inertia"])
     force = {"harmonic": {"amplitude": -PULLED["pull"], "period": PULLED["period"]}}
     misses = []
     for step in (2e-3, 1e-3, 5e-4):
-        made = atwood(100.0, 100.0, PULLED["radius"], law, force=force, solver={"step": step, "end": 0.54}, interval=0.02)
+        made = atwood(
+            100.0, 100.0, PULLED["radius"], law, force=force, solver={"step": step, "end": 0.54}, interval=0.02
+        )
         result = run(made)
         expected, (lets_go, catches) = pulled_atwood(of(result, "time"))
         rim = PULLED["radius"] * of(result, "sheave_rotation")[:, 0]
@@ -228,9 +226,9 @@ def test_rope_pulled_over_a_free_sheave_slips_and_sticks_again():
         slips, time = of(result, "slipping")[:, 0], of(result, "time")
         assert np.all(slips[(time > lets_go + 5e-3) & (time < catches - 5e-3)] != 0)
         assert np.all(slips[(time < lets_go - 5e-3) | (time > catches + 5e-3)] == 0)
-        print(step, lets_go, catches, expected[-1], misses[-1])
-    print(misses, orders(misses))
-    assert misses[-1] < 1e-4
+        tension = of(result, "tension")[slips != 0]
+        assert tension[:, 1, 0] / tension[:, 0, 1] == pytest.approx(reference.capstan_ratio(0.1, np.pi), rel=1e-6)
+    assert misses[0] > misses[-1] and misses[-1] < 2e-5
 
 
 # blocks
@@ -244,11 +242,9 @@ def test_block_shares_its_load_between_its_falls_and_moves_as_they_do(falls, apa
     result = run(made)
     expected = reference.falls(falls, 5000.0 * G, efficiency, hoisting=pay_out < 0.0)
     tension, slant = of(result, "tension")[-1, :, 0], (apart / 10.0) ** 2
-    print(tension / np.array([expected.lead, *expected.tensions]) - 1.0)
     assert tension == pytest.approx([expected.lead, *expected.tensions], rel=1e-4 + slant)
     assert 5000.0 * G / of(result, "drum_tension")[-1, 0] == pytest.approx(expected.advantage, rel=1e-4 + slant)
     speed = of(result, "body_velocity")[-1, 0, 2]
-    print(-pay_out / speed / expected.speed_ratio - 1.0)
     assert -pay_out / speed == pytest.approx(expected.speed_ratio, rel=1e-4 + slant)
     # power at the load over that at the drum
     power = of(result, "winch_power")[-1, 0]
@@ -264,7 +260,6 @@ def test_friction_in_bearings_is_an_efficiency(pay_out):
     ratio = [reference.bearing_efficiency(0.1, 0.06, 0.3, wrap) for wrap in of(result, "wrap")[-1]]
     tension = of(result, "tension")[-1, :, 0]
     found = tension[1:] / tension[:-1] if pay_out < 0.0 else tension[:-1] / tension[1:]
-    print(found / ratio - 1.0)
     assert found == pytest.approx(ratio, rel=1e-5)
     assert ratio[1] == pytest.approx((0.3 - 0.006) / (0.3 + 0.006), rel=1e-6)
 
@@ -281,7 +276,7 @@ def test_block_bounces_with_the_frequency_of_its_falls(falls):
 
 
 def axial_misses(elements):
-    """Relative errors of the lowest four frequencies of a rope with mass and a body at its end, pulled and weightless."""
+    """Relative errors of the lowest four frequencies of a rope with mass and a body at its end, pulled, no gravity."""
     stretch = reference.stretch_under(5e4, 1e7)
     load = body("load", 1000.0, (0.0, 0.0, -50.0 * stretch), "xy", force=[0.0, 0.0, -5e4])
     rope = {"axial_stiffness": 1e7, "mass_per_length": 6.5, "damping": 0.0}
@@ -333,7 +328,6 @@ def test_path_written_the_other_way_round_moves_the_same(document):
         for path in (document["path"], document["path"][::-1])
     )
     same = {"body_position": 1e-9, "body_velocity": 1e-9, "wrap": 1e-8, "paid_out": 1e-9}
-    print({name: np.abs(of(one, name) - turned(of(two, name), name)).max() for name in (*same, "tension")})
     for name, tolerance in same.items():
         assert turned(of(two, name), name) == pytest.approx(of(one, name), abs=tolerance), name
     most = of(one, "tension").max()

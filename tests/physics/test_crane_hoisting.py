@@ -1,4 +1,7 @@
-"""Payloads on ropes whose length changes: pendulums and one elastic fall, against tests/references/pendulum and hoisting.
+"""Payloads on ropes whose length changes: pendulums and one elastic fall, against tests/references.
+
+`references.pendulum` has the equations of a weightless rope that does not stretch, `references.hoisting` a fine axial
+model of one that does.
 
 Figures in comments are what was measured; tolerances leave a factor of about two to four above them.
 """
@@ -8,8 +11,8 @@ import json
 import numpy as np
 import pytest
 from physics.cranes import (
-    G,
     LIGHT,
+    G,
     body,
     drum,
     end,
@@ -21,7 +24,6 @@ from physics.cranes import (
     scene,
     sheave,
     taut,
-    tension_at_ends,
 )
 from references import hoisting, pendulum
 
@@ -56,7 +58,6 @@ def test_pendulum_with_a_shortening_rope_follows_its_equation(radius):
     # From a point l th'' + 2 l' th' + g sin th = 0; from a drum of radius R the rope winds up as it swings.
     # 1.1e-4, 1.8e-5, 4.0e-6 m at 5, 2 and 1 ms, tension 2.6e-6
     misses = np.array([swung([drum((0.0, 0.0, 0.0), radius, ramp(SPEED, 1.0))], radius, h) for h in (4e-3, 2e-3, 1e-3)])
-    print(misses, orders(misses))
     assert orders(misses[:, 0])[0] == pytest.approx(2.0, abs=0.2)
     assert misses[-1, 0] < 1e-5 and misses[-1, 1] < 1e-5
 
@@ -66,7 +67,6 @@ def test_pendulum_with_a_shortening_rope_follows_its_equation(radius):
 def test_pendulum_from_a_sheave_of_finite_radius_follows_its_equation(law, elements):
     path = [drum((-5.0, 0.0, 0.0), 0.5, ramp(SPEED, 1.0)), sheave("tip", 0.5, center=(0.0, 0.0, 0.0), **law)]
     away, tension = swung(path, 0.5, 1e-3, elements)
-    print(away, tension)
     assert away < 1e-5 and tension < 1e-5
 
 
@@ -89,7 +89,6 @@ def test_pendulum_that_swings_round_in_space_follows_its_equation():
     made = scene(path, [load], RIGID, {"end": 6.0}, 0.1)
     tension = MASS * (G * np.cos(ANGLE) + velocity[1] ** 2 / LENGTH)
     away, force = swung_in_space(made, tension, pendulum.fixed(0, 0, 0), direction, velocity / LENGTH)
-    print(away, force)
     assert away < 1e-5 and force < 5e-6
 
 
@@ -102,7 +101,6 @@ def test_payload_swings_out_as_the_boom_slews_while_it_is_hoisted():
     frame = {"name": "boom", "pivot": [0, 0, 0], "slew": {"ramp": {"rate": 0.25, "over": 2.0}}}
     made = scene(path, [load], RIGID, {"end": 6.0}, 0.1, frames=[frame])
     away, force = swung_in_space(made, MASS * G, pendulum.slewing(8.0, 6.0, 0.25, 2.0), direction, np.zeros(3))
-    print(away, force)
     assert away < 1e-5 and force < 5e-6
 
 
@@ -132,17 +130,18 @@ def peak_misses(case, tension, time):
     return most[0] / peaks[0][1] - 1.0, most[1] / peaks[1][1] - 1.0, late
 
 
-# elements, step, tolerances of the peaks at drum and hook, and of depth, m, and velocity, m/s, throughout
+# elements, step; tolerances of the peaks of tension, and of depth, m, and velocity, m/s, throughout
 FALLS = {
     "hoist": (4, 1e-3, 5e-5, 1e-5, 6e-4),
-    "long_hoist": (8, 2e-3, 3e-4, 5e-4, 3e-2),
-    "lowering": (16, 1e-2, 7e-4, 2e-3, 1e-2),
+    "long_hoist": (4, 2e-3, 5e-4, 5e-4, 3e-2),
+    "lowering": (8, 1e-2, 5e-4, 2e-2, 1e-2),
 }
 
 
 @pytest.mark.parametrize("name", FALLS)
 def test_payload_on_an_elastic_rope_that_is_hoisted_or_lowered(name):
-    # Peaks of the force continued to both ends: hoist 1.7e-5, from 100 m to 1 m 6e-5, 2000 m deep 3.1e-4 (0.3 % is asked)
+    # Peaks at drum and hook (0.3 % is asked): hoist 2.6e-6, 2.9e-6; from 100 m to 1 m 1.3e-5, 4.6e-6, depth 1.5e-4 m; 2000 m
+    # deep 4.2e-5, 1.5e-4, depth 5.9e-3 m
     elements, step, peaks, depth, velocity = FALLS[name]
     case = STORED[name]
     result, every = fall(case, elements, step)
@@ -150,7 +149,6 @@ def test_payload_on_an_elastic_rope_that_is_hoisted_or_lowered(name):
     drum_miss, hook_miss, late = peak_misses(case, tension, of(result, "time"))
     found = slice(None, None, every)
     z, v = -of(result, "body_position")[found, 0, 2], -of(result, "body_velocity")[found, 0, 2]
-    print(name, drum_miss, hook_miss, late, np.abs(z - case["depth"]).max(), np.abs(v - case["velocity"]).max(), energy_missing(result))
     assert abs(drum_miss) < peaks and abs(hook_miss) < peaks and abs(late) < 2.0 * step
     assert z == pytest.approx(case["depth"], abs=depth)
     assert v == pytest.approx(case["velocity"], abs=velocity)
@@ -158,24 +156,11 @@ def test_payload_on_an_elastic_rope_that_is_hoisted_or_lowered(name):
 
 
 def test_peak_converges_with_order_two_in_the_mesh():
-    # 2000 m lowered: 3.4e-3, 9.5e-4, 2.4e-4 of the peak at the drum with 4, 8 and 16 elements
+    # 2000 m lowered, peak at the hook: 6.2e-4, 1.7e-4, 4.0e-5 with 4, 8 and 16 elements; at the drum 2e-4, 5e-5, 2e-5
     case = STORED["lowering"]
     misses = []
     for elements in (4, 8, 16):
         result, _ = fall(case, elements, 5e-3, until=6.0)
         misses.append(peak_misses(case, of(result, "tension")[:, 0], of(result, "time"))[:2])
-    print(misses, orders(misses))
-    assert orders(misses) == pytest.approx(np.full((2, 2), 2.0), abs=0.25)
-
-
-@pytest.mark.xfail(
-    strict=True, reason="a span's tension is that of its last element's middle: of first order in the mesh"
-)
-@pytest.mark.parametrize("name", ["long_hoist", "lowering"])
-def test_tension_at_the_drum_is_within_three_thousandths(name):
-    # 8 elements: -0.66 % and -1.7 % at the drum, +0.8 % and +4.1 % at the hook
-    case = STORED[name]
-    result, _ = fall(case, 8, 5e-3, until=6.0)
-    drum_miss, hook_miss, _ = peak_misses(case, of(result, "tension")[:, 0], of(result, "time"))
-    print(drum_miss, hook_miss)
-    assert abs(drum_miss) < 3e-3 and abs(hook_miss) < 3e-3
+    assert orders(misses)[:, 1] == pytest.approx([2.0, 2.0], abs=0.25)
+    assert np.abs(misses[-1]).max() < 1e-4

@@ -80,7 +80,7 @@ def released(lift, offset, velocity, step, end_at=1.0):
     """The motion of masses, sheave and rim less rest (n, 4), m; what the reference starts from; and the result."""
     result = run(elevator_scene(lift, offset, velocity, step, end_at))
     depth, material = -of(result, "body_position")[:, :, 2], of(result, "material")[:, 1]
-    # As built the whole rope has one stretch, by which the rim counts it: what side 1 has less of it has passed the rim.
+    # As built the whole rope has one stretch, by which the rim counts it; what side 1 has less has passed the rim.
     sides = depth[0, :2] - depth[0, 2] + arc(lift)
     stretch = sides.sum() / (lift.length_1 + lift.length_2)
     begun = stretch * lift.length_1 - sides[0]
@@ -108,7 +108,6 @@ def test_released_elevator_moves_as_its_equations_say(lift, offset, velocity):
         assert of(result, "tension").min() > 0.0
         misses.append(np.abs(found - expected).max(axis=0))
         drifts.append(energy_missing(result))
-    print(misses, np.abs(expected).max(axis=0), drifts)
     assert orders(misses) == pytest.approx(np.full((2, 4), 2.0), abs=0.15)
     assert orders(drifts) == pytest.approx([2.0, 2.0], abs=0.2)
     assert np.all(misses[-1][:3] < 1e-2 * np.abs(expected).max(axis=0)[:3]) and drifts[-1] < 2e-6
@@ -118,5 +117,4 @@ def test_a_small_release_is_that_of_the_linear_theory():
     # 0.1 mm for half a second: to 1.3e-8 m at 0.1 ms
     found, start, _, result = released(Elevator(), (1e-4, 0.0, 0.0), NONE, 1e-4, 0.5)
     linear = Elevator().released(of(result, "time"), **start)
-    print(np.abs(found - linear).max(axis=0))
     assert found == pytest.approx(linear, abs=1e-7)
