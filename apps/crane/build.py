@@ -16,6 +16,7 @@ from crane.rigid import QUATERNION
 from crane.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.span import MATERIAL, STATION
 from crane.summary import headline
+from crane.supply import check_supply
 from tautline.kernels.time_function import evaluate
 from tautline.scene.solver import error_of_steps, longest_step
 from tautline.system.model import Model, SolverSettings
@@ -43,6 +44,7 @@ def build(scene: CraneScene) -> Model:
     SceneError
         For a path that no rope can take, faults of files, and more rope than a drum holds.
     """
+    check_supply(scene)
     made = assembled(scene)
     layout, system, notes = made.layout, made.system, list(made.notes)
     observer = Observer(layout, system.groups, made.compensation)
@@ -153,7 +155,7 @@ def _tie_material(layout: Layout, tension: float) -> None:
 def _drive(layout: Layout) -> Compensation | None:
     """Prescribe the material at drums whose motion is prescribed; a drum's compensation comes in addition."""
     scene, degrees = layout.scene, layout.degrees
-    compensation = _compensation(layout)
+    compensation = compensation_of(layout)
     for i, item in enumerate(scene.path):
         if not (isinstance(item, Drum) and item.prescribed):
             continue
@@ -180,7 +182,7 @@ def _further(layout: Layout, name: str, value: float, request: FunctionRequest) 
     return place
 
 
-def _compensation(layout: Layout) -> Compensation | None:
+def compensation_of(layout: Layout) -> Compensation | None:
     """What the heave compensation does: it answers the heave of the last point of the path that rides on the vessel."""
     scene = layout.scene
     asked = scene.heave_compensation

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.build import _compensation as compensation_of
+from crane.build import compensation_of as compensation_of
 from crane.compensation import Compensation
 from crane.estimates import Estimate, estimate, rk4_limit
 from crane.path import FLEET_LIMIT
@@ -46,7 +46,7 @@ def cautions(scene: CraneScene) -> list[Caution]:
         *(("path", text) for text in found.path.warnings),
         *_fleet(found), *_bending(scene), *_safety(found), *_sheaves(scene), *_steps(found), *_mesh(found),
         *_compression(scene), *_supply(found, actuator), *_start(found),
-        *_compensation(actuator),
+        *compensation_of(actuator),
     ]  # fmt: skip
     return [Caution(where, text) for where, text in sentences]
 
@@ -293,7 +293,7 @@ def _rate(layout: Any, functions: Any, place: int) -> float:
     return float(sample(functions, function, np.zeros(1))[0, 1]) if function >= 0 else 0.0
 
 
-def _compensation(actuator: Compensation | None) -> Sentences:
+def compensation_of(actuator: Compensation | None) -> Sentences:
     """Limits of the actuator that hold it back."""
     if actuator is None or actuator.away <= HELD_BACK:
         return

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from crane.compensation import Compensation
+from crane.layers import Wound
 from crane.layout import Layout
-from crane.masses import Drums
 from crane.rigid import QUATERNION
 from crane.scene import Drum, Sheave
 from crane.slip import BEARING, NONE, Slips
 from crane.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH
+from crane.winch import Drums
 from tautline.kernels.time_function import sample
 from tautline.results.variable import Variable
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -43,6 +44,7 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("paid_out", drum, "m", "unstretched rope paid out since the start"),
         Variable("pay_out_speed", drum, "m/s", "speed of unstretched rope, positive out"),
         Variable("drum_rotation", drum, "rad", "rotation of the drum, positive where it pays out"),
+        Variable("winch_torque", drum, "N m", "moment of the rope about the drum, at the layer that it leaves from"),
         Variable("winch_power", drum, "W", "power of the winch, positive where it hoists"),
     ]
     return [
@@ -56,11 +58,7 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("body_position", body, "m", "position of a body"),
         Variable("body_velocity", body, "m/s", "velocity of a body"),
         *(
-            [
-                Variable(
-                    "body_turn", ("time", "body", "part"), "", "quaternion of a body; 1, 0, 0, 0 of a point"
-                )
-            ]
+            [Variable("body_turn", ("time", "body", "part"), "", "quaternion of a body; 1, 0, 0, 0 of a point")]
             if observer.layout.turn
             else []
         ),
@@ -92,6 +90,7 @@ class Observer:
         self.own += 2 * len(self.slips.rows) if self.slips is not None else 0
         self.own += len(motors.rows) if motors is not None else 0
         self.start = layout.degrees.value.copy()
+        self.wound = [Wound(self.scene.path[i], self.scene.rope.diameter, layout.stretch) for i in self.drums]
         self.compensator: Any = None
         if compensation is not None:
             self.compensator = compile_functions([FunctionRequest(compensation.place, end=self.scene.solver.end)])
@@ -199,7 +198,6 @@ class Observer:
     def _drums(self, frames: Any, found: np.ndarray, tensions: np.ndarray) -> dict[str, np.ndarray]:
         place = np.array([self.layout.material(i) for i in self.drums])
         way = np.array([-1.0 if i == 0 else 1.0 for i in self.drums])
-        radius = np.array([self.scene.path[i].radius for i in self.drums])
         element = np.array([0 if i == 0 else self.elements - 1 for i in self.drums])
         tension = np.stack([tensions[:, 0, 0] if i == 0 else tensions[:, -1, 1] for i in self.drums], axis=-1)
         stretch = found[:, element, STRETCH]
@@ -208,6 +206,7 @@ class Observer:
             "drum_tension": tension,
             "paid_out": out,
             "pay_out_speed": speed,
-            "drum_rotation": out * stretch / radius,
+            "drum_rotation": np.stack([w.rotation_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
+            "winch_torque": tension * np.stack([w.radius_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
             "winch_power": -tension * stretch * speed,
         }

@@ -14,12 +14,13 @@ from crane.bends import Bends, new_bends, stencils
 from crane.friction import contacts_of, couplings_of
 from crane.layout import AXES, Layout, has_rim
 from crane.line import POINT
-from crane.masses import BODY, DRUM, Bodies, Drums, Rims, Springs, Supplies
+from crane.masses import BODY, Bodies, Rims, Springs
 from crane.rigid import FREQUENCY, QUATERNION, RIGID, SOCKET, Rigids, Sockets, new_rigids, new_sockets
 from crane.scene import Drum, End, Sheave
 from crane.slip import SLIP, Slips
 from crane.span import SPAN, STATION, Spans, new_spans
 from crane.wet import WET, Wet, new_wet
+from crane.winch import DRUM, Drums, Supplies
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.time_functions import FunctionRequest
 

@@ -207,7 +207,9 @@ def _names(plot: Axes, shot: Snapshot, plane: tuple[int, int], extent: np.ndarra
     for name, place in shot.bodies:
         at = place[list(plane)]
         if np.all(at >= low - 1e-9) and np.all(at <= high + 1e-9):
-            text = plot.annotate(name, (at[0], at[1]), xytext=(8, 0), textcoords="offset points", va="center", fontsize=9)
+            text = plot.annotate(
+                name, (at[0], at[1]), xytext=(8, 0), textcoords="offset points", va="center", fontsize=9
+            )
             edged(text)
 
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from crane.bodies import XYZ
 from crane.layout import AXES, Layout
-from crane.masses import Drums, Supplies
 from crane.scene import Drum, End, Sheave
 from crane.slip import TORQUE, Slips
 from crane.span import Spans
+from crane.winch import Drums, Supplies
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.state import State
 from tautline.integrators.status import StoppedEarly

@@ -39,7 +39,7 @@ KINDS = [
     (one_fall(rope={"breaking_load": "60 kN"}), {}),
     (deep(), {}),
     (falls(2, mesh={"elements_per_span": 1}), {}),
-    (falls(16), {"frames": 41}),
+    (falls(10), {"frames": 21}),
 ]
 
 

@@ -39,8 +39,8 @@ class Corrector(NamedTuple):
     Old factors are kept while an iteration shrinks the residual to the part ``contraction``, else the tangent is made
     anew. ``tolerance``: with the energy criterion the bound of eq. 2.78 with the energy over ``unit``; with the force
     criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch,
-    kept where others do, and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they
-    belong to, zeros where they are out of date.
+    kept where others do, and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and
+    gamma' that they belong to, zeros where they are out of date.
     """
 
     tolerance: float

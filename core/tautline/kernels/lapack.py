@@ -7,7 +7,6 @@ process, so the machine code refers to them by symbol and stays cacheable (a cty
 from __future__ import annotations
 
 import llvmlite.binding
-import numpy as np
 from numba import config, types
 from numba.extending import get_cython_function_address
 

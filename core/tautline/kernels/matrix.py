@@ -15,7 +15,6 @@ from tautline.kernels.band import eliminate, equilibrate, find_envelope, substit
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lapack import factorise_dense, solve_dense
 
-
 EXCHANGED = 7
 """Place among the ``integers`` of factors: how many rows of the band were exchanged."""
 
