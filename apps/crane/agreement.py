@@ -38,7 +38,7 @@ def check_agreement(scene: CraneScene) -> None:
     """
     checks: tuple[Callable[[CraneScene], Iterable[Fault]], ...] = (
         _names, _ends, _references, _cycles, _bodies, _neighbours, _mesh, _drums, _water, _ground, _start,
-        compensation_of, _computable,
+        _compensation, _computable,
     )  # fmt: skip
     for check in checks:
         raise_all(check(scene))
@@ -219,7 +219,7 @@ def _start(scene: CraneScene) -> Iterator[Fault]:
         yield ("start",), "there is no rest to be found without gravity", "give gravity, or start: as drawn"
 
 
-def compensation_of(scene: CraneScene) -> Iterator[Fault]:
+def _compensation(scene: CraneScene) -> Iterator[Fault]:
     """Heave is compensated by a drum that pays out as it is told, on a vessel that heaves."""
     at: Key = ("heave_compensation",)
     if scene.heave_compensation is None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.build import compensation_of as compensation_of
+from crane.build import compensation_of
 from crane.compensation import Compensation
 from crane.estimates import Estimate, estimate, rk4_limit
 from crane.path import FLEET_LIMIT
@@ -26,8 +26,6 @@ STEPS_PER_PERIOD = 10.0
 FRAMES_PER_PERIOD = 4.0
 SUDDEN = 0.01
 """Share of the tension at rest that a jump in speed may add without a word."""
-HEAVY = 0.05
-"""Share of a span's tension that half an element may weigh: by as much its end's tension is off."""
 SAGGING = 0.02
 """Sag over length of a span from which it wants elements, however much it pulls."""
 ENOUGH = 8
@@ -46,7 +44,7 @@ def cautions(scene: CraneScene) -> list[Caution]:
         *(("path", text) for text in found.path.warnings),
         *_fleet(found), *_bending(scene), *_safety(found), *_sheaves(scene), *_steps(found), *_mesh(found),
         *_compression(scene), *_supply(found, actuator), *_start(found),
-        *compensation_of(actuator),
+        *_held_back(actuator),
     ]  # fmt: skip
     return [Caution(where, text) for where, text in sentences]
 
@@ -184,17 +182,9 @@ def _mesh(found: Estimate) -> Sentences:
     for k, (span, n) in enumerate(zip(found.path.spans, scene.elements, strict=True)):
         tension = max(float(found.tension[k].max()), 1e-9 * scene.rope.axial_stiffness)
         load = scene.rope.mass_per_length * g
-        along = abs(float(load @ span.e)) * span.length
         across = float(np.linalg.norm(load - (load @ span.e) * span.e)) * span.length
         names = f"{scene.path[k].name} to {scene.path[k + 1].name}"
-        off = 0.5 * along / n / tension
-        if off > HEAVY:
-            text = (
-                f"{n} from {names}: half of one weighs {100.0 * off:.2g} % of the tension there, which is by as much "
-                f"off at the span's ends; take {math.ceil(0.5 * along / tension / HEAVY)} or more for that span"
-            )
-            yield "mesh.elements_per_span", text
-        elif across / (8.0 * tension) > SAGGING and n < ENOUGH:
+        if across / (8.0 * tension) > SAGGING and n < ENOUGH:
             sag = across * span.length / (8.0 * tension)
             text = (
                 f"{n} from {names}: the rope sags by about {sag:.2g} m in {span.length:.3g} m, and is drawn as {n} "
@@ -293,7 +283,7 @@ def _rate(layout: Any, functions: Any, place: int) -> float:
     return float(sample(functions, function, np.zeros(1))[0, 1]) if function >= 0 else 0.0
 
 
-def compensation_of(actuator: Compensation | None) -> Sentences:
+def _held_back(actuator: Compensation | None) -> Sentences:
     """Limits of the actuator that hold it back."""
     if actuator is None or actuator.away <= HELD_BACK:
         return

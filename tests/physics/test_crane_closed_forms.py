@@ -40,16 +40,16 @@ SCENES = Path(__file__).parent.parent / "input" / "crane_scenes"
 
 # Atwood's machine
 def test_atwoods_machine_with_a_sheave_of_inertia():
-    # Newton: a = (m_2 - m_1) g/(m_1 + m_2 + I/R^2). Measured: speed 5e-7, tensions 4e-7
+    # Newton: a = (m_2 - m_1) g/(m_1 + m_2 + I/R^2). Measured: speed 4e-7, tensions 7e-7
     expected, T1, T2 = reference.atwood(80.0, 100.0, 12.0, 0.4)
     result = run(atwood(80.0, 100.0, 0.4, {"law": "no_slip", "inertia": 12.0}))
     time, late = of(result, "time"), slice(2, None)
     speed = -of(result, "body_velocity")[:, 1, 2]
-    assert speed[late] / time[late] == pytest.approx(expected, rel=2e-5)
-    assert travel(result)[-1] == pytest.approx(0.5 * expected, rel=2e-5)
+    assert speed[late] / time[late] == pytest.approx(expected, rel=3e-6)
+    assert travel(result)[-1] == pytest.approx(0.5 * expected, rel=3e-6)
     tension = of(result, "tension")[late]
-    assert tension[:, 0] == pytest.approx(T1, rel=2e-5) and tension[:, 1] == pytest.approx(T2, rel=2e-5)
-    assert of(result, "sheave_rotation")[-1, 0] == pytest.approx(travel(result)[-1] / 0.4, rel=2e-5)
+    assert tension[:, 0] == pytest.approx(T1, rel=3e-6) and tension[:, 1] == pytest.approx(T2, rel=3e-6)
+    assert of(result, "sheave_rotation")[-1, 0] == pytest.approx(travel(result)[-1] / 0.4, rel=3e-6)
 
 
 HEAVY = {"mass_1": 80.0, "mass_2": 100.0, "mass_per_length": 2.0, "length": 30.0, "inertia": 12.0, "radius": 0.4}
@@ -95,9 +95,9 @@ def test_rope_that_slips_over_a_locked_sheave_has_the_ratio_of_euler_and_eytelwe
     speed, time = -of(result, "body_velocity")[late, 1, 2], of(result, "time")[late]
     assert np.diff(speed) / np.diff(time) == pytest.approx(expected, rel=1e-5)
     assert np.all(of(result, "slipping")[late, 0] != 0)
-    # 1.0e-3 of it at 1 ms: heat is of first order in the step
+    # ratio 9e-9, acceleration 2e-6, heat 4e-7
     heat, x = np.ptp(of(result, "dissipated_energy")[late]), np.ptp(travel(result)[late])
-    assert heat == pytest.approx((T2 - T1) * x, rel=3e-3)
+    assert heat == pytest.approx((T2 - T1) * x, rel=5e-6)
 
 
 @GROOVES
