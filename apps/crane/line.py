@@ -242,7 +242,7 @@ def find_line(a, b, wheel1, wheel2, wheels, q, v, start, line):
         h = 1.0 / size if size > 0.0 else 0.0
         for c in range(AXES):
             e[c] *= h
-            line.g[c] = e[c]
+            line.g[c] = start[c] = e[c]
         for i in range(AXES):
             for j in range(AXES):
                 line.turn[i, j] = ((1.0 if i == j else 0.0) - e[i] * e[j]) * h

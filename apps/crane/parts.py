@@ -39,11 +39,14 @@ def groups_of(layout: Layout) -> tuple[list[Maker], list[np.ndarray]]:
     spans = _spans(layout)
     contacts = contacts_of(layout)
     made: list[Maker] = [lambda functions: spans]
+    wet = _wet(layout, spans)
+    if wet is not None:
+        made.append(partial(_constant, wet))
     if contacts:
         made.append(partial(_slips, contacts, spans))
     made += [make for make in (_drums(layout, spans), _bodies(layout)) if make is not None]
     for group in (
-        _rims(layout), _springs(layout), _supplies(layout), _wet(layout), _rigids(layout), _sockets(layout)
+        _rims(layout), _springs(layout), _supplies(layout), _rigids(layout), _sockets(layout)
     ):  # fmt: skip
         if group is not None:
             made.append(partial(_constant, group))
@@ -209,7 +212,7 @@ def _supplies(layout: Layout) -> Supplies | None:
     return Supplies(np.array(place, dtype=np.int64), np.array(least, dtype=float), np.array(way, dtype=float))
 
 
-def _wet(layout: Layout) -> Wet | None:
+def _wet(layout: Layout, spans: Spans) -> Wet | None:
     """The rope in water; one without a diameter takes up no room and meets no drag."""
     water, rope = layout.scene.water, layout.scene.rope
     if water is None or rope.diameter is None:
@@ -218,7 +221,7 @@ def _wet(layout: Layout) -> Wet | None:
         "diameter": rope.diameter, "density": water.density, "drag": water.rope_drag, "added": water.added_mass
     }  # fmt: skip
     rows = [{"a": a, "b": b, **common} for a, b in pairwise(layout.station)]
-    return new_wet(_records(WET, rows), water.surface, np.array(layout.scene.gravity, dtype=float))
+    return new_wet(_records(WET, rows), water.surface, np.array(layout.scene.gravity, dtype=float), spans)
 
 
 def _rigids(layout: Layout) -> Rigids | None:

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.line import AXES, dot
-from crane.span import MATERIAL, STATION
+from crane.span import FIRST, LAST, MATERIAL, SIZE, STATION, Spans
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -60,12 +60,15 @@ across, of r.. - 2 (e.r.) d. / |d|, of drag and of what added mass takes; and of
 class Wet(NamedTuple):
     """Rope (n,) of ``WET`` in water below z = ``surface`` m, ``gravity`` (3,) m/s^2 being along -z.
 
-    Scratch: ``number`` (14,), ``vector`` (12, 3) and ``block`` (8, 8).
+    ``found`` (n, 9) and ``direction`` (n, 3) are those of the spans, whose tension at the marks the water's lift takes
+    part in. Scratch: ``number`` (14,), ``vector`` (12, 3) and ``block`` (8, 8).
     """
 
     rows: np.recarray
     surface: float
     gravity: np.ndarray
+    found: np.ndarray
+    direction: np.ndarray
     number: np.ndarray
     vector: np.ndarray
     block: np.ndarray
@@ -187,8 +190,12 @@ def _residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         s = g.rows[n]
         lift = _immerse(g, n, q)
-        r[s.a + 2] -= lift * number[LENGTH] * (number[SHARE] - number[SHARE + 1])
-        r[s.b + 2] -= lift * number[LENGTH] * number[SHARE + 1]
+        first = lift * number[LENGTH] * (number[SHARE] - number[SHARE + 1])
+        last = lift * number[LENGTH] * number[SHARE + 1]
+        r[s.a + 2] -= first
+        r[s.b + 2] -= last
+        g.found[n, FIRST] += first * g.direction[n, 2]
+        g.found[n, LAST] -= last * g.direction[n, 2]
         r[s.a + MATERIAL] -= lift * number[AFLOAT]
         r[s.b + MATERIAL] += lift * number[AFLOAT]
         if not _set_points(g, n):
@@ -376,10 +383,11 @@ def _dissipation(g, t, q, v, p):
 register(Wet, residual=_residual, tangent=_tangent, mass=_mass, energy=_energy, dissipation=_dissipation)
 
 
-def new_wet(rows: np.recarray, surface: float, gravity: np.ndarray) -> Wet:
-    """Group of rope in water with its scratch."""
+def new_wet(rows: np.recarray, surface: float, gravity: np.ndarray, spans: Spans | None = None) -> Wet:
+    """Group of rope in water with its scratch; the rows are those of the spans, where these are given."""
+    found, direction = (np.zeros((len(rows), SIZE)), np.zeros((len(rows), 3))) if spans is None else spans[2:4]
     number, vector, block = np.zeros(14), np.zeros((12, 3)), np.zeros((2 * STATION, 2 * STATION))
-    return Wet(rows, float(surface), np.array(gravity, dtype=float), number, vector, block)
+    return Wet(rows, float(surface), np.array(gravity, dtype=float), found, direction, number, vector, block)
 
 
 __all__ = ["WET", "Wet", "new_wet"]

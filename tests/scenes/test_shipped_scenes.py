@@ -16,7 +16,7 @@ from tautline.results.result import Result
 
 DATA = Path(__file__).parents[2] / "data"
 FILES = {path: yaml.safe_load(path.read_text(encoding="utf8")) for path in sorted(DATA.glob("*.yaml"))}
-SCENES = [path for path, root in FILES.items() if {"well", "string", "CableModel"} & set(root)]
+SCENES = [path for path, root in FILES.items() if {"well", "string", "CableModel", "path"} & set(root)]
 
 
 def jwell(report, result):
@@ -64,9 +64,52 @@ def reeled_span(report, result):
     assert np.abs(result["slope"][:, 2] - result["slope"][:, 3]).max() < 1e-9
 
 
+GRAVITY = 9.81
+
+
+def hoist(report, result):
+    # 2 m/s less half of the ramp's second, and the vessel's heave is zero at 12 s; at rest the hook holds the payload,
+    # and the rope beside the sheave its 25 m as well
+    assert report["rise"] == pytest.approx(23.0, abs=0.05)
+    assert result["tension"][0, 1, 1] == pytest.approx(5000.0 * GRAVITY, rel=1e-6)
+    assert result["tension"][0, 1, 0] == pytest.approx((5000.0 + 25.0 * 6.5) * GRAVITY, rel=1e-3)
+
+
+def hookblock(report, result):
+    # half of the rope's 9.5 m on two falls, which hold half of the load each, and the weight of 25 m of rope
+    assert report["rise"] == pytest.approx(4.75, abs=0.01)
+    assert result["tension"][0, 2, 0] == pytest.approx(2500.0 * GRAVITY, rel=5e-4)
+    assert result["tension"][0, 2, 1] == pytest.approx((2500.0 + 25.0 * 6.5) * GRAVITY, rel=2e-3)
+
+
+def landing(report, result):
+    # 30 m are paid out; at rest the hook holds the template, and the tip the rope in air and water besides
+    assert result["body_position"][-1, 0, 2] == pytest.approx(-2005.0, abs=0.5)
+    assert result["tension"][0, 1, 1] == pytest.approx(1.0e5 * GRAVITY, rel=1e-6)
+    displaced = 1025.0 * np.pi / 4.0 * 0.077**2
+    weight = (1.0e5 + 33.0 * 2000.0 - displaced * 1975.0) * GRAVITY
+    assert result["tension"][0, 1, 0] == pytest.approx(weight, rel=5e-3)
+
+
+def slewing(report, result):
+    # 4.8 m are hoisted in all; the boom has turned by 2.75 rad, and the payload is thrown outwards
+    assert result["paid_out"][-1, 0] == pytest.approx(-4.8, abs=1e-6)
+    tip = np.arctan2(*result["position"][-1, 3, 1::-1])
+    assert tip == pytest.approx(0.25 * (12.0 - 1.0), abs=0.05)
+
+
+def sixteen_falls(report, result):
+    # a sixteenth of the rope that is hoisted, and of the load on every fall at rest
+    tension = result["tension"][0]
+    assert result["paid_out"][-1, 0] == pytest.approx(-9.0, abs=1e-9)
+    assert tension[-1].mean() == pytest.approx((80.0e3 / 16.0 + 15.0 * 6.5) * GRAVITY, rel=5e-3)
+
+
 CLAIMS = {"jwell": jwell, "iscwsa": iscwsa, "hanging": hanging}
 CLAIMS |= {f"configuration_{case.lower()}": level(case) for case in "ABC"}
 CLAIMS |= {"cantilever_bar": cantilever_bar, "reeled_span": reeled_span}
+CLAIMS |= {"hoist": hoist, "hookblock": hookblock, "landing": landing, "slewing": slewing}
+CLAIMS |= {"sixteen_falls": sixteen_falls}
 BALANCE = {"reeled_span": 1e-2}
 """Energy that a scene's step of generalized-alpha damps away, where it is more than a thousandth."""
 ENDS = {"cantilever_bar": "20", "jwell": "1", "iscwsa": "1", "hanging": "0.1"}
@@ -80,7 +123,8 @@ def test_there_are_scenes():
 def test_every_shipped_scene_runs_and_a_number_in_its_result_is_right(scene, tmp_path):
     assert scene.stem in CLAIMS, f"{scene.name} is new: give it a number to assert in CLAIMS"
     out = tmp_path / "run.nc"
-    tool = Path(sys.executable).with_name("tautline" if "CableModel" in FILES[scene] else "drillstring")
+    name = "crane" if "path" in FILES[scene] else "tautline" if "CableModel" in FILES[scene] else "drillstring"
+    tool = Path(sys.executable).with_name(name)
     end = ["--end", ENDS[scene.stem]] if scene.stem in ENDS else []
     command = [tool, "simulate", scene, "-o", out, "--json", *end]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=tmp_path)
