@@ -163,22 +163,26 @@ def _drive(layout: Layout) -> Compensation | None:
         key = f"path[{i}].drum.{item.drive}"
         drive, factor = (item.pay_out, 1.0) if item.drive == "pay_out" else (item.speed, item.radius)
         request = FunctionRequest(drive, integrate=True, end=scene.solver.end, key=key, factor=way * factor)
-        masters = [(_further(layout, f"{item.name}: operator", degrees.value[layout.material(i)], request), 1.0)]
+        laid = _further(layout, f"{item.name}: laid out", float(degrees.value[layout.material(i)]), None)
+        masters = [(laid, 1.0), (_further(layout, f"{item.name}: operator", 0.0, request), 1.0)]
         if compensation is not None:
             added = FunctionRequest(compensation.pay_out, end=scene.solver.end, key="heave_compensation", factor=way)
             masters.append((_further(layout, f"{item.name}: compensation", 0.0, added), 1.0))
-        layout.supply[i] = tuple(place for place, _ in masters)
+        layout.supply[i] = laid
         degrees.tie(layout.material(i), masters)
     return compensation
 
 
-def _further(layout: Layout, name: str, value: float, request: FunctionRequest) -> int:
-    """A further degree of freedom, which follows a value and a function of time."""
+def _further(layout: Layout, name: str, value: float, request: FunctionRequest | None) -> int:
+    """A further degree of freedom, which follows a value and a function of time, or is fixed."""
     degrees = layout.degrees
     degrees.names.append(name)
     degrees.value, degrees.scale = np.append(degrees.value, value), np.append(degrees.scale, 1.0)
     place = degrees.value.size - 1
-    degrees.prescribe(place, layout.requests.add(request))
+    if request is None:
+        degrees.fix(place)
+    else:
+        degrees.prescribe(place, layout.requests.add(request))
     return place
 
 

@@ -62,7 +62,7 @@ class Layout:
     turn : dict
         Place of the quaternion of each body that turns, by its name.
     supply : dict
-        Places of the material that a drum's operator and its compensation have taken up, by the number of its item.
+        Place of the material that is laid out at a drum of prescribed motion at the start, by the number of its item.
     wheels : (items,) records of ``WHEEL``
         With a radius of zero for points.
     path : Path
@@ -81,7 +81,7 @@ class Layout:
     item: list[int]
     rim: dict[int, int]
     turn: dict[str, int]
-    supply: dict[int, tuple[int, int]]
+    supply: dict[int, int]
     wheels: np.recarray
     path: Path
     entries: np.ndarray

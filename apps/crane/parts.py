@@ -204,7 +204,7 @@ def _supplies(layout: Layout) -> Supplies | None:
     for i, item in enumerate(layout.scene.path):
         if isinstance(item, Drum) and item.rope_on_drum is not None:
             way = 1.0 if i == 0 else -1.0
-            begin = layout.degrees.value[layout.supply[i][0] if i in layout.supply else layout.material(i)]
+            begin = layout.degrees.value[layout.supply.get(i, layout.material(i))]
             rows.append((layout.material(i), begin - way * item.rope_on_drum, way))
     if not rows:
         return None

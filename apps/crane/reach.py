@@ -155,11 +155,9 @@ def _add_rope(layout: Layout, system: System, state: State, length: float) -> No
     path = layout.scene.path
     i = len(path) - 1 if not isinstance(path[-1], Drum) or isinstance(path[0], Drum) else 0
     way = length if i else -length
-    place = layout.supply[i][0] if i in layout.supply else layout.material(i)
+    place = layout.supply.get(i, layout.material(i))
     system.q[place] += way
     state.full_q[place] += way
-    for k in np.flatnonzero(system.dofs.held == place):
-        system.dofs.offset[k] += way
     state.q[system.free == place] += way
     if isinstance(path[i], Drum):
         _move_supply(layout, system, i, way)

@@ -289,6 +289,7 @@ class _Run:
         total = kinetic + strain + potential
         missing = total[-1] - total[0] - (work[-1] - lost[-1])
         through = float(self.state.ledger[THROUGHPUT]) + lost[-1] + kinetic.max() + np.ptp(strain)
-        through += ROUNDING * float(self.model.system.scale.max(initial=0.0))
+        # The largest force through the way that is rounding, or that a step may be wrong by, does no work to speak of.
+        through += (ROUNDING + self.model.solver.step_error) * float(self.model.system.scale.max(initial=0.0))
         through += STORED_SHARE * float(strain.max() + np.abs(potential).max())
         return float(missing / through) if through > 0.0 else 0.0
