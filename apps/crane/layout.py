@@ -156,6 +156,7 @@ def lay_out(scene: CraneScene) -> Layout:
     wheels = [
         _wheel(scene, item, entries[k] if k != GROUND else IDENTITY) for item, k in zip(scene.path, on, strict=True)
     ]
+    _refuse_load_above(scene, wheels)
     path = _reeved(scene, wheels)
     builder = _Builder(scene, frames, entries, requests)
     records = np.zeros(len(wheels), WHEEL).view(np.recarray)
@@ -192,6 +193,22 @@ def _wheel(scene: CraneScene, item: Any, entries: np.ndarray) -> Wheel:
         return Wheel(item.name, center, np.array(item.unit_axis), item.radius, item.wrap)
     center = point_of(entries, item.center)
     return Wheel(item.name, center, turned @ np.array(item.unit_axis), item.radius, item.wrap)
+
+
+def _refuse_load_above(scene: CraneScene, wheels: list[Wheel]) -> None:
+    """Refuse a load that is to hang at rest and is drawn above all that its rope leads to."""
+    up = -np.array(scene.gravity, dtype=float)
+    if scene.start != "static":
+        return
+    for k, body in enumerate(scene.bodies):
+        at = [i for i, item in enumerate(scene.path) if isinstance(item, (End, Sheave)) and item.body == body.name]
+        beside = {j for i in at for j in (i - 1, i + 1) if 0 <= j < len(wheels)} - set(at)
+        if not beside or body.spring is not None or body.mass == 0.0:
+            continue
+        highest = max(beside, key=lambda j: float(up @ wheels[j].center))
+        if all(up @ wheels[highest].center <= up @ wheels[i].center for i in at):
+            cause = f"is above {scene.path[highest].name}, which it hangs from: no taut rope holds it up there"
+            raise SceneError([scene.problem(f"bodies[{k}].position", cause, "draw it below, or start: as drawn")])
 
 
 def _reeved(scene: CraneScene, wheels: list[Wheel]) -> Path:

@@ -37,7 +37,7 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("fleet_angle", (*sheave, "end"), "rad", "angle of rope and sheave plane, where it runs on and off"),
         Variable("sheave_load", (*sheave, "axis"), "N", "force of the rope on the sheave"),
         Variable("sheave_rotation", sheave, "rad", "rotation of the sheave about its axis"),
-        Variable("slipping", sheave, "", "1 or -1 where the rope slips on the sheave, else 0"),
+        Variable("slipping", sheave, "", "1 where the rope slips forwards over the sheave, -1 where backwards, else 0"),
     ]
     of_drums = [
         Variable("drum_tension", drum, "N", "tension at the drum"),
@@ -192,7 +192,7 @@ class Observer:
         after = {self.layout.item[i]: k for k, i in enumerate(self.sheaves)}
         for j, row in enumerate(self.slips.rows):
             if row.after != NONE and row.kind != BEARING:
-                slipping[:, after[row.after]] = own[:, 2 * j + 1]
+                slipping[:, after[row.after]] = 0.0 - own[:, 2 * j + 1]
         return slipping
 
     def _drums(self, frames: Any, found: np.ndarray, tensions: np.ndarray) -> dict[str, np.ndarray]:
