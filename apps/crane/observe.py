@@ -195,13 +195,21 @@ class Observer:
                 slipping[:, after[row.after]] = 0.0 - own[:, 2 * j + 1]
         return slipping
 
+    def _laid_out(self, frames: Any, place: np.ndarray) -> np.ndarray:
+        """Material at drums before any was paid out: what the static start made it where motion is prescribed."""
+        laid = np.tile(self.start[place], (len(frames.q), 1))
+        for k, i in enumerate(self.drums):
+            if i in self.layout.supply:
+                laid[:, k] = frames.q[:, self.layout.supply[i]]
+        return laid
+
     def _drums(self, frames: Any, found: np.ndarray, tensions: np.ndarray) -> dict[str, np.ndarray]:
         place = np.array([self.layout.material(i) for i in self.drums])
         way = np.array([-1.0 if i == 0 else 1.0 for i in self.drums])
         element = np.array([0 if i == 0 else self.elements - 1 for i in self.drums])
         tension = np.stack([tensions[:, 0, 0] if i == 0 else tensions[:, -1, 1] for i in self.drums], axis=-1)
         stretch = found[:, element, STRETCH]
-        out, speed = way * (frames.q[:, place] - self.start[place]), way * frames.v[:, place]
+        out, speed = way * (frames.q[:, place] - self._laid_out(frames, place)), way * frames.v[:, place]
         return {
             "drum_tension": tension,
             "paid_out": out,
