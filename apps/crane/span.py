@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.line import AXES, FOUND, LENGTH, PATH, POINT, PSI1, PSI2, RATE, Line, dot, find_line
+from crane.line import AXES, FOUND, LENGTH, PATH, POINT, PSI1, PSI2, RATE, Line, dot, find_line, new_line
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import EMPTY, OFF_WHEEL, TWO_BLOCKED, register
 from tautline.kernels.jit import kernel
@@ -41,14 +41,14 @@ RECORDED = 6
 
 
 class Motion(NamedTuple):
-    """Kinematics of a span, and scratch: ``point`` (14, 3) vectors, ``number`` (17,) indexed by names below."""
+    """Kinematics of a span, and scratch: ``point`` (13, 3) vectors, ``number`` (14,) indexed by names below."""
 
     point: np.ndarray
     number: np.ndarray
 
 
-V1, V2, A1, A2, M1, M2, N1, N2, T, T_D, E_D, P, TURNED_P, AWAY = range(14)
-L, L_D, LAM, LAM_D, K, K_D, TENSION, ENERGY, ELASTIC, TAU, KINETIC, P_E, BY_LAM, BY_RATE, Z, HELD, FREE = range(17)
+V1, V2, A1, A2, M1, M2, N1, N2, T, T_D, E_D, P, TURNED_P = range(13)
+L, L_D, LAM, LAM_D, K, K_D, TENSION, ENERGY, ELASTIC, TAU, KINETIC, P_E, BY_LAM, BY_RATE = range(14)
 
 
 class Spans(NamedTuple):
@@ -56,7 +56,7 @@ class Spans(NamedTuple):
 
     ``found`` (n, 4) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
     ``is_slack`` (n,) whether each was slack when its tangent was made. Scratch: ``line``, ``motion``, ``change``
-    (12, 3), ``forces`` (8,) and ``block`` (8, 8).
+    (11, 3) and ``block`` (8, 8).
     """
 
     rows: np.recarray
@@ -362,12 +362,10 @@ register(
 
 def new_spans(rows: np.recarray, wheels: np.recarray) -> Spans:
     """Group of spans with its scratch."""
-    from crane.line import new_line
-
     n = len(rows)
     return Spans(
         rows, wheels, np.zeros((n, SIZE)), np.zeros((n, 3)), np.zeros(n, np.int64), new_line(),
-        Motion(np.zeros((14, 3)), np.zeros(17)), np.zeros((12, 3)), np.zeros((8, 8)),
+        Motion(np.zeros((13, 3)), np.zeros(14)), np.zeros((11, 3)), np.zeros((8, 8)),
     )  # fmt: skip
 
 
