@@ -18,6 +18,7 @@ from crane.span import MATERIAL, STATION
 from crane.summary import headline
 from crane.supply import check_supply
 from tautline.kernels.time_function import evaluate
+from tautline.scene.errors import SceneError
 from tautline.scene.solver import error_of_steps, longest_step
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import System, assemble
@@ -195,6 +196,9 @@ def compensation_of(layout: Layout) -> Compensation | None:
     places = {frame.name: k for k, frame in enumerate(layout.frames)}
     order = scene.path if isinstance(scene.path[0], Drum) else scene.path[::-1]
     led = [item for item in order if scene.frame_of(item) is not None]
+    if not led:
+        cause = "nothing of the path rides on the vessel: there is no heave to answer"
+        raise SceneError([scene.problem("heave_compensation", cause, "remove it, or put the crane on the vessel")])
     tip = led[-1]
     k = places[scene.frame_of(tip)]
     point = tip.position if isinstance(tip, Anchor) else tip.center

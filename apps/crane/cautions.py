@@ -44,9 +44,21 @@ def cautions(scene: CraneScene) -> list[Caution]:
         *(("path", text) for text in found.path.warnings),
         *_fleet(found), *_bending(scene), *_safety(found), *_sheaves(scene), *_steps(found), *_mesh(found),
         *_compression(scene), *_supply(found, actuator), *_start(found),
-        *_held_back(actuator),
+        *_held_back(actuator), *_dry(scene),
     ]  # fmt: skip
     return [Caution(where, text) for where, text in sentences]
+
+
+def _dry(scene: CraneScene) -> Sentences:
+    """Bodies that the water acts on as if they were in it, and that are drawn above it."""
+    for k, body in enumerate(scene.bodies if scene.water is not None else ()):
+        acts = body.volume > 0.0 or any((*body.added_mass, *body.drag.linear, *body.drag.quadratic))
+        if acts and body.position[2] > scene.water.surface:
+            text = (
+                f"{body.name} is drawn {body.position[2] - scene.water.surface:.3g} m above the water, whose buoyancy, "
+                "drag and added mass act on a body at any height; leave them out while it is in air"
+            )
+            yield f"bodies[{k}]", text
 
 
 def _key(scene: CraneScene, item: Any, key: str = "") -> str:
@@ -58,7 +70,7 @@ def _key(scene: CraneScene, item: Any, key: str = "") -> str:
 def fleet_angle(found: Estimate, i: int) -> float:
     """Larger of the two angles of rope and plane at an item of the path, rad, as a size."""
     angles = found.path.fleet
-    sides = [angles[i - 1, 1]] * (i > 0) + [angles[i, 0]] * (i < len(angles))
+    sides = ([angles[i - 1, 1]] if i > 0 else []) + ([angles[i, 0]] if i < len(angles) else [])
     return max(abs(float(angle)) for angle in sides)
 
 

@@ -72,6 +72,7 @@ SCENES = {
         4, 20.0e3, hooks=RIM, drive={"pay_out": {"ramp": {"to": -2.5, "over": 0.3}}}, load={"guide": []}
     ),
     "fleet angles": askew(),
+    "a rope that bends": hoist(rope={"bending_stiffness": 2000.0}),
     "a slack rope": hoist(rope={"length": 58.0, "damping": 1.0e-2}, start="as drawn"),
 }
 
@@ -130,6 +131,7 @@ LEISURELY = {"pay_out": {"ramp": {"to": -0.5, "over": 1.0}}}
 CONSERVING = {
     "a hoist": (hoist(rope=UNDAMPED, solver={"end": 2.0}), 7.0e-5, 0.0),
     "a swinging payload": (hoist(rope=UNDAMPED, load={"velocity": (1.0, 0.5, 0.0)}, solver={"end": 2.0}), 7.0e-5, 0.0),
+    "a rope that bends": (hoist(rope=UNDAMPED | {"bending_stiffness": 2000.0}, solver={"end": 2.0}), 7.0e-5, 0.0),
     "two falls": (block_of_falls(2, 5000.0, rope=UNDAMPED, drive=LEISURELY, solver={"end": 2.0}), 6.0e-4, 0.0),
     "sixteen falls": (block_of_falls(16, rope=UNDAMPED, drive=LEISURELY, solver={"end": 2.0}), 6.0e-4, 0.0),
     "fleet angles": (askew(), 6.0e-5, 5.0),
