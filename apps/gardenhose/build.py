@@ -23,7 +23,7 @@ from tautline.system.model import Model, SolverSettings
 TOLERANCE = 1.0e-4
 """Error of eq. 2.78 that counts as solved, in the root of energy over `energy_of`: it moves the tip of the hose of
 Table 2.2 by less in a second than a step of 1 ms does (docs/hose.md)."""
-CONTRACTION = 0.2
+CONTRACTION = 0.3
 """A fluttering hose turns so far in a step that factors seldom serve the next: old ones are given more time."""
 LONG_STEP, TIGHTEST = 2.0e-3, 1.0e-7
 """Step over L^2 sqrt((m + M)/EJ) from which TOLERANCE is as it stands, 1 ms for the hose of Table 2.2; with shorter
