@@ -85,7 +85,7 @@ def eliminate(band, pivots, above, below, right, inverse, n, k):
             x = abs(column[centre + i])
             if x > largest:
                 largest, row = x, i
-        if not largest > 0.0:
+        if largest == 0.0:  # what is no number goes on, and is found in the solution
             return j + 1, exchanged
         last = max(reach, right[j])
         if THRESHOLD * largest > size:
