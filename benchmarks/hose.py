@@ -300,7 +300,7 @@ PARTS: dict[str, Callable[[bool], Section]] = {
 HEAD = (
     "# The hose beside references\n\nWritten by `python benchmarks/hose.py`; `python benchmarks/hose.py speed` (or "
     f"{', '.join(list(PARTS)[1:])}) measures one part anew. The claims that tests hold the program to are in "
-    "[validation.md](validation.md), what the keys mean in [hose.md](hose.md).\n"
+    "[claims.md](claims.md), what the keys mean in [hose.md](hose.md).\n"
 )
 
 

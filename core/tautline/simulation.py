@@ -16,9 +16,20 @@ from tautline.integrators.linearise import start_moving
 from tautline.integrators.march import Frames, compile_for, march, new_frames
 from tautline.integrators.method import method_for
 from tautline.integrators.relaxation import relax
+from tautline.integrators.resolution import STEPS_PER_PERIOD, Resolution
 from tautline.integrators.rk4 import RungeKutta4
-from tautline.integrators.state import FACTORISATIONS, HALVINGS, ITERATIONS, STEPS, THROUGHPUT, WORST, new_state
+from tautline.integrators.state import (
+    FACTORISATIONS,
+    HALVINGS,
+    ITERATIONS,
+    STEPS,
+    THROUGHPUT,
+    WORST,
+    State,
+    new_state,
+)
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.results.balance import ENERGIES, Balance
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.results.store import Store
@@ -31,12 +42,6 @@ BATCH = 0.25
 BATCH_NUMBERS = 4_000_000
 """Numbers that a batch of frames may hold in memory."""
 
-ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
-"""Variables that every application stores, J."""
-STORED_SHARE = 1.0e-6
-"""Share of the stored energy that counts as going through the system."""
-ROUNDING = 1.0e-14
-"""Way, m, through which the largest force does work that is rounding."""
 FRAMES_UNCHECKED, FRAMES_SAFE = 20, 400
 """Frames that an explicit run may go on before its step is checked again: near the critical step, and far from it."""
 FAR = 0.7
@@ -46,6 +51,13 @@ SAFE = 0.8
 GAINED = 0.05
 """Share of the energy that went through a run above which what came from nowhere makes its result wrong. What is lost
 without account may be what the method is to damp, and is only warned of."""
+POOR_BALANCE = 0.05
+"""Error of the energy balance from which a run's accuracy is in doubt."""
+LOOKS = 200
+"""Times, about, that a run which is watched is looked at."""
+
+
+Look = Callable[[State, float, Any], None]
 
 
 def simulate(
@@ -54,6 +66,7 @@ def simulate(
     progress: Callable[[float, float], None] | None = None,
     resume: Result | None = None,
     announce: Callable[[int], None] | None = None,
+    look: Look | None = None,
 ) -> Result:
     """Run a model and store its frames.
 
@@ -69,6 +82,9 @@ def simulate(
         An earlier result of the same scene, to go on from where it ended; its frames come first in the new one.
     announce : callable or None
         Called before kernels are compiled, with their number: a scene of a kind that was never run here has to wait.
+    look : callable or None
+        Called with the state, its time, s, and the method, at the start and after every so many frames, some two
+        hundred times in all; it changes nothing.
 
     Returns
     -------
@@ -84,7 +100,7 @@ def simulate(
     ResultError
         Where ``resume`` holds no state to go on from, or that of another scene.
     """
-    run = _Run(model)
+    run = Run(model, look)
     earlier = run.take_up(resume) if resume is not None else None
     with Store(path, model.variables, model.coordinates, {**model.attributes, "version": __version__}) as store:
         try:
@@ -124,17 +140,18 @@ def frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, n
     return ends, np.maximum(1, np.ceil(spans / step - 1e-9)).astype(np.int64)
 
 
-class _Run:
+class Run:
     """A run under way: the clock, the state, and what of it was stored."""
 
-    def __init__(self, model: Model) -> None:
-        self.model = model
+    def __init__(self, model: Model, look: Look | None = None) -> None:
+        self.model, self.look = model, look
         self.method = method_for(model.system, model.solver)
         self.state = new_state(model.system)
         self.ends, self.steps = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self.step = float(self.ends[0] / self.steps[0])
-        self.time, self.wall, self.done, self.batch = 0.0, 0.0, 0, 1
-        self.balance: list[np.ndarray] = []
+        self.time, self.wall, self.cpu, self.done, self.batch = 0.0, 0.0, 0.0, 0, 1
+        self.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
+        self.resolution = Resolution(model.system)
         self.memory: dict[str, np.ndarray] = {}
         self.frames = self._room(1)
         self.critical, self.unchecked = CriticalStep(model.system), FRAMES_UNCHECKED
@@ -159,11 +176,12 @@ class _Run:
         frames = {name: np.array(earlier[name]) for name in (*(v.name for v in self.model.variables), "time")}
         self.time = float(frames["time"][-1])
         self.wall = float(earlier.attributes.get("wall_time", 0.0))
+        self.cpu = float(earlier.attributes.get("cpu_time", 0.0))
         later = self.ends > self.time * (1.0 + 1e-12)
         spans = np.diff(self.ends[later], prepend=self.time)
         self.ends = self.ends[later]
         self.steps = np.maximum(1, np.ceil(spans / self.model.solver.step - 1e-9)).astype(np.int64)
-        self.balance.append(np.column_stack([frames[name] for name in ENERGIES]))
+        self.balance.add(np.column_stack([frames[name] for name in ENERGIES]))
         self.memory = remember(*self._parts())
         return frames
 
@@ -204,7 +222,7 @@ class _Run:
         if self.frames.time.size < rows:
             self.frames = self._room(rows)
         system, some = self.model.system, slice(self.done, self.done + rows)
-        before = time.perf_counter()
+        before, used = time.perf_counter(), time.thread_time()
         self._check_step()
         status, filled, reached = march(
             self.method, system, self.state,
@@ -212,6 +230,7 @@ class _Run:
         )  # fmt: skip
         spent = time.perf_counter() - before
         self.wall += spent
+        self.cpu += time.thread_time() - used
         self.done += filled
         if filled:
             self.time = float(self.ends[self.done - 1])
@@ -222,6 +241,8 @@ class _Run:
         limit = max(1, BATCH_NUMBERS // (4 * system.q.size + self.model.own + 6))
         if isinstance(self.method, RungeKutta4):
             limit = min(limit, self.unchecked)
+        if self.look is not None:
+            limit = min(limit, -(-self.ends.size // LOOKS))
         per_frame = spent / rows
         self.batch = int(min(limit, max(1.0, min(4.0 * rows, BATCH / max(per_frame, 1e-9)))))
 
@@ -230,7 +251,7 @@ class _Run:
 
         Where the step is chosen for it the next frames are divided into steps that are well below.
         """
-        if not isinstance(self.method, RungeKutta4):
+        if not (isinstance(self.method, RungeKutta4) and self.model.solver.guarded):
             return
         critical, worst = self.critical.search(self.state, self.time)
         if self.model.solver.automatic:
@@ -251,45 +272,58 @@ class _Run:
     def _store(self, store: Store, frames: Frames, filled: int) -> None:
         part = Frames(*(array[:filled] for array in frames))
         stored = {"time": part.time.copy(), **self.model.observe(part)}
-        self.balance.append(np.column_stack([stored[name] for name in ENERGIES]))
+        self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
+        self.resolution.add(self.state, self.time, part.v, part.a)
         store.append(stored)
         self.memory = remember(*self._parts())
+        if self.look is not None:
+            self.look(self.state, self.time, self.method)
 
     def finish(self, store: Store, status: str) -> Result | None:
         """Close the file with what is known at the end; None where nothing was stored."""
         result = store.result
         if result is None:
             return None
-        counters = self.state.counters
+        counters, solver = self.state.counters, self.model.solver
+        taken = self.time / counters[STEPS] if counters[STEPS] else self.step
         attributes: dict[str, Any] = {
             "status": status,
-            "method": self.model.solver.method,
-            "step": self.time / counters[STEPS] if self.model.solver.automatic and counters[STEPS] else self.step,
-            "end": float(self.model.solver.end),
+            "method": solver.method,
+            "step": taken if solver.automatic else self.step,
+            "end": float(solver.end),
             "wall_time": self.wall,
+            "cpu_time": self.cpu,
             "real_time_factor": self.wall / self.time if self.time > 0.0 else 0.0,
             "steps": int(counters[STEPS]),
             "newton_iterations": int(counters[ITERATIONS]),
             "factorisations": int(counters[FACTORISATIONS]),
             "halvings": int(counters[HALVINGS]),
             "energy_error": abs(self.energy_gained()),
+            "motion_frequency": self.resolution.frequency / (2.0 * math.pi),
+            "warnings": self.warnings(taken),
             "headline": self.model.headline(result),
         }
+        if solver.method != "rk4":
+            attributes["numerical_dissipation"] = -self.balance.missing()
         return store.finish(attributes, restart=self.memory)
 
     def energy_gained(self) -> float:
-        """Energy that has come from nowhere, over what went through the system: work done, lost and in motion.
+        """Energy that has come from nowhere, over what went through the system."""
+        return self.balance.gained(float(self.state.ledger[THROUGHPUT]))
 
-        Negative where energy is lost without account.
-
-        What is merely stored counts a little, or a string at rest would have its rounding divided by nothing.
-        """
-        rows = np.concatenate(self.balance)
-        kinetic, strain, potential, work, lost = rows.T
-        total = kinetic + strain + potential
-        missing = total[-1] - total[0] - (work[-1] - lost[-1])
-        through = float(self.state.ledger[THROUGHPUT]) + lost[-1] + kinetic.max() + np.ptp(strain)
-        # The largest force through the way that is rounding, or that a step may be wrong by, does no work to speak of.
-        through += (ROUNDING + self.model.solver.step_error) * float(self.model.system.scale.max(initial=0.0))
-        through += STORED_SHARE * float(strain.max() + np.abs(potential).max())
-        return float(missing / through) if through > 0.0 else 0.0
+    def warnings(self, step: float) -> list[str]:
+        """What a reader of the result should know of its accuracy; `step` is the mean one, s."""
+        found = []
+        gained = self.energy_gained()
+        if abs(gained) > POOR_BALANCE:
+            share = f"{100.0 * abs(gained):.2g} %"
+            found.append(f"{share} of the energy is unaccounted for: take a smaller step and compare")
+        omega = self.resolution.frequency
+        steps = 2.0 * math.pi / (omega * step) if omega > 0.0 else math.inf
+        if steps < STEPS_PER_PERIOD:
+            found.append(
+                f"the motion turns over {omega / (2.0 * math.pi):.3g} times a second, and a step of {step:.3g} s takes "
+                f"{steps:.2g} steps a turn, where {STEPS_PER_PERIOD:g} make a decent picture: take a step of "
+                f"{2.0 * math.pi / (STEPS_PER_PERIOD * omega):.2g} s and compare"
+            )
+        return found

@@ -7,6 +7,9 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tautline.study.overrides import SETTINGS, Place, overrides
+from tautline.study.variations import varied
+
 if TYPE_CHECKING:
     from tautline.cable.scene import CableScene
     from tautline.results.result import Result
@@ -14,8 +17,11 @@ if TYPE_CHECKING:
     from tautline.system.model import Model
 
 TEMPLATES = ("bar", "span")
-KEYS = {"method": "type", "step": "time_step", "end": "time_end", "rho_inf": "rho_inf"}
-"""What the command line calls the keys of ``GeneralizedAlpha``."""
+KEYS = {"method": "type", "step": "time_step", "end": "time_end", "step_error": "tolerance", "interval": "plotpoints"}
+"""What the command line calls the keys of ``GeneralizedAlpha`` that have another name there."""
+PLACES: dict[str, Place] = {
+    key: ("GeneralizedAlpha", KEYS.get(key, key)) for key in (*SETTINGS, "alpha_m", "alpha_f")
+}
 
 
 class Cable:
@@ -40,27 +46,19 @@ class Cable:
 
         return read(path)
 
-    def with_overrides(
-        self,
-        scene: CableScene,
-        method: str | None = None,
-        step: float | None = None,
-        end: float | None = None,
-        rho_inf: float | None = None,
-    ) -> CableScene:
+    def with_overrides(self, scene: CableScene, **given: Any) -> CableScene:
         """Copy of a scene with other solver settings; raises SceneError naming the option."""
         from tautline.cable.scene import with_values
 
-        given = {"method": method, "step": step, "end": end, "rho_inf": rho_inf}
-        values: dict[tuple[str | int, ...], tuple[Any, str]] = {
-            ("GeneralizedAlpha", KEYS[key]): (value, "--" + key.replace("_", "-"))
-            for key, value in given.items()
-            if value is not None
-        }
-        if rho_inf is not None:
-            # It stands for both alphas, which the thesis' scenes always give.
-            values |= {("GeneralizedAlpha", key): (None, "--rho-inf") for key in ("alpha_m", "alpha_f")}
+        if given.get("interval"):
+            # The file says how many frames a second there are.
+            given["interval"] = 1.0 / given["interval"]
+        values = overrides(given, PLACES)
         return with_values(scene, values) if values else scene
+
+    def vary(self, scene: CableScene, what: str, *value: Any) -> Any:
+        """Copy of a scene that is varied by a function of ``tautline.cable.variations``; None if it has none of it."""
+        return varied("tautline.cable.variations", scene, what, *value)
 
     def schema(self) -> dict[str, Any]:
         """JSON schema of a scene."""

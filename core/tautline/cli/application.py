@@ -39,15 +39,26 @@ class Application(Protocol):
     def read(self, path: Path) -> Any:
         """Read and validate a scene; raises SceneError."""
 
-    def with_overrides(
-        self,
-        scene: Any,
-        method: str | None = None,
-        step: float | None = None,
-        end: float | None = None,
-        rho_inf: float | None = None,
-    ) -> Any:
-        """Copy of a scene with other solver settings; None keeps one; raises SceneError naming the option."""
+    def with_overrides(self, scene: Any, **given: Any) -> Any:
+        """Copy of a scene with other solver settings; raises SceneError naming the option.
+
+        Parameters
+        ----------
+        **given
+            ``method``, ``step``, ``end``, ``rho_inf``, ``control``, ``step_error``, ``interval`` of the output; None
+            keeps what the scene says.
+        """
+
+    def vary(self, scene: Any, what: str, *value: Any) -> Any:
+        """Copy of a scene that is varied in one respect, for a study; None if it has nothing of the kind.
+
+        Parameters
+        ----------
+        what : str
+            ``elements``, ``stiffness``, ``shortest`` with a factor; ``contact``, ``penalty`` with a stiffness, N/m;
+            ``constraint`` with a name. ``constraints``, ``stiffnesses`` and ``bars`` tell of the scene itself (see
+            docs/study.md).
+        """
 
     def schema(self) -> dict[str, Any]:
         """JSON schema of a scene."""

@@ -7,10 +7,16 @@ from importlib import import_module, resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tautline.study.overrides import SETTINGS, Place, overrides
+from tautline.study.variations import varied
+
 if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
     from tautline.system.model import Model
+
+PLACES: dict[str, Place] = {key: ("solver", key) for key in (*SETTINGS, "alpha_m", "alpha_f")}
+PLACES["interval"] = ("output", "interval")
 
 
 class Packaged:
@@ -42,24 +48,16 @@ class Packaged:
         """Read and validate a scene; raises SceneError."""
         return self._module("scene").read(path)
 
-    def with_overrides(
-        self,
-        scene: Any,
-        method: str | None = None,
-        step: float | None = None,
-        end: float | None = None,
-        rho_inf: float | None = None,
-    ) -> Any:
+    def with_overrides(self, scene: Any, **given: Any) -> Any:
         """Copy of a scene with other solver settings; raises SceneError naming the option."""
         from tautline.scene.model import validate
 
-        given = {"method": method, "step": step, "end": end, "rho_inf": rho_inf}
-        values = {
-            ("solver", key): (value, "--" + key.replace("_", "-")) for key, value in given.items() if value is not None
-        }
-        if not values:
-            return scene
-        return validate(type(scene), scene.document.replaced(values))
+        values = overrides(given, PLACES)
+        return validate(type(scene), scene.document.replaced(values)) if values else scene
+
+    def vary(self, scene: Any, what: str, *value: Any) -> Any:
+        """Copy of a scene that is varied by a function of the package's ``variations``; None if it has none of it."""
+        return varied(f"{self.name}.variations", scene, what, *value)
 
     def schema(self) -> dict[str, Any]:
         """JSON schema of a scene."""

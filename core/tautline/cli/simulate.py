@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
 FIRST_RUN = "first run of this kind of scene: compiling the solver for it, once (10 to 20 s)"
 
-POOR_BALANCE = 0.05
-"""Error of the energy balance from which a run's accuracy is in doubt."""
-COPIED = ("method", "step", "steps", "newton_iterations", "wall_time", "real_time_factor", "energy_error")
+COPIED = (
+    "method", "step", "steps", "newton_iterations", "wall_time", "cpu_time", "real_time_factor", "energy_error",
+    "numerical_dissipation", "motion_frequency",
+)  # fmt: skip
 """Keys of the report that are attributes of the result."""
 
 
@@ -153,6 +154,7 @@ def _report(scene: Path, result: Result | None, end: float | None) -> dict[str, 
     stored = None if result is None else str(result.path)
     report: dict[str, Any] = {"scene": str(scene), "result": stored, "status": None}
     report |= {key: attributes.get(key) for key in COPIED}
+    report["warnings"] = result.warnings if result is not None else []
     report |= {"end": attributes.get("end", end), "frames": len(times)}
     report["simulated_time"] = float(times[-1] - times[0]) if len(times) else None
     figures = {name: figure.get("value") for name, figure in (result.headline if result is not None else {}).items()}
@@ -166,8 +168,7 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
         console().print(table(report, result.attributes, result.headline))
         frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
         say(f"wrote {result.path}: {frames}. Next: {catalogue.name} plot {result.path}", "green")
-    if (report.get("energy_error") or 0.0) > POOR_BALANCE:
-        lost = f"{100.0 * report['energy_error']:.2g} % of the energy is unaccounted for"
-        say(f"warning: {lost}: take a smaller solver.step and compare", "yellow")
+    for warning in report["warnings"]:
+        say(f"warning: {warning}", "yellow")
     if as_json:
         print_json(report)

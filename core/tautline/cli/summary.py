@@ -94,6 +94,9 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
         rows.append(("step halvings", str(attributes["halvings"])))
     if report["energy_error"] is not None:
         rows.append(("energy balance, relative error", significant(report["energy_error"], 2)))
+    if report.get("numerical_dissipation") is not None:
+        # What nobody can account for is what the method has damped, as far as the ledger of power is exact.
+        rows.append(("energy lost to the method", quantity(report["numerical_dissipation"], "J")))
     if headline:
         rows.append(("", ""))
     for name, figure in headline.items():

@@ -56,6 +56,34 @@ Force = Annotated[bool, typer.Option("--force", help="Overwrite a file that exis
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an unexpected error; may stand anywhere.")]
 Version = Annotated[bool, typer.Option("--version", help="Print the version and leave.")]
 
+Methods = Annotated[
+    str | None, typer.Option("--methods", help="Between commas. [dim]\\[default: rk4 and the scene's implicit one][/]")
+]
+Steps = Annotated[
+    str | None,
+    typer.Option("--steps", help="Between commas, with units or in s."),
+]
+Meshes = Annotated[
+    str | None, typer.Option("--elements", help="Meshes, as factors on the number of elements, between commas: 1,2,4.")
+]
+Constraints = Annotated[
+    str | None, typer.Option("--constraints", help="Ways to impose constraints, between commas, or all.")
+]
+Tolerance = Annotated[str, typer.Option("--tolerance", help="Relative error of position that is asked for.")]
+Point = Annotated[str | None, typer.Option("--point", help="Node, lump or body to look at.")]
+ReferenceMethod = Annotated[str | None, typer.Option("--reference", help="Method of the reference.")]
+ReferenceStep = Annotated[
+    str | None,
+    typer.Option("--reference-step", help="Finest step of the reference, with a unit or in s."),
+]
+Repeat = Annotated[int, typer.Option("--repeat", min=1, help="Runs of each setting, for its time.")]
+Budget = Annotated[float, typer.Option("--budget", min=0.1, help="Wall time in s that one run may take.")]
+Quick = Annotated[bool, typer.Option("--quick", help="A tenth of the time and half of the grid: a first look.")]
+Stem = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="STEM", help="Beginning of the names of the files that are written."),
+]
+
 
 def check(context: typer.Context, scene: Scene, figure: Drawing = None, as_json: Json = False) -> None:
     """Validate a scene and warn, with cause and cure; runs nothing."""
@@ -84,6 +112,35 @@ def simulate(
 
     overrides: dict[str, Any] = {"method": method, "step": step, "end": end, "rho_inf": rho_inf}
     verb.simulate(context.obj, scene, output, overrides, resume, as_json, quiet)
+
+
+def study(
+    context: typer.Context,
+    scene: Scene,
+    output: Stem = None,
+    methods: Methods = None,
+    steps: Steps = None,
+    elements: Meshes = None,
+    constraints: Constraints = None,
+    tolerance: Tolerance = "1 %",
+    end: End = None,
+    point: Point = None,
+    reference: ReferenceMethod = None,
+    reference_step: ReferenceStep = None,
+    repeat: Repeat = 3,
+    budget: Budget = 60.0,
+    quick: Quick = False,
+    as_json: Json = False,
+) -> None:
+    """Error against run time over methods and steps: table, CSV, NetCDF, figure, and which setting to take."""
+    from tautline.cli import study as verb
+
+    asked = {
+        "methods": methods, "steps": steps, "elements": elements, "constraints": constraints, "tolerance": tolerance,
+        "end": end, "point": point, "reference": reference, "reference_step": reference_step, "repeat": repeat,
+        "budget": budget, "quick": quick,
+    }  # fmt: skip
+    verb.study(context.obj, scene, output, asked, as_json)
 
 
 def plot(
@@ -152,6 +209,6 @@ def make_app(application: Application | Catalogue) -> typer.Typer:
             typer.echo(f"{catalogue.name} (tautline {installed('tautline')})")
             raise typer.Exit
 
-    for verb in (check, simulate, plot, new, schema, *getattr(application, "verbs", ())):
+    for verb in (check, simulate, study, plot, new, schema, *getattr(application, "verbs", ())):
         app.command()(verb)
     return app

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,6 +40,20 @@ def _reach(angle: float) -> float:
     return float(min(r[np.argmax(grows)], RK4_LIMIT)) if grows.any() else RK4_LIMIT
 
 
+class Mode(NamedTuple):
+    """The mode that sets a critical step, s: ``stiffness`` omega^2, 1/s^2, ``damping`` 1/s, ``shape`` (n,)."""
+
+    step: float
+    stiffness: float
+    damping: float
+    shape: np.ndarray
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency without damping, rad/s; of a mode that is all damping, the rate at which it dies, 1/s."""
+        return float(np.sqrt(max(self.stiffness, 0.0))) if self.stiffness > 0.0 else self.damping
+
+
 class CriticalStep:
     """The critical step of a system, looked for again and again along a run.
 
@@ -59,6 +73,7 @@ class CriticalStep:
         self._stiffness, self._damping, self._mass = new_matrix(*size), new_matrix(*size), new_factors(*size)
         self._random = np.random.default_rng(1)
         self._modes = np.zeros((2, system.size))
+        self.mode = Mode(np.inf, 0.0, 0.0, np.zeros(system.size))
 
     def search(self, state: State, t: float) -> tuple[float, int]:
         """Critical step, s, at a state, infinite where nothing vibrates, and the unknown that has most of the mode."""
@@ -72,14 +87,16 @@ class CriticalStep:
         if self.system.size == 0 or factorise_matrix(self._mass):
             return np.inf, 0
         k, c = sparse(self._stiffness), sparse(self._damping)
-        found = [(np.inf, 0)]
+        self.mode = Mode(np.inf, 0.0, 0.0, np.zeros(self.system.size))
         for which, matrix in enumerate((k, c)):
             x = self._fastest(matrix, which) if matrix.nnz and np.any(matrix.data) else None
             if x is not None:
                 inertia = abs(float(x @ (mass @ x))) or 1.0
-                step = critical_step(float(x @ (k @ x)) / inertia, float(x @ (c @ x)) / inertia)
-                found.append((step, int(np.abs(x).argmax())))
-        return min(found)
+                stiffness, damping = float(x @ (k @ x)) / inertia, float(x @ (c @ x)) / inertia
+                step = critical_step(stiffness, damping)
+                if step < self.mode.step:
+                    self.mode = Mode(step, stiffness, damping, x)
+        return self.mode.step, int(np.abs(self.mode.shape).argmax()) if np.isfinite(self.mode.step) else 0
 
     def _fastest(self, matrix: Any, which: int) -> np.ndarray | None:
         """The vector that M^-1 times a matrix stretches most; None where it stretches none."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import json
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -74,6 +75,12 @@ class Result:
                 for key, value in file.attrs.items()
                 if not key.startswith("_NC")
             }
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader should know of the result's accuracy."""
+        warnings = self.attributes.get("warnings", [])
+        return json.loads(warnings) if isinstance(warnings, str) else list(warnings)
 
     @property
     def headline(self) -> dict[str, dict[str, Any]]:

@@ -1,0 +1,82 @@
+"""Lists that are written in one word on the command line: ``--steps 1ms,0.5ms``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from tautline.scene.errors import Problem, SceneError
+
+
+def words(text: str | None, option: str, known: Callable[[str], str]) -> list[str]:
+    """Words between commas, each as `known` reads it; empty for None.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, for an empty list and for a word that `known` refuses by ValueError.
+    """
+    return _each(text, option, known)
+
+
+def numbers(text: str | None, option: str, unit: str) -> list[float]:
+    """Positive numbers between commas, with units or in SI; empty for None.
+
+    Raises
+    ------
+    SceneError
+        Naming the option and the number that is none.
+    """
+    from pydantic import TypeAdapter, ValidationError
+
+    from tautline.scene.quantity import quantity
+
+    adapter: Any = TypeAdapter(_annotated(quantity(unit, positive=True)))
+
+    def read(word: str) -> float:
+        try:
+            return float(adapter.validate_python(_plain(word)))
+        except ValidationError as error:
+            raise ValueError(str(error.errors()[0]["msg"])) from None
+
+    return _each(text, option, read)
+
+
+def _annotated(mark: Any) -> Any:
+    from typing import Annotated
+
+    return Annotated[float, mark]
+
+
+def _plain(word: str) -> Any:
+    try:
+        return float(word)
+    except ValueError:
+        return word
+
+
+def _each(text: str | None, option: str, read: Callable[[str], Any]) -> list[Any]:
+    if text is None:
+        return []
+    found: list[Any] = []
+    for word in (part.strip() for part in text.split(",")):
+        try:
+            if not word:
+                raise ValueError("an entry is empty")
+            found.append(read(word))
+        except ValueError as error:
+            cure = "give entries between commas, such as 1ms,0.5ms" if "empty" in str(error) else "see --help"
+            raise SceneError([Problem(option, None, "", word or text, str(error), cure)]) from None
+    return list(dict.fromkeys(found))
+
+
+def one_of(known: Sequence[str], aliases: dict[str, str] | None = None) -> Callable[[str], str]:
+    """A reader of words that must be among some."""
+
+    def read(word: str) -> str:
+        meant = (aliases or {}).get(word, word)
+        if meant not in known:
+            raise ValueError(f"is not one of {', '.join(known)}")
+        return meant
+
+    return read

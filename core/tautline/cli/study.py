@@ -1,0 +1,229 @@
+"""The verb ``study``."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tautline.cli.catalogue import Catalogue
+from tautline.cli.console import console, print_json, say
+from tautline.cli.lists import numbers, one_of, words
+from tautline.cli.run import Ended, ExitCode
+from tautline.cli.simulate import FIRST_RUN, print_cautions
+from tautline.cli.summary import significant
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from tautline.study.precision import Grid, Row, Study
+    from tautline.study.trial import Subject
+
+QUICK_END, QUICK_BUDGET = 0.1, 5.0
+"""Share of the simulated time that a quick look takes, and the wall time, s, that it gives one run."""
+WIDTH = 150
+"""Characters that a table of runs may take."""
+METHODS = ("rk4", "generalized-alpha", "newmark")
+ALIASES = {"G-alpha": "generalized-alpha", "generalised-alpha": "generalized-alpha", "RK4": "rk4"}
+
+
+def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str, Any], as_json: bool) -> None:
+    """Run a grid of settings of a scene and report errors against run time.
+
+    Parameters
+    ----------
+    output : Path or None
+        Beginning of the names of the files that are written; by default the scene's with ``_study``.
+    asked : dict
+        What the command line gave: methods, steps, elements, constraints, tolerance, end, point, reference,
+        reference_step, repeat, budget, quick.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For bad input; nothing is written then.
+    Ended
+        If the scene as it stands stopped early, or on Ctrl-C; what there was is reported.
+    """
+    from tautline.integrators.status import StoppedEarly
+    from tautline.study.precision import study as run
+
+    subject, grid = prepared(catalogue, path, asked), _grid(asked)
+    stem = stem_of(path, output, "study")
+    budget = float(asked["budget"]) if not asked["quick"] else min(asked["budget"], QUICK_BUDGET)
+    try:
+        with working() as progress:
+            found = run(
+                subject, grid, tolerance=_tolerance(asked["tolerance"]), budget=budget, point=asked["point"],
+                repetitions=1 if asked["quick"] else asked["repeat"], reference=_reference(asked), progress=progress,
+                reduced=asked["quick"],
+            )  # fmt: skip
+    except StoppedEarly as stop:
+        stopped(path, stop, as_json)
+    _report(path, stem, found, as_json)
+    if found.interrupted:
+        say("interrupted", "yellow")
+        raise Ended(ExitCode.INTERRUPTED)
+
+
+def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject:
+    """Read a scene for a study; raises SceneError."""
+    from tautline.study.trial import Subject
+
+    application = catalogue.for_scene(path)
+    scene = application.read(path)
+    print_cautions(application.cautions(scene))
+    end = asked["end"]
+    if end is None and asked["quick"]:
+        model = application.build(scene)
+        end = max(QUICK_END * model.solver.end, 20.0 * model.solver.interval, 20.0 * model.solver.step)
+        end = min(end, model.solver.end)
+    announced: list[int] = []
+
+    def announce(kernels: int) -> None:
+        if not announced:
+            say(FIRST_RUN, "cyan")
+        announced.append(kernels)
+
+    return Subject(application, scene, end=end, announce=announce)
+
+
+@contextmanager
+def working() -> Iterator[Any]:
+    """A line that says what is being run, on a terminal; a function that changes it."""
+    if not console().is_terminal:
+        yield lambda text: None
+        return
+    with console().status("") as status:
+        yield lambda text: status.update(text.replace("[", "\\["))
+
+
+def stem_of(path: Path, output: Path | None, word: str) -> Path:
+    """Beginning of the names of files; raises ResultError where there is no folder for them."""
+    from tautline.results.errors import ResultError
+
+    stem = output.with_suffix("") if output is not None else Path(f"{path.stem}_{word}")
+    if not stem.parent.is_dir():
+        raise ResultError(stem, f"there is no folder {stem.parent}", "make it, or name another with -o")
+    return stem
+
+
+def stopped(path: Path, stop: Any, as_json: bool) -> None:
+    """Report that a scene does not come to its end as it stands; always raises Ended."""
+    say(f"{path} as it stands stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
+    if as_json:
+        where = {"time": stop.time, "part": stop.part, "sentence": stop.sentence}
+        print_json({"scene": str(path), "status": stop.status.name.lower().replace("_", " "), "stopped": where})
+    raise Ended(ExitCode.STOPPED_EARLY) from None
+
+
+def machine(load: Sequence[float]) -> str:
+    """What a run time was measured on."""
+    cores = os.cpu_count() or 1
+    return f"{platform.machine()}, {cores} cores of which a run takes one, load {load[0]:.2f} before and {load[1]:.2f} after"
+
+
+def show(table: Table) -> None:
+    """Print a table; where a terminal is too narrow its lines run on, and nothing is cut off."""
+    console().print(table, width=max(console().width, WIDTH), crop=False, no_wrap=True, overflow="ignore")
+
+
+def _tolerance(text: str) -> float:
+    """A share, or a percentage."""
+    given = numbers(text, "--tolerance", "")
+    return given[0]
+
+
+def _grid(asked: dict[str, Any]) -> Grid:
+    from tautline.study.precision import Grid
+
+    methods = words(asked["methods"], "--methods", one_of(METHODS, ALIASES))
+    steps = numbers(asked["steps"], "--steps", "s")
+    return Grid(
+        methods or None, steps or None, numbers(asked["elements"], "--elements", "") or [1.0],
+        words(asked["constraints"], "--constraints", str),
+    )  # fmt: skip
+
+
+def _reference(asked: dict[str, Any]) -> Any:
+    from tautline.study.trial import Setting
+
+    method = words(asked["reference"], "--reference", one_of(METHODS, ALIASES))
+    step = numbers(asked["reference_step"], "--reference-step", "s")
+    if not method and not step:
+        return None
+    return Setting(method[0] if method else None, step[0] if step else None)
+
+
+def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
+    from tautline.study.figures import work_precision
+    from tautline.study.record import run_record, study_record, write_csv, write_netcdf
+
+    records, whole = [run_record(row) for row in found.rows], study_record(found)
+    files = []
+    if records:
+        kept = {key: value for key, value in (whole["reference"] or {}).items() if isinstance(value, (str, int, float))}
+        attributes = {"scene": str(path), "advice": whole["advice"], "point": whole["point"]}
+        attributes |= {f"reference_{key}": int(v) if isinstance(v, bool) else v for key, v in kept.items()}
+        files = [
+            write_csv(records, stem.with_suffix(".csv")),
+            write_netcdf(records, attributes, stem.with_suffix(".nc")),
+        ]
+        files.append(work_precision(found, f"{path.stem}: error against run time", stem.with_suffix(".png")))
+    show(_table(found.rows))
+    if found.reference is not None:
+        say(_of_reference(found))
+    say(f"position of {found.watched.point}, force of {found.watched.force or 'nothing'}; {machine(found.load)}")
+    for warning in found.warnings:
+        say(f"warning: {warning}", "yellow")
+    say(found.advice, "green" if found.reference is not None and found.reference.converged else "yellow")
+    for file in files:
+        say(f"wrote {file}")
+    if as_json:
+        status = "interrupted" if found.interrupted else "done"
+        print_json({"scene": str(path), "status": status} | whole | {"files": [str(file) for file in files]})
+
+
+def _of_reference(found: Study) -> str:
+    reference = found.reference
+    assert reference is not None
+    order = "hidden by rounding" if reference.observed_order is None else f"{reference.observed_order:.2f}"
+    proved = "proved" if reference.converged else "NOT proved"
+    return (
+        f"reference ({proved}): {reference.setting.method}, step {reference.step:.3g} s, observed order {order}, "
+        f"its own error about {reference.error:.1e}"
+    )
+
+
+def _table(rows: Sequence[Row]) -> Table:
+    from rich.table import Table
+
+    from tautline.study.record import run_record
+
+    records = [run_record(row) for row in rows]
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="cyan")
+    further = [key for key in ("step_error", "elements", "constraint") if len({r[key] for r in records}) > 1]
+    heads = {"step_error": "step error", "elements": "elements x"}
+    columns = ["method", "step, s", *(heads.get(key, key) for key in further)]
+    columns += ["position", "force", "phase, rad", "RMSE, m", "CPU, s", "wall, s", "spread", "real time", "steps"]
+    for name in [*columns, "iterations", "status"]:
+        table.add_column(name, justify="left" if name in ("method", "status", "constraint") else "right")
+    for r in records:
+        table.add_row(
+            str(r["method"] or "–"), _number(r["step"], 4), *(_number(r[key]) for key in further),
+            *(_number(r[key]) for key in ("position_error", "force_error", "phase_error", "rmse")),
+            *(_number(r[key]) for key in ("cpu_time", "wall_time", "wall_time_spread", "real_time_factor")),
+            *(str(r[key]) if r[key] is not None else "–" for key in ("steps", "newton_iterations")), r["status"],
+        )  # fmt: skip
+    return table
+
+
+def _number(value: Any, digits: int = 2) -> str:
+    if value is None:
+        return "–"
+    if isinstance(value, str):
+        return value
+    return f"{value:.1e}" if 0.0 < abs(value) < 1e-3 else significant(float(value), digits)

@@ -1,0 +1,98 @@
+"""Whether the tangent is the derivative of the residual: along random directions, at a state of a run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tautline.integrators.generalized_alpha import GeneralizedAlpha
+from tautline.integrators.linearise import SUMS
+from tautline.integrators.state import State
+from tautline.kernels import groups as over
+from tautline.kernels.dofs import expand, reduce
+from tautline.kernels.jit import entry
+from tautline.kernels.matrix import clear, new_matrix, sparse
+from tautline.system.system import System
+
+DIRECTIONS = 3
+SHARES = (1.0e-3, 1.0e-5, 1.0e-7)
+"""Of the way of a step: how far a difference reaches. The best counts: rounding spoils the small, kinks the large."""
+
+
+@entry
+def _linearised(groups, dofs, state, t, cm, cc, ck, matrix, residual):
+    """Residual (n,) of the state as it stands, and where cm > 0 the matrix cm M + cc C + ck K."""
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
+    expand(dofs, state.a, state.full_a)
+    state.residual.fill(0.0)
+    over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
+    reduce(dofs, state.residual, residual)
+    if cm > 0.0:
+        clear(matrix)
+        over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, cm, cc, ck, matrix, dofs)
+        over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, cm, cc, ck, matrix, dofs)
+
+
+def tangent_error(system: System, state: State, t: float, method: GeneralizedAlpha, seed: int = 1) -> float:
+    """Largest difference of the tangent of the last step and a difference of its residual, relative.
+
+    Rows count by their forces over what is large there (``System.scale``).
+
+    Parameters
+    ----------
+    system : System
+    state : State
+        After an accepted step that ends at t, s. It is left as it was.
+    method : GeneralizedAlpha
+        That has made the step.
+
+    Returns
+    -------
+    float
+        Over a few random directions; zero where nothing is free or no step was made.
+    """
+    h, n = float(method.last_step[0]), system.size
+    if h <= 0.0 or n == 0:
+        return 0.0
+    beta = (1.0 - method.alpha_m) / (method.beta * h * h * (1.0 - method.alpha_f))
+    gamma = method.gamma / (method.beta * h)
+    groups = system.link(SUMS)
+    matrix, none = new_matrix(n, system.bandwidth, system.border), new_matrix(0, 0)
+    kept = [array.copy() for array in state]
+    rows = np.zeros((3, n))
+    _linearised(groups, system.dofs, state, t, beta, gamma, 1.0, matrix, rows[0])
+    tangent = sparse(matrix)
+    random = np.random.default_rng(seed)
+    lengths = _lengths(state, method.length, h)
+    worst = 0.0
+    for _ in range(DIRECTIONS):
+        x = random.uniform(-1.0, 1.0, n) * lengths
+        product = tangent @ x
+        size = float(np.abs(product / system.scale).max()) or 1.0
+        errors = []
+        for share in SHARES:
+            for sign, row in ((1.0, 1), (-1.0, 2)):
+                _move(state, kept, sign * share * x, beta, gamma)
+                _linearised(groups, system.dofs, state, t, 0.0, 0.0, 0.0, none, rows[row])
+            # A law that is just slipping stands on a kink, and the tangent is that of one of its sides.
+            sides = (rows[1] - rows[2]) / 2.0, rows[1] - rows[0], rows[0] - rows[2]
+            wrong = np.min([np.abs(side / share - product) for side in sides], axis=0)
+            errors.append(float((wrong / system.scale).max()) / size)
+        worst = max(worst, min(errors))
+    for array, values in zip(state, kept, strict=True):
+        array[...] = values
+    return worst
+
+
+def _lengths(state: State, length: np.ndarray, h: float) -> np.ndarray:
+    """How far each unknown goes in a step, and some part of the largest at least: (n,)."""
+    way = h * np.abs(state.v) + h * h * np.abs(state.a)
+    known = np.where(length > 0.0, length, 1.0)
+    return np.maximum(way, 1e-3 * float((way * known).max(initial=0.0)) / known) + 1e-9 / known
+
+
+def _move(state: State, kept: list[np.ndarray], x: np.ndarray, beta: float, gamma: float) -> None:
+    """Put position, velocity and acceleration where a correction by x of the step would."""
+    state.q[:] = kept[0] + x
+    state.v[:] = kept[1] + gamma * x
+    state.a[:] = kept[2] + beta * x

@@ -1,0 +1,55 @@
+"""The energy balance of a run: what went in, what was lost, and what nobody can account for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
+"""Variables that every application stores, J."""
+STORED_SHARE = 1.0e-6
+"""Share of the stored energy that counts as going through the system."""
+ROUNDING = 1.0e-14
+"""Way, m, through which the largest force does work that is rounding."""
+
+
+class Balance:
+    """Energies of the frames as they come.
+
+    Parameters
+    ----------
+    force : float
+        Largest force that counts, N.
+    step_error : float
+        Way, m, that a step may be wrong by; 0 where that is not bounded.
+    """
+
+    def __init__(self, force: float, step_error: float) -> None:
+        self.idle = (ROUNDING + step_error) * force
+        self._rows: list[np.ndarray] = []
+
+    def add(self, energies: np.ndarray) -> None:
+        """Take note of frames (m, 5), J, in the order of `ENERGIES`."""
+        self._rows.append(energies)
+
+    def missing(self) -> float:
+        """Energy that has come from nowhere since the start, J; negative where it is lost without account.
+
+        A method that damps what its step cannot follow loses energy so: its numerical dissipation.
+        """
+        if not self._rows:
+            return 0.0
+        first, last = self._rows[0][0], self._rows[-1][-1]
+        return float(last[:3].sum() - first[:3].sum() - (last[3] - last[4]))
+
+    def gained(self, throughput: float) -> float:
+        """Energy from nowhere over what went through the system, `throughput` J being the work counted without sign.
+
+        What is merely stored counts a little, or a string at rest would have its rounding divided by nothing; and the
+        largest force through the way that is rounding, or that a step may be wrong by, does no work to speak of.
+        """
+        if not self._rows:
+            return 0.0
+        kinetic, strain, potential, _, lost = np.concatenate(self._rows).T
+        through = throughput + lost[-1] + kinetic.max() + np.ptp(strain) + self.idle
+        through += STORED_SHARE * float(strain.max() + np.abs(potential).max())
+        return float(self.missing() / through) if through > 0.0 else 0.0

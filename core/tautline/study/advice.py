@@ -1,0 +1,50 @@
+"""Which setting to take, in a sentence."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tautline.study.precision import Row, Study
+
+CERTAIN = 1.5
+"""Ratio of two run times from which one is shorter beyond the noise of a machine."""
+
+
+def good_enough(study: Study) -> list[Row]:
+    """Runs whose error, with that of the reference, is below the tolerance, the cheapest first."""
+    own = study.reference.error if study.reference is not None else 0.0
+    rows = [r for r in study.rows if r.errors is not None and r.errors.position + own <= study.tolerance and r.factor]
+    return sorted(rows, key=lambda row: row.factor or 0.0)
+
+
+def real_time(study: Study) -> list[Row]:
+    """Runs that are faster than real time, the most accurate first."""
+    rows = [row for row in study.rows if row.errors is not None and row.factor is not None and row.factor < 1.0]
+    return sorted(rows, key=lambda row: row.errors.position if row.errors is not None else 0.0)
+
+
+def advice(study: Study) -> str:
+    """The cheapest setting below the error that is asked for, and what is best in real time."""
+    asked = f"an error below {100.0 * study.tolerance:.3g} %"
+    if study.reference is None:
+        return "no advice: there is no reference to judge by"
+    enough, live = good_enough(study), real_time(study)
+    if not enough:
+        best = min((r for r in study.rows if r.errors is not None), key=lambda r: r.errors.position, default=None)
+        if best is None:
+            return "no advice: no run came to its end"
+        return f"no run has {asked}: the best is {_told(best)}; take smaller steps with --steps"
+    first = f"cheapest with {asked}: {_told(enough[0])}"
+    cheap = enough[0].factor or 0.0
+    if not live:
+        return f"{first}; none is faster than real time"
+    if cheap < 1.0 and live[0] is enough[0]:
+        return f"{first}, and it is the most accurate in real time as well"
+    second = f"most accurate in real time: {_told(live[0])}"
+    return f"{first}; {second}" if cheap < 1.0 else f"{first}, which is not real time; {second}"
+
+
+def _told(row: Row) -> str:
+    assert row.errors is not None
+    return f"{row.trial.setting} (error {100.0 * row.errors.position:.2g} %, real-time factor {row.factor:.2g})"

@@ -1,0 +1,127 @@
+"""What of a run is compared: the way of a point, and the axial force in an element."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tautline.results.errors import ResultError
+from tautline.results.result import Result
+
+POINTS = ("tip", "body_position", "position")
+"""Variables that hold positions, the first that a result has: a hose's tip, a crane's bodies, nodes or lumps."""
+FORCES = ("axial_force", "tension")
+MOVES = 0.1
+"""Share of the largest motion from which the last point is the one to look at, and not the one that moves most."""
+
+
+class Place(NamedTuple):
+    """Where in a result: a variable and, where it has more than one, which: by its label, or how far along.
+
+    ``share`` is 0 at the first and 1 at the last; the place is looked for by its label in a result that has it, and
+    else, in another mesh, by its share.
+    """
+
+    variable: str
+    label: str
+    share: float
+
+    def __str__(self) -> str:
+        return f"{self.variable.replace('_', ' ')} {self.label}".strip()
+
+
+class History(NamedTuple):
+    """Time (m,) s, position (m, 3) m, axial force (m,) N, or empty where a scene has none."""
+
+    time: np.ndarray
+    position: np.ndarray
+    force: np.ndarray
+
+
+class Watched(NamedTuple):
+    """The point and the force that a study looks at, and the size of the scene, m."""
+
+    point: Place
+    force: Place | None
+    extent: float
+
+    def of(self, result: Result) -> History:
+        """The history of a run of the scene, or of a variant of it."""
+        position = _at(result, self.point, 2)
+        force = np.zeros(0) if self.force is None else _at(result, self.force, 1)
+        return History(np.asarray(result.time, float), position, force)
+
+
+def watch(result: Result, point: str | None = None) -> Watched:
+    """Choose what to look at: the end that is free to move or else what moves most, and the force that varies most.
+
+    Parameters
+    ----------
+    result : Result
+        A run of the scene.
+    point : str or None
+        Label of a node, a lump or a body, if the user has chosen one.
+
+    Raises
+    ------
+    ResultError
+        If nothing has that label, or the result holds no positions.
+    """
+    variable = next((name for name in POINTS if name in result), None)
+    if variable is None:
+        raise ResultError("study", "the scene's result holds no positions", "study a scene that moves in space")
+    position = result[variable]
+    extent = float(max(np.ptp(result[name].reshape(-1, 3), axis=0).max() for name in POINTS if name in result))
+    if position.ndim == 2 and point is None:
+        return Watched(Place(variable, "", 1.0), _force(result), extent)
+    if point is not None:
+        return Watched(_named(result, point), _force(result), extent)
+    moved = np.linalg.norm(position - position[0], axis=-1).max(axis=0)
+    chosen = moved.size - 1 if moved[-1] >= MOVES * moved.max() else int(moved.argmax())
+    return Watched(_place(result, variable, chosen, moved.size), _force(result), extent)
+
+
+def _force(result: Result) -> Place | None:
+    for variable in FORCES:
+        if variable in result and result[variable].ndim == 2 and result[variable].shape[1]:
+            varies = np.ptp(result[variable], axis=0)
+            return _place(result, variable, int(varies.argmax()), varies.size)
+    return None
+
+
+def _place(result: Result, variable: str, index: int, count: int) -> Place:
+    return Place(variable, _labels(result, variable, count)[index], index / max(1, count - 1))
+
+
+def _labels(result: Result, variable: str, count: int) -> list[str]:
+    """Labels along a variable's second dimension: its coordinate, or numbers from one."""
+    dims = result.variables[variable].dims
+    if len(dims) > 1 and dims[1] in result:
+        labels: Any = result[dims[1]]
+        return [f"{x:g}" if isinstance(x, (float, np.floating)) else str(x) for x in labels]
+    return [str(i + 1) for i in range(count)]
+
+
+def _named(result: Result, label: str) -> Place:
+    known: list[str] = []
+    for variable in POINTS:
+        if variable in result and result[variable].ndim == 3:
+            count = result[variable].shape[1]
+            labels = _labels(result, variable, count)
+            if label in labels:
+                return _place(result, variable, labels.index(label), count)
+            known += labels
+    few = ", ".join(known[:12]) + (" ..." if len(known) > 12 else "")
+    raise ResultError("--point", f"nothing is called '{label}'", f"give one of {few}" if known else "leave it out")
+
+
+def _at(result: Result, place: Place, dimensions: int) -> np.ndarray:
+    values = np.asarray(result[place.variable], float)
+    if values.ndim == dimensions:
+        return values
+    labels = _labels(result, place.variable, values.shape[1])
+    end = place.share in (0.0, 1.0)
+    if place.label in labels and not end:
+        return values[:, labels.index(place.label)]
+    return values[:, round(place.share * (values.shape[1] - 1))]

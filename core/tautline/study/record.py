@@ -1,0 +1,115 @@
+"""A study as rows: for JSON, CSV and NetCDF."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tautline.results.errors import ResultError
+from tautline.version import __version__
+
+if TYPE_CHECKING:
+    from tautline.study.precision import Row, Study
+
+UNITS = {
+    "step": "s", "step_error": "m", "rmse": "m", "cpu_time": "s", "wall_time": "s", "wall_time_spread": "s",
+    "phase_error": "rad",
+}  # fmt: skip
+"""Units of the columns that have one; the other errors are relative."""
+
+
+def run_record(row: Row) -> dict[str, Any]:
+    """Keys of one run; None where it has no number."""
+    trial, setting, errors = row.trial, row.trial.setting, row.errors
+    return {
+        "method": setting.method or trial.attribute("method"),
+        "step": trial.attribute("step") if trial.result is not None else setting.step,
+        "step_error": setting.step_error,
+        "elements": setting.elements,
+        "constraint": setting.constraint,
+        "position_error": errors and errors.position,
+        "force_error": errors and errors.force,
+        "phase_error": errors and errors.phase,
+        "rmse": errors and errors.rmse,
+        "cpu_time": trial.cpu_time,
+        "wall_time": trial.wall_time,
+        "wall_time_spread": max(trial.wall) - min(trial.wall) if trial.wall else None,
+        "repetitions": len(trial.wall),
+        "real_time_factor": row.factor,
+        "steps": trial.attribute("steps"),
+        "newton_iterations": trial.attribute("newton_iterations"),
+        "status": trial.status,
+        "sentence": trial.sentence,
+    }
+
+
+def study_record(study: Study) -> dict[str, Any]:
+    """Keys of ``study --json``."""
+    found = study.reference
+    reference = None
+    if found is not None:
+        reference = {
+            "method": found.setting.method,
+            "step": found.step,
+            "elements": found.setting.elements,
+            "converged": found.converged,
+            "observed_order": found.observed_order,
+            "error": found.error,
+            "differences": [{"step": step, "difference": difference} for step, difference in found.differences],
+            "why": found.why,
+        }
+    return {
+        "runs": [run_record(row) for row in study.rows],
+        "reference": reference,
+        "advice": study.advice,
+        "point": str(study.watched.point),
+        "force": None if study.watched.force is None else str(study.watched.force),
+        "tolerance": study.tolerance,
+        "tangent_error": study.tangent,
+        "load": list(study.load),
+        "warnings": list(study.warnings),
+    }
+
+
+def write_csv(records: Sequence[Mapping[str, Any]], path: Path) -> Path:
+    """Write rows with a header that names the units; raises ResultError if the file cannot be written."""
+    names = list(records[0]) if records else []
+    heads = [f"{name} [{UNITS[name]}]" if name in UNITS else name for name in names]
+    try:
+        with path.open("w", newline="", encoding="utf8") as file:
+            writer = csv.writer(file)
+            writer.writerow(heads)
+            writer.writerows([["" if record[name] is None else record[name] for name in names] for record in records])
+    except OSError as error:
+        raise ResultError(path, f"cannot be written: {error.strerror}", "name another with -o") from None
+    return path
+
+
+def write_netcdf(records: Sequence[Mapping[str, Any]], attributes: Mapping[str, Any], path: Path) -> Path:
+    """Write rows along the dimension ``run``; a number that is lacking is NaN, as NetCDF has no other word for it.
+
+    Raises
+    ------
+    ResultError
+        If the file cannot be written.
+    """
+    import xarray
+
+    columns: dict[str, Any] = {}
+    for name in records[0] if records else ():
+        values = [record[name] for record in records]
+        if any(isinstance(value, str) for value in values):
+            data: Any = np.array(["" if value is None else str(value) for value in values], dtype=object)
+        else:
+            data = np.array([np.nan if value is None else float(value) for value in values])
+        columns[name] = ("run", data, {"units": UNITS[name]} if name in UNITS else {})
+    kept = {key: value for key, value in attributes.items() if value is not None} | {"version": __version__}
+    try:
+        xarray.Dataset(columns, attrs=kept).to_netcdf(path, engine="h5netcdf")
+    except OSError as error:
+        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
+    return path

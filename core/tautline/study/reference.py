@@ -1,0 +1,132 @@
+"""A reference that proves itself: steps are halved until the two finest agree in the order of their method."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from tautline.study.errors import compare
+from tautline.study.history import History, Watched
+from tautline.study.trial import Setting, Subject, Trial
+
+ORDERS = {"rk4": 4.0, "generalized-alpha": 2.0, "newmark": 2.0}
+WITHIN = 0.5
+"""By how much the observed order may be off."""
+SHARE = 0.1
+"""Share of the error asked for that the reference itself may have."""
+ROUNDING = 1.0e-11
+"""Relative difference of two runs that is rounding: no order is to be seen below."""
+MOST = 14
+"""Halvings, at most."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The finest run, and what is known of its error.
+
+    Attributes
+    ----------
+    trial : Trial
+    history : History
+    setting : Setting
+    differences : tuple of (float, float)
+        Step, s, and difference of position to the run of half that step, relative.
+    observed_order : float or None
+        From the last three runs; None where rounding hides it.
+    error : float
+        Of the reference's position, relative, estimated after Richardson with the observed order (at least one half).
+    converged : bool
+        Whether the error is small enough and the order is the method's.
+    why : str
+        What is lacking, for people; empty if converged.
+    """
+
+    trial: Trial
+    history: History
+    setting: Setting
+    differences: tuple[tuple[float, float], ...]
+    observed_order: float | None
+    error: float
+    converged: bool
+    why: str
+
+    @property
+    def step(self) -> float:
+        """Step of the finest run, s."""
+        return float(self.trial.attribute("step"))
+
+
+def find_reference(
+    subject: Subject,
+    watched: Watched,
+    setting: Setting,
+    tolerance: float,
+    budget: float,
+    finest: float | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Reference | None:
+    """Halve the step of a setting until its error is a tenth of a tolerance, in the order of the method.
+
+    Parameters
+    ----------
+    setting : Setting
+        Method and first step, s.
+    tolerance : float
+        Relative error of position that the study is about.
+    budget : float
+        Wall time, s, that one run may take: no step is tried that would take longer.
+    finest : float or None
+        Step, s, to stop at; None for as fine as it must be.
+
+    Returns
+    -------
+    Reference or None
+        None if fewer than three runs came to their end.
+    """
+    assert setting.method is not None and setting.step is not None
+    runs: list[tuple[Trial, History]] = []
+    best: Reference | None = None
+    step = setting.step if finest is None else 4.0 * finest
+    for _ in range(MOST):
+        progress(f"reference: {setting.method}, step {step:.3g} s")
+        trial = subject.run(_with_step(setting, step))
+        if trial.done and trial.result is not None:
+            runs.append((trial, watched.of(trial.result)))
+        if len(runs) >= 3:
+            best = _judged(runs, watched, tolerance, ORDERS[setting.method])
+            if best.converged:
+                return best
+        wall = trial.wall_time or 0.0
+        if 2.0 * wall > budget or (finest is not None and step <= finest * (1.0 + 1e-9)):
+            break
+        step *= 0.5
+    return best
+
+
+def _with_step(setting: Setting, step: float) -> Setting:
+    return Setting(setting.method, step, None, setting.rho_inf, setting.elements, setting.constraint)
+
+
+def _judged(runs: list[tuple[Trial, History]], watched: Watched, tolerance: float, order: float) -> Reference:
+    """What the last three runs, and the differences of all before, say of the finest."""
+    found = []
+    for (trial, coarse), (_, fine) in itertools.pairwise(runs):
+        found.append((float(trial.attribute("step")), compare(coarse, fine, watched.extent).position))
+    first, second = found[-2][1], found[-1][1]
+    # Steps are made to divide the frames: two runs may differ by a factor that is not two.
+    ratio = found[-2][0] / found[-1][0] if found[-1][0] > 0.0 else 2.0
+    hidden = second <= ROUNDING
+    observed = None if hidden or first <= 0.0 else math.log(first / second) / math.log(max(ratio, 1.0 + 1e-9))
+    gain = 2.0 ** (order if observed is None else float(np.clip(observed, 0.5, order))) - 1.0
+    error = max(second, ROUNDING) / gain
+    why = []
+    if error > SHARE * tolerance:
+        why.append(f"its own error is about {error:.1e}, more than a tenth of the tolerance {tolerance:.1e}")
+    if observed is not None and abs(observed - order) > WITHIN:
+        why.append(f"the observed order is {observed:.2g}, not {order:g}: laws that switch, or steps still too long")
+    trial, history = runs[-1]
+    return Reference(trial, history, trial.setting, tuple(found), observed, error, not why, "; ".join(why))
