@@ -86,10 +86,10 @@ def part(quick: bool) -> str:
         + "\n"
         + table(("figure", "ours", "thesis", "difference and why"), _printed(found, exact))
         + "\nWhat differs: the thesis sees more lines with 0.001 s than with 0.01 s. Here both show all five, and "
-        f"their forces differ by {apart:.1%} of the largest: 0.01 s is 33 steps to the fastest period, and the blow of "
-        "1 s is the same for both. The smaller lines between are sums and differences of the five, from the squares "
-        "in Green's strain. With 0.14 s, just below the longest step, RK4 is stable and damps the fast modes away: "
-        "only low lines are left, as the thesis says of its longest step.\n" + images
+        f"their forces differ by {100.0 * apart:.1f} % of the largest: 0.01 s is {100.0 / exact[-1]:.0f} steps to the "
+        "fastest period, and the blow of 1 s is the same for both. The smaller lines between are sums and differences "
+        "of the five, from the squares in Green's strain. With 0.14 s, just below the longest step, RK4 is stable and "
+        "damps the fast modes away: only low lines are left, as the thesis says of its longest step.\n" + images
     )  # fmt: skip
 
 
@@ -97,11 +97,11 @@ def _printed(found: dict[str, list[float | None]], exact: np.ndarray) -> list[tu
     """What the thesis prints, beside ours."""
     fastest, slowest = found["RK4, h = 0.001 s"][-1], found["generalized-α, h = 0.4 s"][0]
     critical, rule = bars.STEP_LIMIT / (2.0 * np.pi * exact[-1]), bars.STEP_LIMIT * 0.19 * 0.5 / 2.0
-    late = "" if slowest is None else f": {slowest / exact[0] - 1.0:+.1%}"
+    late = "" if slowest is None else f": {100.0 * (slowest / exact[0] - 1.0):+.1f} %"
     return [
         ("highest line, Hz", number(fastest, 4), "3.1", "none but rounding"),
         ("RK4's longest step, 2.8/ω, s", f"{critical:.4f}", "“congruent with the criterion”",
-         f"eq. 2.151 with 0.19 L_e gives {rule:.4f}, shorter by {1.0 - rule / critical:.0%}, as in Fig. 2.10"),
+         f"eq. 2.151 with 0.19 L_e gives {rule:.4f}, {100.0 * (1.0 - rule / critical):.0f} % shorter, as in Fig. 2.10"),
         ("first line of generalized-α, Hz", number(slowest, 3), "0.25",
          "the thesis names the bar's own; with ten steps to a period the method's is slower" + late),
     ]  # fmt: skip

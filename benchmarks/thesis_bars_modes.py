@@ -53,6 +53,8 @@ SHAPES = {
 }
 MESHES = (1, 2, 4, 8, 16)
 DRAWN = tuple(range(1, 17))
+SHARE = 0.19
+"""L_eff/L_e of the rule for a mesh with a free end: p/f 1 as printed."""
 ZERO = 0.77
 """Where the thesis sees the fastest mode of the free element at rest, of s from -1 to 1."""
 
@@ -154,15 +156,19 @@ def highest(quick: bool) -> str:
     """Fig. 2.10: highest frequency against the number of elements."""
     ours = {n: float(bars.modes_of(bars.bar(n, EA), bars.GRAVITY).omega[-1]) for n in (MESHES[:3] if quick else DRAWN)}
     masses = {n: float(bars.modes_of(bars.chain(n, EA), bars.GRAVITY).omega[-1]) for n in ours}
-    rows = []
+    rows, ratios = [], {}
     for n in (n for n in MESHES if n in ours):
-        still, rule = float(bars.modes_of(bars.bar(n, EA)).omega[-1]), 2.0 * SOUND * n / 0.19
+        still, rule = float(bars.modes_of(bars.bar(n, EA)).omega[-1]), 2.0 * SOUND * n / SHARE
+        ratios[n] = still / (2.0 * SOUND * n)
         apart = still / float(bars.textbook(n, EA)[-1]) - 1.0
         assert abs(apart) < 1e-10, (n, apart)
         rows.append((f"{n}", f"{ours[n]:.1f}", f"{still:.1f}", f"{masses[n]:.1f}", f"{2.0 * SOUND * n:.1f}",
-                     f"{still / (2.0 * SOUND * n):.3f}", f"{1e3 * bars.STEP_LIMIT / still:.2f}",
+                     f"{ratios[n]:.3f}", f"{1e3 * bars.STEP_LIMIT / still:.2f}",
                      f"{1e3 * bars.STEP_LIMIT / rule:.2f}"))  # fmt: skip
+    alone, *others = ratios.values()
+    reserve = sorted(1.0 - SHARE * ratio for ratio in others)
     pinned = float(bars.modes_of(bars.bar(4, EA, ("pinned", "pinned"))).omega[-1]) / (8.0 * SOUND)
+    one = float(bars.modes_of(items_of("p/p")).omega[-1]) / (2.0 * SOUND)
     text = picture(_highest_figure(ours, masses), "fig_2_10", "Highest axial frequency, Fig. 2.10", quick)
     header = ("elements", "ω, rad/s, hanging", "without weight", "masses and springs", "2 S/L_e", "ω L_e/(2 S)",
               "h_max = 2.8/ω, ms", "by L_eff = 0.19 L_e, ms")  # fmt: skip
@@ -173,10 +179,11 @@ def highest(quick: bool) -> str:
         "Green's strain makes it stiffer.\n\n"
         + table(header, rows)
         + "\nWhat differs: the thesis prints no figures here, and says that the ratio of the curves verifies Table "
-        "2.1. It does for one element alone, 1/0.191 = 5.22. In a mesh of two and more it is 4.77 to 4.83, "
-        "L_eff = 0.21 L_e, because the neighbour of the end element resists with its slope as well; so the rule with "
-        "0.19 keeps a reserve of 8 to 9 % of the step. Pinned at both ends, four elements have "
-        f"{pinned:.4f}: p/p 1, 1/0.3086 = {1.0 / 0.30861:.4f}.\n" + text
+        f"2.1. It does for one element alone, {alone:.2f} = 1/{1.0 / alone:.3f}. In a mesh of two and more it is "
+        f"{min(others):.2f} to {max(others):.2f}, L_eff = {1.0 / min(others):.2f} L_e, because the neighbour of the "
+        f"end element resists with its slope as well; so the rule with {SHARE} keeps a reserve of "
+        f"{100.0 * reserve[0]:.0f} % to {100.0 * reserve[-1]:.0f} % of the step. Pinned at both ends, four elements "
+        f"have {pinned:.4f}: p/p 1, 1/{1.0 / one:.4f} = {one:.4f}.\n" + text
     )  # fmt: skip
 
 
@@ -185,7 +192,7 @@ def _highest_figure(ours: dict[int, float], masses: dict[int, float]) -> Figure:
     figure, plots = axes(1, 1, 7.0, 4.6, "Highest axial frequency, 1 m, 1 kg/m, EA = 1000 N")
     plot = plots[0, 0]
     n = np.array(list(ours))
-    plot.plot(n, 2.0 * SOUND * n / 0.19, color=QUIET, ls="--", lw=1.0, label="$2S/L_{eff}$ with $L_{eff} = 0.19 L_e$")
+    plot.plot(n, 2.0 * SOUND * n / SHARE, color=QUIET, ls="--", lw=1.0, label="$2S/L_{eff}$ with $L_{eff} = 0.19 L_e$")
     plot.plot(n, list(ours.values()), color=COLOURS[0], marker="o", ms=4, label="cubic ALE-ANCF elements")
     plot.plot(n, list(masses.values()), color=COLOURS[1], marker="s", ms=4, ls="", label="masses and springs")
     plot.plot(n, 2.0 * SOUND * n, color="black", ls=":", lw=1.2, label="$2S/L_e$, eq. 2.142")

@@ -56,27 +56,31 @@ def frequencies(quick: bool) -> str:
     rows.append(("thesis", "not stated", "0.79", "–", "“over 2”", "“over 2”"))
     header = ("lumped model", "ω √(m L/EA)", "over the cable's, EA = 1e5 N", "the cable's over it, 1e5 N",
               "the cable's over it, 1 N, small swings", "the same, let go unstretched")  # fmt: skip
+    at_end = [value / stiff for value in list(lumped.values())[:2]]
     at_limit = float(np.interp(LIMIT, stiffness, small["green"])) / linear - 1.0
     others = (
         ("ω √(m L/EA) of one element, engineering strain, any EA", _range(small["engineering"]),
          "“consistent”, “matched perfectly” with the bar", f"π/2 = {np.pi / 2.0:.5f} of the bar itself"),
-        ("Green's over engineering strain at m = EA/1000", f"{at_limit:+.2%}", "the bound recommended (eq. 2.156)",
+        ("Green's over engineering strain at m = EA/1000", f"{100.0 * at_limit:+.2f} %", "the bound (eq. 2.156)",
          "no figure printed"),
     )  # fmt: skip
     figure = _frequencies_figure(stiffness, small, swung, wide, lumped)
     return (
         "\n### Fig. 2.24: first frequency of masses and springs and of the cable\n\n1 m, 1 kg, hanging, one cubic "
-        "element. Small swings: modes about equilibrium. Let go unstretched: highest line of the tip's spectrum over 100 "
-        "periods by RK4, as the thesis had its frequencies from runs. **The thesis does not state its lumped model** "
-        "beyond “a massless spring, only with a point mass at the end”; we took all that suggest themselves.\n\n"
+        "element. Small swings: modes about equilibrium. Let go unstretched: highest line of the tip's spectrum over "
+        "100 periods by RK4, as the thesis had its frequencies from runs. **The thesis does not state its lumped "
+        "model** beyond “a massless spring, only with a point mass at the end”; we took all that suggest "
+        "themselves.\n\n"
         + table(header, rows)
         + "\n"
         + table(("figure", "ours", "thesis", "difference and why"), others)
-        + "\nWhat differs: a spring with a point mass at its end has 64 % or 90 % of the cable's frequency, not 79 %. "
-        "Two models give 79 %. One is eq. 2.142 with its 63.2 rad/s of Table 2.1, but with the ratio upside down: the "
-        "cable has 79 % of *its* frequency (in Table 2.1, 49.7/63.3), and at 1 N the cable swings 2.04 times as fast, "
-        "which is the thesis' “over 2 times”. The other is two masses, by which 1 N would give 3.3. So we take the first "
-        "for what was drawn. That Green's strain stiffens a soft cable and engineering strain does not is as printed.\n"
+        + f"\nWhat differs: a spring with a point mass at its end has {100.0 * at_end[0]:.0f} % or "
+        f"{100.0 * at_end[1]:.0f} % of the cable's frequency, not 79 %. Two models give 79 %. One is eq. 2.142 with "
+        "its 63.2 rad/s of Table 2.1, but with the ratio upside down: the cable has 79 % of *its* frequency (in Table "
+        f"2.1, 49.7/63.3), and at 1 N the cable swings {wide[0] / 2.0:.2f} times as fast, which is the thesis' “over 2 "
+        f"times”. The other is two masses, by which 1 N would give {wide[0] / list(lumped.values())[2]:.1f}. The first "
+        "fits both figures best; which one was drawn cannot be told. That Green's strain stiffens a soft cable and "
+        "engineering strain does not is as printed.\n"
         + picture(figure, "fig_2_24", "First frequency, Fig. 2.24", quick)
     )  # fmt: skip
 
@@ -93,10 +97,10 @@ def _frequencies_figure(
     figure, plots = axes(1, 2, 10.5, 5.0, "First axial frequency of a hanging cable and of its lumped models")
     left, right = plots[0]
     for at, name in enumerate(MODELS):
-        left.semilogx(stiffness, lumped[name] / small["green"], color=COLOURS[at], label=f"{name}")
+        left.semilogx(stiffness, lumped[name] / small["green"], color=COLOURS[at], label=name)
         left.semilogx(stiffness, lumped[name] / small["engineering"], color=COLOURS[at], ls="--", lw=1.1)
         left.semilogx(swung, lumped[name] / wide, color=COLOURS[at], ls="", marker="o", ms=3.5)
-    left.axhline(0.79, color=QUIET, lw=0.9, ls=":", label="79 % of the thesis")
+    left.axhline(0.79, color=QUIET, lw=1.1, ls=":", zorder=0.5, label="79 % of the thesis")
     left.set_ylim(0.0, 1.0)
     left.set_ylabel(label("lumped over cable", "–"))
     left.set_title("Masses and springs")
@@ -105,7 +109,7 @@ def _frequencies_figure(
                    label="engineering strain")  # fmt: skip
     right.semilogx(swung, wide / lumped[RULE], color="black", ls="", marker="o", ms=3.5,
                    label="Green's strain, let go unstretched")  # fmt: skip
-    right.axhline(0.79, color=QUIET, lw=0.9, ls=":")
+    right.axhline(0.79, color=QUIET, lw=1.1, ls=":", zorder=0.5)
     right.set_ylim(0.0, 2.5)
     right.set_ylabel(label("cable over lumped", "–"))
     right.set_title("$2S/L$, eq. 2.142")
@@ -126,7 +130,7 @@ def one_element(quick: bool) -> str:
     rows = []
     for at in (0.5, 0.98, 1.02, 1.5):
         green, other = (held(at, strain) for strain in STRAINS)
-        more = f"{green / other - 1.0:+.1%}"
+        more = f"{100.0 * (green / other - 1.0):+.1f} %"
         rows.append((f"{at:g}", f"{other:.5f}", f"{green:.5f}", more, "“negligible”" if abs(at - 1.0) < 0.1 else "–"))
     header = ("r₂, m", "N/EA, engineering strain", "N/EA, Green's strain", "Green's more", "thesis")
     figure = _force_figure(stretch, force)
@@ -135,9 +139,10 @@ def one_element(quick: bool) -> str:
         "its axial force, from runs of the program, whose largest difference from EA (λ − 1) and EA λ (λ² − 1)/2 is "
         f"{apart:.0e} EA.\n\n"
         + table(header, rows)
-        + "\nWhat differs: nothing that is printed, linear the one and cubic the other. But at the 2 % that the thesis "
-        "calls the most that a crane's rope may stretch, Green's force is 3 % larger, one and a half times the strain, "
-        "which is more than “negligible”. Below r₂ = 1/√3 = 0.577 m it falls again as the element is pressed.\n"
+        + "\nWhat differs: nothing that is printed, linear the one and cubic the other. But at the 2 % that the "
+        "thesis calls the most that a crane's rope may stretch, Green's force is "
+        f"{100.0 * (held(1.02, 'green') / 0.02 - 1.0):.1f} % larger, one and a half times the strain, which is more "
+        "than “negligible”. Below r₂ = 1/√3 = 0.577 m it falls again as the element is pressed.\n"
         + picture(figure, "fig_2_25", "Axial force of one element, Fig. 2.25", quick)
     )  # fmt: skip
 

@@ -19,8 +19,9 @@ LOOKS = (
     {"color": COLOURS[1], "marker": "o", "ms": 3.2, "ls": "none"},
     {"color": COLOURS[2], "marker": "s", "ms": 6.0, "mfc": "none", "ls": "--"},
     {"color": COLOURS[0], "marker": "", "ls": "-"},
+    {"color": COLOURS[3], "marker": "", "ls": ":"},
 )
-"""10 and 20 lumps, long and short elements."""
+"""10 and 20 lumps, long and short elements, and short ones with what makes them better."""
 
 
 class Form(NamedTuple):
@@ -50,9 +51,10 @@ def hanging(exact: tuple[np.ndarray, np.ndarray], hung: Sequence[Hung], whole: S
     for number, one in enumerate(whole):
         style = {"color": QUIET, "lw": 0.9, "ls": (":", "-.", "--")[number % 3], "label": one.name}
         left.plot(100 * one.down, one.s, **style)
-    marks = ({"marker": "o", "ms": 9.0}, {"marker": "s", "ms": 6.0}, {"marker": "D", "ms": 3.5}, {"marker": "."})
+    marks = (("o", 10.0), ("x", 5.0), ("s", 7.0), (".", 5.0), ("D", 6.0))
     for number, one in enumerate(hung):
-        look = {"color": COLOURS[number], "mfc": "none", "ls": "none", **marks[number % 4], "label": one.name}
+        marker, size = marks[number]
+        look = {"color": COLOURS[number], "mfc": "none", "ls": "none", "marker": marker, "ms": size, "label": one.name}
         left.plot(100 * one.down, one.s, **look)
         right.plot(1000 * one.error, one.s, **(look | {"ls": "-", "lw": 0.8, "label": ""}))
     left.set_ylabel(label("unstretched distance from the top", "m"))
@@ -62,8 +64,7 @@ def hanging(exact: tuple[np.ndarray, np.ndarray], hung: Sequence[Hung], whole: S
     left.set_ylim(LENGTH + 20.0, -20.0)
     for plot in (left, right):
         plot.axhline(PIPE.length, color=QUIET, lw=0.8, zorder=0)
-    right.text(0.02, PIPE.length - 8.0, "pipe above, collar below", color="#606060", fontsize=8, va="bottom",
-               transform=right.get_yaxis_transform())  # fmt: skip
+    right.text(-4.4, PIPE.length - 8.0, "pipe above, collar below", color="#606060", fontsize=8, va="bottom")
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     IMAGES.mkdir(parents=True, exist_ok=True)
     save(figure, IMAGES / "fig_2_37.png")
@@ -82,7 +83,7 @@ def level(name: str, number: int, exact: Curve, forms: Sequence[Form], with_line
     if with_linear:
         beam = linear(name)
         shape.plot(beam.x, beam.y, color=QUIET, lw=1.1, ls="-.", label="linear beam")
-    for form, look in zip(forms, LOOKS, strict=True):
+    for form, look in zip(forms, LOOKS, strict=False):
         shape.plot(form.curve.x, form.curve.y, markevery=list(form.nodes), label=form.name, **look)
         seen = form.distance > LEAST
         shown = np.where(seen, form.distance, np.nan)

@@ -31,7 +31,7 @@ SETTLED = 1.0
 """Last part of the window, s, in which the bit stands still."""
 PRINTED = ("what", "ours", "the thesis prints or draws", "difference, and why")
 WHY_STILL = {
-    "rk4": "the regularised law holds a load only while it slips, up to 1e-5 m/s, and chatters about it",
+    "rk4": "the regularised law holds a load only by slipping (1e-5 m/s at most), and at this step it chatters",
     "generalized-alpha": "none: exact friction sticks",
 }
 STYLES = {1e-4: "-", 1e-3: "--", 1e-2: ":", 1e-1: "-."}
@@ -78,7 +78,7 @@ def part(quick: bool) -> str:
                     continue
                 bit = found.bit
             errors[method, step] = (np.linalg.norm(bit, axis=1) - reference) ** 2
-    del errors["rk4", base]
+    errors.pop(("rk4", base), None)
     if not quick:
         draw_well()
         draw(pair, pair["rk4"].time[::every], errors)
@@ -91,7 +91,8 @@ def _well() -> str:
     north, _, down = line[-1]
     rows = [
         ("vertical and horizontal reach", f"{down:g} m and {north:g} m", "3200 m and 1000 m (Table 2.4)",
-         f"none; the curve is ours (kick-off 2200 m, radius 1000 m), for the thesis prints none; {well.length:.1f} m along it"),
+         "none; the curve is ours (kick-off 2200 m, radius 1000 m), for the thesis prints none: "
+         f"{well.length:.1f} m along it"),
         ("elements", f"{scene.model.elements}", "12 (Table 2.4)", "none"),
         ("where the bit hangs", f"{string['measured_depth'][-1] - well.length:.2f} m past that", "not printed",
          "the string stretches by its weight"),
@@ -99,8 +100,8 @@ def _well() -> str:
     return (
         "\n### Fig. 2.43: the J-well and its string\n\n`data/jwell.yaml` at rest.\n\n"
         + table(PRINTED, rows)
-        + "\n![The J-well](images/thesis/fig_2_43.png)\n\nWhat differs: the well's curve is ours, as the thesis does not "
-        "print it, and on the right we show what its figure cannot: which side of the hole each lump lies on.\n"
+        + "\n![The J-well](images/thesis/fig_2_43.png)\n\nWhat differs: the well's curve is ours, and on the right we "
+        "show what the thesis' figure cannot: which side of the hole each lump lies on.\n"
     )
 
 
@@ -163,10 +164,10 @@ def _heave(
         "\n### Fig. 2.44: the J-well under heave\n\nRK4 takes the thesis' regularised friction, generalized-alpha "
         "(rho_inf 0.1) exact Coulomb friction. Errors are eq. 2.172's, squared, every 0.1 s.\n\n"
         + table(PRINTED, rows)
-        + "\n![The J-well under heave](images/thesis/fig_2_44.png)\n\nWhat differs: our RK4 does not oscillate visibly in "
-        "the window, but on a logarithmic axis it trembles where the bit should stand; and our errors do not grow with the "
-        "step, for with static friction above kinetic they are set by whether a lump stops for a moment, and the base "
-        "case has such errors too.\n"
+        + "\n![The J-well under heave](images/thesis/fig_2_44.png)\n\nWhat differs: our RK4 does not oscillate visibly "
+        "in the window, but on a logarithmic axis it trembles where the bit should stand; and our errors do not grow "
+        "with the step: with static friction above kinetic they are set by whether a lump stops for a moment, and the "
+        "base case has such errors too.\n"
     )
 
 

@@ -122,9 +122,9 @@ def part(quick: bool) -> str:
         "stands at 440 m; straight and unstretched at t = 0, with the force and all gravity on it at once. The thesis "
         "gives neither rho_inf nor the step of its run; the blue line has rho_inf 0.8 at 10 ms.\n\n"
         + table(("what", "ours", "the thesis", "difference, and why"), _rows(damped, free[DRAWN], period, rest))
-        + "\n![Configuration C let go](images/thesis/fig_2_42.png)\n\nWhat differs: without damping our motion does not "
-        "decrease. Its energy is that above the string at rest; numerical damping takes it from axial and high bending "
-        "modes and leaves the first one alone, and what makes troughs unequal is the modes' exchange of energy, which "
+        + "\n![Configuration C let go](images/thesis/fig_2_42.png)\n\nWhat differs: without damping our motion does "
+        "not decrease. The energy below is that above the string at rest. Numerical damping takes it from axial and "
+        "high bending modes and leaves the first one alone; troughs are unequal because modes exchange energy, which "
         "rho_inf = 1 shows as well. At 0.15 s the sudden load even brings energy in during the first step.\n\n"
         + table(header, lines)
     )

@@ -88,7 +88,7 @@ WHERE = np.unique(np.concatenate([np.linspace(0.0, PIPE.length, 3521), np.linspa
 class Rod:
     """The rod in equilibrium; ``at(s)`` gives (x, y), m."""
 
-    def __init__(self, case: Case, tolerance: float = 1e-9) -> None:
+    def __init__(self, case: Case, tolerance: float = 1e-8) -> None:
         self.case = case
         self.weight = case.gravity * sum(tube.mass * tube.length for tube in TUBES)
         mesh = 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, 301)))
@@ -96,9 +96,7 @@ class Rod:
         state[0], state[5] = mesh * PIPE.length / LENGTH, (PIPE.length + mesh * COLLAR.length) / LENGTH
         for share in (0.02, 0.1, 0.3, 1.0):
             limit = tolerance if share == 1.0 else 1e-4
-            found = solve_bvp(
-                functools.partial(self._slopes, share), _ends, mesh, state, tol=limit, max_nodes=100_000
-            )
+            found = solve_bvp(functools.partial(self._slopes, share), _ends, mesh, state, tol=limit, max_nodes=100_000)
             if not found.success:
                 raise RuntimeError(f"the exact rod was not found: {found.message}")
             mesh, state = found.x, found.y
@@ -175,8 +173,8 @@ def linear(name: str) -> Curve:
 
 def hanging(s: np.ndarray) -> np.ndarray:
     """How far the points (n,) of the string that hangs by s = 0 go down, m: linear elasticity, dry weight."""
-    shift, down, below = np.zeros_like(s), 0.0, LENGTH
-    start, carried = 0.0, GRAVITY * COLLAR.mass * COLLAR.length
+    shift, start = np.zeros_like(s), 0.0
+    carried = GRAVITY * COLLAR.mass * COLLAR.length
     for tube, weight_below in zip(TUBES, (carried, 0.0), strict=True):
         load = GRAVITY * tube.mass
         z = np.clip(s - start, 0.0, tube.length)

@@ -224,6 +224,6 @@ def _record(g, out, at):
 
 
 register(
-    Slips, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
+    Slips, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
     dissipation=_dissipation, commit=_commit, record=_record,
 )  # fmt: skip

@@ -204,6 +204,6 @@ def _record(g, out, at):
 
 
 register(
-    WallContact, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
+    WallContact, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
     dissipation=_dissipation, commit=_commit, record=_record,
 )  # fmt: skip

@@ -113,10 +113,11 @@ def bars(scene: HoseScene) -> list[Bar]:
         speed = math.sqrt(piece.axial_stiffness / (piece.mass_per_length + (piece.water_mass_per_length or 0.0)))
         name = f"hose, element of {length:.4g} m" if len(pieces) == 1 else f"segment {i + 1}, element of {length:.4g} m"
         free = i == len(pieces) - 1 and scene.hose.end == "free"
+        shape = "bent" if piece.bending_stiffness > 0.0 else "cubic"
         if piece.elements > 1 or not free:
-            made.append(Bar(name, length, speed, "cubic", False))
+            made.append(Bar(name, length, speed, shape, False))
         if free:
-            made.append(Bar(f"{name} at the tip", length, speed, "cubic", True))
+            made.append(Bar(f"{name} at the tip", length, speed, shape, True))
     return made
 
 

@@ -15,6 +15,7 @@ from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.march import Frames, compile_for, march, new_frames
 from tautline.integrators.method import method_for
+from tautline.integrators.period import lag_of_step
 from tautline.integrators.relaxation import relax
 from tautline.integrators.resolution import STEPS_PER_PERIOD, Resolution
 from tautline.integrators.rk4 import RungeKutta4
@@ -53,6 +54,8 @@ GAINED = 0.05
 without account may be what the method is to damp, and is only warned of."""
 POOR_BALANCE = 0.05
 """Error of the energy balance from which a run's accuracy is in doubt."""
+LATE = 0.5 * math.pi
+"""Lag of a free oscillation at the end of a run, rad, that is warned of."""
 LOOKS = 200
 """Times, about, that a run which is watched is looked at."""
 
@@ -299,7 +302,8 @@ class Run:
             "factorisations": int(counters[FACTORISATIONS]),
             "halvings": int(counters[HALVINGS]),
             "energy_error": abs(self.energy_gained()),
-            "motion_frequency": self.resolution.frequency / (2.0 * math.pi),
+            "motion_frequency": self.turns_over() / (2.0 * math.pi),
+            "phase_lag": self.phase_lag(taken),
             "warnings": self.warnings(taken),
             "headline": self.model.headline(result),
         }
@@ -311,19 +315,35 @@ class Run:
         """Energy that has come from nowhere, over what went through the system."""
         return self.balance.gained(float(self.state.ledger[THROUGHPUT]))
 
+    def turns_over(self) -> float:
+        """Angular frequency of the motion as a whole, rad/s; zero where there is none beyond rounding."""
+        return self.resolution.frequency if self.balance.moves else 0.0
+
+    def phase_lag(self, step: float) -> float:
+        """By how much the method lets an oscillation as fast as the motion fall behind by the end, rad.
+
+        An estimate for what swings freely; what is driven keeps the phase of its drive.
+        """
+        omega = self.turns_over()
+        return abs(lag_of_step(self.method, omega * step)) * self.time / step if step > 0.0 else 0.0
+
     def warnings(self, step: float) -> list[str]:
         """What a reader of the result should know of its accuracy; `step` is the mean one, s."""
         found = []
-        gained = self.energy_gained()
+        gained, omega, lag = self.energy_gained(), self.turns_over(), self.phase_lag(step)
         if abs(gained) > POOR_BALANCE:
             share = f"{100.0 * abs(gained):.2g} %"
             found.append(f"{share} of the energy is unaccounted for: take a smaller step and compare")
-        omega = self.resolution.frequency
-        steps = 2.0 * math.pi / (omega * step) if omega > 0.0 else math.inf
+        steps = 2.0 * math.pi / (omega * step) if omega * step > 0.0 else math.inf
         if steps < STEPS_PER_PERIOD:
             found.append(
                 f"the motion turns over {omega / (2.0 * math.pi):.3g} times a second, and a step of {step:.3g} s takes "
                 f"{steps:.2g} steps a turn, where {STEPS_PER_PERIOD:g} make a decent picture: take a step of "
                 f"{2.0 * math.pi / (STEPS_PER_PERIOD * omega):.2g} s and compare"
+            )
+        elif lag > LATE:
+            found.append(
+                f"what swings freely at {omega / (2.0 * math.pi):.3g} Hz is late by about {lag:.2g} rad at the end, by "
+                f"the method's own period error: take a step of {step * math.sqrt(LATE / lag):.2g} s where that matters"
             )
         return found

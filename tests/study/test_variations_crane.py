@@ -257,6 +257,7 @@ def test_one_span_has_elements_so_many_times_shorter_than_the_shortest_and_the_o
 
 def test_the_span_that_is_divided_is_the_one_that_takes_the_fewest_elements():
     assert vary.shortest(CraneScene.read(DATA / "landing.yaml"), 100.0).elements == (800, 8)
+    assert vary.shortest(CraneScene.read(DATA / "hoist.yaml"), 100.0).elements == (4, 400)
 
 
 def test_no_rope_is_divided_more_finely_than_it_may_be():

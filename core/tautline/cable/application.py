@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,9 +20,7 @@ if TYPE_CHECKING:
 TEMPLATES = ("bar", "span")
 KEYS = {"method": "type", "step": "time_step", "end": "time_end", "step_error": "tolerance", "interval": "plotpoints"}
 """What the command line calls the keys of ``GeneralizedAlpha`` that have another name there."""
-PLACES: dict[str, Place] = {
-    key: ("GeneralizedAlpha", KEYS.get(key, key)) for key in (*SETTINGS, "alpha_m", "alpha_f")
-}
+PLACES: dict[str, Place] = {key: ("GeneralizedAlpha", KEYS.get(key, key)) for key in (*SETTINGS, "alpha_m", "alpha_f")}
 
 
 class Cable:
@@ -54,7 +53,11 @@ class Cable:
             # The file says how many frames a second there are.
             given["interval"] = 1.0 / given["interval"]
         values = overrides(given, PLACES)
-        return with_values(scene, values) if values else scene
+        if not values:
+            return scene
+        read = with_values(scene, values)
+        # Only the solver has changed: parts that a study has varied stay varied.
+        return replace(scene, solver=read.solver, document=read.document)
 
     def vary(self, scene: CableScene, what: str, *value: Any) -> Any:
         """Copy of a scene that is varied by a function of ``tautline.cable.variations``; None if it has none of it."""

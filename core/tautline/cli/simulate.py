@@ -21,7 +21,7 @@ FIRST_RUN = "first run of this kind of scene: compiling the solver for it, once 
 
 COPIED = (
     "method", "step", "steps", "newton_iterations", "wall_time", "cpu_time", "real_time_factor", "energy_error",
-    "numerical_dissipation", "motion_frequency",
+    "numerical_dissipation", "motion_frequency", "phase_lag",
 )  # fmt: skip
 """Keys of the report that are attributes of the result."""
 

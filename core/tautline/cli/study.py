@@ -57,7 +57,7 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
     try:
         with working() as progress:
             found = run(
-                subject, grid, tolerance=_tolerance(asked["tolerance"]), budget=budget, point=asked["point"],
+                subject, grid, percentage(asked["tolerance"], "--tolerance"), budget=budget, point=asked["point"],
                 repetitions=1 if asked["quick"] else asked["repeat"], reference=_reference(asked), progress=progress,
                 reduced=asked["quick"],
             )  # fmt: skip
@@ -123,18 +123,20 @@ def stopped(path: Path, stop: Any, as_json: bool) -> None:
 def machine(load: Sequence[float]) -> str:
     """What a run time was measured on."""
     cores = os.cpu_count() or 1
-    return f"{platform.machine()}, {cores} cores of which a run takes one, load {load[0]:.2f} before and {load[1]:.2f} after"
+    loads = f"load {load[0]:.2f} before and {load[1]:.2f} after"
+    return f"{platform.machine()}, {cores} cores of which a run takes one, {loads}"
 
 
 def show(table: Table) -> None:
-    """Print a table; where a terminal is too narrow its lines run on, and nothing is cut off."""
-    console().print(table, width=max(console().width, WIDTH), crop=False, no_wrap=True, overflow="ignore")
+    """Print a table in full: on a narrow terminal its lines run on, and nothing is cut off."""
+    from rich.console import Console
+
+    Console(stderr=True, highlight=False, width=max(console().width, WIDTH)).print(table)
 
 
-def _tolerance(text: str) -> float:
-    """A share, or a percentage."""
-    given = numbers(text, "--tolerance", "")
-    return given[0]
+def percentage(text: str, option: str) -> float:
+    """A share, or a percentage; raises SceneError naming the option."""
+    return numbers(text, option, "")[0]
 
 
 def _grid(asked: dict[str, Any]) -> Grid:

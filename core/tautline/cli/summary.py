@@ -97,6 +97,8 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
     if report.get("numerical_dissipation") is not None:
         # What nobody can account for is what the method has damped, as far as the ledger of power is exact.
         rows.append(("energy lost to the method", quantity(report["numerical_dissipation"], "J")))
+    if report.get("phase_lag"):
+        rows.append(("free swinging is late at the end by, about", quantity(report["phase_lag"], "rad")))
     if headline:
         rows.append(("", ""))
     for name, figure in headline.items():

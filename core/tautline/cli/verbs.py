@@ -143,6 +143,24 @@ def study(
     verb.study(context.obj, scene, output, asked, as_json)
 
 
+def stability(
+    context: typer.Context,
+    scene: Scene,
+    output: Stem = None,
+    tolerance: Tolerance = "1 %",
+    end: End = None,
+    point: Point = None,
+    budget: Budget = 20.0,
+    quick: Quick = False,
+    as_json: Json = False,
+) -> None:
+    """Critical step three ways and what sets it, conditioning, drift, and stiff and extreme variants of the scene."""
+    from tautline.cli import stability as verb
+
+    asked = {"tolerance": tolerance, "end": end, "point": point, "budget": budget, "quick": quick}
+    verb.stability(context.obj, scene, output, asked, as_json)
+
+
 def plot(
     context: typer.Context,
     results: Results,
@@ -209,6 +227,6 @@ def make_app(application: Application | Catalogue) -> typer.Typer:
             typer.echo(f"{catalogue.name} (tautline {installed('tautline')})")
             raise typer.Exit
 
-    for verb in (check, simulate, study, plot, new, schema, *getattr(application, "verbs", ())):
+    for verb in (check, simulate, study, stability, plot, new, schema, *getattr(application, "verbs", ())):
         app.command()(verb)
     return app

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.integrators.linearise import SUMS, evaluate
+from tautline.integrators.linearise import evaluate, evaluate_damping
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.integrators.state import State
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
@@ -17,8 +17,6 @@ STABILITY = np.array([1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0])
 """What one step of RK4 multiplies y by for y. = lambda y: a polynomial in h lambda (Fig. 2.7)."""
 GROWS = 1.0e-6
 """Growth in one step that is rounding of the boundary."""
-SMOOTH = ("begin", "residual", "smooth_tangent")
-"""What is asked of the groups for the damping."""
 
 
 def critical_step(stiffness: float, damping: float) -> float:
@@ -58,8 +56,8 @@ class CriticalStep:
     """The critical step of a system, looked for again and again along a run.
 
     The modes that may set it are the stiffest, of M^-1 K, and the most damped, of M^-1 C: both by power iteration, from
-    where the last search ended with a little of every other. The damping of laws that switch, such as friction, does
-    not count: it is bounded, however steep it is where it turns.
+    where the last search ended with a little of every other. Friction does not count as damping: it is
+    bounded, however steep it is where it turns.
     """
 
     FEWEST, MOST = 6, 60
@@ -73,6 +71,7 @@ class CriticalStep:
         self._stiffness, self._damping, self._mass = new_matrix(*size), new_matrix(*size), new_factors(*size)
         self._random = np.random.default_rng(1)
         self._modes = np.zeros((2, system.size))
+        self._inertia = sparse(self._mass.matrix)
         self.mode = Mode(np.inf, 0.0, 0.0, np.zeros(system.size))
 
     def search(self, state: State, t: float) -> tuple[float, int]:
@@ -80,10 +79,12 @@ class CriticalStep:
         keep, residual = state.residual.copy(), np.zeros(self.system.size)
         parts = ((self._stiffness, (0.0, 0.0, 1.0)), (self._damping, (0.0, 1.0, 0.0)))
         for matrix, part in (*parts, (self._mass.matrix, (1.0, 0.0, 0.0))):
-            sums = SMOOTH if matrix is self._damping else SUMS
-            evaluate(self.system, state, t, 0.0, False, *part, matrix, residual, sums)
+            if matrix is self._damping:
+                evaluate_damping(self.system, state, t, matrix)
+            else:
+                evaluate(self.system, state, t, 0.0, False, *part, matrix, residual)
         state.residual[:] = keep
-        mass = sparse(self._mass.matrix)
+        mass = self._inertia = sparse(self._mass.matrix)
         if self.system.size == 0 or factorise_matrix(self._mass):
             return np.inf, 0
         k, c = sparse(self._stiffness), sparse(self._damping)
@@ -97,6 +98,10 @@ class CriticalStep:
                 if step < self.mode.step:
                     self.mode = Mode(step, stiffness, damping, x)
         return self.mode.step, int(np.abs(self.mode.shape).argmax()) if np.isfinite(self.mode.step) else 0
+
+    def momentum(self) -> np.ndarray:
+        """M x of the mode x of the last search, (n,): its product with velocities is how much of the mode moves."""
+        return self._inertia @ self.mode.shape
 
     def _fastest(self, matrix: Any, which: int) -> np.ndarray | None:
         """The vector that M^-1 times a matrix stretches most; None where it stretches none."""

@@ -27,6 +27,13 @@ def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual, sums=SU
     evaluate_scene(groups, system.dofs, system.functions, state, t, h, at_rest, cm, cc, ck, matrix, residual)
 
 
+def evaluate_damping(system, state, t, matrix):
+    """``matrix`` = C at the state of a run under way, which is not touched, without what friction adds to it."""
+    groups = system.link_without_friction(SUMS)
+    none = np.zeros(system.size)
+    evaluate_scene(groups, system.dofs, system.functions, state, t, 0.0, False, 0.0, 1.0, 0.0, matrix, none)
+
+
 @entry
 def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, matrix, residual):
     """The compiled part of :func:`evaluate`."""

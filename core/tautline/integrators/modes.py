@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eig, eigh, null_space
+from scipy.linalg import LinAlgError, eig, eigh, null_space
 from scipy.sparse.linalg import eigsh
 
 from tautline.integrators.linearise import evaluate
@@ -81,13 +81,27 @@ def _all(mass: np.ndarray, stiffness: np.ndarray, algebraic: np.ndarray) -> tupl
     m = basis.T @ mass[np.ix_(free, free)] @ basis
     k = basis.T @ stiffness[np.ix_(free, free)] @ basis
     if np.abs(k - k.T).max(initial=0.0) <= SYMMETRIC * np.abs(k).max(initial=0.0):
-        square, vectors = eigh(0.5 * (k + k.T), 0.5 * (m + m.T))
+        square, vectors = _symmetric(0.5 * (k + k.T), 0.5 * (m + m.T))
     else:
         values, vectors = eig(k, m)
         square, vectors = values.real, vectors.real
     shapes = np.zeros((len(mass), square.size))
     shapes[free] = basis @ vectors
     return square, shapes
+
+
+def _symmetric(k: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Squared frequencies and shapes; the low ones are exact to rounding of their own where nothing is unstable.
+
+    The eigenvalues of K against M are exact to rounding of the largest, which drowns the lowest beside stiff springs:
+    those of M against K, their inverses, are the other way round.
+    """
+    try:
+        inverse, vectors = eigh(m, k)
+    except LinAlgError:
+        return eigh(k, m)
+    with np.errstate(divide="ignore"):
+        return 1.0 / np.maximum(inverse, 0.0), vectors * np.sqrt(1.0 / np.maximum(inverse, np.finfo(float).tiny))
 
 
 def _lowest(mass, stiffness, count: int) -> tuple[np.ndarray, np.ndarray]:

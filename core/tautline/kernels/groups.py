@@ -78,6 +78,8 @@ KINDS: dict[type, dict[str, Kernel]] = {}
 """The kernels of each kind of group, by hook."""
 CONSTANT_MASS: set[type] = set()
 """Kinds whose mass matrix does not depend on positions."""
+FRICTION: set[type] = set()
+"""Kinds whose damping is friction: its force is bounded, however steep it is where it turns."""
 
 
 class Sum(NamedTuple):
@@ -114,7 +116,7 @@ SUMS = {hook: Sum(hook, arguments, _any_kind) for hook, arguments in HOOKS.items
 ROWS = {name: row for row, name in enumerate(SUMS)}
 
 
-def register(kind: type, *, constant_mass: bool = False, **hooks: Kernel) -> None:
+def register(kind: type, *, constant_mass: bool = False, friction: bool = False, **hooks: Kernel) -> None:
     """Register the kernels of a kind of group.
 
     Parameters
@@ -123,6 +125,8 @@ def register(kind: type, *, constant_mass: bool = False, **hooks: Kernel) -> Non
         A ``NamedTuple`` class of contiguous arrays, integers, floats and other such tuples.
     constant_mass : bool
         Whether its mass matrix does not depend on positions.
+    friction : bool
+        Whether its damping is friction, which bounds its force.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -137,6 +141,13 @@ def register(kind: type, *, constant_mass: bool = False, **hooks: Kernel) -> Non
     KINDS[kind] = hooks
     if constant_mass or "mass" not in hooks:
         CONSTANT_MASS.add(kind)
+    if friction:
+        FRICTION.add(kind)
+
+
+def without_friction(groups: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The groups whose damping is no friction."""
+    return tuple(g for g in groups if type(g) not in FRICTION)
 
 
 def offers(groups: tuple[Any, ...], hook: str) -> bool:

@@ -27,6 +27,10 @@ FOLDERS_KEPT = 6
 """Cache folders kept beside the one in use: other checkouts and versions that a user may go back to."""
 
 
+UNCOMPILED = ("study", "cli", "view", "results")
+"""Folders of the core in which nothing is compiled, though they speak of kernels."""
+
+
 def kernel_sources() -> list[Path]:
     """Files of the core and of the installed applications that hold compiled code."""
     sources = []
@@ -45,6 +49,8 @@ def _packages() -> set[str]:
 
 def _is_compiled(source: Path) -> bool:
     """Whether a file holds compiled code, or constants that are compiled in."""
+    if source.parent.name in UNCOMPILED:
+        return False
     return source.parent.name == "integrators" or b"kernel" in source.read_bytes()
 
 

@@ -11,6 +11,9 @@ STORED_SHARE = 1.0e-6
 ROUNDING = 1.0e-14
 """Way, m, through which the largest force does work that is rounding."""
 
+NOTHING = 1.0e-12
+"""Share of the stored energy below which kinetic energy is rounding."""
+
 
 class Balance:
     """Energies of the frames as they come.
@@ -40,6 +43,12 @@ class Balance:
             return 0.0
         first, last = self._rows[0][0], self._rows[-1][-1]
         return float(last[:3].sum() - first[:3].sum() - (last[3] - last[4]))
+
+    @property
+    def moves(self) -> bool:
+        """Whether there is motion beyond rounding."""
+        kinetic, strain, potential, _, _ = np.concatenate(self._rows).T if self._rows else np.zeros((5, 1))
+        return bool(kinetic.max() > self.idle + NOTHING * (strain.max() + np.abs(potential).max()))
 
     def gained(self, throughput: float) -> float:
         """Energy from nowhere over what went through the system, `throughput` J being the work counted without sign.

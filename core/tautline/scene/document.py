@@ -6,7 +6,6 @@ takes duplicate keys, expands aliases without limit and can build arbitrary obje
 
 from __future__ import annotations
 
-import copy
 import math
 import re
 from collections.abc import Iterator, Mapping
@@ -156,7 +155,7 @@ class Document:
         SceneError
             If a path leads through something that has no keys.
         """
-        root = copy.deepcopy(self.root)
+        root = _copied(self.root)
         for path, (value, origin) in values.items():
             place: Any = root
             for i, part in enumerate(path):
@@ -179,6 +178,13 @@ class Document:
         if origin:
             return Problem(origin, None, join_key(path), shown, cause, cure)
         return Problem(str(self.path), self.line(path) or 1, join_key(path), shown, cause, cure)
+
+
+def _copied(value: Any) -> Any:
+    """A copy in which what an alias repeats stands once for each place: a change of one is no change of the other."""
+    if isinstance(value, dict):
+        return {key: _copied(item) for key, item in value.items()}
+    return [_copied(item) for item in value] if isinstance(value, list) else value
 
 
 def split_key(key: str | Path_) -> Path_:

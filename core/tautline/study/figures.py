@@ -7,11 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.polynomial import polynomial
 
+from tautline.integrators.critical_step import STABILITY
+from tautline.study.penalties import Stiffness
 from tautline.view.figure import COLOURS, QUIET, Axes, axes, label, save, styled
 
 if TYPE_CHECKING:
     from tautline.study.precision import Row, Study
+    from tautline.study.stability import Stability
 
 MARKS = "osD^vP*X"
 LEAST = 1.0e-16
@@ -83,3 +87,46 @@ def _frame(plot: Axes, study: Study, kind: str) -> None:
             if study.reference.error > low:
                 plot.axhspan(low, study.reference.error, color="#F2F2F2", lw=0, label="below the reference's own error")
                 plot.set_ylim(bottom=low)
+
+
+@styled
+def stability_figure(found: Stability, title: str, path: Path) -> Path:
+    """Draw the region of stability of RK4 with the scene's eigenvalues in it, and what springs do to the step.
+
+    Raises
+    ------
+    ResultError
+        If it cannot be written.
+    """
+    springs = [entry for entry in found.penalties if entry.critical_step is not None]
+    columns = 1 + bool(springs)
+    figure, plots = axes(1, columns, 1.0 + 4.6 * columns, 4.6, title)
+    _region(plots[0, 0], found)
+    if springs:
+        _springs(plots[0, 1], springs)
+    return save(figure, path)
+
+
+def _region(plot: Axes, found: Stability) -> None:
+    """Eigenvalues times a step, where one step of RK4 does not grow."""
+    x, y = np.meshgrid(np.linspace(-3.2, 0.8, 300), np.linspace(-3.4, 3.4, 400))
+    plot.contourf(x, y, np.abs(polynomial.polyval(x + 1j * y, STABILITY)), levels=[0.0, 1.0], colors=["#E3EEF6"])
+    step = found.critical.eigenvalue
+    if step is not None and found.critical.points.size:
+        z = step * found.critical.points
+        plot.plot(z.real, z.imag, ".", color=COLOURS[0], ms=5.0, label=f"eigenvalues x {step:.3g} s")
+        inside = (z.real < 0.8) & (z.real > -3.2) & (np.abs(z.imag) < 3.4)
+        plot.legend(loc="upper right", title="" if inside.all() else f"{int((~inside).sum())} outside")
+    plot.set_aspect("equal")
+    plot.set_xlabel("Re h λ")
+    plot.set_ylabel("Im h λ")
+    plot.set_title("one step of RK4 shrinks what lies inside")
+
+
+def _springs(plot: Axes, springs: Sequence[Stiffness]) -> None:
+    for number, kind in enumerate(dict.fromkeys(entry.kind for entry in springs)):
+        points = [(entry.value, entry.critical_step) for entry in springs if entry.kind == kind]
+        plot.loglog(*np.array(points).T, marker=MARKS[number], color=COLOURS[number], label=kind)
+    plot.legend()
+    plot.set_xlabel(label("stiffness of springs", "N/m"))
+    plot.set_ylabel(label("critical step at the start", "s"))

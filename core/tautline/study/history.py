@@ -12,8 +12,9 @@ from tautline.results.result import Result
 POINTS = ("tip", "body_position", "position")
 """Variables that hold positions, the first that a result has: a hose's tip, a crane's bodies, nodes or lumps."""
 FORCES = ("axial_force", "tension")
-MOVES = 0.1
-"""Share of the largest motion from which the last point is the one to look at, and not the one that moves most."""
+MOVES = 1.0e-3
+"""Share of the largest motion from which the last point is the one to look at, and not the one between the ends that
+moves most: an end may be held, or led by what moves it."""
 
 
 class Place(NamedTuple):
@@ -54,7 +55,7 @@ class Watched(NamedTuple):
 
 
 def watch(result: Result, point: str | None = None) -> Watched:
-    """Choose what to look at: the end that is free to move or else what moves most, and the force that varies most.
+    """Choose what to look at: the far end, or what moves most where that is held, and the force that varies most.
 
     Parameters
     ----------
@@ -78,7 +79,10 @@ def watch(result: Result, point: str | None = None) -> Watched:
     if point is not None:
         return Watched(_named(result, point), _force(result), extent)
     moved = np.linalg.norm(position - position[0], axis=-1).max(axis=0)
-    chosen = moved.size - 1 if moved[-1] >= MOVES * moved.max() else int(moved.argmax())
+    inner = moved[1:-1] if moved.size > 2 else moved
+    chosen = int(inner.argmax()) + (moved.size > 2)
+    if moved[-1] >= MOVES * moved.max() or variable == "body_position":
+        chosen = moved.size - 1 if variable != "body_position" else int(moved.argmax())
     return Watched(_place(result, variable, chosen, moved.size), _force(result), extent)
 
 

@@ -14,10 +14,12 @@ from tautline.version import __version__
 
 if TYPE_CHECKING:
     from tautline.study.precision import Row, Study
+    from tautline.study.stability import Stability
+    from tautline.study.variants import Variant
 
 UNITS = {
     "step": "s", "step_error": "m", "rmse": "m", "cpu_time": "s", "wall_time": "s", "wall_time_spread": "s",
-    "phase_error": "rad",
+    "phase_error": "rad", "phase_lag": "rad",
 }  # fmt: skip
 """Units of the columns that have one; the other errors are relative."""
 
@@ -113,3 +115,43 @@ def write_netcdf(records: Sequence[Mapping[str, Any]], attributes: Mapping[str, 
     except OSError as error:
         raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
     return path
+
+
+def stability_record(found: Stability) -> dict[str, Any]:
+    """Keys of ``stability --json``."""
+    c = found.critical
+    return {
+        "critical_step": {
+            "effective_length": c.effective_length,
+            "eigenvalue": c.eigenvalue,
+            "bisection": None if c.bisection is None else c.bisection[0],
+            "unstable_from": None if c.bisection is None else c.bisection[1],
+            "eigenvalue_at_start": c.at_start,
+        },
+        "omega_max": c.omega_max,
+        "set_by": c.set_by,
+        "at": c.at,
+        "shortest_element": c.shortest,
+        "why": c.why,
+        "stiffnesses": [entry._asdict() for entry in found.penalties],
+        "conditioning": [entry._asdict() for entry in found.conditions],
+        "energy_drift": found.energy_drift,
+        "constraint_drift": found.constraint_drift,
+        "tangent_error": found.tangent,
+        "variants": [variant_record(variant) for variant in found.variants],
+        "warnings": list(found.warnings),
+    }
+
+
+def variant_record(variant: Variant) -> dict[str, Any]:
+    """Keys of one variant."""
+    return {
+        "name": variant.name,
+        "outcome": variant.outcome,
+        "error": variant.error,
+        "status": variant.status,
+        "silent": variant.silent,
+        "phase_lag": variant.lag,
+        "warned": "; ".join(variant.told),
+        "wall_time": variant.wall_time,
+    }

@@ -152,6 +152,11 @@ class Subject:
             self.interval = float(made.solver.interval)
         return self.interval if step is None or step <= self.interval else step
 
+    def varied(self, what: str, value: Any) -> Subject | None:
+        """The same of a scene that is varied in one respect; None if it has nothing of the kind; raises SceneError."""
+        scene = self.application.vary(self.scene, what, value)
+        return None if scene is None else replace(self, scene=scene)
+
     def model(self, setting: Setting) -> Model:
         """The model of a setting; raises SceneError."""
         return self.change(self.application.build(self.arranged(setting)))

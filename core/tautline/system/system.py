@@ -11,7 +11,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from tautline.kernels.dofs import HELD, TIED, Dofs
-from tautline.kernels.groups import link
+from tautline.kernels.groups import link, without_friction
 from tautline.kernels.time_function import TimeFunctions
 
 LOCAL = 60
@@ -133,6 +133,13 @@ class System:
         if sums not in self.linked:
             self.linked[sums] = link(self.groups, *sums)
         return self.linked[sums]
+
+    def link_without_friction(self, sums: tuple[str, ...]) -> Any:
+        """The same, of the groups whose damping is no friction."""
+        key = ("without friction", *sums)
+        if key not in self.linked:
+            self.linked[key] = link(without_friction(self.groups), *sums)
+        return self.linked[key]
 
     @property
     def size(self) -> int:

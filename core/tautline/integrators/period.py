@@ -1,0 +1,42 @@
+"""By how much a step of a method turns an oscillation too little: its own period error, from its amplification."""
+
+from __future__ import annotations
+
+import cmath
+
+import numpy as np
+
+from tautline.integrators.generalized_alpha import GeneralizedAlpha
+from tautline.integrators.rk4 import RungeKutta4
+
+
+def lag_of_step(method: GeneralizedAlpha | RungeKutta4, turn: float) -> float:
+    """Phase by which q.. + omega^2 q = 0 falls behind in one step of h, rad; negative where it runs ahead.
+
+    Parameters
+    ----------
+    turn : float
+        omega h, rad.
+    """
+    if turn <= 0.0:
+        return 0.0
+    factor = _of_rk4(turn) if isinstance(method, RungeKutta4) else _of_generalized_alpha(method, turn)
+    return turn - abs(cmath.phase(factor))
+
+
+def _of_rk4(turn: float) -> complex:
+    """What a step multiplies exp(i omega t) by: the exponential series up to its fourth power."""
+    z = 1j * turn
+    return 1.0 + z * (1.0 + z * (0.5 + z * (1.0 / 6.0 + z / 24.0)))
+
+
+def _of_generalized_alpha(m: GeneralizedAlpha, turn: float) -> complex:
+    """The principal root of the amplification of (q, h v, h^2 a*), a* the auxiliary acceleration of eq. 2.86."""
+    x = turn * turn
+    inertia = 1.0 - m.alpha_m + x * (1.0 - m.alpha_f) * m.beta
+    late = x * (1.0 - m.alpha_f)
+    new = -np.array([x * m.alpha_f + late, late, m.alpha_m + late * (0.5 - m.beta)]) / inertia
+    way = np.array([1.0, 1.0, 0.5 - m.beta]) + m.beta * new
+    speed = np.array([0.0, 1.0, 1.0 - m.gamma]) + m.gamma * new
+    roots = np.linalg.eigvals(np.array([way, speed, new]))
+    return complex(min(roots, key=lambda root: abs(root - cmath.exp(1j * turn))))

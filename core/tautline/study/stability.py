@@ -1,0 +1,139 @@
+"""What limits a scene's step, and what breaks it: critical step, conditioning, drift, and variants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from tautline.integrators.generalized_alpha import GeneralizedAlpha
+from tautline.integrators.status import Interrupted
+from tautline.integrators.tangent import tangent_error
+from tautline.scene.errors import SceneError
+from tautline.simulation import simulate
+from tautline.study.conditioning import Condition, conditioning
+from tautline.study.critical import Critical, critical_steps
+from tautline.study.drift import Drift
+from tautline.study.penalties import Stiffness, penalties
+from tautline.study.precision import WRONG_TANGENT
+from tautline.study.trial import Setting, Subject
+from tautline.study.variants import Variant, variants
+
+LOOKS = 12
+"""Times that the tangent is compared with differences of the residual."""
+UNLIKE = 0.25
+"""Relative difference of the critical step by eigenvalues and by real runs from which it is told."""
+
+
+@dataclass(frozen=True)
+class Stability:
+    """What was found.
+
+    Attributes
+    ----------
+    critical : Critical
+    penalties : list of Stiffness
+    conditions : list of Condition
+    energy_drift : float or None
+        Energy from nowhere over what went through the system, in the scene as it stands.
+    constraint_drift : float or None
+        Largest violation of what multipliers hold, m; None where they hold nothing.
+    tangent : float
+        Largest relative error of the tangent.
+    variants : list of Variant
+    warnings : tuple of str
+    interrupted : bool
+    """
+
+    critical: Critical
+    penalties: list[Stiffness]
+    conditions: list[Condition]
+    energy_drift: float | None
+    constraint_drift: float | None
+    tangent: float
+    variants: list[Variant]
+    warnings: tuple[str, ...]
+    interrupted: bool = False
+
+
+def stability(
+    subject: Subject,
+    tolerance: float = 0.01,
+    budget: float = 20.0,
+    point: str | None = None,
+    quick: bool = False,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Stability:
+    """Look a scene over.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative error of position up to which a variant is right.
+    budget : float
+        Wall time, s, that one run may be expected to take.
+    point : str or None
+        Label of what to look at.
+    quick : bool
+        Fewer variants.
+
+    Raises
+    ------
+    SceneError
+        For bad input.
+    StoppedEarly
+        If the scene as it stands does not come to its end.
+    """
+    progress("the scene as it stands")
+    energy, drift, tangent = _as_it_stands(subject)
+    critical = critical_steps(subject, progress)
+    found: list[Any] = [[], [], []]
+    interrupted = False
+    try:
+        found[0] = penalties(subject, progress)
+        progress("conditioning")
+        found[1] = _conditions(subject)
+        found[2] = variants(subject, tolerance, budget, point, quick, None, progress)
+    except Interrupted:
+        interrupted = True
+    warnings = _warnings(critical, tangent, found[2])
+    return Stability(critical, *found[:2], energy, drift, tangent, found[2], tuple(warnings), interrupted)
+
+
+def _as_it_stands(subject: Subject) -> tuple[float | None, float | None, float]:
+    """Drift of energy and of constraints, and the largest error of the tangent, in a run of the scene."""
+    model = subject.model(Setting())
+    drift, wrong = Drift(model.system), [0.0]
+
+    def look(state: Any, t: float, method: Any) -> None:
+        drift(state, t)
+        if isinstance(method, GeneralizedAlpha) and len(wrong) <= LOOKS:
+            wrong.append(tangent_error(model.system, state, t, method))
+
+    result = simulate(model, announce=subject.announce, look=look)
+    return result.attributes.get("energy_error"), drift.largest if drift.there else None, max(wrong)
+
+
+def _conditions(subject: Subject) -> list[Condition]:
+    try:
+        return conditioning(subject)
+    except SceneError:
+        return []
+
+
+def _warnings(critical: Critical, tangent: float, found: list[Variant]) -> list[str]:
+    told = []
+    if tangent > WRONG_TANGENT:
+        told.append(
+            f"a tangent is wrong by {tangent:.1e} of its size: eigenvalues found with it are wrong; report the scene"
+        )
+    if critical.bisection is not None and critical.at_start is not None:
+        high = critical.bisection[1]
+        least = min(critical.at_start, critical.eigenvalue or critical.at_start)
+        if high < (1.0 - UNLIKE) * least:
+            text = f"real runs are unstable from {high:.3g} s on, below the {least:.3g} s of the eigenvalues"
+            told.append(f"{text}: what the state does between the looks, or a wrong tangent, makes it less")
+    told += [
+        f"{v.name}: wrong by {100.0 * (v.error or 0.0):.2g} %, and the run said nothing" for v in found if v.silent
+    ]
+    return told
