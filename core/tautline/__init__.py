@@ -1,7 +1,8 @@
 """Tautline: slender things under tension, faster than real time.
 
 ``tautline.read(path)`` reads a scene of any installed application; ``tautline.simulate(scene)`` runs it and returns a
-``Result`` whose ``data`` is an ``xarray.Dataset``.
+``Result`` whose ``data`` is an ``xarray.Dataset``. ``tautline.study_errors`` and ``tautline.study_stability`` are the
+verbs ``study`` and ``stability``.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from tautline.version import __version__
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
+    from tautline.study.precision import Study
+    from tautline.study.stability import Stability
 
-__all__ = ["__version__", "read", "simulate"]
+__all__ = ["__version__", "read", "simulate", "study_errors", "study_stability"]
 
 
 def read(path: str | Path) -> Any:
@@ -63,3 +66,59 @@ def simulate(
     if isinstance(scene, (str, Path)):
         scene = read(scene)
     return run(Installed().of(scene).build(scene), path, progress, resume)
+
+
+def study_errors(scene: Any, end: float | None = None, grid: Any = None, **options: Any) -> Study:
+    """Error against run time of a scene, or of the scene in a file, as the verb ``study`` finds it.
+
+    Parameters
+    ----------
+    scene : scene or path
+    end : float or None
+        Simulated time, s, in place of the scene's.
+    grid : tautline.study.precision.Grid or None
+        Methods, steps, meshes and constraints; None for the usual.
+    **options
+        Of `tautline.study.precision.study`: tolerance, repetitions, budget, point, reference.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For bad input.
+    StoppedEarly
+        If the scene as it stands does not come to its end.
+    """
+    from tautline.study.precision import Grid, study
+
+    return study(_subject(scene, end), grid or Grid(), **options)
+
+
+def study_stability(scene: Any, end: float | None = None, **options: Any) -> Stability:
+    """What limits the step of a scene, or of the scene in a file, and what breaks it: the verb ``stability``.
+
+    Parameters
+    ----------
+    scene : scene or path
+    end : float or None
+        Simulated time, s, in place of the scene's.
+    **options
+        Of `tautline.study.stability.stability`: tolerance, budget, point, quick.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For bad input.
+    StoppedEarly
+        If the scene as it stands does not come to its end.
+    """
+    from tautline.study.stability import stability
+
+    return stability(_subject(scene, end), **options)
+
+
+def _subject(scene: Any, end: float | None) -> Any:
+    from tautline.cli.catalogue import Installed
+    from tautline.study.trial import Subject
+
+    read_scene = read(scene) if isinstance(scene, (str, Path)) else scene
+    return Subject(Installed().of(read_scene), read_scene, end=end)

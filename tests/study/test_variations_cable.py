@@ -115,8 +115,19 @@ def mixed():
     return parse(text + "Plots:\n  - SubPlot: [{Cable: 7, what: N}, {Cable: 0, what: kappa}, {Node: 6, what: p}]\n")
 
 
+def hung():
+    """An arc, and a rope that hangs on its middle by couplings."""
+    items = chain(CURVED, ARC / 1.01, {0: PINNED, 4: PINNED}, EA=1e4)
+    items += node(5, CURVED[2], [0, 0, -1], FREE, 0.0) + node(6, CURVED[2] - [0, 0, 1], [0, 0, -1], FREE, 1.0)
+    items += element(5, 5, 6, EA=1e4)
+    for dof in (1, 2, 3):
+        items += f"  - LinearCoupl: {{id: {dof}, sNode: 5, sDof: {dof}, masters: [{{mNode: 2, mDof: {dof}}}]}}\n"
+    return parse(scene(items, start="static"))
+
+
 MORE = {
     "a stretched arc": bent,
+    "a rope that hangs on another": hung,
     "a bent arc": lambda: bent(EJ=3.0, extra=", quadrature: gauss"),
     "an arc from its far end": lambda: parse(
         scene(chain(CURVED, ARC / 1.01, {0: PINNED, 4: PINNED}, reverse=True, EA=1e4))
@@ -281,6 +292,23 @@ def test_nodes_that_something_refers_to_stay_where_the_mesh_is_made_coarser():
     for name in ("cantilever_bar", "reeled_span"):
         runs = {"cantilever_bar": [2], "reeled_span": [1, 1, 1]}[name]
         assert count(read(DATA / f"{name}.yaml")) == runs
+
+
+def test_a_support_within_a_rope_and_a_change_of_its_section_stay_where_the_mesh_is_made_coarser():
+    propped = bent(held={0: PINNED, 2: (0, 0, 1, 0, 0, 0, 1), 4: PINNED})
+    assert [one.id for one in vary.elements(propped, 0.5).nodes] == [0, 2, 4]
+    assert count(propped) == [2, 2]
+    first, *others = bent().elements
+    stepped = replace(bent(), elements=(replace(first, rhoA=2.0), *others))
+    assert count(stepped) == [1, 3]
+
+
+def test_a_node_that_another_follows_stays_where_the_mesh_is_made_coarser():
+    assert count(hung()) == [2, 2, 1]
+    coarse = vary.elements(hung(), 0.5)
+    assert [one.id for one in coarse.nodes] == [0, 2, 4, 5, 6]
+    assert coarse.couplings == hung().couplings
+    build(coarse)
 
 
 def test_an_element_that_a_plot_draws_goes_on_under_its_name_and_its_curve_with_what_is_there():
@@ -520,6 +548,7 @@ def test_what_bears_no_sound_is_no_bar():
         (lambda: tied("LagMultipl"), [False, True]),
         (interpolated, [False, True]),
         (sliding, [False]),
+        (hung, [False, True]),
         (lambda: bent(held={0: (1, 1, 1, 1, 1, 1, 1)}), [False, True]),
     ],
 )

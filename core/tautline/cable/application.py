@@ -72,8 +72,12 @@ class Cable:
     def cautions(self, scene: CableScene) -> list[Caution]:
         """What is large compared with what, and what the reader made of oddities."""
         from tautline.cable.cautions import cautions
+        from tautline.scene.content import too_fast
+        from tautline.scene.errors import Caution
 
-        return cautions(scene)
+        text = too_fast(scene, scene.solver)
+        more = [Caution("GeneralizedAlpha.time_step", text)] if text else []
+        return cautions(scene) + more
 
     def check_figures(self, scene: CableScene) -> dict[str, Any]:
         """Counts, length and mass."""

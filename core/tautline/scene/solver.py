@@ -97,6 +97,9 @@ class Solver(Model):
 
     With `control: error` an implicit method halves and doubles the step to keep the error of one below `step_error`, m.
     `step: auto` chooses the longest step as well: the output's interval, and for rk4 what is stable.
+
+    `frequency`, Hz, is the highest that the answer is to show: `check` and `simulate` warn of a step that is too long
+    for it, as they do for the functions of time in the scene.
     """
 
     method: Method = "generalized-alpha"
@@ -108,6 +111,7 @@ class Solver(Model):
     control: Control = "fixed"
     step_error: Annotated[float, quantity("m", positive=True)] | None = None
     tolerance: Annotated[float, quantity("", positive=True, below=1.0)] | None = None
+    frequency: Annotated[float, quantity("Hz", positive=True)] | None = None
     max_iterations: Annotated[Whole, Field(ge=1, le=1000)] = 20
     max_halvings: Annotated[Whole, Field(ge=0, le=40)] = 10
     criterion: Annotated[Literal["energy", "force"], word("energy", "force")] | None = None

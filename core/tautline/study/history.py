@@ -18,15 +18,16 @@ moves most: an end may be held, or led by what moves it."""
 
 
 class Place(NamedTuple):
-    """Where in a result: a variable and, where it has more than one, which: by its label, or how far along.
+    """Where in a result: a variable and, where it has more than one, which: its label, and its number of so many.
 
-    ``share`` is 0 at the first and 1 at the last; the place is looked for by its label in a result that has it, and
-    else, in another mesh, by its share.
+    In a mesh that is divided evenly the place is as far along as it was, between two elements if need be; in any other
+    it is what has the label.
     """
 
     variable: str
     label: str
-    share: float
+    number: int
+    count: int
 
     def __str__(self) -> str:
         return f"{self.variable.replace('_', ' ')} {self.label}".strip()
@@ -75,7 +76,7 @@ def watch(result: Result, point: str | None = None) -> Watched:
     position = result[variable]
     extent = float(max(np.ptp(result[name].reshape(-1, 3), axis=0).max() for name in POINTS if name in result))
     if position.ndim == 2 and point is None:
-        return Watched(Place(variable, "", 1.0), _force(result), extent)
+        return Watched(Place(variable, "", 0, 1), _force(result), extent)
     if point is not None:
         return Watched(_named(result, point), _force(result), extent)
     moved = np.linalg.norm(position - position[0], axis=-1).max(axis=0)
@@ -95,7 +96,7 @@ def _force(result: Result) -> Place | None:
 
 
 def _place(result: Result, variable: str, index: int, count: int) -> Place:
-    return Place(variable, _labels(result, variable, count)[index], index / max(1, count - 1))
+    return Place(variable, _labels(result, variable, count)[index], index, count)
 
 
 def _labels(result: Result, variable: str, count: int) -> list[str]:
@@ -124,8 +125,24 @@ def _at(result: Result, place: Place, dimensions: int) -> np.ndarray:
     values = np.asarray(result[place.variable], float)
     if values.ndim == dimensions:
         return values
-    labels = _labels(result, place.variable, values.shape[1])
-    end = place.share in (0.0, 1.0)
-    if place.label in labels and not end:
+    count = values.shape[1]
+    nodes = dimensions == 2
+    even = (count - 1) % max(1, place.count - 1) == 0 if nodes else count % place.count == 0
+    even = even or ((place.count - 1) % max(1, count - 1) == 0 if nodes else place.count % count == 0)
+    labels = _labels(result, place.variable, count)
+    if count == place.count:
+        return values[:, place.number]
+    if not even and place.label in labels and 0 < place.number < place.count - 1:
         return values[:, labels.index(place.label)]
-    return values[:, round(place.share * (values.shape[1] - 1))]
+    if nodes:
+        along = place.number * (count - 1) / max(1, place.count - 1)
+    else:
+        along = (place.number + 0.5) * count / place.count - 0.5
+    return _between(values, min(max(along, 0.0), count - 1.0))
+
+
+def _between(values: np.ndarray, along: float) -> np.ndarray:
+    """Values at a place between two of the second dimension."""
+    low = min(int(along), values.shape[1] - 1)
+    part = along - low
+    return values[:, low] if part < 1e-9 else (1.0 - part) * values[:, low] + part * values[:, low + 1]

@@ -153,7 +153,7 @@ def study(
         interrupted = True
     rows = tuple(_row(trial, watched, found) for trial in trials)
     load = before, os.getloadavg()[0]
-    warnings = () if interrupted else tuple(_warnings(found, tangent))
+    warnings = () if interrupted else tuple(_warnings(found, tangent, rows, tolerance))
     return Study(rows, found, watched, tolerance, tangent, load, warnings, interrupted)
 
 
@@ -241,28 +241,47 @@ def _reference(
 ) -> Reference | None:  # fmt: skip
     """The reference asked for; or of RK4 where it can do it and nothing switches, and of the scene's method."""
     finest = max(grid.elements) * (2.0 if len(set(grid.elements)) > 1 else 1.0)
+    judged = [watched.of(trial.result) for trial in trials if trial.done and trial.result is not None]
     if asked is not None:
         setting = Setting(asked.method or base.attribute("method"), asked.step, None, None, finest)
-        return find_reference(subject, watched, setting, tolerance, budget, asked.step, progress)
+        return find_reference(subject, watched, setting, tolerance, budget, asked.step, judged, progress)
     model = subject.model(Setting(elements=finest))
-    steps = [t.setting.step for t in trials if t.done and t.setting.step is not None and t.setting.step_error is None]
+    method = base.attribute("method")
+    steps = [t.setting.step for t in trials if t.done and t.setting.step and t.setting.method == method]
     interval = model.solver.interval
-    own = min([s for s in steps], default=interval)
-    candidates = [(base.attribute("method"), own)]
+    own = min(steps, default=interval)
+    candidates = [(method, own)]
     critical = critical_at_start(subject, Setting("rk4", None, None, None, finest))
     taken = float(base.attribute("end")) / max(1, int(base.attribute("steps")))
     if critical is not None and FEW_STEPS * critical > taken and not offers(model.system.groups, "switch"):
         candidates.insert(0, ("rk4", 0.9 * critical))
     best: Reference | None = None
-    for method, step in dict(candidates).items():
+    for method, step in candidates:
         divided = interval / 2.0 ** max(0, int(np.ceil(np.log2(interval / step) - 1e-9)))
         setting = Setting(method, divided, None, None, finest)
-        found = find_reference(subject, watched, setting, tolerance, budget, None, progress)
+        found = find_reference(subject, watched, setting, tolerance, budget, None, judged, progress)
         if found is not None and found.converged:
             return found
         if found is not None and (best is None or found.error < best.error):
             best = found
     return best
+
+
+def _elsewhere(rows: Sequence[Row], tolerance: float) -> list[tuple[str, float]]:
+    """Methods whose finest runs agree on something that is not the reference, and by how much that is off."""
+    kinds: dict[str, list[tuple[float, float]]] = {}
+    for row in rows:
+        s = row.trial.setting
+        if row.errors is not None and s.step_error is None:
+            name = ", ".join(part for part in (s.method, s.constraint) if part)
+            name += f", elements x {s.elements:g}" if s.elements != 1.0 else ""
+            kinds.setdefault(name, []).append((float(row.trial.attribute("step")), row.errors.position))
+    found = []
+    for name, points in kinds.items():
+        (fine, error), (coarse, before), *_ = [*sorted(points), (0.0, 0.0), (0.0, 0.0)]
+        if coarse >= 1.9 * fine > 0.0 and error > tolerance and before < 1.5 * error:
+            found.append((name, error))
+    return found
 
 
 def _row(trial: Trial, watched: Watched, reference: Reference | None) -> Row:
@@ -271,8 +290,12 @@ def _row(trial: Trial, watched: Watched, reference: Reference | None) -> Row:
     return Row(trial, compare(watched.of(trial.result), reference.history, watched.extent))
 
 
-def _warnings(reference: Reference | None, tangent: float) -> list[str]:
-    found = []
+def _warnings(reference: Reference | None, tangent: float, rows: Sequence[Row], tolerance: float) -> list[str]:
+    found = [
+        f"{name} stays {100.0 * error:.2g} % off the reference as its step falls: it solves another problem "
+        "(explicit methods take other laws of friction; meshes and penalties have errors of their own)"
+        for name, error in _elsewhere(rows, tolerance)
+    ]
     if reference is None:
         found.append("no reference: no three runs of falling step came to their end; name a step with --reference-step")
     elif not reference.converged:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,8 @@ WITHIN = 0.5
 """By how much the observed order may be off."""
 SHARE = 0.1
 """Share of the error asked for that the reference itself may have."""
+CLEAR = 4.0
+"""Times the reference's own error that a run must be off, for its error to mean something."""
 ROUNDING = 1.0e-11
 """Relative difference of two runs that is rounding: no order is to be seen below."""
 MOST = 14
@@ -67,6 +69,7 @@ def find_reference(
     tolerance: float,
     budget: float,
     finest: float | None = None,
+    judged: Sequence[History] = (),
     progress: Callable[[str], None] = lambda text: None,
 ) -> Reference | None:
     """Halve the step of a setting until its error is a tenth of a tolerance, in the order of the method.
@@ -81,6 +84,8 @@ def find_reference(
         Wall time, s, that one run may take: no step is tried that would take longer.
     finest : float or None
         Step, s, to stop at; None for as fine as it must be.
+    judged : sequence of History
+        What it is to judge: the reference goes on until its own error is well below theirs, or the budget is used up.
 
     Returns
     -------
@@ -90,6 +95,7 @@ def find_reference(
     assert setting.method is not None and setting.step is not None
     runs: list[tuple[Trial, History]] = []
     best: Reference | None = None
+    proved: Reference | None = None
     step = setting.step if finest is None else 4.0 * finest
     for _ in range(MOST):
         progress(f"reference: {setting.method}, step {step:.3g} s")
@@ -98,13 +104,20 @@ def find_reference(
             runs.append((trial, watched.of(trial.result)))
         if len(runs) >= 3:
             best = _judged(runs, watched, tolerance, ORDERS[setting.method])
-            if best.converged:
+            proved = best if best.converged else proved
+            if best.converged and (finest is not None or _clear(best, judged, watched)):
                 return best
         wall = trial.wall_time or 0.0
         if 2.0 * wall > budget or (finest is not None and step <= finest * (1.0 + 1e-9)):
             break
         step *= 0.5
-    return best
+    return proved or best
+
+
+def _clear(reference: Reference, judged: Sequence[History], watched: Watched) -> bool:
+    """Whether the reference's own error is well below those of all runs that it judges."""
+    errors = (compare(history, reference.history, watched.extent).position for history in judged)
+    return all(error >= CLEAR * reference.error for error in errors) or reference.error <= ROUNDING
 
 
 def _with_step(setting: Setting, step: float) -> Setting:
