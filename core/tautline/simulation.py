@@ -15,9 +15,8 @@ from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.march import Frames, compile_for, march, new_frames
 from tautline.integrators.method import method_for
-from tautline.integrators.period import lag_of_step
+from tautline.integrators.period import STEPS_PER_PERIOD, lag_of_step
 from tautline.integrators.relaxation import relax
-from tautline.integrators.resolution import STEPS_PER_PERIOD, Resolution
 from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.state import (
     FACTORISATIONS,
@@ -28,6 +27,7 @@ from tautline.integrators.state import (
     WORST,
     State,
     new_state,
+    turns_over,
 )
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.results.balance import ENERGIES, Balance
@@ -45,6 +45,8 @@ BATCH_NUMBERS = 4_000_000
 
 FRAMES_UNCHECKED, FRAMES_SAFE = 20, 400
 """Frames that an explicit run may go on before its step is checked again: near the critical step, and far from it."""
+CHECKED = 20.0
+"""Times that the run may go on, of what a look at its step took."""
 FAR = 0.7
 """Share of the critical step below which a step is far from it."""
 SAFE = 0.8
@@ -154,7 +156,6 @@ class Run:
         self.step = float(self.ends[0] / self.steps[0])
         self.time, self.wall, self.cpu, self.done, self.batch = 0.0, 0.0, 0.0, 0, 1
         self.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
-        self.resolution = Resolution(model.system)
         self.memory: dict[str, np.ndarray] = {}
         self.frames = self._room(1)
         self.critical, self.unchecked = CriticalStep(model.system), FRAMES_UNCHECKED
@@ -227,6 +228,7 @@ class Run:
         system, some = self.model.system, slice(self.done, self.done + rows)
         before, used = time.perf_counter(), time.thread_time()
         self._check_step()
+        checked = time.perf_counter() - before
         status, filled, reached = march(
             self.method, system, self.state,
             self.ends[some], self.steps[some], self.time, self.frames,
@@ -242,11 +244,12 @@ class Run:
             worst = int(self.state.counters[WORST])
             raise StoppedEarly(Status(status), reached, system.name_of(worst))
         limit = max(1, BATCH_NUMBERS // (4 * system.q.size + self.model.own + 6))
+        per_frame = max(spent - checked, 1e-9) / rows
         if isinstance(self.method, RungeKutta4):
-            limit = min(limit, self.unchecked)
+            # A look at the step takes a millisecond, which is hundreds of steps of a small scene.
+            limit = min(limit, max(self.unchecked, math.ceil(CHECKED * checked / per_frame)))
         if self.look is not None:
             limit = min(limit, -(-self.ends.size // LOOKS))
-        per_frame = spent / rows
         self.batch = int(min(limit, max(1.0, min(4.0 * rows, BATCH / max(per_frame, 1e-9)))))
 
     def _check_step(self) -> None:
@@ -276,7 +279,6 @@ class Run:
         part = Frames(*(array[:filled] for array in frames))
         stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
-        self.resolution.add(self.state, self.time, part.v, part.a)
         store.append(stored)
         self.memory = remember(*self._parts())
         if self.look is not None:
@@ -317,7 +319,7 @@ class Run:
 
     def turns_over(self) -> float:
         """Angular frequency of the motion as a whole, rad/s; zero where there is none beyond rounding."""
-        return self.resolution.frequency if self.balance.moves else 0.0
+        return turns_over(self.state) if self.balance.moves else 0.0
 
     def phase_lag(self, step: float) -> float:
         """By how much the method lets an oscillation as fast as the motion fall behind by the end, rad.

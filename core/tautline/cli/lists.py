@@ -42,6 +42,22 @@ def numbers(text: str | None, option: str, unit: str) -> list[float]:
     return _each(text, option, read)
 
 
+def number(text: str, option: str, unit: str, most: float | None = None, cure: str = "") -> float:
+    """One positive number, with a unit or in SI.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, for more than one and for more than `most`.
+    """
+    if "," in text:
+        raise SceneError([Problem(option, None, "", text, "is more than one number", "give one, with a decimal point")])
+    value = numbers(text, option, unit)[0]
+    if most is not None and value > most:
+        raise SceneError([Problem(option, None, "", text, f"is more than {most:g}", cure)])
+    return value
+
+
 def _annotated(mark: Any) -> Any:
     from typing import Annotated
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tautline.cli.catalogue import Catalogue
 from tautline.cli.console import print_json, say
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.study import percentage, prepared, show, stem_of, stopped, working
+from tautline.cli.study import named, percentage, prepared, show, stem_of, stopped, working
 from tautline.cli.summary import significant, two_columns
 
 if TYPE_CHECKING:
@@ -66,8 +66,6 @@ def _report(path: Path, stem: Path, found: Stability, as_json: bool) -> None:
     from tautline.study.record import stability_record, write_csv
 
     whole = stability_record(found)
-    files = [write_csv(whole["variants"], stem.with_suffix(".csv"))] if found.variants else []
-    files.append(stability_figure(found, f"{path.stem}: stability", stem.with_suffix(".png")))
     show(two_columns(_rows(found)))
     if found.variants:
         show(_table(found.variants))
@@ -78,6 +76,8 @@ def _report(path: Path, stem: Path, found: Stability, as_json: bool) -> None:
         say(f"{silent} of {len(found.variants)} variants ended wrong and said nothing", "red")
     elif found.variants:
         say(f"{len(found.variants)} variants: none ended wrong without saying so", "green")
+    files = [write_csv(whole["variants"], named(stem, ".csv"))] if found.variants else []
+    files.append(stability_figure(found, f"{path.stem}: stability", named(stem, ".png")))
     for file in files:
         say(f"wrote {file}")
     if as_json:
@@ -106,7 +106,7 @@ def _rows(found: Stability) -> list[tuple[str, str]]:
     rows.append(("energy drift of the scene as it stands", _share(found.energy_drift)))
     if found.constraint_drift is not None:
         rows.append(("constraint drift", f"{found.constraint_drift:.1e}"))
-    rows.append(("tangent against differences of the residual", f"{found.tangent:.1e}"))
+    rows.append(("tangent against differences of the residual", _share(found.tangent)))
     return rows
 
 
@@ -132,11 +132,12 @@ def _table(variants: Sequence[Variant]) -> Table:
     from rich.text import Text
 
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="cyan")
-    for name in ("variant", "outcome", "error", "status", "warned"):
+    for name in ("variant", "outcome", "error", "status", "what the run says"):
         table.add_column(name)
     for v in variants:
         outcome = Text(v.outcome + (", SILENT" if v.silent else ""), style="red" if v.silent else COLOUR[v.outcome])
         error = "–" if v.error is None else f"{100.0 * v.error:.2g} %"
-        warned = f"{len(v.told)} x" if v.told else (f"late by {v.lag:.1g} rad" if v.outcome == "inaccurate" else "")
+        own = f"late by {v.lag:.1g} rad, energy {v.energy_error:.1g}" if v.outcome == "inaccurate" else ""
+        warned = f"{len(v.told)} x" if v.told else own
         table.add_row(v.name, outcome, error, v.status, warned)
     return table

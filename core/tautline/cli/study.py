@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from tautline.cli.catalogue import Catalogue
 from tautline.cli.console import console, print_json, say
-from tautline.cli.lists import numbers, one_of, words
+from tautline.cli.lists import number, numbers, one_of, words
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.simulate import FIRST_RUN, print_cautions
 from tautline.cli.summary import significant
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 QUICK_END, QUICK_BUDGET = 0.1, 5.0
 """Share of the simulated time that a quick look takes, and the wall time, s, that it gives one run."""
+ENDINGS = (".csv", ".nc", ".png")
+MOST_TOLERANCE = 0.5
+"""Relative error that nobody can mean to ask for."""
 WIDTH = 150
 """Characters that a table of runs may take."""
 METHODS = ("rk4", "generalized-alpha", "newmark")
@@ -48,7 +51,7 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
     Ended
         If the scene as it stands stopped early, or on Ctrl-C; what there was is reported.
     """
-    from tautline.integrators.status import StoppedEarly
+    from tautline.integrators.status import Interrupted, StoppedEarly
     from tautline.study.precision import study as run
 
     subject, grid = prepared(catalogue, path, asked), _grid(asked)
@@ -63,6 +66,9 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
             )  # fmt: skip
     except StoppedEarly as stop:
         stopped(path, stop, as_json)
+    except Interrupted:
+        say("interrupted", "yellow")
+        raise Ended(ExitCode.INTERRUPTED) from None
     _report(path, stem, found, as_json)
     if found.interrupted:
         say("interrupted", "yellow")
@@ -102,13 +108,25 @@ def working() -> Iterator[Any]:
 
 
 def stem_of(path: Path, output: Path | None, word: str) -> Path:
-    """Beginning of the names of files; raises ResultError where there is no folder for them."""
+    """Beginning of the names of files; raises ResultError where one of them could not be written."""
     from tautline.results.errors import ResultError
+    from tautline.results.target import check_folder
 
-    stem = output.with_suffix("") if output is not None else Path(f"{path.stem}_{word}")
-    if not stem.parent.is_dir():
-        raise ResultError(stem, f"there is no folder {stem.parent}", "make it, or name another with -o")
+    stem = output if output is not None else Path(f"{path.stem}_{word}")
+    if stem.suffix in ENDINGS:
+        stem = stem.with_suffix("")
+    for ending in ENDINGS:
+        file = named(stem, ending)
+        check_folder(file)
+        if file.is_dir() or (file.exists() and not os.access(file, os.W_OK)):
+            cause = "is a folder" if file.is_dir() else "is write-protected"
+            raise ResultError(file, cause, "name others with -o")
     return stem
+
+
+def named(stem: Path, ending: str) -> Path:
+    """A file of a study: what stands before the ending may hold points itself."""
+    return stem.parent / (stem.name + ending)
 
 
 def stopped(path: Path, stop: Any, as_json: bool) -> None:
@@ -136,7 +154,7 @@ def show(table: Table) -> None:
 
 def percentage(text: str, option: str) -> float:
     """A share, or a percentage; raises SceneError naming the option."""
-    return numbers(text, option, "")[0]
+    return number(text, option, "", MOST_TOLERANCE, "give a share such as 0.01, or 1 %")
 
 
 def _grid(asked: dict[str, Any]) -> Grid:
@@ -153,11 +171,14 @@ def _grid(asked: dict[str, Any]) -> Grid:
 def _reference(asked: dict[str, Any]) -> Any:
     from tautline.study.trial import Setting
 
-    method = words(asked["reference"], "--reference", one_of(METHODS, ALIASES))
-    step = numbers(asked["reference_step"], "--reference-step", "s")
-    if not method and not step:
+    method, step = asked["reference"], asked["reference_step"]
+    if method is None and step is None:
         return None
-    return Setting(method[0] if method else None, step[0] if step else None)
+    known = one_of(METHODS, ALIASES)
+    return Setting(
+        None if method is None else words(method.replace(",", " "), "--reference", known)[0],
+        None if step is None else number(step, "--reference-step", "s"),
+    )
 
 
 def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
@@ -165,16 +186,6 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
     from tautline.study.record import run_record, study_record, write_csv, write_netcdf
 
     records, whole = [run_record(row) for row in found.rows], study_record(found)
-    files = []
-    if records:
-        kept = {key: value for key, value in (whole["reference"] or {}).items() if isinstance(value, (str, int, float))}
-        attributes = {"scene": str(path), "advice": whole["advice"], "point": whole["point"]}
-        attributes |= {f"reference_{key}": int(v) if isinstance(v, bool) else v for key, v in kept.items()}
-        files = [
-            write_csv(records, stem.with_suffix(".csv")),
-            write_netcdf(records, attributes, stem.with_suffix(".nc")),
-        ]
-        files.append(work_precision(found, f"{path.stem}: error against run time", stem.with_suffix(".png")))
     show(_table(found.rows))
     if found.reference is not None:
         say(_of_reference(found))
@@ -182,6 +193,16 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
     for warning in found.warnings:
         say(f"warning: {warning}", "yellow")
     say(found.advice, "green" if found.reference is not None and found.reference.converged else "yellow")
+    files = []
+    if records:
+        kept = {key: value for key, value in (whole["reference"] or {}).items() if isinstance(value, (str, int, float))}
+        attributes = {"scene": str(path), "advice": whole["advice"], "point": whole["point"]}
+        attributes |= {f"reference_{key}": int(v) if isinstance(v, bool) else v for key, v in kept.items()}
+        files = [
+            write_csv(records, named(stem, ".csv")),
+            write_netcdf(records, attributes, named(stem, ".nc")),
+        ]
+        files.append(work_precision(found, f"{path.stem}: error against run time", named(stem, ".png")))
     for file in files:
         say(f"wrote {file}")
     if as_json:

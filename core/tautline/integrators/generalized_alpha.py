@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.newton import DONE, SAME_STEP, Corrector, correct
-from tautline.integrators.state import WORST, enter, keep, restore, supplied_power, watch
+from tautline.integrators.state import WORST, enter, keep, observe_motion, restore, supplied_power, watch
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
@@ -139,4 +139,5 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     m.power.fill(0.0)
     over.dissipation(groups, t + h, state.full_q, state.full_v, m.power)
     enter(state.ledger, t + h, supplied_power(dofs, state) + m.power[1], m.power[0], m.power[2])
+    observe_motion(state, h)
     return DONE

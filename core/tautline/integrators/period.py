@@ -9,6 +9,9 @@ import numpy as np
 from tautline.integrators.generalized_alpha import GeneralizedAlpha
 from tautline.integrators.rk4 import RungeKutta4
 
+STEPS_PER_PERIOD = 10.0
+"""Steps that a decent picture of an oscillation takes (thesis section 2.5)."""
+
 
 def lag_of_step(method: GeneralizedAlpha | RungeKutta4, turn: float) -> float:
     """Phase by which q.. + omega^2 q = 0 falls behind in one step of h, rad; negative where it runs ahead.

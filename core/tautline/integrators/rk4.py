@@ -9,7 +9,7 @@ from numba.core import types
 from numba.extending import overload
 
 from tautline.integrators.newton import DONE, SINGULAR
-from tautline.integrators.state import WORST, enter, keep, restore, supplied_power, watch
+from tautline.integrators.state import WORST, enter, keep, observe_motion, restore, supplied_power, watch
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held, prescribe, reduce
@@ -219,6 +219,7 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
             return status
         if stage == 0:
             account(method, groups, dofs, t, state)
+            observe_motion(state, h)
         weight = 1.0 / 3.0 if stage == 1 or stage == 2 else 1.0 / 6.0
         ahead = h if stage == 2 else 0.5 * h
         for i in range(q.size):

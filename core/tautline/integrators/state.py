@@ -17,16 +17,17 @@ STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST = range(5)
 DONE, BEFORE_ALARMS = int(Status.DONE), int(Status.NO_LENGTH) - 1
 """The statuses of the groups' alarms follow one another."""
 
-TIME, POWER, LOSS, WORK, DISSIPATED, THROUGHPUT = range(6)
+TIME, POWER, LOSS, WORK, DISSIPATED, THROUGHPUT, MOVED, TURNED = range(8)
 """Places in ``ledger``: time of the last entry (s), power supplied and lost then (W), work done on the system, energy
-lost, and work counted without its sign (J)."""
+lost, and work counted without its sign (J); the integrals of m v^2 (J s) and of m a^2."""
 
 
 class State(NamedTuple):
     """Reduced position, velocity, acceleration and the auxiliary one of eq. 2.86 (n,); the same in full (n_full,).
 
     ``residual`` is the full residual of the last accepted state: at held degrees of freedom it is the force that
-    holds them. ``keep`` (4, n) is the state at the start of the step, to go back to.
+    holds them. ``keep`` (4, n) is the state at the start of the step, to go back to. ``inertia`` (n,) is the diagonal
+    of the mass matrix at the start of the run, zero for multipliers.
     """
 
     q: np.ndarray
@@ -38,6 +39,7 @@ class State(NamedTuple):
     full_a: np.ndarray
     residual: np.ndarray
     keep: np.ndarray
+    inertia: np.ndarray
     ledger: np.ndarray
     counters: np.ndarray
 
@@ -48,7 +50,7 @@ def new_state(system: System) -> State:
     q, v = system.q[system.free], system.v[system.free]
     return State(
         q, v, np.zeros(n), np.zeros(n), system.q.copy(), system.v.copy(), np.zeros(full), np.zeros(full),
-        np.zeros((4, n)), np.zeros(6), np.zeros(5, dtype=np.int64),
+        np.zeros((4, n)), np.zeros(n), np.zeros(8), np.zeros(5, dtype=np.int64),
     )  # fmt: skip
 
 
@@ -110,3 +112,24 @@ def enter(ledger, t, power, loss, jump):
     ledger[TIME] = t
     ledger[POWER] = power + jump
     ledger[LOSS] = loss
+
+
+@kernel
+def observe_motion(state, h):
+    """Add a step to the integrals that say how fast the motion turns over."""
+    moved = turned = 0.0
+    for i in range(state.q.size):
+        moved += state.inertia[i] * state.v[i] * state.v[i]
+        turned += state.inertia[i] * state.a[i] * state.a[i]
+    state.ledger[MOVED] += h * moved
+    state.ledger[TURNED] += h * turned
+
+
+def turns_over(state: State) -> float:
+    """How fast the motion of a run has turned over, rad/s: the root of the mean of m a^2 over that of m v^2.
+
+    For a vibration that is its angular frequency; of several each counts by its kinetic energy, those that a step
+    cannot follow all the more. What moves at a steady speed turns over never; 0 where nothing has moved.
+    """
+    moved, turned = float(state.ledger[MOVED]), float(state.ledger[TURNED])
+    return float(np.sqrt(turned / moved)) if moved > 0.0 and np.isfinite(turned) else 0.0

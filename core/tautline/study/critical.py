@@ -112,7 +112,9 @@ def critical_step_of(value: complex) -> float:
     """Longest step of RK4, s, for a motion exp(value t); infinite where it grows or does not move."""
     if value == 0.0 or value.real > 1e-6 * abs(value):
         return np.inf
-    return critical_step(abs(value) ** 2, max(0.0, -2.0 * value.real)) if value.imag else RK4_LIMIT / abs(value)
+    if value.imag == 0.0:
+        return critical_step(0.0, abs(value))
+    return critical_step(abs(value) ** 2, max(0.0, -2.0 * value.real))
 
 
 def eigenvalues(system: System, state: State, t: float) -> np.ndarray:
@@ -269,7 +271,8 @@ def explicit_run(subject: Subject, step: float) -> tuple[float, float] | None:
         Largest momentum of the mode that is the fastest at the start, with what rounding makes of it, and the error of
         the energy balance; None where the run stopped.
     """
-    end = _end(subject, step)
+    # Whole steps to a frame, or the step that is taken would be shorter than the one that is named.
+    end = FRAMES * step * max(1, round(_end(subject, step) / (FRAMES * step)))
     short = Subject(subject.application, subject.scene, end=end, interval=end / FRAMES, announce=subject.announce)
     try:
         model = short.model(Setting("rk4", step))

@@ -79,7 +79,9 @@ def _force(run: np.ndarray, exact: np.ndarray) -> float | None:
         return None
     amplitude = 0.5 * float(np.ptp(exact))
     size = max(amplitude, RESTING * float(np.abs(exact).max()))
-    return abs(0.5 * float(np.ptp(run)) - amplitude) / size if size > 0.0 else 0.0
+    if size == 0.0:
+        return 0.0 if not run.any() else float("inf")
+    return abs(0.5 * float(np.ptp(run)) - amplitude) / size
 
 
 def _phase(run: History, exact: History) -> float | None:

@@ -83,8 +83,8 @@ def _frame(plot: Axes, study: Study, kind: str) -> None:
     if kind == "position":
         plot.axhline(study.tolerance, color=QUIET, lw=1.0, ls=":", label="error asked for")
         if study.reference is not None:
-            low = plot.get_ylim()[0]
-            if study.reference.error > low:
+            low, high = plot.get_ylim()
+            if low < study.reference.error < high:
                 plot.axhspan(low, study.reference.error, color="#F2F2F2", lw=0, label="below the reference's own error")
                 plot.set_ylim(bottom=low)
 

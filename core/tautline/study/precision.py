@@ -9,51 +9,26 @@ from typing import Any
 
 import numpy as np
 
-from tautline.integrators.critical_step import CriticalStep
 from tautline.integrators.generalized_alpha import GeneralizedAlpha
-from tautline.integrators.status import Interrupted, StoppedEarly
+from tautline.integrators.state import State
+from tautline.integrators.status import Interrupted
 from tautline.integrators.tangent import tangent_error
-from tautline.kernels.groups import offers
 from tautline.scene.errors import SceneError
-from tautline.simulation import Run, simulate
+from tautline.simulation import simulate
 from tautline.study.advice import advice
 from tautline.study.errors import Errors, compare
+from tautline.study.grid import Grid as Grid
+from tautline.study.grid import settings
 from tautline.study.history import Watched, watch
-from tautline.study.reference import Reference, find_reference
-from tautline.study.trial import Setting, Subject, Trial
+from tautline.study.judge import choose_reference
+from tautline.study.reference import Reference
+from tautline.study.trial import Setting, Subject, Trial, run_model
+from tautline.system.system import System
 
-IMPLICIT = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)
-"""Steps of implicit methods over the scene's."""
-EXPLICIT = (0.95, 0.5, 0.25, 0.125)
-"""Steps of RK4 over its critical step."""
-LOOSER = (100.0, 10.0, 1.0, 0.1)
-"""Errors of a step over the scene's, where the step is controlled by its error."""
-METHODS = ("rk4", "generalized-alpha", "newmark")
 WRONG_TANGENT = 1.0e-3
 """Relative error of a tangent that is no rounding."""
-FEW_STEPS = 20.0
-"""Steps of RK4, over those that the scene takes, up to which it is tried as the reference."""
-
-
-@dataclass(frozen=True)
-class Grid:
-    """What is to be run; None leaves the choice to the study.
-
-    Attributes
-    ----------
-    methods : sequence of str or None
-    steps : sequence of float or None
-        s.
-    elements : sequence of float
-        Number of elements over the scene's own.
-    constraints : sequence of str
-        Ways to impose constraints; ``all`` for those that the scene has.
-    """
-
-    methods: Sequence[str] | None = None
-    steps: Sequence[float] | None = None
-    elements: Sequence[float] = (1.0,)
-    constraints: Sequence[str] = ()
+EVERY = 16
+"""Looks at a run from one at which the tangent is compared to the next."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +56,8 @@ class Study:
         None where no three runs of it came to their end.
     watched : Watched
     tolerance : float
-    tangent : float
-        Largest relative error of the tangent along a run with the scene's own settings.
+    tangent : float or None
+        Largest relative error of the tangent along a run, of the scene or of its implicit form; None if it has none.
     load : tuple of float
         Mean number of processes that wanted a processor in the last minute, before and after.
     """
@@ -91,7 +66,7 @@ class Study:
     reference: Reference | None
     watched: Watched
     tolerance: float
-    tangent: float
+    tangent: float | None
     load: tuple[float, float]
     warnings: tuple[str, ...] = field(default=())
     interrupted: bool = False
@@ -142,13 +117,16 @@ def study(
     base, tangent = _as_it_stands(subject)
     watched = watch(base.result, point)
     step = float(base.attribute("end")) / max(1, int(base.attribute("steps")))
+    wanted = settings(subject, grid, step, reduced)
     trials: list[Trial] = []
     found, interrupted = None, False
     try:
-        for setting in _settings(subject, grid, step, reduced):
+        for setting in wanted:
             progress(str(setting))
             trials.append(_tried(subject, setting, trials, repetitions, budget))
-        found = _reference(subject, grid, watched, trials, base, tolerance, budget, reference, progress)
+        finest = max((setting.elements for setting in wanted), default=1.0)
+        finest *= 2.0 if len({setting.elements for setting in wanted}) > 1 else 1.0
+        found = choose_reference(subject, watched, trials, base, finest, tolerance, budget, reference, progress)
     except Interrupted:
         interrupted = True
     rows = tuple(_row(trial, watched, found) for trial in trials)
@@ -166,59 +144,38 @@ def _tried(subject: Subject, setting: Setting, trials: Sequence[Trial], repetiti
     return subject.run(setting, repetitions)
 
 
-def _as_it_stands(subject: Subject) -> tuple[Trial, float]:
+def _as_it_stands(subject: Subject) -> tuple[Trial, float | None]:
     """A run with the scene's own settings, and the largest error of its tangent; raises SceneError."""
     model = subject.model(Setting())
-    wrong = [0.0]
-
-    def look(state: Any, t: float, method: Any) -> None:
-        if isinstance(method, GeneralizedAlpha) and len(wrong) <= 12:
-            wrong.append(tangent_error(model.system, state, t, method))
-
-    result = simulate(model, announce=subject.announce, look=look)
-    return Trial(Setting(), "done", "", result), max(wrong)
+    comparison = TangentLook(model.system)
+    result = simulate(model, announce=subject.announce, look=comparison)
+    return Trial(Setting(), "done", "", result), comparison.largest_of(subject)
 
 
-def _settings(subject: Subject, grid: Grid, step: float, reduced: bool) -> list[Setting]:
-    """Every combination that is asked for, the cheapest of each kind first."""
-    own = subject.model(Setting()).solver
-    methods = grid.methods or ("rk4", "generalized-alpha" if own.method == "rk4" else own.method)
-    asked = tuple(grid.constraints)
-    if "all" in asked:
-        asked = tuple(subject.application.vary(subject.scene, "constraints") or ())
-    found: list[Setting] = []
-    for constraint in asked or (None,):
-        for elements in sorted(grid.elements):
-            for method in methods:
-                steps = sorted(_steps(subject, grid, method, elements, constraint, step), reverse=True)
-                for h in steps[::2] if reduced and grid.steps is None else steps:
-                    found.append(Setting(method, h, None, None, elements, constraint))
-                if own.step_error > 0.0 and method != "rk4" and grid.steps is None:
-                    errors = [own.step_error * factor for factor in (LOOSER[2:3] if reduced else LOOSER)]
-                    found += [Setting(method, own.step, e, None, elements, constraint) for e in errors]
-    return found
+class TangentLook:
+    """Compares the tangent with differences of the residual, at some of the states of a run."""
 
+    def __init__(self, system: System) -> None:
+        self.system, self.looks = system, 0
+        self.errors: list[float] = []
 
-def _steps(
-    subject: Subject, grid: Grid, method: str, elements: float, constraint: str | None, step: float
-) -> Sequence[float]:
-    if grid.steps is not None:
-        return grid.steps
-    if method != "rk4":
-        return [step * factor for factor in IMPLICIT]
-    critical = critical_at_start(subject, Setting(method, None, None, None, elements, constraint))
-    return [critical * factor for factor in EXPLICIT] if critical is not None else [step]
+    def __call__(self, state: State, t: float, method: Any = None) -> None:
+        """Look at a state, if it is one of every few."""
+        self.looks += 1
+        if isinstance(method, GeneralizedAlpha) and (self.looks <= 4 or self.looks % EVERY == 0):
+            self.errors.append(tangent_error(self.system, state, t, method))
 
-
-def critical_at_start(subject: Subject, setting: Setting) -> float | None:
-    """Critical step of RK4 where the scene starts, s; None where it cannot be run so, or nothing vibrates."""
-    try:
-        run = Run(subject.model(setting))
-        run.start()
-    except (SceneError, StoppedEarly):
-        return None
-    critical, _ = CriticalStep(run.model.system).search(run.state, 0.0)
-    return critical if np.isfinite(critical) else None
+    def largest_of(self, subject: Subject) -> float | None:
+        """The largest error; of an implicit run of the scene where it has no tangent of its own, None if it cannot."""
+        if self.errors:
+            return max(self.errors)
+        try:
+            model = subject.model(Setting("generalized-alpha"))
+        except SceneError:
+            return None
+        other = TangentLook(model.system)
+        run_model(model, Setting("generalized-alpha"), look=other)
+        return max(other.errors, default=None)
 
 
 def _expected(trials: Sequence[Trial], setting: Setting) -> float | None:
@@ -233,38 +190,6 @@ def _expected(trials: Sequence[Trial], setting: Setting) -> float | None:
             if trial.done and wall is not None:
                 return wall * like.step / setting.step
     return None
-
-
-def _reference(
-    subject: Subject, grid: Grid, watched: Watched, trials: Sequence[Trial], base: Trial, tolerance: float,
-    budget: float, asked: Setting | None, progress: Callable[[str], None],
-) -> Reference | None:  # fmt: skip
-    """The reference asked for; or of RK4 where it can do it and nothing switches, and of the scene's method."""
-    finest = max(grid.elements) * (2.0 if len(set(grid.elements)) > 1 else 1.0)
-    judged = [watched.of(trial.result) for trial in trials if trial.done and trial.result is not None]
-    if asked is not None:
-        setting = Setting(asked.method or base.attribute("method"), asked.step, None, None, finest)
-        return find_reference(subject, watched, setting, tolerance, budget, asked.step, judged, progress)
-    model = subject.model(Setting(elements=finest))
-    method = base.attribute("method")
-    steps = [t.setting.step for t in trials if t.done and t.setting.step and t.setting.method == method]
-    interval = model.solver.interval
-    own = min(steps, default=interval)
-    candidates = [(method, own)]
-    critical = critical_at_start(subject, Setting("rk4", None, None, None, finest))
-    taken = float(base.attribute("end")) / max(1, int(base.attribute("steps")))
-    if critical is not None and FEW_STEPS * critical > taken and not offers(model.system.groups, "switch"):
-        candidates.insert(0, ("rk4", 0.9 * critical))
-    best: Reference | None = None
-    for method, step in candidates:
-        divided = interval / 2.0 ** max(0, int(np.ceil(np.log2(interval / step) - 1e-9)))
-        setting = Setting(method, divided, None, None, finest)
-        found = find_reference(subject, watched, setting, tolerance, budget, None, judged, progress)
-        if found is not None and found.converged:
-            return found
-        if found is not None and (best is None or found.error < best.error):
-            best = found
-    return best
 
 
 def _elsewhere(rows: Sequence[Row], tolerance: float) -> list[tuple[str, float]]:
@@ -290,7 +215,7 @@ def _row(trial: Trial, watched: Watched, reference: Reference | None) -> Row:
     return Row(trial, compare(watched.of(trial.result), reference.history, watched.extent))
 
 
-def _warnings(reference: Reference | None, tangent: float, rows: Sequence[Row], tolerance: float) -> list[str]:
+def _warnings(reference: Reference | None, tangent: float | None, rows: Sequence[Row], tolerance: float) -> list[str]:
     found = [
         f"{name} stays {100.0 * error:.2g} % off the reference as its step falls: it solves another problem "
         "(explicit methods take other laws of friction; meshes and penalties have errors of their own)"
@@ -301,7 +226,7 @@ def _warnings(reference: Reference | None, tangent: float, rows: Sequence[Row], 
     elif not reference.converged:
         text = f"the reference is not proved: {reference.why}"
         found.append(f"{text}; errors below {max(reference.error, 1e-16):.1e} mean nothing")
-    if tangent > WRONG_TANGENT:
+    if tangent is not None and tangent > WRONG_TANGENT:
         found.append(
             f"a tangent is wrong by {tangent:.1e} of its size: implicit methods iterate more than they should, and "
             "frequencies that are found with it are wrong; report the scene"

@@ -152,6 +152,7 @@ def variant_record(variant: Variant) -> dict[str, Any]:
         "status": variant.status,
         "silent": variant.silent,
         "phase_lag": variant.lag,
+        "energy_error": variant.energy_error,
         "warned": "; ".join(variant.told),
         "wall_time": variant.wall_time,
     }

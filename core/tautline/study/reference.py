@@ -83,7 +83,7 @@ def find_reference(
     budget : float
         Wall time, s, that one run may take: no step is tried that would take longer.
     finest : float or None
-        Step, s, to stop at; None for as fine as it must be.
+        Step, s, to stop at, or as much below as three runs take; None for as fine as it must be.
     judged : sequence of History
         What it is to judge: the reference goes on until its own error is well below theirs, or the budget is used up.
 
@@ -108,7 +108,8 @@ def find_reference(
             if best.converged and (finest is not None or _clear(best, judged, watched)):
                 return best
         wall = trial.wall_time or 0.0
-        if 2.0 * wall > budget or (finest is not None and step <= finest * (1.0 + 1e-9)):
+        named = finest is not None and step <= finest * (1.0 + 1e-9) and len(runs) >= 3
+        if 2.0 * wall > budget or named:
             break
         step *= 0.5
     return proved or best

@@ -6,21 +6,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from tautline.integrators.generalized_alpha import GeneralizedAlpha
 from tautline.integrators.status import Interrupted
-from tautline.integrators.tangent import tangent_error
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
 from tautline.study.conditioning import Condition, conditioning
 from tautline.study.critical import Critical, critical_steps
 from tautline.study.drift import Drift
 from tautline.study.penalties import Stiffness, penalties
-from tautline.study.precision import WRONG_TANGENT
+from tautline.study.precision import WRONG_TANGENT, TangentLook
 from tautline.study.trial import Setting, Subject
 from tautline.study.variants import Variant, variants
 
-LOOKS = 12
-"""Times that the tangent is compared with differences of the residual."""
 UNLIKE = 0.25
 """Relative difference of the critical step by eigenvalues and by real runs from which it is told."""
 
@@ -38,8 +34,8 @@ class Stability:
         Energy from nowhere over what went through the system, in the scene as it stands.
     constraint_drift : float or None
         Largest violation of what multipliers hold, m; None where they hold nothing.
-    tangent : float
-        Largest relative error of the tangent.
+    tangent : float or None
+        Largest relative error of the tangent; None where the scene has no implicit form.
     variants : list of Variant
     warnings : tuple of str
     interrupted : bool
@@ -50,7 +46,7 @@ class Stability:
     conditions: list[Condition]
     energy_drift: float | None
     constraint_drift: float | None
-    tangent: float
+    tangent: float | None
     variants: list[Variant]
     warnings: tuple[str, ...]
     interrupted: bool = False
@@ -100,18 +96,19 @@ def stability(
     return Stability(critical, *found[:2], energy, drift, tangent, found[2], tuple(warnings), interrupted)
 
 
-def _as_it_stands(subject: Subject) -> tuple[float | None, float | None, float]:
+def _as_it_stands(subject: Subject) -> tuple[float | None, float | None, float | None]:
     """Drift of energy and of constraints, and the largest error of the tangent, in a run of the scene."""
     model = subject.model(Setting())
-    drift, wrong = Drift(model.system), [0.0]
+    drift, comparison = Drift(model.system), TangentLook(model.system)
 
     def look(state: Any, t: float, method: Any) -> None:
         drift(state, t)
-        if isinstance(method, GeneralizedAlpha) and len(wrong) <= LOOKS:
-            wrong.append(tangent_error(model.system, state, t, method))
+        comparison(state, t, method)
 
     result = simulate(model, announce=subject.announce, look=look)
-    return result.attributes.get("energy_error"), drift.largest if drift.there else None, max(wrong)
+    return (
+        result.attributes.get("energy_error"), drift.largest if drift.there else None, comparison.largest_of(subject)
+    )  # fmt: skip
 
 
 def _conditions(subject: Subject) -> list[Condition]:
@@ -121,9 +118,9 @@ def _conditions(subject: Subject) -> list[Condition]:
         return []
 
 
-def _warnings(critical: Critical, tangent: float, found: list[Variant]) -> list[str]:
+def _warnings(critical: Critical, tangent: float | None, found: list[Variant]) -> list[str]:
     told = []
-    if tangent > WRONG_TANGENT:
+    if tangent is not None and tangent > WRONG_TANGENT:
         told.append(
             f"a tangent is wrong by {tangent:.1e} of its size: eigenvalues found with it are wrong; report the scene"
         )

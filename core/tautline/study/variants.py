@@ -6,6 +6,7 @@ nothing of it is a fault, of the scene's or of ours.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -58,8 +59,8 @@ class Variant:
         ``done``, or what stopped it.
     told : tuple of str
         What the run itself warned of.
-    lag : float
-        Its own estimate of how late free oscillations are, rad.
+    lag, energy_error : float
+        Its own estimate of how late free oscillations are, rad, and the error of its energy balance.
     wall_time : float or None
         s.
     """
@@ -71,11 +72,15 @@ class Variant:
     told: tuple[str, ...] = ()
     wall_time: float | None = None
     lag: float = 0.0
+    energy_error: float = 0.0
 
     @property
     def silent(self) -> bool:
-        """Whether it was wrong without a word: no warning, and more than its own estimate of its lag explains."""
-        explained = MEANT * self.lag
+        """Whether it was wrong without a word: no warning, and more than what the run says of itself explains.
+
+        That is its lag, and its energy: motion that has lost a share of it is off by the root of the share.
+        """
+        explained = max(MEANT * self.lag, math.sqrt(self.energy_error))
         return self.outcome == "inaccurate" and not self.told and (self.error or 0.0) > explained
 
 
@@ -152,13 +157,13 @@ def _judged(
         return Variant(change.name, "refused", None, trial.sentence)
     if not trial.done or trial.result is None:
         return Variant(change.name, "stopped", None, trial.status, told, trial.wall_time)
-    taken = step * change.step
+    taken = float(trial.result.time[-1]) / max(1, int(trial.attribute("steps")))
     error, known = _error(subject, setting, trial, taken, watched, budget, quick)
     if error is None:
         return Variant(change.name, "unjudged", None, known, told, trial.wall_time)
     outcome = "right" if error <= tolerance else "inaccurate"
-    lag = float(trial.attribute("phase_lag") or 0.0)
-    return Variant(change.name, outcome, error, "done", told, trial.wall_time, lag)
+    own = (float(trial.attribute(name) or 0.0) for name in ("phase_lag", "energy_error"))
+    return Variant(change.name, outcome, error, "done", told, trial.wall_time, *own)
 
 
 def _told(subject: Subject, setting: Setting, trial: Trial) -> tuple[str, ...]:

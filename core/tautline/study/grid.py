@@ -1,0 +1,111 @@
+"""Which settings a study runs: methods, steps, meshes, and ways to impose constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tautline.integrators.critical_step import CriticalStep
+from tautline.integrators.status import StoppedEarly
+from tautline.scene.errors import Problem, SceneError
+from tautline.simulation import Run
+from tautline.study.trial import Setting, Subject
+
+IMPLICIT = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)
+"""Steps of implicit methods over the scene's."""
+EXPLICIT = (0.95, 0.5, 0.25, 0.125)
+"""Steps of RK4 over its critical step."""
+LOOSER = (100.0, 10.0, 1.0, 0.1)
+"""Errors of a step over the scene's, where the step is controlled by its error."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """What is to be run; None leaves the choice to the study.
+
+    Attributes
+    ----------
+    methods : sequence of str or None
+    steps : sequence of float or None
+        s.
+    elements : sequence of float
+        Number of elements over the scene's own.
+    constraints : sequence of str
+        Ways to impose constraints; ``all`` for those that the scene has.
+    """
+
+    methods: Sequence[str] | None = None
+    steps: Sequence[float] | None = None
+    elements: Sequence[float] = (1.0,)
+    constraints: Sequence[str] = ()
+
+
+def settings(subject: Subject, grid: Grid, step: float, reduced: bool) -> list[Setting]:
+    """Every combination that is asked for, the cheapest of each kind first.
+
+    Parameters
+    ----------
+    step : float
+        That the scene takes in the mean, s.
+    reduced : bool
+        Whether every other step of the usual grid is left out.
+
+    Raises
+    ------
+    SceneError
+        For a way to impose constraints that the scene does not have.
+    """
+    own = subject.model(Setting()).solver
+    methods = grid.methods or ("rk4", "generalized-alpha" if own.method == "rk4" else own.method)
+    found: list[Setting] = []
+    for constraint in _constraints(subject, grid.constraints) or (None,):
+        for elements in sorted(set(grid.elements)):
+            if elements != 1.0 and subject.varied("elements", elements) is None:
+                continue
+            for method in methods:
+                steps = sorted(_steps(subject, grid, method, elements, constraint, step), reverse=True)
+                for h in steps[::2] if reduced and grid.steps is None else steps:
+                    found.append(Setting(method, h, None, None, elements, constraint))
+                if own.step_error > 0.0 and method != "rk4" and grid.steps is None:
+                    errors = [own.step_error * factor for factor in (LOOSER[2:3] if reduced else LOOSER)]
+                    found += [Setting(method, own.step, e, None, elements, constraint) for e in errors]
+    return found
+
+
+def _constraints(subject: Subject, asked: Sequence[str]) -> Sequence[str]:
+    """Ways to impose constraints that are asked for; raises SceneError for one that the scene does not have."""
+    known = tuple(subject.application.vary(subject.scene, "constraints") or ())
+    if "all" in asked:
+        return known
+    for name in asked:
+        if name not in known:
+            cause = "the scene has no such way to impose constraints"
+            cure = (
+                f"give some of {', '.join(known)}, or all" if known else "leave --constraints out: there is no choice"
+            )
+            raise SceneError([Problem("--constraints", None, "", name, cause, cure)])
+    return asked
+
+
+def _steps(
+    subject: Subject, grid: Grid, method: str, elements: float, constraint: str | None, step: float
+) -> Sequence[float]:
+    if grid.steps is not None:
+        return grid.steps
+    if method != "rk4":
+        return [step * factor for factor in IMPLICIT]
+    critical = critical_at_start(subject, Setting(method, None, None, None, elements, constraint))
+    return [critical * factor for factor in EXPLICIT] if critical is not None else [step]
+
+
+def critical_at_start(subject: Subject, setting: Setting) -> float | None:
+    """Critical step of RK4 where the scene starts, s; None where it cannot be run so, or nothing vibrates."""
+    try:
+        run = Run(subject.model(setting))
+        run.start()
+    except (SceneError, StoppedEarly):
+        return None
+    critical, _ = CriticalStep(run.model.system).search(run.state, 0.0)
+    return critical if np.isfinite(critical) else None
