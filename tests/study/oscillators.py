@@ -1,7 +1,7 @@
 """Single masses and bars in the thesis' syntax, and what a step of a method does to an oscillation, in closed form.
 
-A mass of one kilogram hangs on a straight spring without mass and moves along x alone, which is linear to the last digit
-(engineering strain, one direction): x.. + 2 zeta omega x. + omega^2 x = 0.
+A mass of one kilogram on a straight spring without mass moves along x alone, which is linear to the last digit where
+the strain is the engineer's: x.. + 2 zeta omega x. + omega^2 x = 0.
 """
 
 import math
@@ -70,10 +70,8 @@ def chain(stiffness=100.0, first=0.01, tie="LagMultipl4", more="", **solver):
     return text_of(parts, **solver)
 
 
-def bar(
-    count=1, ends=("pinned", "free"), EA=1.0, length=1.0, bends=False, cDamp=0.0, kind="cubic", start=0.0, **solver
-):
-    """Text of a bar of equal elements along x, 1 kg/m, that only stretches; its nodes are displaced as x -> x + start x.
+def bar(count=1, ends=("pinned", "free"), EA=1.0, length=1.0, bends=False, kind="cubic", start=0.0, **solver):
+    """Text of a bar of equal elements along x, 1 kg/m, that only stretches; at t = 0 by ``start`` of its length.
 
     Bending stiffness, if it has any, is tiny: it only makes elements take Lobatto points for their axial force.
     """

@@ -1,154 +1,45 @@
-"""Varied cable scenes: what a study changes of a scene is changed, and nothing else is."""
+"""Cable scenes on other meshes: the elements are cut and joined, and the rope and all that holds it are the same."""
 
 import copy
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
-from physics.axial_bars import BC, cantilever
-from physics.axial_bars import element as bar_element
-from physics.axial_bars import node as bar_node
-from physics.rope_text import FREE, GRAVITY, PINNED, Still, chain, element, node, scene, straight
+from physics.axial_bars import BC
+from physics.rope_text import GRAVITY, PINNED, Still, chain, scene, straight
 from scipy.integrate import quad
-from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
+from study.varied_cables import (
+    ARC,
+    CURVED,
+    DATA,
+    MORE,
+    SCENES,
+    bent,
+    by_id,
+    carried,
+    count,
+    frequencies,
+    hung,
+    is_same_curve,
+    is_sound,
+    mixed,
+    passing,
+    sliding,
+    tied,
+    with_coordinates,
+    without_mesh,
+)
 
 from tautline.cable import variations as vary
-from tautline.cable.application import Cable
 from tautline.cable.build import build
-from tautline.cable.joined import penalty_stiffness
 from tautline.cable.members import flow_of
 from tautline.cable.scene import parse, read
-from tautline.cable.split import Chart, runs_of
-from tautline.constraints.multiplier import Multipliers
-from tautline.constraints.penalty import Penalties
+from tautline.cable.split import Chart
 from tautline.integrators.linearise import start_moving
-from tautline.integrators.modes import modes
 from tautline.integrators.state import new_state
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
-
-HERE = Path(__file__).parents[1]
-DATA = HERE.parent / "data"
-SHIPPED = sorted(
-    path.stem for path in DATA.glob("*.yaml") if "CableModel" in yaml.safe_load(path.read_text(encoding="utf8"))
-)
-ARC = np.linspace(0.0, 1.2, 5)
-CURVED = np.column_stack([np.sin(ARC), 0.1 * ARC**2, 1.0 - np.cos(ARC)])
-
-
-# scenes
-def bent(linear=False, more="", held=None, **material):
-    """Four elements along an arc between two supports, stretched a little; the file leaves nothing to be found."""
-    ends = {0: PINNED, 4: PINNED} if held is None else held
-    items = chain(CURVED, ARC / 1.01, ends, linear=linear, **({"EA": 1e4} | material)) + more
-    return parse(scene(items, start="static"))
-
-
-def sliding(n=3, angle=0.5, stretch=1.0):
-    """A rope that slides down between two supports: all p follow that of the first node."""
-    along = np.array([np.cos(angle), 0.0, -np.sin(angle)])
-    p = np.linspace(0, 1 / stretch, n + 1)
-    held = {i: (0, 0, 0, 0, 0, 0, 0) for i in range(n + 1)} | {i: (1, 1, 1, 0, 0, 0, 0) for i in (0, n)}
-    items = chain(straight(0 * along, along, n), p, held, slopes=np.tile(stretch * along, (n + 1, 1)), EA=1e5)
-    for i in range(1, n + 1):
-        masters = "masters: [{mNode: 0, mDof: 7, factor: 1}]"
-        items += f"  - LinearCoupl: {{id: {i}, sNode: {i}, sDof: 7, f0: {float(p[i])!r}, {masters}}}\n"
-    return parse(scene(items, type="Newmark"))
-
-
-def interpolated():
-    """A rope on an eyelet, where p is free: what is between it and the fixed end keeps its share."""
-    held = {0: PINNED, 1: (0,) * 7, 2: (0,) * 7, 3: (1, 1, 1, 0, 0, 0, 0), 4: FREE}
-    items = chain(straight([0, 0, 0], [2, 0, 0], 4), np.linspace(0, 2, 5), held, EA=1e4)
-    for i in (1, 2):
-        masters = f"[{{mNode: 3, mDof: 7, factor: {i / 3!r}}}]"
-        items += f"  - LinearCoupl: {{id: {i}, sNode: {i}, sDof: 7, masters: {masters}}}\n"
-    return parse(scene(items))
-
-
-def passing(same=True):
-    """A rope that is fed in at one end and taken off at the other: at one rate, or at two."""
-    through = {0: (1, 1, 1, 0, 0, 0, 1), 1: (1, 1, 1, 0, 0, 0, 1)}
-    items = chain(straight([0, 0, 0], [1, 0, 0], 1), np.array([0.0, 1.0]), through, EA=1e4,
-                  functions={0: (0,) * 6 + (1,), 1: (0,) * 6 + (2,)})  # fmt: skip
-    for number, begin, rate in ((1, 0.0, -0.3), (2, 1.0, -0.3 if same else -0.1)):
-        listed = f"timeList: [0, 1], velocityList: [{rate}, {rate}]"
-        items += f"  - Function_VelocityDefined: {{id: {number}, pos0: {begin}, {listed}}}\n"
-    return parse(scene(items, time_step=0.01, time_end=0.2))
-
-
-def carried():
-    """A bar along x that two driven ends carry along y."""
-    items = chain(straight([0, 0, 0], [1, 0, 0], 1), np.array([0.0, 1.0]), {}, EA=1e3)
-    items = items.replace("BC: [0, 0, 0, 0, 0, 0, 1]", "BC: [0, 1, 1, 0, 1, 1, 1], BC_functions: [0, 1, 0, 0, 0, 0, 0]")
-    items += "  - Function: {id: 1, value: {ramp: {to: 0.2, over: 0.1}}}\n"
-    return parse(scene(items, (0, 0, 0), time_step=0.01, time_end=0.2))
-
-
-def tied(way, whats=(0, 2), **keys):
-    """A bar of two halves, each of two elements, tied in the middle; EA = rhoA = 1 and a metre long."""
-    p = (0.0, 0.25, 0.5, 0.5, 0.75, 1.0)
-    items = [bar_node(i, x, "free" if i else "pinned", p=x) for i, x in enumerate(p)]
-    items += [bar_element(i, ends, EA=1.0) for i, ends in enumerate([(0, 1), (1, 2), (3, 4), (4, 5)])]
-    more = "".join(f", {key}: {value}" for key, value in keys.items())
-    items += [f"{way}7: {{id: {what}, nodes7: [2, 3], constr: {what}{more}}}" for what in whats]
-    listed = "".join(f"  - {item}\n" for item in items)
-    return parse(scene(listed, (0, 0, 0)))
-
-
-def mixed():
-    """Ties of several methods, springs, masses, forces and plots, each on a node of one chain."""
-    more = "  - Penalty7: {id: 1, nodes7: [4, 5], constr: 0, p_spring: 3.0e5}\n"
-    more += "  - Penalty7: {id: 2, nodes7: [4, 5], constr: 2}\n"
-    more += "  - LagMultipl7: {id: 3, nodes7: [5, 4], constr: 1}\n"
-    more += "  - OneNodeSpring: {id: 1, nodes7: [1], stiffness: 250.0, damping: 1.0}\n"
-    more += "  - OneNodeSpring: {id: 2, nodes7: [5], stiffness: 70.0}\n  - PointMass: {id: 1, nodes7: [2], mass: 2}\n"
-    more += "  - TwoNodeSpring: {id: 1, nodes7: [1, 3], stiffness: 9.0}\n"
-    more += "  - PointForce: {id: 1, nodes7: [3], force: [0, 1, 0]}\n"
-    end = CURVED[-1]
-    more += node(5, end, [0, 0, 1], FREE, ARC[-1] / 1.01) + node(6, end + [0, 0, 1], [0, 0, 1], FREE)
-    more += element(7, 5, 6, EA=1e4, extra=", compression: false, load: [0, 1, 0]")
-    text = scene(chain(CURVED, ARC / 1.01, {0: PINNED}, EA=1e4, EJ=2.0, damping=0.01) + more)
-    return parse(text + "Plots:\n  - SubPlot: [{Cable: 7, what: N}, {Cable: 0, what: kappa}, {Node: 6, what: p}]\n")
-
-
-def hung():
-    """An arc, and a rope that hangs on its middle by couplings."""
-    items = chain(CURVED, ARC / 1.01, {0: PINNED, 4: PINNED}, EA=1e4)
-    items += node(5, CURVED[2], [0, 0, -1], FREE, 0.0) + node(6, CURVED[2] - [0, 0, 1], [0, 0, -1], FREE, 1.0)
-    items += element(5, 5, 6, EA=1e4)
-    for dof in (1, 2, 3):
-        items += f"  - LinearCoupl: {{id: {dof}, sNode: 5, sDof: {dof}, masters: [{{mNode: 2, mDof: {dof}}}]}}\n"
-    return parse(scene(items, start="static"))
-
-
-MORE = {
-    "a stretched arc": bent,
-    "a rope that hangs on another": hung,
-    "a bent arc": lambda: bent(EJ=3.0, extra=", quadrature: gauss"),
-    "an arc from its far end": lambda: parse(
-        scene(chain(CURVED, ARC / 1.01, {0: PINNED, 4: PINNED}, reverse=True, EA=1e4))
-    ),
-    "an arc of linear elements": lambda: bent(linear=True),
-    "a rope that slides": sliding,
-    "a rope on an eyelet": interpolated,
-    "a rope that passes through": passing,
-    "a rope that is stretched as it passes": lambda: passing(False),
-    "a bar that is carried": carried,
-    "multipliers": lambda: tied("LagMultipl"),
-    "penalty springs": lambda: tied("Penalty", p_spring=2.0e4),
-    "springs of the builder's choice": lambda: tied("AugLagrange"),
-    "everything": mixed,
-    "the appendix": lambda: read(HERE / "input" / "appendix_a.yaml"),
-    "coordinates that the file leaves out": lambda: parse(Cable().templates["span"]),
-    "one bar": lambda: parse(Cable().templates["bar"].replace("Node: 2", "Node: 0")),
-}
-SCENES = {name: lambda name=name: read(DATA / f"{name}.yaml") for name in SHIPPED} | MORE
-UNSOUND = {"the appendix"}
-"""Scenes that are read and not built: they say things twice."""
 
 
 @pytest.fixture(params=SCENES)
@@ -158,80 +49,6 @@ def given(request):
     before = copy.deepcopy(made), copy.deepcopy(made.document.root)
     yield made
     assert (made, made.document.root) == before
-
-
-def is_sound(made):
-    try:
-        build(made)
-    except SceneError:
-        return False
-    return True
-
-
-# what is asked of them
-def by_id(parts):
-    return {part.id: part for part in parts}
-
-
-def curve(made, element, p):
-    """Position and slope (n, 6) of an element at material coordinates, by scipy's Hermite spline or along the chord."""
-    chart = Chart(made)
-    ends = [chart.nodes[i] for i in element.nodes]
-    x = [chart.p[i] for i in element.nodes]
-    if element.kind == "linear":
-        share = (p[:, None] - x[0]) / (x[1] - x[0])
-        r = (1.0 - share) * ends[0].position + share * np.array(ends[1].position)
-        return np.hstack([r, np.tile(np.subtract(ends[1].position, ends[0].position) / (x[1] - x[0]), (len(p), 1))])
-    spline = CubicHermiteSpline(x, [end.position for end in ends], [end.slope for end in ends])
-    return np.hstack([spline(p), spline(p, 1)])
-
-
-def accuracy(p):
-    """What rounding leaves of position and slope (6,) on an element; slopes are differences over its length."""
-    return np.repeat([1e-14, max(1e-14, 2e-15 / np.ptp(p))], 3)
-
-
-def is_same_curve(fine, coarse):
-    """Whether every element of one scene lies on one of the other, with its section; lengths and mass are as before."""
-    p_of = {id(made): Chart(made).p for made in (fine, coarse)}
-    left = {element.id: 0.0 for element in coarse.elements}
-    for piece in fine.elements:
-        p = np.linspace(*(p_of[id(fine)][i] for i in piece.nodes), 7)
-        middle = p.mean()
-        owners = [
-            one for one in coarse.elements
-            if p_of[id(coarse)][one.nodes[0]] < middle < p_of[id(coarse)][one.nodes[1]]
-            and np.all(np.abs(curve(coarse, one, p) - curve(fine, piece, p)) < accuracy(p))
-            and replace(one, id=0, nodes=(0, 0), line=0, place=())
-            == replace(piece, id=0, nodes=(0, 0), line=0, place=())
-        ]  # fmt: skip
-        if len(owners) != 1:
-            return False
-        left[owners[0].id] += p[-1] - p[0]
-    lengths = {one.id: Chart(coarse).length(one) for one in coarse.elements}
-    return all(abs(left[i] - lengths[i]) < 1e-14 for i in left)
-
-
-def count(made):
-    return [len(run.elements) for run in runs_of(Chart(made))]
-
-
-def without_mesh(made):
-    """All of a scene that a mesh does not change: what stands on nodes, and how it is solved."""
-    names = ("title", "gravity", "ties", "forces", "anchors", "springs", "masses", "motions", "solver", "cautions")
-    return [getattr(made, name) for name in names]
-
-
-def with_coordinates(made):
-    """A scene whose nodes all say their p, as those of a divided one do."""
-    p = Chart(made).p
-    return replace(made, nodes=tuple(n if n.functions[-1] else replace(n, p=p[n.id]) for n in made.nodes))
-
-
-def frequencies(made):
-    """Angular frequencies of a scene as it begins, ascending, rad/s."""
-    model = build(made)
-    return modes(model.system, new_state(model.system)).omega
 
 
 # the mesh
@@ -411,89 +228,6 @@ def test_a_tied_bar_swings_as_one_on_a_finer_mesh(way):
     assert frequencies(made)[0] == pytest.approx(0.5 * np.pi, rel=5e-6)
 
 
-# stiffness
-def test_all_elements_are_so_many_times_as_stiff_and_all_else_stays(given):
-    varied = vary.stiffness(given, 7.0)
-    for after, before in zip(varied.elements, given.elements, strict=True):
-        assert (after.EA, after.EJ) == (7.0 * before.EA, 7.0 * before.EJ)
-        assert replace(after, EA=before.EA, EJ=before.EJ) == before
-    assert replace(varied, elements=given.elements) == given
-
-
-@pytest.mark.parametrize("factor", [0.01, 4.0])
-def test_frequencies_of_a_bar_go_with_the_root_of_its_stiffness(factor):
-    items = "".join(f"  - {item}\n" for item in cantilever(3, EA=1.0))
-    made = parse(scene(items, (0, 0, 0)))
-    assert frequencies(vary.stiffness(made, factor)) == pytest.approx(np.sqrt(factor) * frequencies(made), rel=1e-9)
-
-
-# what holds it
-def test_springs_to_where_nodes_began_are_as_stiff_as_they_are_told():
-    varied = vary.contact(mixed(), 4e6)
-    assert [anchor.stiffness for anchor in varied.anchors] == [4e6, 4e6]
-    assert replace(varied, anchors=mixed().anchors) == mixed()
-    assert (vary.stiffnesses(mixed())["contact"], vary.stiffnesses(varied)["contact"]) == (250.0, 4e6)
-    assert vary.contact(bent(), 4e6) is None and vary.stiffnesses(bent())["contact"] is None
-
-
-def test_penalty_springs_are_as_stiff_as_they_are_told_and_slopes_by_a_length_squared(given):
-    varied = vary.penalty(given, 5e4)
-    sprung = [tie for tie in given.ties if tie.method != "multiplier"]
-    if not sprung:
-        assert varied is None and vary.stiffnesses(given)["penalty"] is None
-        return
-    assert vary.stiffnesses(varied)["penalty"] == pytest.approx(5e4, rel=1e-14)
-    chart = Chart(given)
-    for after, before in zip(varied.ties, given.ties, strict=True):
-        near = [chart.length(e) for e in given.elements if {*e.nodes} & {*before.nodes}]
-        wanted = 5e4 * min(near) ** 2 if before.what == 2 else 5e4
-        assert after == (before if before.method == "multiplier" else replace(before, stiffness=wanted))
-    assert replace(varied, ties=given.ties) == given
-
-
-def test_the_stiffness_of_penalty_springs_is_told_as_the_builder_has_it():
-    assert vary.stiffnesses(tied("Penalty", whats=(0,), p_spring=2.0e4))["penalty"] == 2.0e4
-    assert vary.stiffnesses(tied("Penalty", whats=(2,), p_spring=2.0e4))["penalty"] == pytest.approx(2.0e4 / 0.0625)
-    chosen = tied("Penalty")
-    (springs,) = (group for group in build(chosen).system.groups if isinstance(group, Penalties))
-    assert vary.stiffnesses(chosen)["penalty"] == springs.stiffness.max() == penalty_stiffness(Chart(chosen).layout)
-
-
-def test_all_ties_can_be_imposed_in_three_ways_the_scenes_own_first(given):
-    names = vary.constraints(given)
-    if not given.ties:
-        assert names == () and vary.constraint(given, "penalty") is None
-        return
-    methods = {tie.method for tie in given.ties}
-    own = {"multiplier": "lagrange"}.get(*methods, *methods) if len(methods) == 1 else "as written"
-    assert names[0] == own and {*names} - {"as written"} == {"lagrange", "penalty", "augmented"}
-    assert vary.constraint(given, own) == given
-    for name in names[1:]:
-        varied = vary.constraint(given, name)
-        (method,) = {tie.method for tie in varied.ties}
-        assert vary.constraints(varied)[0] == name
-        for after, before in zip(varied.ties, given.ties, strict=True):
-            stiffness = None if method == "multiplier" else before.stiffness
-            assert after == replace(before, method=method, stiffness=stiffness)
-        assert replace(varied, ties=given.ties) == given
-
-
-@pytest.mark.parametrize("way", ["LagMultipl", "Penalty", "AugLagrange"])
-def test_a_tied_bar_swings_alike_however_its_ties_are_imposed(way):
-    made = tied(way, **({} if way == "LagMultipl" else {"p_spring": 1e6}))
-    kinds = {"lagrange": {Multipliers}, "penalty": {Penalties}, "augmented": {Multipliers, Penalties}}
-    for name, groups in kinds.items():
-        varied = vary.constraint(made, name)
-        varied = vary.penalty(varied, 1e6) or varied
-        assert groups == {type(group) for group in build(varied).system.groups} & {Multipliers, Penalties}
-        assert frequencies(varied)[0] == pytest.approx(0.5 * np.pi, rel=2e-5)
-
-
-def test_a_way_that_is_none_is_refused_by_name():
-    with pytest.raises(SceneError, match="ties cannot be imposed by 'glue'; known: lagrange, penalty, augmented"):
-        vary.constraint(tied("LagMultipl"), "glue")
-
-
 # a sliver
 @pytest.mark.parametrize("factor", [2.0, 100.0])
 def test_one_element_is_so_many_times_shorter_than_the_shortest_and_the_curve_is_the_same(given, factor):
@@ -521,63 +255,3 @@ def test_a_cable_that_was_varied_can_be_varied_again(given):
     again = vary.stiffness(vary.elements(vary.shortest(given, 10.0), 2), 3.0)
     assert len(again.elements) == 2 * (len(given.elements) + 1)
     assert is_sound(again) == is_sound(given)
-
-
-# bars
-def test_every_kind_of_element_is_a_bar_of_its_length_and_speed_of_sound(given):
-    bars, chart = vary.bars(given), Chart(given)
-    kinds = {(e.kind, round(chart.length(e), 12), round(np.sqrt(e.EA / e.rhoA), 9)) for e in given.elements}
-    kind_of = {"bent": "cubic"}
-    assert {(kind_of.get(bar.shape, bar.shape), round(bar.length, 12), round(bar.speed, 9)) for bar in bars} == kinds
-    assert len({bar.name for bar in bars}) == len(bars)
-
-
-def test_what_bears_no_sound_is_no_bar():
-    items = chain(straight([0, 0, 0], [1, 0, 0], 2), np.linspace(0, 1, 3), {0: PINNED, 2: PINNED}, EA=4.0)
-    made = parse(scene(items))
-    assert [(bar.name, bar.speed) for bar in vary.bars(made)] == [("element 0 and 1 more of 0.5 m", 2.0)]
-    light = replace(made, elements=(replace(made.elements[0], rhoA=0.0), replace(made.elements[1], EA=0.0)))
-    assert vary.bars(light) == []
-
-
-@pytest.mark.parametrize(
-    ("made", "free"),
-    [
-        (lambda: read(DATA / "cantilever_bar.yaml"), [False, True]),
-        (lambda: read(DATA / "reeled_span.yaml"), [False]),
-        (lambda: tied("LagMultipl"), [False, True]),
-        (interpolated, [False, True]),
-        (sliding, [False]),
-        (hung, [False, True]),
-        (lambda: bent(held={0: (1, 1, 1, 1, 1, 1, 1)}), [False, True]),
-    ],
-)
-def test_an_end_is_free_that_nothing_holds_along_the_rope_and_nothing_joins_to_another(made, free):
-    assert [bar.free_end for bar in vary.bars(made())] == free
-
-
-@pytest.mark.parametrize("ends", [("pinned", "free"), ("pinned", "pinned")])
-@pytest.mark.parametrize(("extra", "shape"), [("", "cubic"), (", quadrature: lobatto", "bent")])
-def test_the_fastest_vibration_of_one_cubic_element_is_the_bars(ends, extra, shape):
-    # Bar gives L_eff / L_e to six figures
-    nodes = "".join(f"  - {bar_node(i, 0.7 * i, end, p=0.7 * i)}\n" for i, end in enumerate(ends))
-    made = parse(scene(nodes + element(0, 0, 1, EA=5.0, rhoA=3.0, extra=extra), (0, 0, 0)))
-    (bar,) = vary.bars(made)
-    assert (bar.free_end, bar.shape, bar.length) == (ends[1] == "free", shape, pytest.approx(0.7))
-    assert frequencies(made).max() == pytest.approx(bar.fastest, rel=1e-5)
-
-
-def test_an_element_that_bends_is_a_bar_of_lobatto_points_unless_it_takes_gauss_points():
-    made = {name: vary.bars(bent(EJ=EJ, **more))[0].shape for name, EJ, more in (
-        ("bends", 1.0, {}), ("bends, gauss", 1.0, {"extra": ", quadrature: gauss"}), ("does not", 0.0, {})
-    )}  # fmt: skip
-    assert made == {"bends": "bent", "bends, gauss": "cubic", "does not": "cubic"}
-
-
-def test_the_fastest_vibration_of_one_linear_element_is_the_bars():
-    held = (0, 1, 1, 1)
-    items = chain(straight([0, 0, 0], [0.7, 0, 0], 1), np.array([0.0, 0.7]), {0: held, 1: held}, None, True, EA=5.0)
-    made = parse(scene(items, (0, 0, 0)))
-    (bar,) = vary.bars(made)
-    assert (bar.shape, bar.free_end) == ("linear", True)
-    assert frequencies(made).max() == pytest.approx(bar.fastest, rel=1e-5)
