@@ -107,7 +107,7 @@ def equations(numbers):
     kane.kanes_equations(bodies, loads=loads)
     plain = sp.symbols(f"x0:{8 * n}")
     names = dict(zip([*flat_w, *flat_q], [*plain[4 * n :], *plain[: 4 * n]], strict=True))
-    both = [part.subs(rates).subs(names) for part in (kane.mass_matrix, kane.forcing)]
+    both = [part.xreplace(rates).xreplace(names) for part in (kane.mass_matrix, kane.forcing)]
     function = sp.lambdify(plain, both, "numpy", cse=True)
 
     def evaluate(position, speed):

@@ -218,6 +218,7 @@ def _of_reference(found: Study) -> str:
     return (
         f"reference ({proved}): {reference.setting.method}, step {reference.step:.3g} s, observed order {order}, "
         f"its own error about {reference.error:.1e}"
+        + (f", and of its mesh about {reference.mesh_error:.1e}" if reference.mesh_error > 0.0 else "")
     )
 
 

@@ -14,6 +14,8 @@ from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
 
 INACCURATE = int(Status.INACCURATE)
+STILL = -1
+"""Order of the prediction that nothing moves."""
 
 
 class GeneralizedAlpha(NamedTuple):
@@ -23,7 +25,7 @@ class GeneralizedAlpha(NamedTuple):
     the last accepted step, s, 0 before the first. ``tolerance`` m bounds the error of a step, 0 for no bound;
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (2, n) are the accelerations of the two steps before the last, and
-    ``order`` (1,) of the polynomial that continues them best.
+    ``order`` (1,) of the polynomial that continues them best, or `STILL`.
     """
 
     alpha_m: float
@@ -66,20 +68,25 @@ def _local_error(m, state, h):
 
 
 @kernel
-def _best_order(m, state, jumped):
+def _best_order(m, state, h, jumped):
     """Remember the acceleration before the step; returns the order of polynomial that would have predicted the new one.
 
     What is smooth is continued by two orders more than the method's own prediction; what jumps or chatters is not, and
-    no step in which a law has changed its status.
+    no step in which a law has changed its status. Where a mode is far too fast for the step, its acceleration predicts
+    a way that folds elements, and a folded element is in equilibrium too: better to predict that nothing moves.
     """
-    constant = linear = square = 0.0
+    constant = linear = square = moved = 0.0
+    reach = h * h * m.beta * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
     for i in range(state.q.size):
+        moved = max(moved, m.length[i] * abs(state.q[i] - state.keep[0, i]))
         now, before, old, oldest = state.a[i], state.keep[2, i], m.history[0, i], m.history[1, i]
         constant = max(constant, m.length[i] * abs(now - before))
         linear = max(linear, m.length[i] * abs(now - 2.0 * before + old))
         square = max(square, m.length[i] * abs(now - 3.0 * before + 3.0 * old - oldest))
         m.history[1, i] = old
         m.history[0, i] = before
+    if moved < reach * constant and moved < reach * linear and moved < reach * square:
+        return STILL
     if jumped:
         return 0
     if square < linear and square < constant:
@@ -98,7 +105,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     # The auxiliary is the acceleration at t + (alpha_m - alpha_f) h: for a step of another length it is moved along.
     ratio = h / m.last_step[0] if m.last_step[0] > 0.0 else 1.0
     if abs(ratio - 1.0) > SAME_STEP:
-        m.order[0] = 0
+        m.order[0] = min(m.order[0], 0)
     # Predict with the last acceleration, a_(t+1) = a_t in eq. 2.86, or with what the last few make likely.
     slope = 1.0 if m.order[0] > 0 else 0.0
     bend = 1.0 if m.order[0] > 1 else 0.0
@@ -106,8 +113,12 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         last = state.a[i] + ratio * (state.auxiliary[i] - state.a[i])
         new = (state.a[i] - m.alpha_m * last) / (1.0 - m.alpha_m)
         state.auxiliary[i] = new
-        rise = slope * (state.a[i] - m.history[0, i])
-        rise += bend * (state.a[i] - 2.0 * m.history[0, i] + m.history[1, i])
+        if m.order[0] == STILL:
+            stay = -(state.v[i] / h + (0.5 - m.beta) * last) / m.beta
+            rise = (1.0 - m.alpha_m) / (1.0 - m.alpha_f) * (stay - new)
+        else:
+            rise = slope * (state.a[i] - m.history[0, i])
+            rise += bend * (state.a[i] - 2.0 * m.history[0, i] + m.history[1, i])
         new += (1.0 - m.alpha_f) / (1.0 - m.alpha_m) * rise
         state.q[i] += h * state.v[i] + h * h * ((0.5 - m.beta) * last + m.beta * new)
         state.v[i] += h * ((1.0 - m.gamma) * last + m.gamma * new)
@@ -129,7 +140,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
         expand(dofs, state.a, state.full_a)
         return status
     m.last_step[0] = h
-    m.order[0] = _best_order(m, state, jumped)
+    m.order[0] = _best_order(m, state, h, jumped)
     for i in m.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0

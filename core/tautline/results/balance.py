@@ -14,6 +14,9 @@ ROUNDING = 1.0e-14
 NOTHING = 1.0e-12
 """Share of the stored energy below which kinetic energy is rounding."""
 
+SMALL = 1.0e-6
+"""Share of what went through that is left of it at least, where nearly all of it came from nowhere."""
+
 
 class Balance:
     """Energies of the frames as they come.
@@ -53,12 +56,20 @@ class Balance:
     def gained(self, throughput: float) -> float:
         """Energy from nowhere over what went through the system, `throughput` J being the work counted without sign.
 
+        The most that there was at any frame, if that is more than what is lost without account at the end; and energy
+        from nowhere is not counted among what went through, or it would be its own excuse.
+
         What is merely stored counts a little, or a string at rest would have its rounding divided by nothing; and the
         largest force through the way that is rounding, or that a step may be wrong by, does no work to speak of.
         """
         if not self._rows:
             return 0.0
-        kinetic, strain, potential, _, lost = np.concatenate(self._rows).T
+        kinetic, strain, potential, work, lost = np.concatenate(self._rows).T
+        total = kinetic + strain + potential
+        most = float((total - total[0] - (work - lost)).max())
         through = throughput + lost[-1] + kinetic.max() + np.ptp(strain) + self.idle
         through += STORED_SHARE * float(strain.max() + np.abs(potential).max())
-        return float(self.missing() / through) if through > 0.0 else 0.0
+        if through <= 0.0:
+            return 0.0
+        missing = self.missing()
+        return most / max(through - most, SMALL * through) if most >= abs(missing) else missing / through

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -13,7 +14,7 @@ CERTAIN = 1.5
 
 def good_enough(study: Study) -> list[Row]:
     """Runs whose error, with that of the reference, is below the tolerance, the cheapest first."""
-    own = study.reference.error if study.reference is not None else 0.0
+    own = study.reference.error + study.reference.mesh_error if study.reference is not None else 0.0
     rows = [r for r in study.rows if r.errors is not None and r.errors.position + own <= study.tolerance and r.factor]
     return sorted(rows, key=lambda row: row.factor or 0.0)
 
@@ -47,4 +48,6 @@ def advice(study: Study) -> str:
 
 def _told(row: Row) -> str:
     assert row.errors is not None
-    return f"{row.trial.setting} (error {100.0 * row.errors.position:.2g} %, real-time factor {row.factor:.2g})"
+    taken = row.trial.attribute("step")
+    setting = row.trial.setting if row.trial.setting.step_error is not None else replace(row.trial.setting, step=taken)
+    return f"{setting} (error {100.0 * row.errors.position:.2g} %, real-time factor {row.factor:.2g})"

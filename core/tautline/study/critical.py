@@ -23,6 +23,8 @@ from tautline.system.system import System
 
 DENSE = 250
 """Unknowns up to which all eigenvalues are found, and not the fastest alone."""
+SAME = 1.0e-6
+"""Relative difference of two critical steps that is none."""
 LOWER = 0.98
 """Share of the least critical step so far below which a state is looked at more closely."""
 STEPS = 3000
@@ -101,7 +103,7 @@ class Look:
             step = float(min([step, *(critical_step_of(x) for x in points)]))
         if first:
             self.start = step
-        if step < self.least:
+        if step < self.least * (1.0 - SAME):
             if step < LOWER * self.least:
                 self.set_by = _set_by(self.system, state, t, self.search.mode, row)
             self.least, self.at, self.mode = step, t, self.search.mode
@@ -242,6 +244,9 @@ def bisect(subject: Subject, guess: float, why: list[str]) -> tuple[float, float
         low, high = 0.5 * low, low
     if calm is None:
         why.append(f"no step down to {low:.2g} s is stable in runs of {STEPS} steps")
+        return None
+    if calm[0] == 0.0:
+        why.append("nothing moves: no run can show a limit")
         return None
     for _ in range(WIDENED):
         if not _stable(subject, high, calm):

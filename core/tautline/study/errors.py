@@ -109,6 +109,8 @@ def first_mode(time: np.ndarray, motion: np.ndarray) -> float | None:
     if not lasting[:-1].any() or not size.any():
         return None
     peak = int(np.where(lasting, size, 0.0).argmax())
+    if size[peak] < size[max(peak - 1, 0)]:
+        return None  # the flank of something slower, which does not last
     bounds = tuple(2.0 * np.pi * frequency[np.clip([peak - 2, peak + 2], 1, frequency.size - 1)])
     best = minimize_scalar(lambda w: -abs(_part(time, motion, w)), bounds=bounds, method="bounded")
     share = 2.0 * abs(_part(time, motion, best.x)) / max(0.5 * float(np.ptp(motion)), 1e-300)

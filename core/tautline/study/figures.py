@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial import polynomial
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from tautline.study.stability import Stability
 
 MARKS = "osD^vP*X"
+LINES = ("-", "--", ":", "-.")
 LEAST = 1.0e-16
 """Error that is drawn for none: a logarithm needs one."""
 PANELS = (("position", "position error", ""), ("force", "force amplitude error", ""), ("phase", "phase error", "rad"))
@@ -37,8 +38,8 @@ def work_precision(study: Study, title: str, path: Path) -> Path:
     figure, plots = axes(1, len(kinds), 0.8 + 3.9 * len(kinds), 4.4, title, sharex=True)
     curves = _curves(study.rows)
     for plot, (kind, text, unit) in zip(plots[0], kinds, strict=True):
-        for number, (name, rows) in enumerate(curves.items()):
-            _curve(plot, rows, kind, name, number)
+        for name, rows in curves.items():
+            _curve(plot, rows, kind, name, _look(rows, curves))
         _frame(plot, study, kind)
         plot.set_xlabel("real-time factor")
         plot.set_ylabel(label(text, unit))
@@ -68,9 +69,28 @@ def _curves(rows: Sequence[Row]) -> dict[str, list[Row]]:
     return found
 
 
-def _curve(plot: Axes, rows: Sequence[Row], kind: str, name: str, number: int) -> None:
+def _look(rows: Sequence[Row], curves: dict[str, list[Row]]) -> dict[str, Any]:
+    """Colour by mesh and constraint where there are several, else by method; line and mark by method."""
+    kinds = list(dict.fromkeys(_kind(each[0]) for each in curves.values()))
+    methods = list(dict.fromkeys(_method(each[0]) for each in curves.values()))
+    method = methods.index(_method(rows[0]))
+    colour = kinds.index(_kind(rows[0])) if len(kinds) > 1 else method
+    return {
+        "color": COLOURS[colour % len(COLOURS)], "marker": MARKS[method % len(MARKS)], "ms": 5.0,
+        "ls": LINES[method % len(LINES)] if len(kinds) > 1 else "-", "mfc": "white" if method % 2 else None,
+    }  # fmt: skip
+
+
+def _kind(row: Row) -> tuple[float, str | None]:
+    return row.trial.setting.elements, row.trial.setting.constraint
+
+
+def _method(row: Row) -> tuple[str | None, bool]:
+    return row.trial.setting.method, row.trial.setting.step_error is not None
+
+
+def _curve(plot: Axes, rows: Sequence[Row], kind: str, name: str, look: dict[str, Any]) -> None:
     shown = [(row.factor, max(error, LEAST)) for row in rows if row.factor and (error := _error(row, kind)) is not None]
-    look = {"color": COLOURS[number % len(COLOURS)], "marker": MARKS[number % len(MARKS)], "ms": 5.0}
     if shown:
         plot.loglog(*np.array(sorted(shown)).T, label=name, **look)
     else:

@@ -65,13 +65,19 @@ def settings(subject: Subject, grid: Grid, step: float, reduced: bool) -> list[S
             if elements != 1.0 and subject.varied("elements", elements) is None:
                 continue
             for method in methods:
-                steps = sorted(_steps(subject, grid, method, elements, constraint, step), reverse=True)
+                steps = _steps(subject, grid, method, elements, constraint, step)
+                steps = sorted({_divided(h, own.interval) for h in steps}, reverse=True)
                 for h in steps[::2] if reduced and grid.steps is None else steps:
                     found.append(Setting(method, h, None, None, elements, constraint))
                 if own.step_error > 0.0 and method != "rk4" and grid.steps is None:
                     errors = [own.step_error * factor for factor in (LOOSER[2:3] if reduced else LOOSER)]
-                    found += [Setting(method, own.step, e, None, elements, constraint) for e in errors]
+                    found += [Setting(method, own.interval, e, None, elements, constraint) for e in errors]
     return found
+
+
+def _divided(step: float, interval: float) -> float:
+    """The step that is taken where frames of an interval are divided into equal steps, s."""
+    return step if step >= interval else interval / np.ceil(interval / step - 1e-9)
 
 
 def _constraints(subject: Subject, asked: Sequence[str]) -> Sequence[str]:

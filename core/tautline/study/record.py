@@ -61,6 +61,7 @@ def study_record(study: Study) -> dict[str, Any]:
             "converged": found.converged,
             "observed_order": found.observed_order,
             "error": found.error,
+            "mesh_error": found.mesh_error,
             "differences": [{"step": step, "difference": difference} for step, difference in found.differences],
             "why": found.why,
         }

@@ -45,6 +45,8 @@ class Reference:
         Whether the error is small enough and the order is the method's.
     why : str
         What is lacking, for people; empty if converged.
+    mesh_error : float
+        Estimated error of its mesh, relative, where meshes are compared; what is proved is the step.
     """
 
     trial: Trial
@@ -55,6 +57,7 @@ class Reference:
     error: float
     converged: bool
     why: str
+    mesh_error: float = 0.0
 
     @property
     def step(self) -> float:
