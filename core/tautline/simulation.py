@@ -304,13 +304,12 @@ class Run:
             "factorisations": int(counters[FACTORISATIONS]),
             "halvings": int(counters[HALVINGS]),
             "energy_error": abs(self.energy_gained()),
+            "numerical_dissipation": -self.balance.missing(),
             "motion_frequency": self.turns_over() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken),
             "warnings": self.warnings(taken),
             "headline": self.model.headline(result),
         }
-        if solver.method != "rk4":
-            attributes["numerical_dissipation"] = -self.balance.missing()
         return store.finish(attributes, restart=self.memory)
 
     def energy_gained(self) -> float:

@@ -23,11 +23,9 @@ from oscillators import (
     text_of,
 )
 from scipy.linalg import eigh
-from tautline.integrators.resolution import Resolution
 
 from tautline.integrators.method import method_for
 from tautline.integrators.period import lag_of_step
-from tautline.integrators.state import new_state
 from tautline.results.balance import Balance
 from tautline.study.trial import Setting
 
@@ -41,7 +39,7 @@ def method(name, rho=None):
 
 
 # the lag of a step
-@pytest.mark.parametrize("turn", [*TURNS, 3.0, 30.0])
+@pytest.mark.parametrize("turn", [*TURNS, 3.0])
 def test_the_average_acceleration_turns_by_twice_the_arc_tangent_of_half(turn):
     """Trapezoidal rule: (1 + i turn/2) / (1 - i turn/2)."""
     assert lag_of_step(method("newmark"), turn) == pytest.approx(turn - 2.0 * math.atan(turn / 2.0), rel=1e-9)
@@ -75,7 +73,7 @@ def test_the_lag_of_rk4_begins_with_the_fifth_power_over_120(turn):
     assert lag_of_step(method("rk4"), turn) == pytest.approx(turn**5 / 120.0, rel=turn**2)
 
 
-@pytest.mark.parametrize("turn", [0.5, 1.5, 2.5, 2.8])
+@pytest.mark.parametrize("turn", [0.5, 1.5, 2.2])
 def test_the_lag_of_rk4_is_that_of_the_cut_off_exponential(turn):
     assert lag_of_step(method("rk4"), turn) == pytest.approx(turn - np.angle(rk4_factor(1j * turn)), rel=1e-9)
 
@@ -102,50 +100,24 @@ def test_a_run_tells_how_late_its_oscillation_really_is_at_its_end(name, rho, st
 
 
 # how fast the motion turns over
-def resolution(text=None):
-    model = subject(text or oscillator()).model(Setting())
-    return Resolution(model.system), new_state(model.system)
-
-
-def frames_of(system, rates):
-    """Full vectors with the rates (m,) of the oscillator's one free unknown."""
-    full = np.zeros((len(rates), system.q.size))
-    full[:, system.free] = np.asarray(rates)[:, None]
-    return full
-
-
 @pytest.mark.parametrize("omega", [0.3, 10.0, 4e3])
-def test_the_frequency_of_a_vibration_is_found(omega):
-    seen, state = resolution()
-    t = np.linspace(0.0, 20.0 * np.pi / omega, 400, endpoint=False)
-    seen.add(state, 0.0, frames_of(seen.system, -np.sin(omega * t)), frames_of(seen.system, -omega * np.cos(omega * t)))
-    assert seen.frequency == pytest.approx(omega, rel=1e-9)
+@pytest.mark.parametrize("kind", ["G-alpha", "RK4"])
+def test_the_frequency_of_a_vibration_is_found(omega, kind):
+    h = 0.05 / omega
+    text = oscillator(omega, type=kind, rho_inf=None, time_step=h, time_end=600 * h, plotpoints=0.1 / h)
+    assert 2.0 * math.pi * run(text).attributes["motion_frequency"] == pytest.approx(omega, rel=0.02)
 
 
-def test_of_two_vibrations_each_counts_by_its_kinetic_energy():
-    seen, state = resolution()
-    t, slow, fast = np.linspace(0.0, 20.0 * np.pi, 4000, endpoint=False), 3.0, 40.0
-    v = np.sin(slow * t) + 0.1 * np.sin(fast * t)
-    a = slow * np.cos(slow * t) + 0.1 * fast * np.cos(fast * t)
-    seen.add(state, 0.0, frames_of(seen.system, v), frames_of(seen.system, a))
-    assert seen.frequency == pytest.approx(math.sqrt((slow**2 + 0.01 * fast**2) / 1.01), rel=1e-6)
-
-
-def test_frames_that_come_in_batches_are_the_same_as_all_at_once():
-    seen, state = resolution()
-    t = np.linspace(0.0, 2.0 * np.pi, 100, endpoint=False)
-    for part in np.split(t, 5):
-        seen.add(state, 0.0, frames_of(seen.system, np.sin(part)), frames_of(seen.system, np.cos(part)))
-    assert seen.frequency == pytest.approx(1.0)
-
-
-def test_steady_motion_and_rest_turn_over_never():
-    seen, state = resolution()
-    assert seen.frequency == 0.0
-    seen.add(state, 0.0, frames_of(seen.system, np.zeros(5)), frames_of(seen.system, np.zeros(5)))
-    assert seen.frequency == 0.0
-    seen.add(state, 0.0, frames_of(seen.system, np.ones(5)), frames_of(seen.system, np.zeros(5)))
-    assert seen.frequency == 0.0
+def test_steady_motion_turns_over_never_and_what_set_it_going_counts():
+    """Two free masses pushed by 1 m/s^2 for 0.1 s and left alone: the root of int a^2 over int v^2."""
+    parts = [node(0, 0.0, 0.0), node(1, 1.0, 1.0), spring(0, (0, 1), 100.0)]
+    push = "PointForce: {id: 0, nodes4: [0, 1], force: [1, 0, 0], timeInterval: [0, 0.1]}"
+    masses = "PointMass: {id: 0, nodes4: [0, 1], mass: 1.0}"
+    for end in (1.0, 10.0):
+        text = text_of([*parts, masses, push], time_step=0.001, time_end=end)
+        turned, moved = 0.1, 0.01 * (end - 0.1) + 0.001 / 3.0
+        found = 2.0 * math.pi * run(text).attributes["motion_frequency"]
+        assert found == pytest.approx(math.sqrt(turned / moved), rel=0.02)
 
 
 def test_multipliers_do_not_count_as_motion():
@@ -168,15 +140,10 @@ def test_the_frequency_of_a_run_is_found_whatever_its_frames(plotpoints):
 
 
 def test_the_frequency_of_a_run_is_found_where_frames_see_no_acceleration():
-    """Struck at t = 0.25 s by a short blow: from then on frames every half second fall on passages through rest."""
-    blow = "PointForce: {id: 0, nodes4: [1], force: [10.0, 0, 0], timeInterval: [0.245, 0.255]}"
-    text = oscillator(omega=2.0 * math.pi, start=0.0, items=[blow], time_step=0.005, time_end=20.25, plotpoints=4)
-    often = run(text).attributes["motion_frequency"]
-    assert often == pytest.approx(1.0, rel=0.05)
-    shifted = text.replace("0.245, 0.255", "-1.0, 0.01")
-    assert run(shifted.replace("plotpoints: 4", "plotpoints: 2")).attributes["motion_frequency"] == pytest.approx(
-        1.0, rel=0.05
-    )
+    """Struck at t = 0: of one turn a second every half second falls on a passage through rest."""
+    blow = "PointForce: {id: 0, nodes4: [1], force: [10.0, 0, 0], timeInterval: [-1.0, 0.01]}"
+    struck = oscillator(2.0 * math.pi, start=0.0, items=[blow], time_step=0.005, time_end=20.0, plotpoints=2)
+    assert run(struck).attributes["motion_frequency"] == pytest.approx(1.0, rel=0.1)
 
 
 # warnings
@@ -187,7 +154,8 @@ def warned(text):
 @pytest.mark.parametrize("steps", [4.0, 7.0, 9.7])
 def test_fewer_than_ten_steps_a_turn_are_warned_of_with_the_step_to_take(steps):
     h = 2.0 * math.pi / OMEGA / steps
-    (warning,) = warned(oscillator(time_step=h, time_end=400 * h, plotpoints=1 / h))
+    found = warned(oscillator(time_step=h, time_end=400 * h, plotpoints=1 / h))
+    (warning,) = (text for text in found if "steps a turn" in text)
     told = float(re.search(r"takes ([\d.]+) steps a turn", warning).group(1))
     assert told == pytest.approx(steps, rel=0.06)
     cure = float(re.search(r"take a step of ([\d.e+-]+) s", warning).group(1))
@@ -271,11 +239,19 @@ def test_what_is_missing_is_what_neither_work_nor_dissipation_accounts_for(rows,
     assert np.sign(round(gained, 9)) == np.sign(missing) and moves
 
 
-def test_energy_from_nowhere_counts_against_what_went_through():
-    """A kinetic energy that grows from 9 to 10 by itself, while a drive moves 89 J in and out."""
+def test_energy_from_nowhere_counts_against_what_went_through_without_it():
+    """A kinetic energy that grows from 9 to 10 by itself, while a drive moves 90 J in and out."""
     rows = [[9, 0, 0, 0, 0], [10, 0, 0, 0, 0]]
-    assert balance(rows)[1] == pytest.approx(1.0 / 10.0)
-    assert balance(rows, throughput=90.0)[1] == pytest.approx(1.0 / 100.0)
+    assert balance(rows)[1] == pytest.approx(1.0 / 9.0)
+    assert balance(rows, throughput=90.0)[1] == pytest.approx(1.0 / 99.0)
+
+
+def test_energy_that_comes_from_nowhere_and_goes_there_again_is_told():
+    assert balance([[9, 0, 0, 0, 0], [12, 0, 0, 0, 0], [9, 0, 0, 0, 0]])[1] == pytest.approx(3.0 / 9.0)
+
+
+def test_energy_lost_without_account_counts_against_all_that_there_was():
+    assert balance([[10, 0, 0, 0, 0], [7, 0, 0, 0, 0]])[1] == pytest.approx(-0.3)
 
 
 def test_a_balance_of_nothing_is_none():

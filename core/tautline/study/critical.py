@@ -13,9 +13,11 @@ from tautline.integrators.critical_step import CriticalStep, Mode, critical_step
 from tautline.integrators.linearise import SUMS, evaluate, evaluate_damping, evaluate_scene
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.integrators.state import State
-from tautline.integrators.status import StoppedEarly
+from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.groups import link, without_friction
 from tautline.kernels.matrix import dense, new_matrix, sparse
+from tautline.results.balance import ENERGIES
+from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.simulation import Run
 from tautline.study.trial import Setting, Subject, run_model
@@ -29,11 +31,13 @@ LOWER = 0.98
 """Share of the least critical step so far below which a state is looked at more closely."""
 STEPS = 3000
 """Steps of a run of the bisection: enough for what is a per cent beyond the limit to grow out of rounding."""
-FRAMES = 30
+FRAMES = 150
 MOST_STEPS = 200_000
 """Steps that the run which is looked at may take by RK4."""
 FEWEST = 500
 """Steps of a run of the bisection, at least."""
+RESOLVED = 0.05
+"""Share of it at which a run shows how much its fastest mode moves by itself."""
 SHORT = 0.6
 """Share of the critical step by eigenvalues at which a run is stable, most likely."""
 LOUDER = 30.0
@@ -236,12 +240,15 @@ def bisect(subject: Subject, guess: float, why: list[str]) -> tuple[float, float
     with a short step: contacts that open bound its growth, and its energy may then seem to balance.
     """
     low, high = SHORT * guess, 1.4 * guess
-    calm = None
+    natural, calm = explicit_run(subject, RESOLVED * guess, FRAMES), None
     for _ in range(WIDENED):
         calm = explicit_run(subject, low)
         if calm is not None:
             break
         low, high = 0.5 * low, low
+    if calm is not None and natural is not None:
+        # Where damping is strong a mode is gone before a longer step is looked at for the first time.
+        calm = max(calm[0], natural[0]), max(calm[1], natural[1])
     if calm is None:
         why.append(f"no step down to {low:.2g} s is stable in runs of {STEPS} steps")
         return None
@@ -267,17 +274,18 @@ def _stable(subject: Subject, step: float, calm: tuple[float, float]) -> bool:
     return moved is not None and moved[0] <= LOUDER * calm[0] and moved[1] <= max(UNBALANCED, LOUDER * calm[1])
 
 
-def explicit_run(subject: Subject, step: float) -> tuple[float, float] | None:
-    """Run RK4 for some thousand steps from the start, with nobody looking after its step.
+def explicit_run(subject: Subject, step: float, steps: int | None = None) -> tuple[float, float] | None:
+    """Run RK4 from the start, for some thousand steps or as many as are named, with nobody looking after its step.
 
     Returns
     -------
     tuple of float, or None
-        Largest momentum of the mode that is the fastest at the start, with what rounding makes of it, and the error of
-        the energy balance; None where the run stopped.
+        Largest momentum of the mode that is the fastest at the start, with what rounding makes of it, and energy that
+        came from nowhere, relative; None where the run stopped.
     """
     # Whole steps to a frame, or the step that is taken would be shorter than the one that is named.
-    end = FRAMES * step * max(1, round(_end(subject, step) / (FRAMES * step)))
+    wanted = _end(subject, step) if steps is None else steps * step
+    end = FRAMES * step * max(1, round(wanted / (FRAMES * step)))
     short = Subject(subject.application, subject.scene, end=end, interval=end / FRAMES, announce=subject.announce)
     try:
         model = short.model(Setting("rk4", step))
@@ -286,7 +294,23 @@ def explicit_run(subject: Subject, step: float) -> tuple[float, float] | None:
     model.solver = replace(model.solver, guarded=False)
     listener = Listener(model.system)
     trial = run_model(model, Setting("rk4", step), look=listener)
-    return (listener.loudest, float(trial.attribute("energy_error"))) if trial.done else None
+    if trial.result is None or trial.status not in ("done", Status.IMBALANCE.name):
+        return None
+    return listener.loudest, _gained_late(trial.result)
+
+
+def _gained_late(result: Result) -> float:
+    """Energy from nowhere in the second half of a run, over what goes through it then.
+
+    In the first the ledger itself is off, by what a motion loses that is damped within a few steps.
+    """
+    kinetic, strain, potential, work, lost = (result[name] for name in ENERGIES)
+    missing = kinetic + strain + potential - work + lost
+    half = missing.size // 2
+    through = np.abs(np.diff(work[half:])).sum() + lost[-1] - lost[half] + kinetic[half:].max() + np.ptp(strain[half:])
+    whole = kinetic.max() + np.ptp(strain) + np.abs(np.diff(work)).sum()
+    gained = float(missing[half:].max() - missing[half])
+    return gained / float(through + HEARD * whole) if through + whole > 0.0 else 0.0
 
 
 def _end(subject: Subject, step: float) -> float:
