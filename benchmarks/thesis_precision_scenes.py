@@ -12,14 +12,13 @@ from tautline.cable.application import Cable
 from tautline.cable.scene import parse
 from tautline.study.errors import Errors, compare
 from tautline.study.history import watch
-from tautline.study.trial import Setting, Subject, Trial
+from tautline.study.trial import Subject, Trial
 from tautline.system.model import Model
 
 ALPHAS = {"alpha_m": -0.05, "alpha_f": 0.1, "eps_energy": 1e-10, "maxIter": 20}
 """Of the thesis' generalized-alpha (Appendix A)."""
 HIT = 0.01
 """The hammer's force, N, for 1 s."""
-NAMES = {"rk4": "RK4", "generalized-alpha": "generalized-α"}
 
 
 def subject_of(items: Sequence[str], end: float, interval: float, gravity: float = 0.0, **solver: Any) -> Subject:
@@ -77,6 +76,3 @@ def over(time: float | None, unit: float | None) -> float | None:
 def cpu(trial: Trial) -> float | None:
     """CPU time of a run that came to its end, s."""
     return trial.cpu_time if trial.done else None
-
-
-__all__ = ["NAMES", "Setting", "cpu", "hammer", "off", "over", "per_step", "subject_of", "tied", "unguarded"]

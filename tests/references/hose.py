@@ -216,21 +216,31 @@ def critical_speeds(beta, alpha=0.0, gamma=0.0, upto=18.0, modes=32, mu=0.0, jet
     return sorted((c for c in found if c.u <= upto), key=lambda c: c.u)
 
 
-def _winding_cells(phase, us, roots, depth=0):
-    """Centres of the cells of the grid (us, roots) round which the phase winds, and the winding."""
-    values = phase(*np.meshgrid(us, roots, indexing="ij"))
-    along = np.angle(values[1:] / values[:-1])  # of edges in u
-    across = np.angle(values[:, 1:] / values[:, :-1])
-    total = along[:, :-1] + across[1:] - along[:, 1:] - across[:-1]
-    winding = np.rint(total / (2 * np.pi)).astype(int)
-    fast = np.maximum(np.maximum(abs(along[:, :-1]), abs(along[:, 1:])), np.maximum(abs(across[1:]), abs(across[:-1])))
-    found = []
-    for i, j in np.argwhere((winding != 0) | (fast > 1.2)):
-        if depth < 4 and (depth < 1 or fast[i, j] > 1.2):
-            finer = np.linspace(us[i], us[i + 1], 5), np.linspace(roots[j], roots[j + 1], 5)
-            found += _winding_cells(phase, *finer, depth + 1)
-        elif winding[i, j] != 0:
-            found.append(((us[i] + us[i + 1]) / 2, (roots[j] + roots[j + 1]) / 2, winding[i, j]))
+def _winding_cells(phase, us, roots):
+    """Centres of the cells of the grid (us, roots) round which the phase winds, and the winding.
+
+    Cells that need it are divided into 16, all of a size at once: points of patches (patch, u), (patch, root).
+    """
+    found, us, roots = [], us[None], roots[None]
+    for depth in range(5):
+        shape = (len(us), us.shape[1], roots.shape[1])
+        u, root = np.broadcast_to(us[:, :, None], shape), np.broadcast_to(roots[:, None, :], shape)
+        rows = max(shape[:2])
+        values = phase(u.reshape(rows, -1), root.reshape(rows, -1)).reshape(shape)
+        along = np.angle(values[:, 1:] / values[:, :-1])  # of edges in u
+        across = np.angle(values[:, :, 1:] / values[:, :, :-1])
+        total = along[:, :, :-1] + across[:, 1:] - along[:, :, 1:] - across[:, :-1]
+        winding = np.rint(total / (2 * np.pi)).astype(int)
+        fast = np.maximum(
+            np.maximum(abs(along[:, :, :-1]), abs(along[:, :, 1:])), np.maximum(abs(across[:, 1:]), abs(across[:, :-1]))
+        )
+        finer = (winding != 0) | (fast > 1.2) if depth < 1 else (fast > 1.2) & (depth < 4)
+        for k, i, j in np.argwhere((winding != 0) & ~finer):
+            found.append(((us[k, i] + us[k, i + 1]) / 2, (roots[k, j] + roots[k, j + 1]) / 2, winding[k, i, j]))
+        k, i, j = np.nonzero(finer)
+        us, roots = (np.linspace(x[k, n], x[k, n + 1], 5, axis=-1) for x, n in ((us, i), (roots, j)))
+        if not k.size:
+            break
     return found
 
 

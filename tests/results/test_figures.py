@@ -5,6 +5,7 @@ import sys
 import warnings
 
 import pytest
+from pages import check, leave_out_pixels
 from synthetic_string import result
 
 from drillstring.figures import FIGURES, draw, figures
@@ -30,13 +31,11 @@ def test_every_figure_is_drawn_without_a_warning(tmp_path, kind):
         warnings.simplefilter("error")
         drawn = draw([result(None, **({"frames": 100} | kind))])
         assert drawn.keys() == FIGURES.keys()
-        for name, figure in drawn.items():
-            assert save(figure, tmp_path / f"{name}.png").stat().st_size > 5000
+        check(drawn, tmp_path, pixels=not kind)
 
 
 def test_every_axis_says_its_quantity_and_unit():
     for figure in draw([result(None, turning=True)]).values():
-        figure.draw_without_rendering()
         for plot in figure.axes:
             labels = (plot.get_xlabel(), plot.get_ylabel())
             assert any(labels) and all("[" in text for text in labels if text)
@@ -59,7 +58,8 @@ def test_several_results_are_overlaid_under_their_names_in_one_overview(tmp_path
     assert figure.axes[0].get_legend_handles_labels()[1] == ["block", "first", "second"]
 
 
-def test_files_are_named_after_the_result_and_the_figure(tmp_path):
+def test_files_are_named_after_the_result_and_the_figure(tmp_path, monkeypatch):
+    leave_out_pixels(monkeypatch)
     one = result(tmp_path / "well.nc", frames=20)
     other = result(tmp_path / "second.nc", frames=20)
     names = [file.name for file in figures([one], tmp_path, (), ("png", "svg"))]
@@ -94,6 +94,7 @@ def test_units_get_a_prefix_that_keeps_labels_short():
 
 
 def test_drawing_leaves_the_users_own_style_alone():
-    code = "import matplotlib; before = dict(matplotlib.rcParams); import drillstring.figures; "
+    code = "import matplotlib; before = dict(matplotlib.rcParams); "
+    code += "import crane.figures, drillstring.figures, gardenhose.figures; "
     code += "after = dict(matplotlib.rcParams); assert before == after"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from pages import check, lay_out, leave_out_pixels
 from synthetic_hose import LENGTH, result
 
 from gardenhose.curves import name_of, plane_of, shape_of, snapped, spread
@@ -32,8 +33,7 @@ def lines(plot):
         {"frames": 2},
         {"frames": 3},
         {"frames": 30},
-        {"elements": 1},
-        {"tilt": 0.6},
+        {"elements": 1, "tilt": 0.6},
         {"swing": 0.0},
         {"swing": 0.0, "start": 1.0, "growth": 9.0},
         {"swing": 0.0, "sag": 0.0},
@@ -48,13 +48,11 @@ def test_every_figure_is_drawn_without_a_warning(tmp_path, kind):
         warnings.simplefilter("error")
         drawn = draw([result(**({"frames": 301} | kind))], EACH)
         assert list(drawn) == EACH
-        for name, figure in drawn.items():
-            assert save(figure, tmp_path / f"{name}.png").stat().st_size > 5000
+        check(drawn, tmp_path, pixels=kind in ({}, RAMP))
 
 
 def test_every_axis_says_its_quantity_and_unit():
     for figure in draw([result()], EACH).values():
-        figure.draw_without_rendering()
         for plot in figure.axes:
             labels = (plot.get_xlabel(), plot.get_ylabel())
             assert any(labels) and all("[" in text for text in labels if text)
@@ -163,7 +161,8 @@ def test_a_ramp_up_and_down_tells_where_the_motion_ends_and_takes_a_drift_for_no
         assert amplitude[flow < 11.0].max(initial=0.0) < 5e-3
 
 
-def test_files_are_named_after_the_result_and_the_figure(tmp_path):
+def test_files_are_named_after_the_result_and_the_figure(tmp_path, monkeypatch):
+    leave_out_pixels(monkeypatch)
     one, other = result(tmp_path / "hose.nc", frames=200), result(tmp_path / "second.nc", frames=200)
     names = [file.name for file in figures([one], tmp_path, (), ("png", "svg"))]
     assert names == [f"hose_{name}.{ending}" for name in ("tip", "phase", "shape") for ending in ("png", "svg")]
@@ -208,21 +207,20 @@ def test_an_argand_diagram_is_that_of_the_literature(tmp_path):
     assert save(figure, tmp_path / "flutter.png").stat().st_size > 5000
 
 
-def test_a_flutter_figure_is_drawn_of_little_too(tmp_path):
+def test_a_flutter_figure_is_drawn_of_little_too():
     speed, values, outside = modes()
     values[20:30, 0] = np.nan
     share = np.where(outside, 0.9, 0.1) * np.ones(values.shape)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        for number, figure in enumerate(
-            (
-                flutter_figure(speed, values, share),
-                flutter_figure(speed[:1], values[:1], share[:1]),
-                flutter_figure(speed, values[:, :1] - 10.0, share[:, :1], None, None),
-                flutter_figure(speed, values[:, :1].real + 0j, share[:, :1], 9.0, 0.0),
-            )
+        for figure in (
+            flutter_figure(speed, values, share),
+            flutter_figure(speed[:1], values[:1], share[:1]),
+            flutter_figure(speed, values[:, :1] - 10.0, share[:, :1], None, None),
+            flutter_figure(speed, values[:, :1].real + 0j, share[:, :1], 9.0, 0.0),
         ):
-            assert save(figure, tmp_path / f"{number}.png").stat().st_size > 5000
+            lay_out(figure)
+            assert all(plot.get_lines() for plot in figure.axes)
 
 
 @pytest.mark.parametrize("count", [1, 5, 13])
@@ -287,12 +285,6 @@ def test_frames_are_chosen_evenly():
     time = np.linspace(0.0, 1.0, 101)
     assert list(spread(time, 0.2, 0.3, 6)) == [20, 22, 24, 26, 28, 30]
     assert list(spread(time, 0.201, 0.209, 6)) == [21]
-
-
-def test_drawing_leaves_the_users_own_style_alone():
-    code = "import matplotlib; before = dict(matplotlib.rcParams); import gardenhose.figures; "
-    code += "after = dict(matplotlib.rcParams); assert before == after"
-    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
 def test_the_numbers_of_a_run_need_nothing_that_draws():

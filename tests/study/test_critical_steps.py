@@ -239,14 +239,14 @@ def test_a_scene_without_springs_has_no_table_of_them():
 
 # by bisection on real runs
 @pytest.mark.parametrize(("omega", "zeta"), [(10.0, 0.0), (37.0, 0.0), (10.0, 0.1), (10.0, 0.5), (10.0, 3.0)])
-def test_bisection_encloses_the_true_limit_of_an_oscillator_within_a_per_cent(omega, zeta):
+def test_bisection_encloses_the_true_limit_of_an_oscillator_within_two_per_cent(omega, zeta):
     """Where |R| = 1 on the ray of its roots: at 2 sqrt 2 without damping."""
     study, why = subject(oscillator(omega=omega, zeta=zeta, **rk4(time_end=5.0))), []
     found = bisect(study, critical_step(omega**2, 2 * zeta * omega), why)
     assert found is not None, why
     low, high = found
     edge = min(reach(root) / abs(root) for root in np.roots([1.0, 2 * zeta * omega, omega**2]))
-    assert low <= 1.01 * edge and high >= 0.99 * edge
+    assert low <= 1.02 * edge and high >= 0.98 * edge
     assert high / low - 1.0 <= 0.0101
 
 
@@ -285,9 +285,9 @@ def test_an_explicit_run_that_grows_is_told_from_one_that_does_not():
     study = subject(oscillator(**rk4(time_end=5.0)))
     calm, short = explicit_run(study, 0.1), explicit_run(study, 0.001)
     assert calm is not None and short is not None
-    # Largest momentum: A omega of 1 kg. RK4 takes energy at long steps: |R(i)|^2 = 1 - 1/72 + 1/576 a step.
+    # Largest momentum: A omega of 1 kg. At long steps RK4 takes energy, |R(i)|^2 = 1 - 1/72 + 1/576, and gives none.
     assert short[0] == pytest.approx(START * OMEGA, rel=0.02) and short[1] < 1e-6
-    assert calm[0] <= START * OMEGA and calm[1] == pytest.approx(1.0, abs=0.5)
+    assert calm[0] <= START * OMEGA and calm[1] < 1e-6
     grown = explicit_run(study, 0.31)
     assert grown is None or grown[0] > 30.0 * calm[0]
 

@@ -66,7 +66,7 @@ def test_runs_of_another_order_are_not_proved_however_close(method, order):
     found = found_for(MadeUp(lambda step: 1e-3 * step**order), method, budget=1.0)
     assert not found.converged
     assert found.observed_order == pytest.approx(order, abs=0.05)
-    assert f"observed order is {order:.2g}" in found.why
+    assert f"{order:.2g}, not {ORDERS[method]:g}" in found.why
 
 
 def test_the_error_of_runs_of_a_lower_order_is_that_of_the_lower_order():
@@ -118,7 +118,7 @@ def test_it_goes_on_below_the_errors_of_what_it_judges():
 def test_a_step_that_is_named_is_the_last_and_is_not_proved_where_it_is_coarse():
     made = MadeUp(lambda step: 0.5 * step**2)
     found = found_for(made, finest=0.2)
-    assert made.steps == pytest.approx([0.8, 0.4, 0.2])
+    assert made.steps[-1] == found.step == pytest.approx(0.2)
     assert not found.converged and "more than a tenth of the tolerance" in found.why
     fine = found_for(MadeUp(lambda step: 0.5 * step**2), finest=0.01)
     assert fine.converged and fine.step == pytest.approx(0.01)
@@ -130,9 +130,9 @@ def test_coarse_runs_that_stop_are_passed_over():
     assert found.converged and len(found.differences) + 1 == sum(step <= 0.03 for step in made.steps)
 
 
-def test_a_named_step_whose_quarter_multiples_stop_goes_as_far_below_as_three_runs_take():
+def test_a_named_step_whose_quarter_multiples_stop_goes_as_far_below_as_four_runs_take():
     found = found_for(MadeUp(lambda step: 0.5 * step**2, fails=lambda step: step > 0.03), finest=0.02)
-    assert found is not None and found.step == pytest.approx(0.005)
+    assert found is not None and found.step == pytest.approx(0.0025)
 
 
 def test_fewer_than_three_runs_are_no_reference():
@@ -173,16 +173,15 @@ def test_a_scene_that_sticks_and_slips_is_not_proved():
         1.4, 1000.0, 3, friction=friction, top__block={"harmonic": {"amplitude": 0.6, "period": 1.0}},
         solver__step=0.01, output__interval=0.02, solver__end=2.0,
     )  # fmt: skip
-    found = study(Subject(Drillstring(), scene), Grid(("generalized-alpha",), (0.02, 0.01)), 0.01, 1, budget=0.5)
+    found = study(Subject(Drillstring(), scene), Grid(("generalized-alpha",), (0.02, 0.01)), 0.01, 1, budget=0.1)
     assert not found.reference.converged and "observed order" in found.reference.why
     assert found.reference.setting.method == "generalized-alpha"
     assert any("the reference is not proved" in warning for warning in found.warnings)
 
 
 def test_the_reference_of_a_smooth_scene_is_rk4s_and_of_one_too_stiff_for_it_its_own():
-    assert (
-        study(subject(oscillator(time_end=1.0)), Grid(("newmark",), (0.01,)), 0.01, 1).reference.setting.method == "rk4"
-    )
+    grid = Grid(("newmark",), (0.01,))
+    assert study(subject(oscillator(time_end=1.0)), grid, 0.01, 1).reference.setting.method == "rk4"
     held, end = node(0, 0.0, 0.0, (1, 1, 1, 1)), node(2, 2.01, 2.0)
     rigid = [held, node(1, 1.01, 1.0), end, spring(0, (0, 1), 100.0), spring(1, (1, 2), 1e9)]
     stiff = subject(text_of([*rigid, "PointMass: {id: 0, nodes4: [1, 2], mass: 1.0}"], time_end=1.0))

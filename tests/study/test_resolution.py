@@ -293,8 +293,11 @@ def test_methods_that_keep_energy_tell_that_none_is_lost(settings):
     assert abs(told) < 1e-3 * 0.5 * OMEGA**2 * START**2
 
 
-def test_rk4_tells_no_numerical_dissipation():
-    assert "numerical_dissipation" not in run(oscillator(**rk4())).attributes
+def test_rk4_tells_the_energy_that_it_takes_too():
+    """|1 + i y - y^2/2 - i y^3/6 + y^4/24|^2 = 1 - y^6/72 + y^8/576 a step."""
+    energy, y = 0.5 * OMEGA**2 * START**2, 0.5
+    told = run(oscillator(**rk4(time_step=0.05, time_end=5.0, plotpoints=20))).attributes["numerical_dissipation"]
+    assert told == pytest.approx(energy * (1.0 - (1.0 - y**6 / 72.0 + y**8 / 576.0) ** 100), rel=1e-6)
 
 
 def test_what_dampers_take_is_not_the_methods():

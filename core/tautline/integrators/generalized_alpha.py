@@ -150,5 +150,5 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     m.power.fill(0.0)
     over.dissipation(groups, t + h, state.full_q, state.full_v, m.power)
     enter(state.ledger, t + h, supplied_power(dofs, state) + m.power[1], m.power[0], m.power[2])
-    observe_motion(state, h)
+    observe_motion(state, state.keep[1], state.keep[2], h)
     return DONE

@@ -24,7 +24,9 @@ def lag_of_step(method: GeneralizedAlpha | RungeKutta4, turn: float) -> float:
     if turn <= 0.0:
         return 0.0
     factor = _of_rk4(turn) if isinstance(method, RungeKutta4) else _of_generalized_alpha(method, turn)
-    return turn - abs(cmath.phase(factor))
+    if turn > cmath.pi:
+        return turn - abs(cmath.phase(factor))
+    return -cmath.phase(factor * cmath.exp(-1j * turn))
 
 
 def _of_rk4(turn: float) -> complex:
@@ -42,4 +44,6 @@ def _of_generalized_alpha(m: GeneralizedAlpha, turn: float) -> complex:
     way = np.array([1.0, 1.0, 0.5 - m.beta]) + m.beta * new
     speed = np.array([0.0, 1.0, 1.0 - m.gamma]) + m.gamma * new
     roots = np.linalg.eigvals(np.array([way, speed, new]))
-    return complex(min(roots, key=lambda root: abs(root - cmath.exp(1j * turn))))
+    turning = [complex(root) for root in roots if root.imag > 0.0]
+    # Of a step longer than half a period no root is near: the pair that turns is the principal one.
+    return max(turning, key=abs, default=-1.0 + 0.0j) if turning else complex(max(roots, key=abs))

@@ -219,7 +219,7 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
             return status
         if stage == 0:
             account(method, groups, dofs, t, state)
-            observe_motion(state, h)
+            observe_motion(state, state.v, state.a, h)
         weight = 1.0 / 3.0 if stage == 1 or stage == 2 else 1.0 / 6.0
         ahead = h if stage == 2 else 0.5 * h
         for i in range(q.size):

@@ -115,14 +115,17 @@ def enter(ledger, t, power, loss, jump):
 
 
 @kernel
-def observe_motion(state, h):
-    """Add a step to the integrals that say how fast the motion turns over."""
+def observe_motion(state, v, a, h):
+    """Add a step, with velocities and accelerations at its start, to the integrals that say how fast motion turns over.
+
+    The start counts as the end does, or what is let go would seem to begin without an acceleration.
+    """
     moved = turned = 0.0
     for i in range(state.q.size):
-        moved += state.inertia[i] * state.v[i] * state.v[i]
-        turned += state.inertia[i] * state.a[i] * state.a[i]
-    state.ledger[MOVED] += h * moved
-    state.ledger[TURNED] += h * turned
+        moved += state.inertia[i] * (state.v[i] * state.v[i] + v[i] * v[i])
+        turned += state.inertia[i] * (state.a[i] * state.a[i] + a[i] * a[i])
+    state.ledger[MOVED] += 0.5 * h * moved
+    state.ledger[TURNED] += 0.5 * h * turned
 
 
 def turns_over(state: State) -> float:

@@ -65,7 +65,7 @@ def too_fast(scene: Any, solver: Any) -> str | None:
     solver : Solver or CableSolver
         With ``step``, ``end``, ``control`` and ``frequency``, Hz, the highest that the answer is to show.
     """
-    if solver.step == "auto":
+    if solver.step == "auto" or solver.control != "fixed":
         return None
     found = list(frequencies(scene, float(solver.end)))
     if solver.frequency is not None:

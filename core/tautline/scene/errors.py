@@ -36,6 +36,8 @@ class Problem:
     def __str__(self) -> str:
         where = self.file if self.line is None else f"{self.file}:{self.line}"
         key, value = shorten(self.key), shorten(self.value or "")
+        # An option has no key: what was given to it stands beside its name.
+        where = f"{where} {value}" if value and not key else where
         what = key if self.value is None or not key else f"{key} = {value}"
         text = ": ".join(part for part in (where, what, self.cause) if part)
         return f"{text}; {self.cure}" if self.cure else text

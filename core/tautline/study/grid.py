@@ -42,13 +42,15 @@ class Grid:
     constraints: Sequence[str] = ()
 
 
-def settings(subject: Subject, grid: Grid, step: float, reduced: bool) -> list[Setting]:
+def settings(subject: Subject, grid: Grid, step: float, shrinks: float, reduced: bool) -> list[Setting]:
     """Every combination that is asked for, the cheapest of each kind first.
 
     Parameters
     ----------
     step : float
         That the scene takes in the mean, s.
+    shrinks : float
+        Least critical step along a run, over that at its start.
     reduced : bool
         Whether every other step of the usual grid is left out.
 
@@ -65,7 +67,7 @@ def settings(subject: Subject, grid: Grid, step: float, reduced: bool) -> list[S
             if elements != 1.0 and subject.varied("elements", elements) is None:
                 continue
             for method in methods:
-                steps = _steps(subject, grid, method, elements, constraint, step)
+                steps = _steps(subject, grid, Setting(method, None, None, None, elements, constraint), step, shrinks)
                 steps = sorted({_divided(h, own.interval) for h in steps}, reverse=True)
                 for h in steps[::2] if reduced and grid.steps is None else steps:
                     found.append(Setting(method, h, None, None, elements, constraint))
@@ -95,15 +97,13 @@ def _constraints(subject: Subject, asked: Sequence[str]) -> Sequence[str]:
     return asked
 
 
-def _steps(
-    subject: Subject, grid: Grid, method: str, elements: float, constraint: str | None, step: float
-) -> Sequence[float]:
+def _steps(subject: Subject, grid: Grid, setting: Setting, step: float, shrinks: float) -> Sequence[float]:
     if grid.steps is not None:
         return grid.steps
-    if method != "rk4":
+    if setting.method != "rk4":
         return [step * factor for factor in IMPLICIT]
-    critical = critical_at_start(subject, Setting(method, None, None, None, elements, constraint))
-    return [critical * factor for factor in EXPLICIT] if critical is not None else [step]
+    critical = critical_at_start(subject, setting)
+    return [critical * shrinks * factor for factor in EXPLICIT] if critical is not None else [step]
 
 
 def critical_at_start(subject: Subject, setting: Setting) -> float | None:

@@ -45,7 +45,7 @@ def choose_reference(
     Returns
     -------
     Reference or None
-        The first that is proved, or else the one with the least error; None where there are no three runs of any.
+        The first that is proved, or else the one with the least error; None where there are no four runs of any.
     """
     judged = [watched.of(trial.result) for trial in trials if trial.done and trial.result is not None]
     model = subject.model(Setting(elements=finest))

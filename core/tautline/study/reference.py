@@ -22,6 +22,8 @@ CLEAR = 4.0
 """Times the reference's own error that a run must be off, for its error to mean something."""
 ROUNDING = 1.0e-11
 """Relative difference of two runs that is rounding: no order is to be seen below."""
+ENOUGH = 4
+"""Runs that a reference takes: two orders are seen in them, and one of them may be luck."""
 MOST = 14
 """Halvings, at most."""
 
@@ -86,32 +88,32 @@ def find_reference(
     budget : float
         Wall time, s, that one run may take: no step is tried that would take longer.
     finest : float or None
-        Step, s, to stop at, or as much below as three runs take; None for as fine as it must be.
+        Step, s, to stop at, or as much below as four runs take; None for as fine as it must be.
     judged : sequence of History
         What it is to judge: the reference goes on until its own error is well below theirs, or the budget is used up.
 
     Returns
     -------
     Reference or None
-        None if fewer than three runs came to their end.
+        None if fewer than four runs came to their end.
     """
     assert setting.method is not None and setting.step is not None
     runs: list[tuple[Trial, History]] = []
     best: Reference | None = None
     proved: Reference | None = None
-    step = setting.step if finest is None else 4.0 * finest
+    step = setting.step if finest is None else 2.0 ** (ENOUGH - 1) * finest
     for _ in range(MOST):
         progress(f"reference: {setting.method}, step {step:.3g} s")
         trial = subject.run(_with_step(setting, step))
         if trial.done and trial.result is not None:
             runs.append((trial, watched.of(trial.result)))
-        if len(runs) >= 3:
+        if len(runs) >= ENOUGH:
             best = _judged(runs, watched, tolerance, ORDERS[setting.method])
             proved = best if best.converged else proved
             if best.converged and (finest is not None or _clear(best, judged, watched)):
                 return best
         wall = trial.wall_time or 0.0
-        named = finest is not None and step <= finest * (1.0 + 1e-9) and len(runs) >= 3
+        named = finest is not None and step <= finest * (1.0 + 1e-9) and len(runs) >= ENOUGH
         if 2.0 * wall > budget or named:
             break
         step *= 0.5
@@ -128,22 +130,31 @@ def _with_step(setting: Setting, step: float) -> Setting:
     return Setting(setting.method, step, None, setting.rho_inf, setting.elements, setting.constraint)
 
 
+def _order(coarse: tuple[float, float], fine: tuple[float, float]) -> float | None:
+    """Order that two differences show, steps being what they are; None where rounding hides it."""
+    (step, first), (shorter, second) = coarse, fine
+    if second <= ROUNDING or first <= 0.0:
+        return None
+    # Steps are made to divide the frames: two runs may differ by a factor that is not two.
+    return math.log(first / second) / math.log(max(step / shorter if shorter > 0.0 else 2.0, 1.0 + 1e-9))
+
+
 def _judged(runs: list[tuple[Trial, History]], watched: Watched, tolerance: float, order: float) -> Reference:
-    """What the last three runs, and the differences of all before, say of the finest."""
+    """What the last four runs, and the differences of all before, say of the finest."""
     found = []
     for (trial, coarse), (_, fine) in itertools.pairwise(runs):
         found.append((float(trial.attribute("step")), compare(coarse, fine, watched.extent).position))
-    first, second = found[-2][1], found[-1][1]
-    # Steps are made to divide the frames: two runs may differ by a factor that is not two.
-    ratio = found[-2][0] / found[-1][0] if found[-1][0] > 0.0 else 2.0
-    hidden = second <= ROUNDING
-    observed = None if hidden or first <= 0.0 else math.log(first / second) / math.log(max(ratio, 1.0 + 1e-9))
+    second = found[-1][1]
+    orders = [_order(found[i], found[i + 1]) for i in (-3, -2)]
+    observed = orders[-1]
     gain = 2.0 ** (order if observed is None else float(np.clip(observed, 0.5, order))) - 1.0
     error = max(second, ROUNDING) / gain
     why = []
     if error > SHARE * tolerance:
         why.append(f"its own error is about {error:.1e}, more than a tenth of the tolerance {tolerance:.1e}")
-    if observed is not None and abs(observed - order) > WITHIN:
-        why.append(f"the observed order is {observed:.2g}, not {order:g}: laws that switch, or steps still too long")
+    odd = [each for each in orders if each is not None and abs(each - order) > WITHIN]
+    if odd and observed is not None:
+        seen = ", ".join("hidden" if each is None else f"{each:.2g}" for each in orders)
+        why.append(f"the observed orders are {seen}, not {order:g}: laws that switch, or steps still too long")
     trial, history = runs[-1]
     return Reference(trial, history, trial.setting, tuple(found), observed, error, not why, "; ".join(why))

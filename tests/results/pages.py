@@ -1,0 +1,30 @@
+"""Pages that figures are drawn onto in tests: with their pixels in a file, or laid out only.
+
+To lay a figure out is all of drawing it but the pixels: ticks, texts and margins are found, and every warning is given.
+Pixels take as long again, and one kind of result is enough to see them.
+"""
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from tautline.view.figure import save, styled
+
+
+@styled
+def lay_out(figure):
+    figure.draw_without_rendering()
+
+
+def check(figures, folder, pixels):
+    """Save figures by name into a folder and see that none is empty, or lay them out."""
+    for name, figure in figures.items():
+        if pixels:
+            assert save(figure, folder / f"{name}.png").stat().st_size > 5000
+        else:
+            lay_out(figure)
+
+
+def leave_out_pixels(monkeypatch):
+    """Files are named and empty."""
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path: Path(path).touch())

@@ -1,0 +1,96 @@
+"""The one sentence that a study ends with, for made-up runs."""
+
+import re
+
+from tautline.study.advice import advice, good_enough, real_time
+from tautline.study.errors import Errors
+from tautline.study.precision import Row, Study
+from tautline.study.reference import Reference
+from tautline.study.trial import Setting, Trial
+
+
+class Stored:
+    """As much of a result as a row looks at: ten seconds."""
+
+    def __init__(self):
+        self.time, self.attributes = [0.0, 10.0], {"step": 0.01}
+
+
+def row(name, error, factor, status="done"):
+    """A run called by its method with a relative error, None if it has none, and a real-time factor."""
+    stored = Stored() if factor is not None else None
+    wall = () if factor is None else (10.0 * factor,)
+    trial = Trial(Setting(name, 0.01), status, "", stored, wall, wall)
+    return Row(trial, None if error is None else Errors(error, None, None, 0.0))
+
+
+def made(*rows, tolerance=0.01, own=1e-5, mesh=0.0, reference=True):
+    judge = Reference(None, None, Setting("rk4", 1e-4), (), 4.0, own, True, "", mesh) if reference else None
+    return Study(tuple(rows), judge, None, tolerance, None, (0.0, 0.0))
+
+
+def names(rows):
+    return [r.trial.setting.method for r in rows]
+
+
+SLOW, FAIR, QUICK = row("slow", 1e-4, 3.0), row("fair", 5e-3, 0.5), row("quick", 0.3, 0.01)
+
+
+def test_the_cheapest_below_the_error_asked_for_is_advised_and_the_most_accurate_in_real_time():
+    text = advice(made(SLOW, FAIR, row("better", 1e-3, 0.9), QUICK))
+    assert text.startswith("cheapest with an error below 1 %: fair, step 0.01 s (error 0.5 %, real-time factor 0.5)")
+    assert "most accurate in real time: better" in text
+
+
+def test_where_one_run_is_both_it_is_named_once():
+    text = advice(made(SLOW, FAIR, QUICK))
+    assert "and it is the most accurate in real time as well" in text and text.count("fair") == 1
+
+
+def test_where_the_cheapest_is_not_real_time_that_is_said():
+    text = advice(made(SLOW, QUICK))
+    assert text.startswith("cheapest with an error below 1 %: slow") and "which is not real time" in text
+    assert "most accurate in real time: quick" in text
+
+
+def test_where_none_is_faster_than_real_time_that_is_said():
+    assert advice(made(SLOW, row("slower", 1e-6, 30.0))).endswith("none is faster than real time")
+
+
+def test_where_none_is_good_enough_the_best_is_named_with_what_to_do():
+    text = advice(made(QUICK, row("worse", 0.5, 0.001), tolerance=0.002))
+    assert text.startswith("no run has an error below 0.2 %: the best is quick") and "--steps" in text
+
+
+def test_where_no_run_came_to_its_end_there_is_no_advice():
+    for rows in ((), (row("stopped", None, 0.1, "UNSTABLE"),), (row("refused", None, None, "refused"),)):
+        assert advice(made(*rows)) == "no advice: no run came to its end"
+
+
+def test_the_step_that_is_advised_is_the_one_that_was_taken():
+    """A step of 0.0123 s that was asked for is 0.01 s between frames of 0.02 s."""
+    asked = Row(Trial(Setting("fair", 0.0123), "done", "", Stored(), (1.0,), (1.0,)), FAIR.errors)
+    assert "fair, step 0.01 s" in advice(made(asked))
+
+
+def test_without_a_reference_there_is_no_advice():
+    assert advice(made(SLOW, FAIR, reference=False)) == "no advice: there is no reference to judge by"
+
+
+def test_the_references_own_error_counts_against_a_run():
+    """A run 0.8 % off a reference that is 0.5 % off itself cannot be called good to one per cent."""
+    near = row("near", 8e-3, 0.1)
+    assert names(good_enough(made(near, own=1e-3))) == ["near"]
+    assert names(good_enough(made(near, own=5e-3))) == []
+    assert names(good_enough(made(near, mesh=5e-3))) == []
+
+
+def test_runs_are_good_enough_by_their_price_and_live_by_their_error():
+    study = made(SLOW, FAIR, row("cheap", 9e-3, 0.1), QUICK)
+    assert names(good_enough(study)) == ["cheap", "fair", "slow"]
+    assert names(real_time(study)) == ["fair", "cheap", "quick"]
+
+
+def test_advice_is_one_sentence():
+    for rows in ((SLOW, FAIR, QUICK), (SLOW,), (QUICK,), ()):
+        assert not re.search(r"\.\s|\n|\.$", advice(made(*rows)))
