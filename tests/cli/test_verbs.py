@@ -7,10 +7,14 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
+import fake_application
 import numpy as np
 import pytest
 
+from tautline.cli.run import run
+from tautline.cli.verbs import make_app
 from tautline.results.result import Result
 
 FAKE = Path(__file__).with_name("fake_application.py")
@@ -32,6 +36,21 @@ def folder(tmp_path, monkeypatch):
 def fake(*arguments, **environment):
     command = [sys.executable, FAKE, *arguments]
     return subprocess.run(command, capture_output=True, text=True, env=os.environ | environment, timeout=60)
+
+
+@pytest.fixture
+def fake_here(monkeypatch, capsys):
+    """The same in this process, for what many cases show: to start one takes a hundred times longer than to refuse."""
+    stub = SimpleNamespace(simulate=fake_application.simulate)
+    monkeypatch.setitem(sys.modules, "tautline.simulation", stub)
+
+    def call(*arguments):
+        with pytest.raises(SystemExit) as ended:
+            run(make_app(fake_application.FakeApplication()), arguments)
+        printed = capsys.readouterr()
+        return SimpleNamespace(returncode=ended.value.code, stdout=printed.out, stderr=printed.err)
+
+    return call
 
 
 def only_object(done):
@@ -97,9 +116,9 @@ BAD_INPUT = [
 
 
 @pytest.mark.parametrize(("arguments", "message"), BAD_INPUT)
-def test_bad_input_exits_with_2_names_the_fault_and_writes_nothing(folder, arguments, message):
+def test_bad_input_exits_with_2_names_the_fault_and_writes_nothing(folder, fake_here, arguments, message):
     before = {file.name: file.read_bytes() for file in folder.iterdir()}
-    done = fake(*arguments)
+    done = fake_here(*arguments)
     assert done.returncode == 2
     assert message in done.stderr and "Traceback" not in done.stderr and done.stdout == ""
     assert {file.name: file.read_bytes() for file in folder.iterdir()} == before
@@ -108,11 +127,18 @@ def test_bad_input_exits_with_2_names_the_fault_and_writes_nothing(folder, argum
 @pytest.mark.parametrize(
     "arguments", [["simulate", "foreign.yaml"], ["check", "foreign.yaml"], ["simulate", "--nonsense"]]
 )
-def test_bad_input_with_json_is_an_object_of_problems(folder, arguments):
-    done = fake(*arguments, "--json")
+def test_bad_input_with_json_is_an_object_of_problems(folder, fake_here, arguments):
+    done = fake_here(*arguments, "--json")
     report = only_object(done)
     assert done.returncode == 2 and report["status"] == "bad input"
     assert report["problems"][0].keys() == {"file", "line", "key", "value", "cause", "cure"}
+
+
+@pytest.mark.parametrize("arguments", [["simulate", "foreign.yaml"], ["simulat", "good.yaml"]])
+def test_a_process_ends_so_too(folder, fake_here, arguments):
+    done, here = fake(*arguments), fake_here(*arguments)
+    assert done.returncode == here.returncode == 2
+    assert done.stderr.split() == here.stderr.split() and done.stdout == here.stdout == ""
 
 
 def test_a_run_that_stops_early_exits_with_3_and_keeps_its_result(folder):
@@ -175,21 +201,22 @@ def test_a_reader_that_went_away_is_no_error(folder):
         assert (done.stdout.strip(), done.stderr) == ("0", "")
 
 
-def test_plot_takes_a_folder_or_a_file_and_chooses_the_format_by_its_name(folder):
+def test_plot_takes_a_folder_or_a_file_and_chooses_the_format_by_its_name(folder, fake_here):
     fake("simulate", "good.yaml", "--quiet")
     report = only_object(fake("plot", "good.nc", "-o", "figures", "--format", "svg", "--json"))
     assert report["figures"] == ["figures/good_overview.svg", "figures/good_tension.svg"]
-    assert only_object(fake("plot", "good.nc", "-o", "a.pdf", "--what", "tension", "--json"))["figures"] == ["a.pdf"]
+    named = only_object(fake_here("plot", "good.nc", "-o", "a.pdf", "--what", "tension", "--json"))
+    assert named["figures"] == ["a.pdf"]
     for arguments in (["--what", "nonsense"], ["--format", "bmp"], ["-o", "a.png", "--format", "pdf"], ["-o", "x/y/z"]):
-        assert fake("plot", "good.nc", *arguments).returncode == 2
+        assert fake_here("plot", "good.nc", *arguments).returncode == 2
 
 
-def test_new_writes_a_starter_scene_and_overwrites_only_when_forced(folder):
-    assert fake("new").returncode == 0
+def test_new_writes_a_starter_scene_and_overwrites_only_when_forced(folder, fake_here):
+    assert fake_here("new").returncode == 0
     assert Path("pendulum.yaml").read_text().startswith("# A pendulum.")
     Path("pendulum.yaml").write_text("mine\n")
-    assert fake("new").returncode == 2 and Path("pendulum.yaml").read_text() == "mine\n"
-    assert fake("new", "other", "-o", "pendulum.yaml", "--force").returncode == 0
+    assert fake_here("new").returncode == 2 and Path("pendulum.yaml").read_text() == "mine\n"
+    assert fake_here("new", "other", "-o", "pendulum.yaml", "--force").returncode == 0
     assert Path("pendulum.yaml").read_text().startswith("# Another.")
     assert fake("new", "-o", "-").stdout == "# A pendulum.\nfake: true\n"
 

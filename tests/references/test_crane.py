@@ -243,7 +243,7 @@ def test_finite_motion_keeps_its_energy_and_is_the_linear_one_when_small():
 
 
 def test_unequal_masses_run_away_with_atwoods_acceleration():
-    stiff, times = replace(UNEQUAL, axial_stiffness=2e8, roof=1e10), np.array([0.0, 0.5, 1.0])
+    stiff, times = replace(UNEQUAL, axial_stiffness=2e8, roof=1e9), np.array([0.0, 0.5, 1.0])
     a = crane.atwood(900.0, 1000.0, 12.0, 0.35)[0]
     for travel in (stiff.released(times, np.zeros(4))[:, 3], stiff.finite(times, np.zeros(4)).q[:, 3]):
         assert travel == pytest.approx(a * times**2 / 2, abs=2e-4)

@@ -151,7 +151,7 @@ def elements(hoist, count, times):
 def test_load_loss_is_that_of_fine_linear_elements(remaining):
     hoist = Hoist(speed=0.0, remaining=remaining, nodes=48)
     times = np.linspace(0.002, 0.04, 20)
-    coarse, fine = (elements(hoist, n, times) for n in (100, 200))
+    coarse, fine = (elements(hoist, n, times) for n in (75, 150))
     drum = hoist.history(hoist.solve(times[-1], 1e-8), times)["drum"]
     assert np.abs(fine - drum).max() < 0.3 * np.abs(coarse - drum).max()
     assert (4 * fine - coarse) / 3 == pytest.approx(drum, abs=2.0)

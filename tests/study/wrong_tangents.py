@@ -1,8 +1,8 @@
 """Groups whose tangent is a tenth too large and whose every other kernel is right: faults to be found.
 
 `Mount` is a mass, a damper and a spring at one unknown, whose data say by how much each part of its tangent is off: the
-same compiled code is right or wrong. `WrongTension` and its like are groups of ours with another tangent: a group's type
-chooses its code, so each is a type of its own, and takes seconds to compile.
+same compiled code is right or wrong. `WrongTension` and its like are groups of ours with another tangent: the type of
+a group chooses its code, so each is a type of its own, and takes seconds to compile.
 """
 
 import sys

@@ -16,6 +16,8 @@ from tautline.system.system import System
 
 DENSE = 1500
 """Unknowns up to which all modes are found by dense algebra."""
+RIGID = 50.0 * np.finfo(float).eps
+"""Share of the largest squared frequency below which the lowest is zero and rounding."""
 SYMMETRIC = 1.0e-9
 """Relative asymmetry below which a matrix counts as symmetric."""
 
@@ -91,17 +93,24 @@ def _all(mass: np.ndarray, stiffness: np.ndarray, algebraic: np.ndarray) -> tupl
 
 
 def _symmetric(k: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Squared frequencies and shapes; the low ones are exact to rounding of their own where nothing is unstable.
+    """Squared frequencies, rising, and shapes, of symmetric matrices.
 
-    The eigenvalues of K against M are exact to rounding of the largest, which drowns the lowest beside stiff springs:
-    those of M against K, their inverses, are the other way round.
+    The eigenvalues of K against M are exact to rounding of the largest, which drowns the lowest beside stiff springs;
+    those of M against K, their inverses, are the other way round. The lower half is taken from these where nothing
+    moves as a whole and nothing is unstable: there K has no inverse to speak of.
     """
+    square, vectors = eigh(k, m)
     try:
-        inverse, vectors = eigh(m, k)
+        inverse, other = eigh(m, k)
     except LinAlgError:
-        return eigh(k, m)
-    with np.errstate(divide="ignore"):
-        return 1.0 / np.maximum(inverse, 0.0), vectors * np.sqrt(1.0 / np.maximum(inverse, np.finfo(float).tiny))
+        return square, vectors
+    if not square.size or inverse[-1] <= 0.0 or inverse[-1] * square[-1] * RIGID > 1.0 or inverse[0] <= 0.0:
+        return square, vectors
+    order = np.argsort(-inverse)
+    slow = 1.0 / inverse[order]
+    low = slow < np.sqrt(slow[0] * square[-1])
+    shapes = other[:, order] * np.sqrt(slow)
+    return np.where(low, slow, square), np.where(low, shapes, vectors)
 
 
 def _lowest(mass, stiffness, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -40,6 +40,9 @@ def work_precision(study: Study, title: str, path: Path) -> Path:
     for plot, (kind, text, unit) in zip(plots[0], kinds, strict=True):
         for name, rows in curves.items():
             _curve(plot, rows, kind, name, _look(rows, curves))
+        if not any(line.get_xdata().size for line in plot.lines):
+            plot.set_xlim(1e-4, 2.0)
+            plot.set_ylim(1e-6, 2.0)
         _frame(plot, study, kind)
         plot.set_xlabel("real-time factor")
         plot.set_ylabel(label(text, unit))

@@ -1,0 +1,272 @@
+"""The verbs study and stability at the command line: exit codes, files, JSON, and what a person is told."""
+
+import json
+import re
+import signal
+import sys
+from pathlib import Path
+
+import pytest
+from oscillators import OMEGA, chain, oscillator, rk4
+
+from tautline.cable.application import Cable
+from tautline.cli.run import run
+from tautline.cli.verbs import make_app
+from tautline.study import variants as variants_module
+
+STUDY = ("study", "bar.yaml", "--methods", "newmark", "--steps", "10 ms,5ms", "--repeat", "1")
+FEW = ("as it stands", "step x 0.1", "step x 10")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("bar.yaml").write_text(oscillator(time_end=1.0), encoding="utf8")
+    Path("tied.yaml").write_text(chain(100.0, time_end=0.5), encoding="utf8")
+    Path("stops.yaml").write_text(oscillator(**rk4(time_step=0.5, time_end=5.0, plotpoints=0)), encoding="utf8")
+    Path("broken.yaml").write_text(oscillator().replace("EA: 100.0", "EA: much"), encoding="utf8")
+    return tmp_path
+
+
+@pytest.fixture
+def cable(folder, monkeypatch, capsys):
+    """Run a command in this process, as a console script does: exit code, standard output, standard error."""
+
+    def command(*arguments):
+        monkeypatch.setattr(sys, "argv", ["cable", *map(str, arguments)])
+        with pytest.raises(SystemExit) as left:
+            run(make_app(Cable()))
+        captured = capsys.readouterr()
+        return left.value.code or 0, captured.out, captured.err
+
+    return command
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """Stability with three variants and without its bisection."""
+    chosen = [change for change in variants_module.changes(False) if change.name in FEW]
+    monkeypatch.setattr(variants_module, "changes", lambda quick: chosen)
+    monkeypatch.setattr("tautline.study.critical.bisect", lambda *_: (0.28, 0.283))
+
+
+def only_object(out):
+    """The one JSON object on standard output; Python's own reader would let NaN pass."""
+    return json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
+
+
+def made(folder):
+    return sorted(file.name for file in folder.iterdir() if file.suffix != ".yaml")
+
+
+# study
+def test_study_writes_its_files_and_ends_with_a_sentence_of_advice(cable, folder):
+    code, out, err = cable(*STUDY)
+    assert (code, out) == (0, "")
+    assert made(folder) == ["bar_study.csv", "bar_study.nc", "bar_study.png"]
+    for name in made(folder):
+        assert f"wrote {name}" in err
+    for words in ("newmark", "reference (proved): rk4", "observed order 4", "position of position 1", "cores", "load"):
+        assert words in err
+    assert re.search(r"cheapest with an error below 1 %|no run has an error below 1 %", err)
+
+
+def test_study_prints_one_json_object_and_all_else_on_standard_error(cable):
+    code, out, err = cable(*STUDY, "--json", "--tolerance", "5 %")
+    report = only_object(out)
+    assert code == 0 and "wrote bar_study.csv" in err
+    assert (report["scene"], report["status"], report["tolerance"]) == ("bar.yaml", "done", 0.05)
+    assert [run["step"] for run in report["runs"]] == pytest.approx([0.01, 0.005])
+    assert report["files"] == ["bar_study.csv", "bar_study.nc", "bar_study.png"]
+    assert report["reference"]["converged"] is True and report["advice"].startswith("cheapest")
+
+
+def test_every_run_stands_in_a_row_of_the_table_whatever_became_of_it(cable):
+    code, _, err = cable("study", "bar.yaml", "--methods", "RK4,G-alpha", "--steps", "0.5,10ms", "--repeat", "1")
+    assert code == 0
+    rows = [line.split() for line in err.splitlines() if line.startswith(("rk4", "generalized-alpha"))]
+    assert [(row[0], row[-1]) for row in rows] == [
+        ("rk4", "UNSTABLE"), ("rk4", "done"), ("generalized-alpha", "done"), ("generalized-alpha", "done"),
+    ]  # fmt: skip
+
+
+def test_files_go_where_they_are_sent_and_keep_their_points(cable, folder):
+    Path("there").mkdir()
+    assert cable(*STUDY, "-o", "there/run1.5")[0] == 0
+    assert made(folder / "there") == ["run1.5.csv", "run1.5.nc", "run1.5.png"]
+    assert cable(*STUDY, "-o", "there/other.csv")[0] == 0
+    assert "other.csv" in made(folder / "there") and "other.png" in made(folder / "there")
+
+
+def test_a_reference_can_be_chosen_and_a_coarse_one_is_not_proved(cable):
+    code, out, err = cable(*STUDY, "--reference", "newmark", "--reference-step", "50 ms", "--json")
+    reference = only_object(out)["reference"]
+    assert code == 0 and (reference["method"], reference["converged"]) == ("newmark", False)
+    assert reference["step"] == pytest.approx(0.05, rel=0.2)
+    assert "reference (NOT proved): newmark" in err and "warning: the reference is not proved" in err
+    reference = only_object(cable(*STUDY, "--reference", "newmark", "--json")[1])["reference"]
+    assert (reference["method"], reference["converged"]) == ("newmark", True)
+
+
+def test_constraints_meshes_ends_and_points_can_be_named(cable):
+    report = only_object(
+        cable("study", "tied.yaml", "--methods", "newmark", "--steps", "5ms", "--repeat", "1", "--constraints",
+              "penalty,lagrange", "--end", "0.3", "--point", "2", "--json")[1]
+    )  # fmt: skip
+    assert [run["constraint"] for run in report["runs"]] == ["penalty", "lagrange"]
+    assert report["point"] == "position 2" and report["runs"][0]["steps"] == 60
+
+
+def test_a_quick_look_is_short(cable):
+    code, out, _ = cable("study", "bar.yaml", "--quick", "--json")
+    report = only_object(out)
+    assert code == 0 and all(run["repetitions"] == 1 for run in report["runs"] if run["status"] == "done")
+    assert {run["method"] for run in report["runs"]} == {"rk4", "generalized-alpha"}
+    assert max(run["steps"] for run in report["runs"]) <= 0.4 / 0.0025
+
+
+BAD = [
+    (("--steps", "soon"), "--steps", "soon"), (("--steps", "0"), "--steps", "0"),
+    (("--steps", "-1ms"), "--steps", "-1ms"), (("--steps", "1ms,,2ms"), "--steps", "empty"),
+    (("--steps", "nan"), "--steps", "nan"), (("--steps", "1 m"), "--steps", "1 m"),
+    (("--steps", ""), "--steps", "empty"),
+    (("--methods", "euler"), "--methods", "euler"), (("--methods", ","), "--methods", "empty"),
+    (("--elements", "0"), "--elements", "0"), (("--elements", "two"), "--elements", "two"),
+    (("--tolerance", "1,5 %"), "--tolerance", "1,5 %"), (("--tolerance", "0"), "--tolerance", "0"),
+    (("--tolerance", "90 %"), "--tolerance", "90 %"), (("--tolerance", "1"), "--tolerance", "1"),
+    (("--constraints", "glue"), "--constraints", "glue"), (("--reference", "euler"), "--reference", "euler"),
+    (("--reference", "rk4,newmark"), "--reference", "rk4"),
+    (("--reference-step", "1ms,2ms"), "--reference-step", "1ms"),
+    (("--reference-step", "-1"), "--reference-step", "-1"), (("--point", "hook"), "--point", "hook"),
+    (("--repeat", "0"), "--repeat", ""), (("--budget", "0"), "--budget", ""), (("--end", "-1"), "--end", "-1"),
+    (("--end", "0.001"), "--end", "0.001"), (("--end", "nan"), "--end", "nan"), (("--end", "soon"), "--end", ""),
+    (("-o", "nowhere/x"), "nowhere", "folder"), (("--stepp", "1"), "--stepp", ""),
+]  # fmt: skip
+"""Options that cannot be, what the message names, and the value or the word that it says."""
+
+
+@pytest.mark.parametrize(("options", "named", "value"), BAD, ids=lambda x: " ".join(x) if isinstance(x, tuple) else "")
+def test_a_bad_option_is_named_with_its_value_and_nothing_is_written(cable, folder, options, named, value):
+    code, out, err = cable(*STUDY[:2], *options)
+    assert (code, out) == (2, "") and made(folder) == []
+    assert named in err and value in err and "Traceback" not in err
+    assert ";" in err or "see" in err, "no cure"
+
+
+@pytest.mark.parametrize("verb", ["study", "stability"])
+@pytest.mark.parametrize("scene", ["missing.yaml", "broken.yaml"])
+def test_a_bad_scene_is_refused_as_everywhere(cable, folder, verb, scene):
+    code, out, err = cable(verb, scene, "--json")
+    assert code == 2 and only_object(out)["status"] == "bad input"
+    assert scene in err and made(folder) == []
+
+
+def test_a_target_that_is_a_folder_is_refused_before_anything_is_run(cable, folder):
+    (folder / "bar_study.nc").mkdir()
+    code, _, err = cable(*STUDY)
+    assert code == 2 and "bar_study.nc" in err and "folder" in err and made(folder) == ["bar_study.nc"]
+
+
+@pytest.mark.parametrize("verb", ["study", "stability"])
+def test_a_scene_that_stops_as_it_stands_is_told_and_not_studied(cable, folder, verb):
+    code, out, err = cable(verb, "stops.yaml", "--json")
+    report = only_object(out)
+    assert (code, report["status"]) == (3, "unstable") and made(folder) == []
+    assert report["stopped"]["sentence"] and "as it stands stopped" in err
+
+
+def interrupting(monkeypatch, after):
+    """Have Ctrl-C pressed in the time loop of the run with this number, as a terminal would."""
+    from tautline import simulation
+
+    march, calls = simulation.march, []
+
+    def pressed(method, system, *rest):
+        calls.append(id(system))
+        if len(dict.fromkeys(calls)) > after:
+            signal.raise_signal(signal.SIGINT)
+        return march(method, system, *rest)
+
+    monkeypatch.setattr(simulation, "march", pressed)
+
+
+@pytest.mark.parametrize("after", [0, 3])
+def test_ctrl_c_ends_a_study_with_130_and_what_there_was_is_reported(cable, folder, monkeypatch, after):
+    interrupting(monkeypatch, after)
+    steps = "40ms,20ms,10ms,5ms"
+    code, out, err = cable("study", "bar.yaml", "--methods", "newmark", "--steps", steps, "--repeat", "1", "--json")
+    assert code == 130 and "interrupted" in err and "Traceback" not in err and "fault of the program" not in err
+    if after:
+        report = only_object(out)
+        assert report["status"] == "interrupted" and 1 <= len(report["runs"]) < 4
+        assert made(folder) == ["bar_study.csv", "bar_study.nc", "bar_study.png"]
+
+
+@pytest.mark.parametrize("after", [0, 4])
+def test_ctrl_c_ends_stability_with_130(cable, few, monkeypatch, after):
+    interrupting(monkeypatch, after)
+    code, _, err = cable("stability", "bar.yaml")
+    assert code == 130 and "interrupted" in err and "Traceback" not in err and "fault of the program" not in err
+
+
+# stability
+def test_stability_tells_what_limits_the_step_and_what_breaks(cable, few, folder):
+    code, out, err = cable("stability", "bar.yaml", "--json", "--tolerance", "5 %")
+    report = only_object(out)
+    assert code == 0 and report["status"] == "done"
+    assert report["critical_step"]["eigenvalue"] == pytest.approx(2.8 / OMEGA, rel=1e-3)
+    assert [variant["name"] for variant in report["variants"]] == list(FEW)
+    assert [variant["outcome"] for variant in report["variants"]] == ["right", "right", "inaccurate"]
+    assert made(folder) == ["bar_stability.csv", "bar_stability.png"] == report["files"]
+    for words in ("by effective length", "by eigenvalues", "set by", "stiffness of linear tension", "condition number",
+                  "energy drift", "tangent", "none ended wrong without saying so"):  # fmt: skip
+        assert words in err
+    assert "constraint drift" not in err
+
+
+def test_stability_of_a_scene_with_ties_tells_what_multipliers_do(cable, few):
+    code, out, err = cable("stability", "tied.yaml", "--json", "--end", "0.3")
+    report = only_object(out)
+    assert code in (0, 3) and report["constraint_drift"] < 1e-12 and "constraint drift" in err
+    assert "without the scaling" in err and report["conditioning"][0]["unscaled"] > report["conditioning"][0]["scaled"]
+
+
+def test_a_variant_that_is_wrong_without_a_word_ends_with_3_and_is_shown(cable, few, monkeypatch):
+    """What a run says of itself is taken away: no warning, no lag, no energy."""
+    monkeypatch.setattr("tautline.simulation.Run.warnings", lambda *_: [])
+    monkeypatch.setattr("tautline.simulation.Run.phase_lag", lambda *_: 0.0)
+    monkeypatch.setattr("tautline.simulation.Run.energy_gained", lambda *_: 0.0)
+    code, out, err = cable("stability", "bar.yaml", "--json")
+    report = only_object(out)
+    assert code == 3
+    assert [variant["silent"] for variant in report["variants"] if variant["name"] == "step x 10"] == [True]
+    assert "SILENT" in err and "ended wrong and said nothing" in err
+    assert any("step x 10: wrong by" in warning for warning in report["warnings"])
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [(("--tolerance", "1,5"), "--tolerance"), (("--budget", "0"), "--budget"), (("--end", "0.001"), "--end"),
+     (("--point", "hook"), "--point"), (("-o", "nowhere/x"), "nowhere"), (("--steps", "1ms"), "--steps")],
+)  # fmt: skip
+def test_bad_options_of_stability_are_refused_and_nothing_is_written(cable, few, folder, options, named):
+    code, out, err = cable("stability", "bar.yaml", *options)
+    assert (code, out) == (2, "") and named in err and made(folder) == [] and "Traceback" not in err
+
+
+# the same from Python, and what simulate says
+def test_both_are_one_call_from_python(folder, few):
+    import tautline
+    from tautline.study.precision import Grid
+
+    found = tautline.study_errors("bar.yaml", end=0.5, grid=Grid(("newmark",), (0.01,)), repetitions=1)
+    assert found.reference.converged and found.rows[0].trial.attribute("steps") == 50
+    assert tautline.study_stability(tautline.read("bar.yaml"), end=0.5).critical.omega_max == pytest.approx(OMEGA)
+
+
+def test_simulate_tells_its_numerical_dissipation_and_warns_of_few_steps(cable):
+    code, out, err = cable("simulate", "bar.yaml", "--step", "0.1", "--rho-inf", "0.5", "--json")
+    report = only_object(out)
+    assert code == 0 and report["numerical_dissipation"] > 0.0 and "energy lost to the method" in err
+    assert report["motion_frequency"] == pytest.approx(OMEGA / 6.2832, rel=0.3)
+    assert any("steps a turn" in warning for warning in report["warnings"]) and "warning: the motion turns over" in err
