@@ -32,7 +32,12 @@ class Point:
 @pytest.fixture
 def installed(monkeypatch):
     points = [Point("fake", FakeApplication), Point("other", Other), Point("broken", None)]
-    monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: points)
+    others = importlib.metadata.entry_points
+
+    def entry_points(group):
+        return points if group == "tautline.applications" else others(group=group)
+
+    monkeypatch.setattr(importlib.metadata, "entry_points", entry_points)
     return Installed()
 
 

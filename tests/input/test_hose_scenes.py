@@ -379,7 +379,7 @@ def test_a_speed_can_be_put_in_place_of_the_scene_s():
 
 @pytest.mark.parametrize(("edit", "value"), [((WATER, ""), 3.0), ((SPEED, "3"), math.nan)])
 def test_a_speed_of_nothing_or_no_speed_is_refused(edit, value):
-    with pytest.raises(SceneError, match=r"is missing: nothing can flow|--speed: is not a finite"):
+    with pytest.raises(SceneError, match=r"is missing: nothing can flow|--speed nan: is not a finite"):
         with_speed(scene_of(edit), value)
 
 

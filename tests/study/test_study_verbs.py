@@ -43,6 +43,13 @@ def cable(folder, monkeypatch, capsys):
 
 
 @pytest.fixture
+def sketched(monkeypatch):
+    """Figures are written as empty files: drawing takes as long as all else."""
+    for name in ("work_precision", "stability_figure"):
+        monkeypatch.setattr(f"tautline.study.figures.{name}", lambda found, title, path: path.touch() or path)
+
+
+@pytest.fixture
 def few(monkeypatch):
     """Stability with three variants and without its bisection."""
     chosen = [change for change in variants_module.changes(False) if change.name in FEW]
@@ -71,7 +78,7 @@ def test_study_writes_its_files_and_ends_with_a_sentence_of_advice(cable, folder
     assert re.search(r"cheapest with an error below 1 %|no run has an error below 1 %", err)
 
 
-def test_study_prints_one_json_object_and_all_else_on_standard_error(cable):
+def test_study_prints_one_json_object_and_all_else_on_standard_error(cable, sketched):
     code, out, err = cable(*STUDY, "--json", "--tolerance", "5 %")
     report = only_object(out)
     assert code == 0 and "wrote bar_study.csv" in err
@@ -81,7 +88,7 @@ def test_study_prints_one_json_object_and_all_else_on_standard_error(cable):
     assert report["reference"]["converged"] is True and report["advice"].startswith("cheapest")
 
 
-def test_every_run_stands_in_a_row_of_the_table_whatever_became_of_it(cable):
+def test_every_run_stands_in_a_row_of_the_table_whatever_became_of_it(cable, sketched):
     code, _, err = cable("study", "bar.yaml", "--methods", "RK4,G-alpha", "--steps", "0.5,10ms", "--repeat", "1")
     assert code == 0
     rows = [line.split() for line in err.splitlines() if line.startswith(("rk4", "generalized-alpha"))]
@@ -90,7 +97,7 @@ def test_every_run_stands_in_a_row_of_the_table_whatever_became_of_it(cable):
     ]  # fmt: skip
 
 
-def test_files_go_where_they_are_sent_and_keep_their_points(cable, folder):
+def test_files_go_where_they_are_sent_and_keep_their_points(cable, folder, sketched):
     Path("there").mkdir()
     assert cable(*STUDY, "-o", "there/run1.5")[0] == 0
     assert made(folder / "there") == ["run1.5.csv", "run1.5.nc", "run1.5.png"]
@@ -98,7 +105,7 @@ def test_files_go_where_they_are_sent_and_keep_their_points(cable, folder):
     assert "other.csv" in made(folder / "there") and "other.png" in made(folder / "there")
 
 
-def test_a_reference_can_be_chosen_and_a_coarse_one_is_not_proved(cable):
+def test_a_reference_can_be_chosen_and_a_coarse_one_is_not_proved(cable, sketched):
     code, out, err = cable(*STUDY, "--reference", "newmark", "--reference-step", "50 ms", "--json")
     reference = only_object(out)["reference"]
     assert code == 0 and (reference["method"], reference["converged"]) == ("newmark", False)
@@ -108,7 +115,7 @@ def test_a_reference_can_be_chosen_and_a_coarse_one_is_not_proved(cable):
     assert (reference["method"], reference["converged"]) == ("newmark", True)
 
 
-def test_constraints_meshes_ends_and_points_can_be_named(cable):
+def test_constraints_meshes_ends_and_points_can_be_named(cable, sketched):
     report = only_object(
         cable("study", "tied.yaml", "--methods", "newmark", "--steps", "5ms", "--repeat", "1", "--constraints",
               "penalty,lagrange", "--end", "0.3", "--point", "2", "--json")[1]
@@ -117,7 +124,7 @@ def test_constraints_meshes_ends_and_points_can_be_named(cable):
     assert report["point"] == "position 2" and report["runs"][0]["steps"] == 60
 
 
-def test_a_quick_look_is_short(cable):
+def test_a_quick_look_is_short(cable, sketched):
     code, out, _ = cable("study", "bar.yaml", "--quick", "--json")
     report = only_object(out)
     assert code == 0 and all(run["repetitions"] == 1 for run in report["runs"] if run["status"] == "done")
@@ -126,20 +133,12 @@ def test_a_quick_look_is_short(cable):
 
 
 BAD = [
-    (("--steps", "soon"), "--steps", "soon"), (("--steps", "0"), "--steps", "0"),
-    (("--steps", "-1ms"), "--steps", "-1ms"), (("--steps", "1ms,,2ms"), "--steps", "empty"),
-    (("--steps", "nan"), "--steps", "nan"), (("--steps", "1 m"), "--steps", "1 m"),
-    (("--steps", ""), "--steps", "empty"),
-    (("--methods", "euler"), "--methods", "euler"), (("--methods", ","), "--methods", "empty"),
-    (("--elements", "0"), "--elements", "0"), (("--elements", "two"), "--elements", "two"),
-    (("--tolerance", "1,5 %"), "--tolerance", "1,5 %"), (("--tolerance", "0"), "--tolerance", "0"),
-    (("--tolerance", "90 %"), "--tolerance", "90 %"), (("--tolerance", "1"), "--tolerance", "1"),
-    (("--constraints", "glue"), "--constraints", "glue"), (("--reference", "euler"), "--reference", "euler"),
-    (("--reference", "rk4,newmark"), "--reference", "rk4"),
-    (("--reference-step", "1ms,2ms"), "--reference-step", "1ms"),
-    (("--reference-step", "-1"), "--reference-step", "-1"), (("--point", "hook"), "--point", "hook"),
-    (("--repeat", "0"), "--repeat", ""), (("--budget", "0"), "--budget", ""), (("--end", "-1"), "--end", "-1"),
-    (("--end", "0.001"), "--end", "0.001"), (("--end", "nan"), "--end", "nan"), (("--end", "soon"), "--end", ""),
+    (("--steps", "soon"), "--steps", "soon"), (("--methods", "euler"), "--methods", "euler"),
+    (("--elements", "0"), "--elements", "0"), (("--tolerance", "1,5 %"), "--tolerance", "1,5 %"),
+    (("--tolerance", "90 %"), "--tolerance", "90 %"), (("--constraints", "glue"), "--constraints", "glue"),
+    (("--reference", "rk4,newmark"), "--reference", "rk4"), (("--reference-step", "-1"), "--reference-step", "-1"),
+    (("--point", "hook"), "--point", "hook"), (("--repeat", "0"), "--repeat", ""), (("--budget", "0"), "--budget", ""),
+    (("--end", "-1"), "--end", "-1"), (("--end", "0.001"), "--end", "0.001"), (("--end", "nan"), "--end", "nan"),
     (("-o", "nowhere/x"), "nowhere", "folder"), (("--stepp", "1"), "--stepp", ""),
 ]  # fmt: skip
 """Options that cannot be, what the message names, and the value or the word that it says."""
@@ -191,7 +190,7 @@ def interrupting(monkeypatch, after):
 
 
 @pytest.mark.parametrize("after", [0, 3])
-def test_ctrl_c_ends_a_study_with_130_and_what_there_was_is_reported(cable, folder, monkeypatch, after):
+def test_ctrl_c_ends_a_study_with_130_and_what_there_was_is_reported(cable, folder, monkeypatch, sketched, after):
     interrupting(monkeypatch, after)
     steps = "40ms,20ms,10ms,5ms"
     code, out, err = cable("study", "bar.yaml", "--methods", "newmark", "--steps", steps, "--repeat", "1", "--json")
@@ -224,14 +223,14 @@ def test_stability_tells_what_limits_the_step_and_what_breaks(cable, few, folder
     assert "constraint drift" not in err
 
 
-def test_stability_of_a_scene_with_ties_tells_what_multipliers_do(cable, few):
+def test_stability_of_a_scene_with_ties_tells_what_multipliers_do(cable, few, sketched):
     code, out, err = cable("stability", "tied.yaml", "--json", "--end", "0.3")
     report = only_object(out)
     assert code in (0, 3) and report["constraint_drift"] < 1e-12 and "constraint drift" in err
     assert "without the scaling" in err and report["conditioning"][0]["unscaled"] > report["conditioning"][0]["scaled"]
 
 
-def test_a_variant_that_is_wrong_without_a_word_ends_with_3_and_is_shown(cable, few, monkeypatch):
+def test_a_variant_that_is_wrong_without_a_word_ends_with_3_and_is_shown(cable, few, sketched, monkeypatch):
     """What a run says of itself is taken away: no warning, no lag, no energy."""
     monkeypatch.setattr("tautline.simulation.Run.warnings", lambda *_: [])
     monkeypatch.setattr("tautline.simulation.Run.phase_lag", lambda *_: 0.0)

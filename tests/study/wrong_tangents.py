@@ -27,20 +27,29 @@ TOO_LARGE = 1.1
 
 
 class Mount(NamedTuple):
-    """Mass kg, damping N s/m and stiffness N/m at a full place, about ``home`` m; ``told`` (3,) over what is true."""
+    """Mass kg, damping N s/m and stiffness N/m at a full place; ``told`` (3,) over what is true.
+
+    The spring pushes back what is beyond ``home`` m, and where ``one_sided`` is 1 leaves alone what is not.
+    """
 
     place: int
     mass: float
     damping: float
     stiffness: float
     home: float
+    one_sided: int
     told: np.ndarray
+
+
+@kernel
+def _stiffness(g, q):
+    return 0.0 if g.one_sided == 1 and q[g.place] < g.home else g.stiffness
 
 
 @kernel
 def _residual(g, t, q, v, a, r):
     o = g.place
-    r[o] += g.mass * a[o] + g.damping * v[o] + g.stiffness * (q[o] - g.home)
+    r[o] += g.mass * a[o] + g.damping * v[o] + _stiffness(g, q) * (q[o] - g.home)
 
 
 @kernel
@@ -50,14 +59,14 @@ def _mass(g, q, matrix, dofs):
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    entry = cm * g.told[0] * g.mass + cc * g.told[1] * g.damping + ck * g.told[2] * g.stiffness
+    entry = cm * g.told[0] * g.mass + cc * g.told[1] * g.damping + ck * g.told[2] * _stiffness(g, q)
     add_entry(matrix, dofs, g.place, g.place, entry)
 
 
 @kernel
 def _energy(g, t, q, v, e):
     e[0] += 0.5 * g.mass * v[g.place] ** 2
-    e[1] += 0.5 * g.stiffness * (q[g.place] - g.home) ** 2
+    e[1] += 0.5 * _stiffness(g, q) * (q[g.place] - g.home) ** 2
 
 
 @kernel
@@ -71,12 +80,16 @@ register(
 )  # fmt: skip
 
 
-def mounted(mass=0.5, damping=1.0, stiffness=50.0, told=(1.0, 1.0, 1.0)):
-    """A change of a model that puts a mount at its first free unknown, at rest where the mass of `oscillator` rests."""
+def mounted(mass=0.5, damping=1.0, stiffness=50.0, told=(1.0, 1.0, 1.0), gap=None):
+    """A change of a model that puts a mount at its first free unknown, at rest where the mass of `oscillator` rests.
+
+    With a gap, m, it is that far away and pushes only.
+    """
 
     def change(model):
-        place = int(model.system.free[0])
-        extra = Mount(place, float(mass), float(damping), float(stiffness), 1.0, np.array(told, float))
+        place, home = int(model.system.free[0]), 1.0 + (gap or 0.0)
+        numbers = float(mass), float(damping), float(stiffness), home
+        extra = Mount(place, *numbers, int(gap is not None), np.array(told, float))
         model.system.groups = (*model.system.groups, extra)
         return model
 

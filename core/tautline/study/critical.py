@@ -286,7 +286,7 @@ def explicit_run(subject: Subject, step: float, steps: int | None = None) -> tup
     # Whole steps to a frame, or the step that is taken would be shorter than the one that is named.
     wanted = _end(subject, step) if steps is None else steps * step
     end = FRAMES * step * max(1, round(wanted / (FRAMES * step)))
-    short = Subject(subject.application, subject.scene, end=end, interval=end / FRAMES, announce=subject.announce)
+    short = replace(subject, end=end, interval=end / FRAMES)
     try:
         model = short.model(Setting("rk4", step))
     except SceneError:

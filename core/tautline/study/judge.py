@@ -49,7 +49,7 @@ def choose_reference(
     """
     judged = [watched.of(trial.result) for trial in trials if trial.done and trial.result is not None]
     model = subject.model(Setting(elements=finest))
-    first = _first_steps(subject, trials, base, finest, offers(model.system.groups, "switch"))
+    first = _first_steps(subject, base, finest, offers(model.system.groups, "switch"))
     named = None
     if asked is not None:
         method = asked.method or str(base.attribute("method"))
@@ -68,16 +68,14 @@ def choose_reference(
     return best
 
 
-def _first_steps(
-    subject: Subject, trials: Sequence[Trial], base: Trial, finest: float, switches: bool
-) -> dict[str, float]:
+def _first_steps(subject: Subject, base: Trial, finest: float, switches: bool) -> dict[str, float]:
     """Methods that may be the reference, the best first, and the step that each begins with, s."""
     own = str(base.attribute("method"))
-    steps = [t.setting.step for t in trials if t.done and t.setting.step and t.setting.method == own]
     taken = float(base.attribute("end")) / max(1, int(base.attribute("steps")))
     critical = critical_at_start(subject, Setting("rk4", None, None, None, finest))
     found: dict[str, float] = {}
     if critical is not None and FEW_STEPS * critical > taken and not switches:
         found["rk4"] = BELOW * critical
-    found.setdefault(own, min(steps, default=taken))
+    # From the scene's own step down: orders are seen early, and the last runs are as fine as what they judge asks.
+    found.setdefault(own, taken)
     return found

@@ -149,10 +149,13 @@ def _judged(runs: list[tuple[Trial, History]], watched: Watched, tolerance: floa
     observed = orders[-1]
     gain = 2.0 ** (order if observed is None else float(np.clip(observed, 0.5, order))) - 1.0
     error = max(second, ROUNDING) / gain
+    odd = [each for each in orders if each is not None and abs(each - order) > WITHIN]
+    if odd and observed is not None:
+        # Orders that jump promise nothing: the larger of the last differences may come again.
+        error = max(found[-2][1], second) / (2.0**0.5 - 1.0)
     why = []
     if error > SHARE * tolerance:
         why.append(f"its own error is about {error:.1e}, more than a tenth of the tolerance {tolerance:.1e}")
-    odd = [each for each in orders if each is not None and abs(each - order) > WITHIN]
     if odd and observed is not None:
         seen = ", ".join("hidden" if each is None else f"{each:.2g}" for each in orders)
         why.append(f"the observed orders are {seen}, not {order:g}: laws that switch, or steps still too long")
