@@ -188,7 +188,7 @@ def test_a_payload_above_its_anchor_falls_as_free_or_is_refused_at_rest():
 )
 def test_fixed_steps_of_a_tenth_of_a_millisecond_to_half_a_second(step, close, usual):
     """Height after two seconds, m: the bounce of 60 ms is lost from 50 ms on, and the mean is kept."""
-    # The worst frame counts: in steps of half a second the ledger is 3 % off between the first and the last.
+    # The worst frame counts: in steps of half a second the ledger is 4.5 % off between the first and the last.
     energy = 0.02 if step < 0.5 else 0.05
     result = ran(hoist(solver={"end": 2.0, "step": step} | FIXED, interval=max(step, 0.01)), energy=energy)
     hangs(result)
