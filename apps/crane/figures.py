@@ -7,7 +7,7 @@ carries, and so the files that this names.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,51 +16,34 @@ import numpy as np
 from crane.course import Course, course_of, laid_out, scene_of
 from crane.path_figure import draw_scene_figure, of_run, path_figure
 from crane.scene import CraneScene
-from crane.summary import ends_of, span_ends
+from crane.summary import ends_of, most_worked_end, span_ends
 from crane.wear_figures import bending_figure, rainflow_figure
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
+from tautline.view.comparison import NothingToShow, marker, names, over_time, title
+from tautline.view.drawings import Drawing, drawn, writing
 from tautline.view.figure import (
     COLOURS,
-    SHADES,
+    STYLES,
     Axes,
     Figure,
     axes,
+    colour,
     label,
-    save_all,
+    legend_above,
     scale,
     shade,
     styled,
     widen,
 )
+from tautline.view.histories import Panels, energies, spectrum_figure
 
-FIGURES: Mapping[str, str] = {
-    "overview": "largest tension, the load's height and the winch's power against time; several results are overlaid",
-    "path": "the rope's way at the first and the last frame",
-    "tension": "tension at the ends of the spans against time",
-    "payload": "position of the bodies against time",
-    "winch": "tension, speed and power of the drums",
-    "sheaves": "wrap, fleet angle and rotation of the sheaves, and when the rope slips",
-    "energy": "energies and their balance",
-    "rainflow": "ranges of tension of the most worked span end",
-    "bending": "bending cycles of every metre of rope",
-}
-"""Names for ``--what``."""
-
-ENERGIES = {
-    "kinetic_energy": "kinetic",
-    "strain_energy": "strain",
-    "potential_energy": "potential",
-    "dissipated_energy": "dissipated",
-    "external_work": "work of winches and frames",
-}
 MOST_LINES = 6
 """Span ends that are drawn one by one; of more, the two ends of the rope and the range of all."""
 CLOSE = 2.0
 """Breaking load over largest tension up to which it is drawn."""
-STILL = 1.0e-6
-"""Metres by which a coordinate moves that is left out."""
-LONGEST_NAME = 40
+STILL, LITTLE = 1.0e-6, 1.0e-4
+"""Motion of a coordinate that is left out: metres, and as a share of the largest motion."""
 
 
 class _Run:
@@ -89,34 +72,13 @@ class _Run:
             return span_ends(self.scene)
         return [f"{span}, {end}" for span in self.result["span"] for end in ("first", "last")]
 
-    @property
-    def title(self) -> str:
-        """Heading of its figures."""
-        return str(self.result.attributes.get("title") or _stem(self.result))
 
-    @property
-    def marker(self) -> dict[str, Any]:
-        """A run of one frame is a dot: a line through one point would be invisible."""
-        return {"marker": "o"} if len(self.time) == 1 else {}
+def _title(runs: Sequence[_Run]) -> str:
+    return title([run.result for run in runs])
 
 
-def _colour(k: int, count: int) -> Any:
-    return COLOURS[k] if count <= len(COLOURS) else SHADES(k / (count - 1))
-
-
-def _legend(plot: Axes, columns: int = 3) -> None:
-    if plot.get_legend_handles_labels()[0]:
-        plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
-
-
-def _finish(figure: Figure, plots: Any, runs: Sequence[_Run]) -> Figure:
-    """Label the time, and show all of it."""
-    plots[-1, 0].set_xlabel(label("time", "s"))
-    first, last = min(run.time[0] for run in runs), max(run.time[-1] for run in runs)
-    if last > first:
-        plots[-1, 0].set_xlim(first, last)
-    figure.align_ylabels(plots[:, 0])
-    return figure
+def _over_time(figure: Figure, plots: Any, runs: Sequence[_Run]) -> Figure:
+    return over_time(figure, plots, [run.time for run in runs])
 
 
 @styled
@@ -128,19 +90,18 @@ def overview(runs: Sequence[_Run]) -> Figure:
         ("power of the winch", "W", [_of(run.result, "winch_power") for run in runs], 1.0),
     ]
     panels = [panel for panel in panels if any(values is not None for values in panel[2])]
-    title = runs[0].title if len(runs) == 1 else "Comparison of results"
-    figure, plots = axes(len(panels), 1, 8.0, 2.2 * len(panels) + 0.5, title, sharex=True)
+    figure, plots = axes(len(panels), 1, 8.0, 2.2 * len(panels) + 0.5, _title(runs), sharex=True)
     for plot, (text, unit, curves, least) in zip(plots[:, 0], panels, strict=True):
         there = [curve for curve in curves if curve is not None]
         factor, unit = scale(there, unit)
         for k, (run, curve) in enumerate(zip(runs, curves, strict=True)):
             if curve is not None:
                 words = run.name if len(runs) > 1 and plot is plots[0, 0] else None
-                plot.plot(run.time, curve / factor, color=_colour(k, len(runs)), label=words, **run.marker)
+                plot.plot(run.time, curve / factor, color=colour(k, len(runs)), label=words, **marker(run.time))
         widen(plot, np.concatenate(there) / factor, least / factor)
         plot.set_ylabel(label(text, unit))
-    _legend(plots[0, 0], max(1, min(4, 75 // (max(len(run.name) for run in runs) + 5))))
-    return _finish(figure, plots, runs)
+    legend_above(plots[0, 0])
+    return _over_time(figure, plots, runs)
 
 
 def _height(result: Result) -> np.ndarray | None:
@@ -153,231 +114,220 @@ def _of(result: Result, name: str) -> np.ndarray | None:
 
 
 @styled
-def path(run: _Run) -> Figure:
+def path(runs: Sequence[_Run]) -> Figure:
     """The rope's way at the first and the last frame."""
+    (run,) = runs
     course, last = run.course, len(run.time) - 1
     shots = [of_run(run.result, course, 0, f"at {run.time[0]:.4g} s")]
     if last > 0:
         shots.append(of_run(run.result, course, last, f"at {run.time[last]:.4g} s"))
-    return path_figure(shots, course.scene, run.title)
+    return path_figure(shots, course.scene, _title(runs))
 
 
 @styled
-def tension(run: _Run) -> Figure:
-    """Tension at the ends of the spans; at the first frame dashed, and the breaking load where it is near."""
-    values, names = ends_of(run.result), run.ends
-    factor, unit = scale([values], "N")
-    values = values / factor
-    figure, plots = axes(1, 1, 8.0, 4.6, run.title)
+def tension(runs: Sequence[_Run]) -> Figure:
+    """Tension at the ends of the spans, shaded where the rope is slack, and the breaking load where it is near.
+
+    Of one result the first frame is dashed; of several, both ends of the rope are drawn and the range between.
+    """
+    every = [ends_of(run.result) for run in runs]
+    factor, unit = scale(every, "N")
+    figure, plots = axes(1, 1, 8.0, 4.6, _title(runs))
     plot = plots[0, 0]
+    for number, (run, values) in enumerate(zip(runs, every, strict=True)):
+        _tensions(plot, run, values / factor, None if len(runs) == 1 else colour(number, len(runs)))
+        breaking = run.scene.rope.breaking_load if run.scene is not None else None
+        if number == 0 and breaking is not None and breaking < CLOSE * float(values.max()):
+            plot.axhline(breaking / factor, color="black", lw=1.4, label="breaking load")
+        if values.size:
+            shade(plot, run.time, np.any(values <= 0.0, axis=1), text="slack" if number == 0 else "")
+    widen(plot, np.concatenate([values.ravel() for values in every]) / factor, 1.0 / factor)
+    plot.set_ylabel(label("tension; dashed: at the first frame" if len(runs) == 1 else "tension", unit))
+    legend_above(plot)
+    return _over_time(figure, plots, runs)
+
+
+def _tensions(plot: Axes, run: _Run, values: np.ndarray, ink: Any) -> None:
+    """Draw the tensions of a result: each in a colour, or all in the one that tells it from other results."""
+    ends = run.ends
     shown = list(range(values.shape[1]))
-    if len(shown) > MOST_LINES:
-        band = {"color": COLOURS[5], "alpha": 0.35, "lw": 0, "label": "range over the rope"}
-        plot.fill_between(run.time, values.min(axis=1), values.max(axis=1), **band)
+    if len(shown) > MOST_LINES or ink is not None:
+        band: dict[str, Any] = {
+            "color": COLOURS[5] if ink is None else ink,
+            "alpha": 0.35 if ink is None else 0.2,
+            "lw": 0,
+        }
+        words = "range over the rope" if ink is None else None
+        plot.fill_between(run.time, values.min(axis=1), values.max(axis=1), label=words, **band)
         shown = [0, len(shown) - 1]
-    for k in shown:
-        colour = _colour(k, values.shape[1]) if len(shown) > 2 else COLOURS[shown.index(k)]
-        plot.plot(run.time, values[:, k], color=colour, lw=1.1, label=names[k], **run.marker)
-        plot.axhline(values[0, k], color=colour, lw=0.8, ls="--")
-    breaking = run.scene.rope.breaking_load if run.scene is not None else None
-    if breaking is not None and breaking / factor < CLOSE * float(values.max()):
-        plot.axhline(breaking / factor, color="black", lw=1.4, label="breaking load")
-    if values.size:
-        shade(plot, run.time, np.any(values <= 0.0, axis=1), text="slack")
-    widen(plot, values, 1.0 / factor)
-    plot.set_ylabel(label("tension; dashed: at the first frame", unit))
-    _legend(plot, 3 if max(map(len, names)) < 30 else 2)
-    return _finish(figure, plots, [run])
+    for number, k in enumerate(shown):
+        mine = colour(number, max(len(shown), 2)) if ink is None else ink
+        words = ends[k] if ink is None else f"{run.name}, {ends[k]}"
+        look = {"color": mine, "lw": 1.1, "ls": "-" if ink is None else STYLES[number]}
+        plot.plot(run.time, values[:, k], label=words, **look, **marker(run.time))
+        if ink is None:
+            plot.axhline(values[0, k], color=mine, lw=0.8, ls="--")
 
 
 @styled
-def payload(run: _Run) -> Figure:
+def payload(runs: Sequence[_Run]) -> Figure:
     """Coordinates of the bodies; those in which nothing moves are left out."""
-    position, bodies = run.result["body_position"], [str(name) for name in run.result["body"]]
-    if not bodies:
-        raise _lacks(run, "bodies")
-    moving = [c for c in range(3) if float(np.ptp(position[:, :, c], axis=0).max()) > STILL] or [2]
-    figure, plots = axes(len(moving), 1, 8.0, 2.0 * len(moving) + 0.7, run.title, sharex=True)
+    positions = [run.result["body_position"] for run in runs]
+    for run, position in zip(runs, positions, strict=True):
+        if not position.shape[1]:
+            raise _lacks(run, "bodies")
+    motion = [max(float(np.ptp(position[:, :, c], axis=0).max()) for position in positions) for c in range(3)]
+    moving = [c for c in range(3) if motion[c] > max(STILL, LITTLE * max(motion))] or [2]
+    figure, plots = axes(len(moving), 1, 8.0, 2.0 * len(moving) + 0.7, _title(runs), sharex=True)
     for plot, c in zip(plots[:, 0], moving, strict=True):
-        for k, name in enumerate(bodies):
-            words = name if plot is plots[0, 0] else None
-            plot.plot(run.time, position[:, k, c], color=_colour(k, len(bodies)), label=words, **run.marker)
-        widen(plot, position[:, :, c], 1e-3)
+        for number, (run, position) in enumerate(zip(runs, positions, strict=True)):
+            _columns(plot, runs, number, position[:, :, c], [str(name) for name in run.result["body"]])
+        widen(plot, np.concatenate([position[:, :, c].ravel() for position in positions]), 1e-3)
         plot.set_ylabel(label("xyz"[c], "m"))
-    _legend(plots[0, 0])
-    return _finish(figure, plots, [run])
+    legend_above(plots[0, 0])
+    return _over_time(figure, plots, runs)
+
+
+def _columns(plot: Axes, runs: Sequence[_Run], number: int, values: np.ndarray, things: Sequence[str]) -> None:
+    """Draw (frames, things) values of one of the runs; colours tell runs apart where there are several."""
+    run = runs[number]
+    for k, name in enumerate(things):
+        if len(runs) == 1:
+            look, words = {"color": colour(k, len(things))}, name
+        else:
+            look = {"color": colour(number, len(runs)), "ls": STYLES[k % len(STYLES)]}
+            words = run.name if len(things) == 1 else f"{run.name}, {name}"
+        place = plot.get_subplotspec()
+        first = place is not None and place.is_first_row()
+        plot.plot(run.time, values[:, k], label=words if first else None, **look, **marker(run.time))
 
 
 @styled
-def winch(run: _Run) -> Figure:
+def winch(runs: Sequence[_Run]) -> Figure:
     """Tension, speed and power of the drums, and how much they have paid out."""
-    if "drum_tension" not in run.result:
-        raise _lacks(run, "drums")
-    names = [str(name) for name in run.result["drum"]]
+    for run in runs:
+        if "drum_tension" not in run.result:
+            raise _lacks(run, "drums")
     panels = (
         ("drum_tension", "tension", "N", 1.0),
         ("pay_out_speed", "speed,\npositive out", "m/s", 1e-3),
         ("paid_out", "paid out", "m", 1e-3),
         ("winch_power", "power,\npositive in", "W", 1.0),
     )
-    figure, plots = axes(len(panels), 1, 8.0, 7.4, run.title, sharex=True)
+    figure, plots = axes(len(panels), 1, 8.0, 7.4, _title(runs), sharex=True)
     for plot, (variable, text, unit, least) in zip(plots[:, 0], panels, strict=True):
-        values = run.result[variable]
-        factor, unit = scale([values], unit)
-        for k, name in enumerate(names):
-            words = name if plot is plots[0, 0] else None
-            plot.plot(run.time, values[:, k] / factor, color=_colour(k, len(names)), label=words, **run.marker)
-        widen(plot, values / factor, least / factor)
+        every = [run.result[variable] for run in runs]
+        factor, unit = scale(every, unit)
+        for number, (run, values) in enumerate(zip(runs, every, strict=True)):
+            _columns(plot, runs, number, values / factor, [str(name) for name in run.result["drum"]])
+        widen(plot, np.concatenate([values.ravel() for values in every]) / factor, least / factor)
         plot.set_ylabel(label(text, unit))
-    _legend(plots[0, 0])
-    return _finish(figure, plots, [run])
+    legend_above(plots[0, 0])
+    return _over_time(figure, plots, runs)
 
 
 @styled
-def sheaves(run: _Run) -> Figure:
+def sheaves(runs: Sequence[_Run]) -> Figure:
     """Wrap, fleet angle and rotation of the sheaves; shaded while the rope slips on any of them."""
+    (run,) = runs
     if "wrap" not in run.result:
         raise _lacks(run, "sheaves")
-    result, names = run.result, [str(name) for name in run.result["sheave"]]
+    result, wheels = run.result, [str(name) for name in run.result["sheave"]]
     panels = (
         (np.degrees(result["wrap"]), "wrap", "deg", 0.1),
         (np.degrees(np.abs(result["fleet_angle"]).max(axis=-1)), "larger fleet\nangle", "deg", 0.1),
         (result["sheave_rotation"] / (2.0 * np.pi), "rotation", "turns", 1e-2),
     )
     slips = result["slipping"] != 0.0
-    figure, plots = axes(len(panels), 1, 8.0, 6.4, run.title, sharex=True)
+    figure, plots = axes(len(panels), 1, 8.0, 6.4, _title(runs), sharex=True)
     for plot, (values, text, unit, least) in zip(plots[:, 0], panels, strict=True):
         top = plot is plots[0, 0]
-        for k, name in enumerate(names):
-            few = len(names) <= len(COLOURS) or k in (0, len(names) - 1)
-            words = name if top and few else None
-            plot.plot(run.time, values[:, k], color=_colour(k, len(names)), lw=1.1, label=words, **run.marker)
+        for k, name in enumerate(wheels):
+            few = len(wheels) <= len(COLOURS) or k in (0, len(wheels) - 1)
+            look = {"color": colour(k, len(wheels)), "lw": 1.1, "label": name if top and few else None}
+            plot.plot(run.time, values[:, k], **look, **marker(run.time))
         if slips.any():
-            shade(plot, run.time, slips.any(axis=1), text=_slipping(slips, names) if top else "")
+            shade(plot, run.time, slips.any(axis=1), text=_slipping(slips, wheels) if top else "")
         widen(plot, values, least)
         plot.set_ylabel(label(text, unit))
-    _legend(plots[0, 0])
-    return _finish(figure, plots, [run])
+    legend_above(plots[0, 0])
+    return _over_time(figure, plots, runs)
 
 
-def _slipping(slips: np.ndarray, names: list[str]) -> str:
-    which = [name for k, name in enumerate(names) if slips[:, k].any()]
+def _slipping(slips: np.ndarray, wheels: list[str]) -> str:
+    which = [name for k, name in enumerate(wheels) if slips[:, k].any()]
     return f"slips: {', '.join(which)}" if len(which) <= 2 else f"slips: {len(which)} sheaves"
 
 
-@styled
-def energy(run: _Run) -> Figure:
-    """Changes of the energies since the start, and what is missing from their balance."""
-    values = {name: run.result[name] - run.result[name][0] for name in ENERGIES}
-    factor, unit = scale(list(values.values()), "J")
-    figure, plots = axes(2, 1, 8.0, 5.6, run.title, sharex=True, height_ratios=(2.2, 1.0))
-    upper, lower = plots[:, 0]
-    for number, (name, change) in enumerate(values.items()):
-        upper.plot(run.time, change / factor, color=COLOURS[number], label=ENERGIES[name], **run.marker)
-    upper.set_ylabel(label("change since the start", unit))
-    widen(upper, np.concatenate(list(values.values())) / factor, 1e-3)
-    _legend(upper, 5)
-    missing = sum(change for name, change in values.items() if name != "external_work") - values["external_work"]
-    small, small_unit = scale([missing], "J")
-    lower.plot(run.time, missing / small, color=COLOURS[6], **run.marker)
-    lower.set_ylabel(label("balance error", small_unit))
-    widen(lower, missing / small, 1e-3)
-    return _finish(figure, plots, [run])
+def spectrum(runs: Sequence[_Run]) -> Figure:
+    """Spectra of the tension of the most worked span end, and of the first body's height."""
+
+    def pull(run: _Run) -> tuple[str, np.ndarray]:
+        values = ends_of(run.result)
+        worst, _ = most_worked_end(run.time, values)
+        return run.ends[worst], values[:, worst]
+
+    def height(run: _Run) -> tuple[str, np.ndarray] | None:
+        values = _height(run.result)
+        return None if values is None else (str(run.result["body"][0]), values)
+
+    panels: Panels = {("tension", "N"): [pull(run) for run in runs], ("height", "m"): [height(run) for run in runs]}
+    return spectrum_figure([run.result for run in runs], panels)
 
 
-def rainflow(run: _Run) -> Figure:
+def rainflow(runs: Sequence[_Run]) -> Figure:
     """Rainflow cycles of the most worked span end."""
-    return rainflow_figure(run.time, ends_of(run.result), run.ends, run.title)
+    (run,) = runs
+    return rainflow_figure(run.time, ends_of(run.result), run.ends, _title(runs))
 
 
-def bending(run: _Run) -> Figure:
+def bending(runs: Sequence[_Run]) -> Figure:
     """Bending cycles of every metre of rope."""
-    figure = bending_figure(run.result, run.course, run.title)
+    (run,) = runs
+    figure = bending_figure(run.result, run.course, _title(runs))
     if figure is None:
         raise _lacks(run, "sheaves and no drums")
     return figure
 
 
-def _lacks(run: _Run, what: str) -> ResultError:
-    return ResultError(run.result.path or "result", f"has no {what}", f"draw another figure: {', '.join(FIGURES)}")
+def _lacks(run: _Run, what: str) -> NothingToShow:
+    return NothingToShow(run.result, f"no {what}")
 
 
-_SINGLE: Mapping[str, Callable[[_Run], Figure]] = {
-    "path": path, "tension": tension, "payload": payload, "winch": winch, "sheaves": sheaves, "energy": energy,
-    "rainflow": rainflow, "bending": bending,
-}  # fmt: skip
+DRAWINGS: Mapping[str, Drawing] = {
+    "overview": Drawing(
+        "largest tension, the load's height and the winch's power against time", overview, compared=True
+    ),
+    "path": Drawing("the rope's way at the first and the last frame", path, False),
+    "tension": Drawing("tension at the ends of the spans against time, shaded where it is slack", tension),
+    "payload": Drawing("position of the bodies against time", payload),
+    "winch": Drawing("tension, speed and power of the drums", winch),
+    "sheaves": Drawing("wrap, fleet angle and rotation of the sheaves, and when the rope slips", sheaves, False),
+    "spectrum": Drawing("spectra of the tension and of the load's height", spectrum),
+    "energy": energies("work of winches and frames"),
+    "rainflow": Drawing("ranges of tension of the most worked span end", rainflow, False),
+    "bending": Drawing("bending cycles of every metre of rope", bending, False),
+}
+FIGURES: Mapping[str, str] = {name: drawing.text for name, drawing in DRAWINGS.items()}
+"""Names for ``--what``."""
 
 
-def draw(results: Sequence[Result], what: Sequence[str] = ()) -> dict[str, Figure]:
-    """Draw figures.
+def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Figure]:
+    """Draw figures or variables; see `tautline.view.drawings.drawn`.
 
-    Parameters
-    ----------
-    results : sequence of Result
-        At least one.
-    what : sequence of str
-        Names out of `FIGURES`. If empty, all that one result has something for, and the overview of several.
-
-    Returns
-    -------
-    dict of str to Figure
-        By name; with several results those of one result alone are named ``tension_<result>``.
-
-    Raises
-    ------
-    ResultError
-        If a name is unknown, or a result lacks what a figure shows.
+    By default, all that one result has something for, and the overview of several.
     """
-    for name in what:
-        if name not in FIGURES:
-            known = "; ".join(f"{key} ({text})" for key, text in FIGURES.items())
-            raise ResultError("--what", f"there is no figure '{name}'", f"known: {known}")
-    runs = [_Run(result, name) for result, name in zip(results, _names(results), strict=True)]
-    drawn: dict[str, Figure] = {}
-    for name in what or (FIGURES if len(runs) == 1 else ("overview",)):
-        if name == "overview":
-            drawn[name] = overview(runs)
-            continue
-        for number, run in enumerate(runs):
-            key = name if len(runs) == 1 else f"{name}_{_stem(run.result)}"
-            try:
-                # Two results may have one name in two folders: none may overwrite the other's picture.
-                drawn[key if key not in drawn else f"{key}_{number + 1}"] = _SINGLE[name](run)
-            except ResultError:
-                if what:
-                    raise
-    return drawn
+
+    def runs(results: Sequence[Result]) -> list[_Run]:
+        return [_Run(result, name) for result, name in zip(results, names(results), strict=True)]
+
+    return drawn(results, DRAWINGS, what, vs, runs)
 
 
-def figures(
-    results: Sequence[Result],
-    folder: Path,
-    what: Sequence[str] = (),
-    formats: Sequence[str] = ("png",),
-    stem: str | None = None,
-) -> list[Path]:
-    """Draw results into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
-    base = stem or (_stem(results[0]) if len(results) == 1 else "comparison")
-    return save_all(draw(results, what), Path(folder), base, formats, whole=stem is not None)
+figures = writing(draw)
+"""Draw results into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
 
 
 def draw_scene(scene: CraneScene, path: Path) -> Path:
     """Draw a scene as it stands at t = 0, as ``check --figure`` asks for; raises SceneError and ResultError."""
     return draw_scene_figure(laid_out(scene), Path(path))
-
-
-def _stem(result: Result) -> str:
-    return result.path.stem if result.path is not None else "result"
-
-
-def _names(results: Sequence[Result]) -> list[str]:
-    """Names for a legend: the titles if they tell the results apart, else files, folders and files, or numbers too."""
-    stems = [_stem(result) for result in results]
-    titles = [str(result.attributes.get("title") or "") for result in results]
-    folders = [result.path.absolute().parent.name if result.path else "" for result in results]
-    placed = [f"{folder}/{stem}" for folder, stem in zip(folders, stems, strict=True)]
-    numbered = [f"{number + 1}: {stem}" for number, stem in enumerate(stems)]
-    for names in (titles, stems, placed, numbered):
-        if all(names) and len(set(names)) == len(names):
-            return [name if len(name) <= LONGEST_NAME else "…" + name[1 - LONGEST_NAME :] for name in names]
-    return numbered

@@ -135,11 +135,15 @@ def path_figure(shots: Sequence[Snapshot], scene: CraneScene, title: str) -> Fig
             _draw(plot, shot, plane, last=k == len(shots) - 1)
         equal_scale(plot, extent[:, plane[0]], extent[:, plane[1]], narrow)
         if np.ptp(plot.get_xlim()) < 0.3 * np.ptp(plot.get_ylim()):
-            plot.locator_params(axis="x", nbins=1)
+            # So narrow a picture has room for one number.
+            left, right = plot.get_xlim()
+            plot.set_xticks([0.0 if left < 0.0 < right else float(f"{0.5 * (left + right):.2g}")])
         if name != "Plan":
             _levels(plot, scene)
         _names(plot, shots[-1], plane, extent)
         plot.set_title(name)
+        # What equal scales leave over stands below: above, a heading would be written over.
+        plot.set_anchor("N")
         plot.set_xlabel(label(NAMES[plane[0]], "m"))
         plot.set_ylabel(label(NAMES[plane[1]], "m"))
     handles, texts = plots[0, 0].get_legend_handles_labels()
@@ -196,7 +200,8 @@ def _levels(plot: Axes, scene: CraneScene) -> None:
     for level, colour, name in levels:
         if bottom < level < top:
             plot.axhline(level, color=colour, lw=1.2, zorder=0)
-            plot.text(1.0, level, name, transform=plot.get_yaxis_transform(), color=colour, ha="right", va="bottom")
+            # Beside the picture: inside it stands the rope.
+            plot.text(1.02, level, name, transform=plot.get_yaxis_transform(), color=colour, va="center", fontsize=9)
 
 
 def _names(plot: Axes, shot: Snapshot, plane: tuple[int, int], extent: np.ndarray) -> None:

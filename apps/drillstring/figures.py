@@ -5,8 +5,7 @@ Figures are drawn from the stored variables alone, so a result can be plotted wh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,23 +13,33 @@ import numpy as np
 from drillstring.observe import STUCK
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
-from tautline.view.figure import COLOURS, QUIET, Axes, Figure, axes, label, save_all, scale, shade, styled, widen
+from tautline.view.comparison import NothingToShow, marker, names, over_time, title
+from tautline.view.drawings import Drawing, drawn, writing
+from tautline.view.figure import (
+    COLOURS,
+    QUIET,
+    Axes,
+    Figure,
+    axes,
+    colour,
+    equal_scale,
+    label,
+    legend_above,
+    scale,
+    shade,
+    styled,
+    widen,
+)
+from tautline.view.histories import energies
+from tautline.view.waterfall import edges_of, waterfall_figure
 
 NO_TORQUE = 1.0
 """Torques that stay below this are not drawn, N m."""
-
-LONGEST_NAME = 60
-"""Letters of a result's name that a legend has room for."""
-
+MOST_ORBITS = 6
+"""Lumps whose ways across the hole are drawn."""
+LEAST_ORBIT, LEAST_SHARE = 1e-7, 0.05
+"""Motion across the hole below which a lump rests: m, and as a share of the largest."""
 SIDE_FORCE = "side force on the wall, per lump"
-
-ENERGIES = {
-    "kinetic_energy": "kinetic",
-    "strain_energy": "strain",
-    "potential_energy": "potential",
-    "dissipated_energy": "dissipated",
-    "external_work": "work of the top",
-}
 
 
 @styled
@@ -38,16 +47,15 @@ def overview(results: Sequence[Result]) -> Figure:
     """Block and bit, hook load, bit speed and surface torque against time; several results are overlaid."""
     turning = any(np.abs(result["surface_torque"]).max() > NO_TORQUE for result in results)
     rows = 4 if turning else 3
-    title = _title(results[0]) if len(results) == 1 else "Comparison of results"
-    figure, plots = axes(rows, 1, 8.0, 2.1 * rows + 0.4, title, sharex=True)
+    figure, plots = axes(rows, 1, 8.0, 2.1 * rows + 0.4, title(results), sharex=True)
     moved, load, speed = plots[0, 0], plots[1, 0], plots[2, 0]
     force, force_unit = scale([result["hook_load"] for result in results], "N")
     moment, moment_unit = scale([result["surface_torque"] for result in results], "N m")
-    names = _names(results)
-    drawn: dict[Axes, list[np.ndarray]] = {plot: [] for plot in plots[:, 0]}
+    called = names(results)
+    shown: dict[Axes, list[np.ndarray]] = {plot: [] for plot in plots[:, 0]}
     blocks: list[np.ndarray] = []
     for number, result in enumerate(results):
-        look = {"color": COLOURS[number % len(COLOURS)]} | _marker(result)
+        look = {"color": colour(number, len(results))} | marker(result.time)
         time = result.time
         block, depth = result["block_position"], result["measured_depth"]
         # Runs under the same block motion share one line for it.
@@ -59,9 +67,9 @@ def overview(results: Sequence[Result]) -> Figure:
         if turning:
             curves[plots[3, 0]] = result["surface_torque"] / moment
         for plot, values in curves.items():
-            words = ("bit" if len(results) == 1 else names[number]) if plot is moved else None
+            words = ("bit" if len(results) == 1 else called[number]) if plot is moved else None
             plot.plot(time, values, label=words, **look)
-            drawn[plot].append(values)
+            shown[plot].append(values)
     if len(results) == 1:
         for plot in plots[:, 0]:
             text = "bit stuck" if plot is moved else ""
@@ -72,61 +80,63 @@ def overview(results: Sequence[Result]) -> Figure:
     if turning:
         plots[3, 0].set_ylabel(label("surface torque", moment_unit))
     for plot, least in zip(plots[:, 0], (1e-2, 1e3 / force, 1e-3, NO_TORQUE / moment), strict=False):
-        values = np.concatenate(drawn[plot] + ([one - one[0] for one in blocks] if plot is moved else []))
+        values = np.concatenate(shown[plot] + ([one - one[0] for one in blocks] if plot is moved else []))
         widen(plot, values, least)
-    columns = max(1, min(5, 75 // (max(map(len, names)) + 5)))
-    moved.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
-    plots[-1, 0].set_xlabel(label("time", "s"))
-    figure.align_ylabels(plots[:, 0])
-    _whole_time(plots[-1, 0], results)
-    return figure
+    legend_above(moved)
+    return over_time(figure, plots, [result.time for result in results])
 
 
 @styled
-def forces(result: Result) -> Figure:
-    """Tension, side force and torque down the string: at the start, at the end, and their range over time."""
-    tension, contact, torque = result["tension"], result["contact_force"], result["torque"]
-    depth = result["measured_depth"].mean(axis=0)
-    middle = _link_depth(depth, tension.shape[1])
-    panels = [(tension, middle, "N", "tension"), (contact, depth, "N", SIDE_FORCE)]
-    if np.abs(torque).max() > NO_TORQUE:
-        panels.append((torque, middle, "N m", "torque"))
-    figure, plots = axes(1, len(panels), 3.6 * len(panels) + 0.8, 5.6, _title(result), sharey=True)
-    for plot, (values, at, unit, text) in zip(plots[0], panels, strict=True):
-        factor, unit = scale([values], unit)
-        values = values / factor
-        _profile(plot, values, at, result.time, joined=values.shape[1] > 1 and text != SIDE_FORCE)
+def forces(results: Sequence[Result]) -> Figure:
+    """Tension, side force and torque down the string: at the end of the run, and their range over time.
+
+    Of one result the start is drawn too; of several the ends are told apart by colour.
+    """
+    turning = any(np.abs(result["torque"]).max() > NO_TORQUE for result in results)
+    panels = [("tension", "N", "tension"), ("contact_force", "N", SIDE_FORCE)]
+    panels += [("torque", "N m", "torque")] if turning else []
+    depths = [result["measured_depth"].mean(axis=0) for result in results]
+    called = names(results) if len(results) > 1 else [None]
+    figure, plots = axes(1, len(panels), 3.6 * len(panels) + 0.8, 5.6, title(results), sharey=True)
+    for plot, (name, unit, text) in zip(plots[0], panels, strict=True):
+        factor, unit = scale([result[name] for result in results], unit)
+        for number, (result, depth) in enumerate(zip(results, depths, strict=True)):
+            values = result[name] / factor
+            at = depth if name == "contact_force" else _link_depth(depth, values.shape[1])
+            joined = values.shape[1] > 1 and name != "contact_force"
+            _profile(plot, values, at, result.time, joined, colour(number, len(results)), called[number])
         plot.axvline(0.0, color="black", lw=0.8)
         plot.set_xlabel(label(text, unit))
     plots[0, 0].set_ylabel(label("measured depth", "m"))
-    low, high = min(0.0, depth.min()), depth.max()
+    low, high = min(0.0, *(depth.min() for depth in depths)), max(depth.max() for depth in depths)
     plots[0, 0].set_ylim(high + 0.03 * (high - low + 1.0), low - 0.01 * (high - low + 1.0))
-    plots[0, 0].legend(loc="best")
+    figure.legend(*plots[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
-def _profile(plot: Axes, values: np.ndarray, depth: np.ndarray, time: np.ndarray, joined: bool) -> None:
+def _profile(
+    plot: Axes, values: np.ndarray, depth: np.ndarray, time: np.ndarray, joined: bool, ink: Any, name: str | None
+) -> None:
     """Draw (time, place) values against depth; `joined` by lines if they are samples of something continuous."""
     low, high = values.min(axis=0), values.max(axis=0)
     dashed, whole = ("--", "-") if joined else ("", "")
     if len(time) > 1:
-        look: dict[str, Any] = {
-            "color": COLOURS[5],
-            "alpha": 0.35,
-            "lw": 0 if joined else 6,
-            "label": "range over time",
-        }
+        band: dict[str, Any] = {"color": COLOURS[5] if name is None else ink, "alpha": 0.35 if name is None else 0.2}
+        text = "range over time" if name is None else ""
         if joined:
-            plot.fill_betweenx(depth, low, high, **look)
+            plot.fill_betweenx(depth, low, high, lw=0, label=text, **band)
         else:
-            plot.hlines(depth, low, high, **look)
-        plot.plot(values[0], depth, color=QUIET, marker="o", ms=4, ls=dashed, label=f"start, {time[0]:.4g} s")
-    plot.plot(values[-1], depth, color=COLOURS[0], marker="o", ms=3, ls=whole, label=f"end, {time[-1]:.4g} s")
+            plot.hlines(depth, low, high, lw=6, label=text, **band)
+        if name is None:
+            plot.plot(values[0], depth, color=QUIET, marker="o", ms=4, ls=dashed, label=f"start, {time[0]:.4g} s")
+    words = f"{name or 'end'}, {time[-1]:.4g} s"
+    plot.plot(values[-1], depth, color=ink, marker="o", ms=3, ls=whole, label=words)
 
 
 @styled
-def path(result: Result) -> Figure:
+def path(results: Sequence[Result]) -> Figure:
     """Vertical section and plan of the string at the end of the run, and of the well where the result has it."""
+    (result,) = results
     position = result["position"][-1]
     touching = result["contact_force"][-1] > 0.0
     well = result["well_position"] if "well_position" in result else None
@@ -138,7 +148,7 @@ def path(result: Result) -> Figure:
     flats = [lambda p: (p[:, :2] @ along, p[:, 2]), lambda p: (p[:, 1], p[:, 0])]
     spans = [_spans(*flatten(course)) for flatten in flats]
     ratios = [float(np.clip(across / up, 0.3, 2.0)) for across, up in spans]
-    figure, plots = axes(1, 2, 4.4 * sum(ratios) + 2.2, 5.6, _title(result), width_ratios=ratios)
+    figure, plots = axes(1, 2, 4.4 * sum(ratios) + 2.2, 5.6, title(results), width_ratios=ratios)
     section, plan = plots[0]
     for plot, flatten, span in zip(plots[0], flats, spans, strict=True):
         if well is not None:
@@ -166,120 +176,117 @@ def path(result: Result) -> Figure:
 
 
 @styled
-def energy(result: Result) -> Figure:
-    """Changes of the energies since the start, and what is missing from their balance."""
-    time = result.time
-    values = {name: result[name] - result[name][0] for name in ENERGIES if name in result}
-    if not values:
-        raise ResultError(result.path or "result", "has no energies", f"draw another figure: {', '.join(FIGURES)}")
-    factor, unit = scale(list(values.values()), "J")
-    figure, plots = axes(2, 1, 8.0, 5.6, _title(result), sharex=True, height_ratios=(2.2, 1.0))
-    upper, lower = plots[:, 0]
-    for number, (name, change) in enumerate(values.items()):
-        upper.plot(time, change / factor, color=COLOURS[number], label=ENERGIES[name], **_marker(result))
-    upper.set_ylabel(label("change since the start", unit))
-    widen(upper, np.concatenate(list(values.values())) / factor, 1e-3)
-    upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, borderaxespad=0.2)
-    missing = sum(change for name, change in values.items() if name != "external_work")
-    missing = missing - values.get("external_work", 0.0)
-    small, small_unit = scale([missing], "J")
-    lower.plot(time, missing / small, color=COLOURS[6], **_marker(result))
-    lower.set_ylabel(label("balance error", small_unit))
-    widen(lower, missing / small, 1e-3)
-    lower.set_xlabel(label("time", "s"))
-    _whole_time(lower, [result])
+def loop(results: Sequence[Result]) -> Figure:
+    """Bit and hook load against the block: what the string keeps back on its way; a ring is where a run begins."""
+    for result in results:
+        if not np.ptp(result["block_position"]) > 0.0:
+            raise NothingToShow(result, "a block that rests")
+    figure, plots = axes(1, 2, 9.6, 4.6, title(results))
+    bit, load = plots[0]
+    force, force_unit = scale([result["hook_load"] for result in results], "N")
+    for number, (result, name) in enumerate(zip(results, names(results), strict=True)):
+        ink = colour(number, len(results))
+        block, depth = result["block_position"], result["measured_depth"][:, -1]
+        for plot, values in ((bit, depth - depth[0]), (load, result["hook_load"] / force)):
+            words = name if plot is bit and len(results) > 1 else None
+            plot.plot(block - block[0], values, color=ink, lw=1.1, label=words)
+            plot.plot(0.0, values[0], color=ink, marker="o", ms=5, mfc="white", ls="", zorder=3)
+    for plot in plots[0]:
+        plot.set_xlabel(label("block, down the hole", "m"))
+    bit.set_ylabel(label("bit, down the hole", "m"))
+    load.set_ylabel(label("hook load", force_unit))
+    # A string that did not stretch would stay on this line.
+    bit.axline((0.0, 0.0), slope=1.0, color=QUIET, lw=0.8, ls=":", label="rigid string")
+    figure.legend(*bit.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 
-FIGURES: Mapping[str, str] = {
-    "overview": "block and bit, hook load, bit speed and surface torque against time",
-    "forces": "tension, side force and torque against measured depth",
-    "path": "vertical section and plan",
-    "energy": "energies and their balance",
+@styled
+def orbit(results: Sequence[Result]) -> Figure:
+    """Ways of lumps across the hole, inside the circle that its wall leaves them: those that move most, and the bit."""
+    (result,) = results
+    offset = result["lateral"] if "lateral" in result else np.zeros((1, 1, 2))
+    motion = np.ptp(offset, axis=0).max(axis=-1)
+    if motion.max() < LEAST_ORBIT:
+        raise NothingToShow(result, "no motion across the hole")
+    least = max(LEAST_ORBIT, LEAST_SHARE * float(motion.max()))
+    busiest = [int(k) for k in np.argsort(-motion) if motion[k] >= least][: MOST_ORBITS - 1]
+    chosen = sorted({*busiest, offset.shape[1] - 1})
+    room, depth = _clearance(result), result["measured_depth"].mean(axis=0)
+    rows = -(-len(chosen) // 3)
+    figure, plots = axes(rows, min(len(chosen), 3), 3.3 * min(len(chosen), 3) + 0.6, 3.4 * rows + 0.9, title(results))
+    turn = np.linspace(0.0, 2.0 * np.pi, 121)
+    for number, (plot, k) in enumerate(zip(plots.flat, chosen, strict=False)):
+        east, north = 1e3 * offset[:, k, 1], 1e3 * offset[:, k, 0]
+        across, up = east, north
+        if room is not None:
+            wall = 1e3 * room[k] * np.array([-1.0, 1.0])
+            across, up = np.r_[east, wall], np.r_[north, wall]
+            plot.plot(1e3 * room[k] * np.cos(turn), 1e3 * room[k] * np.sin(turn), color="black", lw=1.0, label="wall")
+        plot.plot(east, north, color=COLOURS[0], lw=0.9, label="way of the lump's axis")
+        plot.plot(east[0], north[0], color=COLOURS[0], marker="o", ms=5, mfc="white", ls="", label="start")
+        plot.plot(east[-1], north[-1], color=COLOURS[1], marker="o", ms=5, ls="", label="end")
+        equal_scale(plot, across, up, 1e-3)
+        words = "bit" if k == offset.shape[1] - 1 else f"lump {k}"
+        plot.set_title(f"{words}, {depth[k]:.0f} m", fontsize=10)
+        plot.set_xlabel(label("offset along m2", "mm"))
+        if number % 3 == 0:
+            plot.set_ylabel(label("offset along m1", "mm"))
+    for plot in plots.flat[len(chosen) :]:
+        plot.remove()
+    figure.legend(*plots[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure
+
+
+def _clearance(result: Result) -> np.ndarray | None:
+    """How far the axis of each lump can be from that of the hole, (lumps,) m; None where a result does not say."""
+    if not all(name in result for name in ("outer_diameter", "hole_diameter", "well_depth")):
+        return None
+    depth, outer = result["measured_depth"].mean(axis=0), result["outer_diameter"]
+    hole = np.interp(depth, result["well_depth"], result["hole_diameter"])
+    # A lump is half of the pipe above it and half of that below: the thicker one meets the wall.
+    above, below = np.r_[outer[:1], outer], np.r_[outer, outer[-1:]]
+    return 0.5 * (hole - np.maximum(above, below))
+
+
+def waterfall(results: Sequence[Result], name: str = "tension") -> Figure:
+    """What runs down the string, over time and measured depth."""
+    (result,) = results
+    values, variable = result[name], result.variables[name]
+    depth = result["measured_depth"].mean(axis=0)
+    if variable.dims == ("time", "link"):
+        edges = np.r_[min(0.0, depth[0]), depth] if values.shape[1] == len(depth) else depth
+    elif variable.dims == ("time", "body"):
+        edges = np.clip(edges_of(depth), min(0.0, depth[0]), depth[-1]) if len(depth) > 1 else edges_of(depth)
+    else:
+        raise ResultError("--what", f"'{name}' does not run down the string", "name tension, torque or contact_force")
+    unit = variable.units or ("N m" if name == "torque" else "N")
+    return waterfall_figure(result, values, edges, (variable.long_name, unit), ("measured depth", "m"), downwards=True)
+
+
+DRAWINGS: Mapping[str, Drawing] = {
+    "overview": Drawing("block and bit, hook load, bit speed and surface torque against time", overview, compared=True),
+    "forces": Drawing("tension, side force and torque against measured depth", forces),
+    "waterfall": Drawing("tension over time and depth; waterfall:torque another", waterfall, False, takes=True),
+    "loop": Drawing("bit and hook load against the block", loop),
+    "orbit": Drawing("ways of lumps across the hole, inside its wall", orbit, False),
+    "path": Drawing("vertical section and plan", path, False),
+    "energy": energies("work of the top"),
 }
+FIGURES: Mapping[str, str] = {name: drawing.text for name, drawing in DRAWINGS.items()}
 """Names for ``--what``."""
 
-_SINGLE: Mapping[str, Callable[[Result], Figure]] = {"forces": forces, "path": path, "energy": energy}
 
+def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Figure]:
+    """Draw figures or variables; see `tautline.view.drawings.drawn`.
 
-def draw(results: Sequence[Result], what: Sequence[str] = ()) -> dict[str, Figure]:
-    """Draw figures.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        At least one.
-    what : sequence of str
-        Names out of `FIGURES`. If empty, all of them for one result, and the overview for several.
-
-    Returns
-    -------
-    dict of str to Figure
-        By name; with several results those of one result alone are named ``forces_<result>``.
-
-    Raises
-    ------
-    ResultError
-        If a name is unknown, or a result lacks what a figure shows.
+    By default, all that one result has something for, and the overview of several.
     """
-    for name in what:
-        if name not in FIGURES:
-            known = "; ".join(f"{key} ({text})" for key, text in FIGURES.items())
-            raise ResultError("--what", f"there is no figure '{name}'", f"known: {known}")
-    figures: dict[str, Figure] = {}
-    for name in what or (FIGURES if len(results) == 1 else ("overview",)):
-        if name == "overview":
-            figures[name] = overview(results)
-        elif len(results) == 1:
-            figures[name] = _SINGLE[name](results[0])
-        else:
-            # Two results may have one name in two folders: none may overwrite the other's picture.
-            for number, (result, stem) in enumerate(zip(results, _stems(results), strict=True)):
-                key = f"{name}_{stem}"
-                figures[key if key not in figures else f"{key}_{number + 1}"] = _SINGLE[name](result)
-    return figures
+    return drawn(results, DRAWINGS, what, vs)
 
 
-def figures(
-    results: Sequence[Result],
-    folder: Path,
-    what: Sequence[str] = (),
-    formats: Sequence[str] = ("png",),
-    stem: str | None = None,
-) -> list[Path]:
-    """Draw figures into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
-    base = stem or (_stems(results)[0] if len(results) == 1 else "comparison")
-    return save_all(draw(results, what), Path(folder), base, formats, whole=stem is not None)
-
-
-def _stems(results: Sequence[Result]) -> list[str]:
-    return [result.path.stem if result.path is not None else "result" for result in results]
-
-
-def _names(results: Sequence[Result]) -> list[str]:
-    """Names for a legend: the shortest that tell the results apart."""
-    stems = _stems(results)
-    if len(set(stems)) < len(stems):
-        folders = [result.path.absolute().parent.name if result.path else "" for result in results]
-        stems = [f"{folder}/{stem}" for folder, stem in zip(folders, stems, strict=True)]
-    if len(set(stems)) < len(stems):
-        stems = [f"{number + 1}: {stem}" for number, stem in enumerate(stems)]
-    return [stem if len(stem) <= LONGEST_NAME else "…" + stem[1 - LONGEST_NAME :] for stem in stems]
-
-
-def _title(result: Result) -> str:
-    return str(result.attributes.get("title") or _stems([result])[0])
-
-
-def _marker(result: Result) -> dict[str, str]:
-    """A run of one frame is a dot: a line through one point would be invisible."""
-    return {"marker": "o"} if len(result.time) == 1 else {}
-
-
-def _whole_time(plot: Axes, results: Sequence[Result]) -> None:
-    first, last = min(result.time[0] for result in results), max(result.time[-1] for result in results)
-    if last > first:
-        plot.set_xlim(first, last)
+figures = writing(draw)
+"""Draw figures into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
 
 
 def _link_depth(depth: np.ndarray, links: int) -> np.ndarray:

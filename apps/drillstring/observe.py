@@ -68,16 +68,34 @@ class Observer:
         """Arrays that do not change with time."""
         lumps, well = self.lumps, self.well
         stations = np.unique(np.concatenate([well.md, np.linspace(0.0, well.length, 201)]))
+        side, _, direction = well.frame(stations)
         return {
             "body": ("body", np.arange(lumps.length.size + 1), "", "lump, from the top drive down"),
             "link": ("link", np.arange(lumps.length.size), "", "element, from the top drive down"),
             "axis": ("axis", np.array(["x", "y", "z"]), "", "north, east, down"),
             "unstretched_depth": ("body", lumps.measured_depth, "m", "measured depth of the unstretched string"),
             "link_length": ("link", lumps.length, "m", "unstretched length of the element"),
+            "section": ("link", np.array([lumps.tubes[k].name for k in lumps.section]), "", "section of the string"),
+            "outer_diameter": ("link", lumps.of_links(lambda tube: tube.od), "m", "outer diameter of the string"),
             "buoyed_weight": ("body", np.array(self.bodies.lumps.weight), "N", "weight of the lump in the mud"),
             "well_depth": ("station", stations, "m", "measured depth of the well path"),
             "well_position": (("station", "axis"), well.position(stations), "m", "well path north, east, down"),
-        }
+            "well_direction": (("station", "axis"), direction, "", "unit vector down the hole"),
+            "well_side": (("station", "axis"), side, "", "unit vector m1 of the Bishop frame"),
+            "well_curvature": (
+                ("station", "side"), np.stack(well.curvature(stations), axis=-1), "1/m",
+                "curvature on m1 and m2 from here to the next station",
+            ),
+            **self._hole(stations.size),
+        }  # fmt: skip
+
+    def _hole(self, stations: int) -> dict[str, tuple[Any, np.ndarray, str, str]]:
+        """Diameter of the hole; a string in free space has none."""
+        if self.contact is None:
+            return {}
+        spring = self.contact.springs[0]
+        diameter = np.full(stations, 2.0 * (float(spring.clearance) + float(spring.radius)))
+        return {"hole_diameter": ("station", diameter, "m", "diameter of the hole")}
 
     def observe(self, frames: Any) -> dict[str, np.ndarray]:
         """Variables of a batch of frames, leading axis time."""

@@ -7,8 +7,8 @@ drawn by `gardenhose.stability_figures`.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +21,8 @@ from gardenhose.stability_figures import show_in_plane
 from gardenhose.stability_figures import static_figure as static_figure
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
+from tautline.view.comparison import marker, names, one_kind, over_time, title
+from tautline.view.drawings import Drawing, drawn, writing
 from tautline.view.figure import (
     COLOURS,
     QUIET,
@@ -31,21 +33,13 @@ from tautline.view.figure import (
     bar_of_shades,
     height_over_width,
     label,
-    save_all,
+    legend_above,
     shade,
     styled,
     widen,
 )
-
-FIGURES: Mapping[str, str] = {
-    "overview": "tip, phase and shape; ramp too where the flow speed changes",
-    "tip": "flow speed and the tip's coordinates against time",
-    "phase": "phase portrait and path of the tip, as Fig. 2.30 of the thesis",
-    "shape": "the hose over one cycle at the end of the run",
-    "spectrum": "spectrum of the tip's motion at the end of the run",
-    "ramp": "extremes and amplitude of the tip's motion against flow speed",
-}
-"""Names for ``--what``."""
+from tautline.view.histories import energies
+from tautline.view.waterfall import waterfall_figure
 
 CHANGES = 0.05
 """Share of the largest flow speed by which it changes where the speed counts as ramped."""
@@ -65,8 +59,6 @@ FLAT = 1e-14
 """Share of the hose's length below which a line of a spectrum is rounding."""
 DECADES = 6
 """That a spectrum shows."""
-LONGEST_NAME = 40
-"""Letters of a result's name that a legend has room for."""
 
 
 class _Run:
@@ -114,18 +106,17 @@ class _Run:
 
 
 @styled
-def tip(results: Sequence[Result]) -> Figure:
+def tip(runs: Sequence[_Run]) -> Figure:
     """Flow speed and the tip's coordinates against time; several results are overlaid."""
-    runs = _runs(results)
     moves = np.array([np.ptp(run.tip, axis=0) for run in runs]).max(axis=0)
     shown = [axis for axis in range(3) if moves[axis] > 1e-6 * max(run.length for run in runs)] or [2]
     flows = any(np.any(run.flow) for run in runs)
     rows = len(shown) + flows
     figure, plots = axes(
-        rows, 1, 8.0, 1.9 * rows + 1.0, _title(results), sharex=True, height_ratios=[0.7] * flows + [1.0] * len(shown)
+        rows, 1, 8.0, 1.9 * rows + 1.0, _title(runs), sharex=True, height_ratios=[0.7] * flows + [1.0] * len(shown)
     )
     for number, run in enumerate(runs):
-        look = {"color": COLOURS[number % len(COLOURS)]} | _marker(run)
+        look = {"color": COLOURS[number % len(COLOURS)]} | marker(run.time)
         if flows:
             plots[0, 0].plot(run.time, run.flow, label=run.name, **look)
         for plot, axis in zip(plots[int(flows) :, 0], shown, strict=True):
@@ -144,27 +135,21 @@ def tip(results: Sequence[Result]) -> Figure:
         plot.set_ylabel(label(f"tip {'xyz'[axis]}", "m"))
         widen(plot, np.concatenate([run.tip[:, axis] for run in runs]), 2e-3 * runs[0].length)
     if len(runs) > 1:
-        plots[0, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=_columns(runs), borderaxespad=0.2)
-    plots[-1, 0].set_xlabel(label("time", "s"))
-    first, last = min(run.time[0] for run in runs), max(run.time[-1] for run in runs)
-    if last > first:
-        plots[-1, 0].set_xlim(first, last)
-    figure.align_ylabels(plots[:, 0])
-    return figure
+        legend_above(plots[0, 0])
+    return over_time(figure, plots, [run.time for run in runs])
 
 
 @styled
-def phase(results: Sequence[Result]) -> Figure:
+def phase(runs: Sequence[_Run]) -> Figure:
     """Velocity of the tip against its position in the direction of largest motion, and its path.
 
     The cycles that the numbers stand for are emphasised; of one result the rest of the run is drawn in grey.
     """
-    runs = _runs(results)
     leading = max(runs, key=lambda run: run.cycle.amplitude)
     direction, plane = snapped(leading.cycle.direction, ALMOST), leading.plane
     least = 0.05 * leading.length
     ratio = float(np.clip(1.0 / height_over_width(*plane(np.concatenate([run.tip for run in runs])), least), 0.4, 1.2))
-    figure, plots = axes(1, 2, 5.2 + 3.6 * ratio, 4.7, _title(results), width_ratios=(1.25, ratio))
+    figure, plots = axes(1, 2, 5.2 + 3.6 * ratio, 4.7, _title(runs), width_ratios=(1.25, ratio))
     portrait, path = plots[0]
     for number, run in enumerate(runs):
         colour = COLOURS[number % len(COLOURS)]
@@ -176,7 +161,7 @@ def phase(results: Sequence[Result]) -> Figure:
         still = run.cycle.kind == "rest"
         whole = "last cycle" if run.cycle.cycles == 1 else f"last {run.cycle.cycles} cycles"
         text = run.name if len(runs) > 1 else whole if run.cycle.cycles else "run"
-        look = {"color": colour, "lw": 1.6 if run.cycle.cycles else 0.9} | _marker(run)
+        look = {"color": colour, "lw": 1.6 if run.cycle.cycles else 0.9} | marker(run.time)
         portrait.plot(place @ direction, speed @ direction, label=text, **look)
         path.plot(*plane(place), **look)
         if still or not run.cycle.cycles:
@@ -196,9 +181,8 @@ def phase(results: Sequence[Result]) -> Figure:
 
 
 @styled
-def shape(results: Sequence[Result]) -> Figure:
+def shape(runs: Sequence[_Run]) -> Figure:
     """The hose at frames of the last cycle, coloured by time; of a run without a cycle, at frames of all of it."""
-    runs = _runs(results)
     cyclic = all(run.cycle.cycles for run in runs)
     fans = [_fan(run) for run in runs]
     # Hoses of one plane share their limits, so that amplitudes compare at a glance.
@@ -211,7 +195,7 @@ def shape(results: Sequence[Result]) -> Figure:
     least = 0.2 * runs[0].length
     ratio = max(height_over_width(*run.plane(points), least) for run, points in zip(runs, extents, strict=True))
     height = min(max(width * ratio, 1.0), 2.0 * width) + 0.9
-    figure, plots = axes(rows, columns, width * columns + 1.0, height * rows + 1.2, _title(results))
+    figure, plots = axes(rows, columns, width * columns + 1.0, height * rows + 1.2, _title(runs))
     for plot, run, fan, extent in zip(plots.flat, runs, fans, extents, strict=False):
         for share, curve in zip(fan.share, fan.curves, strict=True):
             plot.plot(*run.plane(curve), color=SHADES(share), lw=1.2)
@@ -250,10 +234,9 @@ def _fan(run: _Run) -> _Fan:
 
 
 @styled
-def spectra(results: Sequence[Result]) -> Figure:
+def spectra(runs: Sequence[_Run]) -> Figure:
     """Amplitude spectrum of the tip in its direction of largest motion, over the last cycles, or the second half."""
-    runs = _runs(results)
-    figure, plots = axes(1, 1, 8.0, 4.4, _title(results))
+    figure, plots = axes(1, 1, 8.0, 4.4, _title(runs))
     plot = plots[0, 0]
     highest, widest = 0.0, 0.0
     for number, run in enumerate(runs):
@@ -283,20 +266,19 @@ def spectra(results: Sequence[Result]) -> Figure:
 
 
 @styled
-def ramp(results: Sequence[Result]) -> Figure:
+def ramp(runs: Sequence[_Run]) -> Figure:
     """Extremes of the tip, and its amplitude, against the flow speed at the time: where the motion begins."""
-    runs = _runs(results)
     leading = max(runs, key=lambda run: run.cycle.amplitude)
     # Of the whole run: at its end the hose may have come to rest again.
     direction = snapped(directions(leading.tip_velocity)[0], ALMOST)
-    figure, plots = axes(2, 1, 8.0, 6.4, _title(results), sharex=True, height_ratios=(1.3, 1.0))
+    figure, plots = axes(2, 1, 8.0, 6.4, _title(runs), sharex=True, height_ratios=(1.3, 1.0))
     place, size = plots[:, 0]
     for number, run in enumerate(runs):
         colour = COLOURS[number % len(COLOURS)]
         dense = _dense(run)
         along = run.trace(dense)[0] @ direction
         text = "tip" if len(runs) == 1 else None
-        place.plot(np.interp(dense, run.time, run.flow), along, color=QUIET, lw=0.5, label=text, **_marker(run))
+        place.plot(np.interp(dense, run.time, run.flow), along, color=QUIET, lw=0.5, label=text, **marker(run.time))
         turns = swings(run.time, run.tip @ direction, run.tip_velocity @ direction)
         if len(turns.time) < 2:
             continue
@@ -330,7 +312,7 @@ def ramp(results: Sequence[Result]) -> Figure:
     size.set_xlim(flows.min() - room, flows.max() + room)
     widen(place, np.concatenate([run.tip @ direction for run in runs]), 2e-3 * leading.length)
     size.set_ylim(0.0, max(size.get_ylim()[1], 2e-3 * leading.length) if size.get_lines() else 1.0)
-    place.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=_columns(runs), borderaxespad=0.2)
+    legend_above(place)
     lines = [line for line in size.get_lines() if line.get_ls() in ("--", ":")]
     if lines:
         size.legend(handles=lines, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)
@@ -338,59 +320,48 @@ def ramp(results: Sequence[Result]) -> Figure:
     return figure
 
 
-_DRAWN: Mapping[str, Callable[[Sequence[Result]], Figure]] = {
-    "tip": tip,
-    "phase": phase,
-    "shape": shape,
-    "spectrum": spectra,
-    "ramp": ramp,
+def waterfall(runs: Sequence[_Run], name: str = "axial_force") -> Figure:
+    """What runs along the hose, over time and unstretched length from its root."""
+    (run,) = runs
+    values, variable = run.result[name], run.result.variables[name]
+    if variable.dims != ("time", "element"):
+        raise ResultError("--what", f"'{name}' has no value for each element", "name axial_force or curvature")
+    words = (variable.long_name.split(",")[0], variable.units)
+    return waterfall_figure(run.result, values, run.arc_length, words, ("unstretched length from the root", "m"))
+
+
+DRAWINGS: Mapping[str, Drawing] = {
+    "tip": Drawing("flow speed and the tip's coordinates against time", tip, compared=True),
+    "phase": Drawing("phase portrait and path of the tip, as Fig. 2.30 of the thesis", phase, compared=True),
+    "shape": Drawing("the hose over one cycle at the end of the run", shape, compared=True),
+    "ramp": Drawing("extremes and amplitude of the tip's motion against flow speed", ramp, alone=False),
+    "spectrum": Drawing("spectrum of the tip's motion at the end of the run", spectra, alone=False),
+    "waterfall": Drawing(
+        "axial force over time and length; waterfall:curvature another", waterfall, False, False, takes=True
+    ),
+    "energy": replace(energies("work of the pump and of what moves"), alone=False),
 }
+FIGURES: Mapping[str, str] = {
+    "overview": "tip, phase and shape; ramp too where the flow speed changes",
+    **{name: drawing.text for name, drawing in DRAWINGS.items()},
+}
+"""Names for ``--what``."""
 
 
-def draw(results: Sequence[Result], what: Sequence[str] = ()) -> dict[str, Figure]:
-    """Draw figures.
+def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Figure]:
+    """Draw figures or variables; see `tautline.view.drawings.drawn`.
 
-    Parameters
-    ----------
-    results : sequence of Result
-        At least one.
-    what : sequence of str
-        Names out of `FIGURES`; ``overview``, and nothing, stand for several.
-
-    Returns
-    -------
-    dict of str to Figure
-        By name.
-
-    Raises
-    ------
-    ResultError
-        If a name is unknown, or a result lacks what a figure shows.
+    ``overview``, and nothing, stand for several figures.
     """
-    names: list[str] = []
-    for name in what or ("overview",):
-        if name not in FIGURES:
-            known = "; ".join(f"{key} ({text})" for key, text in FIGURES.items())
-            raise ResultError("--what", f"there is no figure '{name}'", f"known: {known}")
-        if name != "overview":
-            names.append(name)
-            continue
-        names += ["tip", "phase", "shape"]
-        if any(run.ramped for run in _runs(results)):
-            names.append("ramp")
-    return {name: _DRAWN[name](results) for name in dict.fromkeys(names)}
+    one_kind(results)
+    runs = [_Run(result, name) for result, name in zip(results, names(results), strict=True)]
+    whole = ["tip", "phase", "shape", *(["ramp"] if any(run.ramped for run in runs) else [])]
+    named = what or (("overview",) if vs is None else ())
+    return drawn(results, DRAWINGS, named, vs, lambda _: runs, {"overview": whole})
 
 
-def figures(
-    results: Sequence[Result],
-    folder: Path,
-    what: Sequence[str] = (),
-    formats: Sequence[str] = ("png",),
-    stem: str | None = None,
-) -> list[Path]:
-    """Draw figures into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
-    base = stem or (_stem(results[0]) if len(results) == 1 else "comparison")
-    return save_all(draw(results, what), Path(folder), base, formats, whole=stem is not None)
+figures = writing(draw)
+"""Draw figures into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
 
 
 def _onset(flow: np.ndarray, amplitude: np.ndarray, least: float) -> float | None:
@@ -402,31 +373,8 @@ def _onset(flow: np.ndarray, amplitude: np.ndarray, least: float) -> float | Non
     return float(flow[below[-1] + 1])
 
 
-def _runs(results: Sequence[Result]) -> list[_Run]:
-    return [_Run(result, name) for result, name in zip(results, _names(results), strict=True)]
-
-
-def _stem(result: Result) -> str:
-    return result.path.stem if result.path is not None else "result"
-
-
-def _names(results: Sequence[Result]) -> list[str]:
-    """Names for a legend: the titles if they tell the results apart, else files, folders and files, or numbers too."""
-    stems = [_stem(result) for result in results]
-    titles = [str(result.attributes.get("title") or "") for result in results]
-    folders = [result.path.absolute().parent.name if result.path else "" for result in results]
-    placed = [f"{folder}/{stem}" for folder, stem in zip(folders, stems, strict=True)]
-    numbered = [f"{number + 1}: {stem}" for number, stem in enumerate(stems)]
-    for names in (titles, stems, placed, numbered):
-        if all(names) and len(set(names)) == len(names):
-            return [name if len(name) <= LONGEST_NAME else "…" + name[1 - LONGEST_NAME :] for name in names]
-    return numbered
-
-
-def _title(results: Sequence[Result]) -> str:
-    if len(results) > 1:
-        return "Comparison of results"
-    return str(results[0].attributes.get("title") or _stem(results[0]))
+def _title(runs: Sequence[_Run]) -> str:
+    return title([run.result for run in runs])
 
 
 def _sentence(cycle: LimitCycle) -> str:
@@ -437,11 +385,6 @@ def _sentence(cycle: LimitCycle) -> str:
 
 def _columns(runs: Sequence[_Run]) -> int:
     return max(1, min(5, 80 // (max(len(run.name) for run in runs) + 6)))
-
-
-def _marker(run: _Run) -> dict[str, str]:
-    """A run of one frame is a dot: a line through one point would be invisible."""
-    return {"marker": "o"} if len(run.time) == 1 else {}
 
 
 def _dense(run: _Run) -> np.ndarray:

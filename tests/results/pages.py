@@ -1,7 +1,7 @@
 """Pages that figures are drawn onto in tests: with their pixels in a file, or laid out only.
 
-To lay a figure out is all of drawing it but the pixels: ticks, texts and margins are found, and every warning is given.
-Pixels take as long again, and one kind of result is enough to see them.
+To lay a figure out is to find its ticks, its texts and its margins, with every warning of too little room or of a
+letter that the type has not. Drawing the lines takes twice as long again, and one kind of result is enough for it.
 """
 
 from pathlib import Path
@@ -13,7 +13,7 @@ from tautline.view.figure import save, styled
 
 @styled
 def lay_out(figure):
-    figure.draw_without_rendering()
+    figure.get_layout_engine().execute(figure)
 
 
 def check(figures, folder, pixels):

@@ -8,6 +8,7 @@ import pytest
 
 from tautline.cable.application import Cable
 from tautline.cable.figures import FIGURES, draw, figures
+from tautline.cli.pictures import Plots
 from tautline.results.errors import ResultError
 from tautline.results.store import Store
 from tautline.results.variable import Variable
@@ -22,6 +23,7 @@ PER_NODE = {
     "material": ("m", 0),
     "material_rate": ("m/s", 0),
 }
+AXIS = {"axis": ("axis", np.array(["x", "y", "z"]), "", "axis")}
 ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "dissipated_energy", "external_work")
 
 
@@ -40,14 +42,19 @@ def result(scene=SPAN, path=None, frames=50, nodes=5, elements=3, scale=1.0):
     for i, name in enumerate(ENERGIES):
         values[name] = scale * (i + 1) * time
         variables.append(Variable(name, ("time",), "J", name))
-    with Store(path, variables, {}, {"scene": scene}) as store:
+    with Store(path, variables, AXIS, {"scene": scene}) as store:
         store.append(values)
         return store.finish()
 
 
 def lines(figure):
     """Curves of each panel: label -> values."""
-    return [{line.get_label(): np.asarray(line.get_ydata()) for line in plot.get_lines()} for plot in figure.get_axes()]
+    return [of(plot) for plot in figure.get_axes()]
+
+
+def of(plot):
+    """Curves of a panel: label -> values."""
+    return {line.get_label(): np.asarray(line.get_ydata()) for line in plot.get_lines()}
 
 
 def test_the_panels_are_those_that_the_scene_lists():
@@ -85,13 +92,74 @@ def test_the_overview_shows_the_node_that_moves_most():
 def test_every_figure_is_drawn_without_a_warning(tmp_path, kind):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        for name, figure in draw([result(**kind)], list(FIGURES)).items():
+        # A straight ramp has no spectrum, and three elements no waterfall: see below.
+        names = [name for name in FIGURES if name not in ("waterfall", "spectrum")]
+        for name, figure in draw([result(**kind)], names).items():
             assert save(figure, tmp_path / f"{name}.png").stat().st_size > 5000
 
 
 def test_forces_of_many_elements_are_drawn_as_their_range():
     force = lines(draw([result(BARE, elements=30)])["overview"])[0]
     assert len(force) == 2
+
+
+def chain(elements):
+    """A scene of so many elements, one after the other."""
+    node = "  - Node7Dof: {{id: {0}, xyz: [{0}, 0, 0], xyz_d: [1, 0, 0], BC: [0, 0, 0, 0, 0, 0, 1]}}\n"
+    element = "  - CableALEelement: {{id: {0}, nodes7: [{0}, {1}], EA: 1000.0, EJ: 0.0, rhoA: 1.0, cDamp: 0.001}}\n"
+    nodes = "".join(node.format(k) for k in range(elements + 1))
+    model = nodes + "".join(element.format(k, k + 1) for k in range(elements))
+    return BARE[: BARE.index("  - Node7Dof")] + model + BARE[BARE.index("GeneralizedAlpha:") :]
+
+
+def test_a_chain_of_many_elements_has_a_waterfall_over_its_length():
+    run = result(chain(8), elements=8, nodes=9)
+    run["material"][0] = np.array([0, 1, 3, 4, 5, 6, 7, 8, 12.0])
+    assert list(draw([run])) == ["overview", "waterfall"]
+    plot, bar = draw([run], ["waterfall"])["waterfall"].axes
+    (image,) = plot.images
+    np.testing.assert_allclose(image.get_array(), run["axial_force"].T)
+    np.testing.assert_allclose(image._Ay, run["material"][0])
+    assert plot.get_ylim() == (0.0, 12.0) and plot.get_xlim() == (0.0, run.time[-1])
+    assert bar.get_ylabel() == "axial_force [N]"
+    with pytest.raises(ResultError, match="no chain of 6 elements"):
+        draw([result(BARE)], ["waterfall"])
+    with pytest.raises(ResultError, match="'position' has no value for each element"):
+        draw([run], ["waterfall:position"])
+
+
+def test_a_spectrum_names_the_line_of_what_swings():
+    run = result(BARE, frames=400)
+    time = run.time
+    run["axial_force"][:, 1] = 3.0 * time + 40.0 * np.sin(2 * np.pi * 1.25 * time)
+    run["position"][:, 2, 1] += 5.0 * np.sin(2 * np.pi * 0.75 * time)
+    force, place = draw([run], ["spectrum"])["spectrum"].axes
+    curve = force.get_lines()[0].get_label()
+    assert curve == "cable 1: 40 N at 1.25 Hz"
+    assert place.get_lines()[0].get_label() == "node 2, y: 5 m at 0.75 Hz"
+    assert force.get_yscale() == "log" and place.get_ylabel() == "amplitude of\nposition [m]"
+
+
+def test_figures_are_methods_of_a_result():
+    run = result(BARE)
+    plots = Plots(run, Cable())
+    assert {"overview", "waterfall", "spectrum", "energy"} <= set(dir(plots))
+    np.testing.assert_allclose(lines(plots.overview())[0]["cable 2"], run["axial_force"][:, 2])
+    loop = plots("position:2:z", vs="position:2:x").axes[0].get_lines()[0]
+    np.testing.assert_allclose(loop.get_ydata(), run["position"][:, 2, 2])
+    assert plots.overview()._repr_png_()[:4] == b"\x89PNG"
+    assert len(plots("axial_force:0", beside=[result(BARE, frames=3)]).axes[0].get_lines()) == 2
+    with pytest.raises(AttributeError, match=r"no figure 'overvew'; did you mean 'overview'"):
+        plots.overvew()
+    with pytest.raises(AttributeError, match=r'draw the variable by result.plot\("axial_force"\)'):
+        plots.axial_force()
+    assert not hasattr(plots, "_repr_html_") and "overview: axial forces" in repr(plots)
+
+
+def test_a_result_finds_its_application_by_itself():
+    assert "overview" in dir(result(BARE).plot)
+    with pytest.raises(ResultError, match="is a figure of one result"):
+        result(chain(8), elements=8, nodes=9).plot("waterfall", beside=[result(chain(8), elements=8, nodes=9)])
 
 
 def test_several_results_are_overlaid_and_named(tmp_path):
@@ -103,7 +171,7 @@ def test_several_results_are_overlaid_and_named(tmp_path):
 
 
 def test_an_unknown_figure_is_refused_with_those_there_are():
-    with pytest.raises(ResultError, match=r"there is no figure 'forces'.*known: plots"):
+    with pytest.raises(ResultError, match=r"there is no figure or variable 'forces'; .*known: plots"):
         draw([result()], ["forces"])
     with pytest.raises(ResultError, match="lists no Plots"):
         draw([result(BARE)], ["plots"])

@@ -4,8 +4,10 @@ import subprocess
 import sys
 import warnings
 
+import numpy as np
 import pytest
 from pages import check, leave_out_pixels
+from synthetic_hose import result as hose
 from synthetic_string import result
 
 from drillstring.figures import FIGURES, draw, figures
@@ -30,8 +32,17 @@ def test_every_figure_is_drawn_without_a_warning(tmp_path, kind):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         drawn = draw([result(None, **({"frames": 100} | kind))])
-        assert drawn.keys() == FIGURES.keys()
+        still = {"waterfall", "loop", "orbit"} if kind.get("frames") == 1 else set()
+        assert drawn.keys() == FIGURES.keys() - still
         check(drawn, tmp_path, pixels=not kind)
+
+
+@pytest.mark.parametrize(
+    ("name", "why"), [("waterfall", "one frame"), ("loop", "block that rests"), ("orbit", "no motion across the hole")]
+)
+def test_a_figure_that_a_result_has_nothing_for_says_why(name, why):
+    with pytest.raises(ResultError, match=why):
+        draw([result(None, frames=1)], [name])
 
 
 def test_every_axis_says_its_quantity_and_unit():
@@ -65,13 +76,19 @@ def test_files_are_named_after_the_result_and_the_figure(tmp_path, monkeypatch):
     names = [file.name for file in figures([one], tmp_path, (), ("png", "svg"))]
     assert names == [f"well_{name}.{ending}" for name in FIGURES for ending in ("png", "svg")]
     assert [file.name for file in figures([one], tmp_path, ("path",), ("pdf",), "mine")] == ["mine.pdf"]
+    assert figures([one], tmp_path, ("waterfall:torque",))[0].name == "well_waterfall_torque.png"
+    assert (
+        figures([one], tmp_path, ("hook_load",), vs="block_position")[0].name == "well_hook_load_vs_block_position.png"
+    )
     names = [file.name for file in figures([one, other, one], tmp_path, ("overview", "path"))]
     assert names[0] == "comparison_overview.png" and len(set(names)) == len(names) == 4
 
 
 def test_an_unknown_figure_is_refused_with_those_there_are():
-    with pytest.raises(ResultError, match=r"no figure 'torque'; known: overview \("):
-        draw([result(None, frames=2)], ["torque"])
+    with pytest.raises(
+        ResultError, match=r"no figure or variable 'overvew'; did you mean 'overview'\? known: overview \("
+    ):
+        draw([result(None, frames=2)], ["overvew"])
 
 
 def test_a_result_without_energies_says_so():
@@ -87,10 +104,108 @@ def test_a_figure_that_cannot_be_written_is_a_named_error(tmp_path):
         save(figure, tmp_path / "a.nonsense")
 
 
+def test_a_waterfall_is_the_tension_over_time_and_depth_with_its_corners_in_place():
+    run = result(None, frames=100)
+    plot, bar = draw([run], ["waterfall"])["waterfall"].axes
+    (image,) = plot.images
+    tension = run["tension"] / 1e3
+    np.testing.assert_allclose(image.get_array(), tension.T)
+    left, right = plot.get_xlim()
+    low, high = plot.get_ylim()
+    assert (left, right) == (run.time[0], run.time[-1]) and high == 0.0
+    assert low == pytest.approx(run["measured_depth"][:, -1].mean())
+    assert bar.get_ylabel() == "tension [kN]" and plot.get_ylabel() == "measured depth [m]"
+    assert image.get_clim() == (pytest.approx(tension.min()), pytest.approx(tension.max()))
+    # A reader who looks for a depth and a time finds the cell of the element that is there.
+    edges = np.r_[0.0, run["measured_depth"].mean(axis=0)]
+    np.testing.assert_allclose(image._Ay, edges)
+
+
+def test_colours_of_a_waterfall_are_white_at_zero_where_both_signs_are_there():
+    run = result(None, frames=100)
+    image = draw([run], ["waterfall"])["waterfall"].axes[0].images[0]
+    assert image.get_clim()[0] < 0.0 < image.get_clim()[1]
+    white = np.array(image.cmap(image.norm(0.0)))[:3]
+    assert white.min() > 0.93 and np.ptp(white) < 0.03
+    force = draw([run], ["waterfall:contact_force"])["waterfall_contact_force"].axes[0].images[0]
+    assert force.get_clim()[0] == 0.0 and np.array(force.cmap(0.0))[:3].max() < 0.4
+
+
+def test_a_blow_of_one_frame_does_not_darken_a_waterfall():
+    run = result(None, frames=400)
+    run["contact_force"][17, -1] = 5e6
+    figure = draw([run], ["waterfall:contact_force"])["waterfall_contact_force"]
+    assert figure.axes[0].images[0].get_clim()[1] < 60.0
+    assert figure.axes[1].get_ylabel() == "contact force, at most 5 MN [kN]"
+
+
+def test_what_does_not_run_down_the_string_has_no_waterfall():
+    with pytest.raises(ResultError, match="does not run down the string"):
+        draw([result(None, frames=5)], ["waterfall:hook_load"])
+
+
+def test_orbits_are_those_of_the_lumps_that_move_most_inside_the_clearance_of_the_hole():
+    run = result(None, frames=200)
+    plots = draw([run], ["orbit"])["orbit"].axes
+    assert [plot.get_title() or plot.get_title(loc="left") for plot in plots] == [
+        f"lump {k}, {run['measured_depth'][:, k].mean():.0f} m" for k in (8, 9, 10, 11)
+    ] + [f"bit, {run['measured_depth'][:, 12].mean():.0f} m"]
+    wall, way, *_ = plots[0].get_lines()
+    np.testing.assert_allclose(np.hypot(*wall.get_data()), 25.0)  # half of 200 mm less 150 mm
+    np.testing.assert_allclose(way.get_xdata(), 1e3 * run["lateral"][:, 8, 1])
+    np.testing.assert_allclose(way.get_ydata(), 1e3 * run["lateral"][:, 8, 0])
+    assert plots[0].get_aspect() == 1.0
+
+
+def test_an_orbit_has_no_circle_where_the_result_knows_no_hole():
+    run = result(None, frames=50)
+    del run._contents[2]["hole_diameter"]
+    run.__dict__.pop("variables", None)
+    assert "wall" not in draw([run], ["orbit"])["orbit"].axes[0].get_legend_handles_labels()[1]
+
+
+def test_bit_and_hook_load_go_around_over_the_block():
+    run = result(None, frames=300)
+    bit, load = draw([run], ["loop"])["loop"].axes
+    block = run["block_position"] - run["block_position"][0]
+    curve = bit.get_lines()[0]
+    np.testing.assert_allclose(curve.get_xdata(), block)
+    np.testing.assert_allclose(curve.get_ydata(), run["measured_depth"][:, -1] - run["measured_depth"][0, -1])
+    np.testing.assert_allclose(load.get_lines()[0].get_ydata(), run["hook_load"] / 1e3)
+
+
+@pytest.mark.parametrize("name", ["forces", "loop", "energy"])
+def test_figures_of_several_results_have_a_line_of_each(tmp_path, name):
+    runs = [result(tmp_path / f"{k}.nc", frames=frames, lag=k) for k, frames in enumerate((60, 90, 1), 1)][
+        : 3 - (name == "loop")
+    ]
+    figure = draw(runs, [name])[name]
+    texts = [text for plot in figure.axes for text in plot.get_legend_handles_labels()[1]]
+    texts += [text.get_text() for plot in figure.axes if plot.get_legend() for text in plot.get_legend().get_texts()]
+    assert all(any(text.startswith(run.path.stem) for text in texts) for run in runs)
+
+
+def test_results_of_several_applications_are_refused_together():
+    with pytest.raises(ResultError, match=r"is a result of gardenhose, and .* one of drillstring"):
+        draw([result(None, frames=5), hose(frames=5)])
+
+
 def test_units_get_a_prefix_that_keeps_labels_short():
     array = result(None, frames=2)["hook_load"]
     assert scale([array], "N") == (1e3, "kN")
     assert scale([array], "m") == (1.0, "m")
+    assert scale([1e-9 * array], "N") == (1e-3, "mN") and scale([1e-6 * array], "J") == (1.0, "J")
+    assert scale([0.0 * array], "N") == (1.0, "N")
+
+
+def test_a_figure_shows_itself_in_a_notebook_without_pyplot():
+    code = (
+        "import sys; from tautline.view.figure import axes; figure, _ = axes(title='x'); data = figure._repr_png_(); "
+    )
+    code += (
+        "assert data[:8] == b'\\x89PNG\\r\\n\\x1a\\n' and len(data) > 2000 and 'matplotlib.pyplot' not in sys.modules"
+    )
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
 def test_drawing_leaves_the_users_own_style_alone():

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
     from tautline.system.model import Model
+    from tautline.view.appearance import Appearance, Look
 
 TEMPLATES = ("bar", "span")
 KEYS = {"method": "type", "step": "time_step", "end": "time_end", "step_error": "tolerance", "interval": "plotpoints"}
@@ -91,10 +92,36 @@ class Cable:
 
         return build(scene)
 
+    @property
+    def figure_names(self) -> Mapping[str, str]:
+        """Names of figures, and what they show."""
+        from tautline.cable.figures import FIGURES
+
+        return FIGURES
+
+    def pictures(self, results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Any]:
+        """Draw results: name -> Figure, and nothing is written."""
+        from tautline.cable.figures import draw
+
+        return draw(results, what, vs)
+
     def figures(
-        self, results: Sequence[Result], folder: Path, what: Sequence[str], formats: Sequence[str], stem: str | None
+        self,
+        results: Sequence[Result],
+        folder: Path,
+        what: Sequence[str],
+        formats: Sequence[str],
+        stem: str | None,
+        vs: str | None = None,
     ) -> list[Path]:
-        """Draw results."""
+        """Draw results into files."""
         from tautline.cable.figures import figures
 
-        return figures(results, folder, what, formats, stem)
+        return figures(results, folder, what, formats, stem, vs)
+
+    def appearance(self, result: Result, look: Look) -> Appearance:
+        """What a result looks like in space; raises ResultError for an unknown view."""
+        from tautline.cable.appearance import VIEWS, appearance
+        from tautline.view.appearance import chosen
+
+        return appearance(result, chosen(VIEWS, look))

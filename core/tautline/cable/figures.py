@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -13,13 +15,11 @@ from tautline.cable.scene import CableScene, parse
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
-from tautline.view.figure import COLOURS, Axes, Figure, axes, label, save_all, scale, styled, widen
-
-FIGURES: Mapping[str, str] = {
-    "plots": "the panels that the scene lists under Plots",
-    "overview": "axial forces, the position of the node that moves most, energies",
-}
-"""Names for ``--what``."""
+from tautline.view.comparison import NothingToShow, marker, names, over_time, title
+from tautline.view.drawings import Drawing, drawn, writing
+from tautline.view.figure import COLOURS, STYLES, Axes, Figure, axes, label, legend_above, scale, styled, widen
+from tautline.view.histories import ENERGIES, energies, spectrum_figure
+from tautline.view.waterfall import waterfall_figure
 
 VARIABLES = {
     "N": ("axial_force", "N"),
@@ -32,15 +32,8 @@ VARIABLES = {
 }
 """Variable of a result and its unit, for what a curve may show."""
 
-ENERGIES = {
-    "kinetic_energy": "kinetic",
-    "strain_energy": "strain",
-    "potential_energy": "potential",
-    "dissipated_energy": "dissipated",
-    "external_work": "work from outside",
-}
-STYLES = ("-", "--", ":", "-.")
-"""Lines of the first result, the second and so on, where several are compared."""
+FEWEST = 6
+"""Elements from which on a waterfall shows more than curves do."""
 SEVERAL = 6
 """Elements up to which each has a line of its own; of more, the range is drawn."""
 FLAT = 1e-12
@@ -51,9 +44,9 @@ FLAT = 1e-12
 def plots(results: Sequence[Result]) -> Figure:
     """Draw the panels of the first result's scene; other results are dashed lines in them."""
     scenes = [scene_of(result) for result in results]
-    panels = scenes[0].plots
-    figure, drawn = axes(len(panels), 1, 8.0, 2.3 * len(panels) + 0.6, _title(results), sharex=True)
-    for plot, panel in zip(drawn[:, 0], panels, strict=True):
+    panels, called = scenes[0].plots, names(results)
+    figure, grid = axes(len(panels), 1, 8.0, 2.3 * len(panels) + 0.6, title(results), sharex=True)
+    for plot, panel in zip(grid[:, 0], panels, strict=True):
         units = {VARIABLES[curve.what][1] for curve in panel}
         lines = [
             (values, result.time, curve, number, run)
@@ -64,62 +57,55 @@ def plots(results: Sequence[Result]) -> Figure:
         unit = units.pop() if len(units) == 1 else ""
         factor, unit = scale([line[0] for line in lines], unit)
         for values, time, curve, number, run in lines:
-            text = curve.label + (f", {_stem(results[run])}" if len(results) > 1 else "")
-            look = {"color": COLOURS[number % len(COLOURS)], "ls": STYLES[run % len(STYLES)]}
-            plot.plot(time, values / factor, label=text, **look, **_marker(results[run]))
+            text = curve.label + (f", {called[run]}" if len(results) > 1 else "")
+            look: dict[str, Any] = {"color": COLOURS[number % len(COLOURS)], "ls": STYLES[run % len(STYLES)]}
+            plot.plot(time, values / factor, label=text, **look, **marker(time))
         whole = np.concatenate([line[0] for line in lines]) / factor if lines else np.zeros(1)
         widen(plot, whole, max(FLAT * float(np.abs(whole).max()), 1e-12))
         plot.set_ylabel(_panel_label(panel, unit))
-        plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2)
-    _finish(figure, drawn, results)
-    return figure
+        legend_above(plot)
+    return over_time(figure, grid, [result.time for result in results])
 
 
 @styled
 def overview(results: Sequence[Result]) -> Figure:
     """Axial forces, position of the node that moves most in the first result, and energies against time."""
-    position = np.asarray(results[0]["position"])
-    node = int(np.linalg.norm(position - position[0], axis=-1).max(axis=0).argmax())
-    figure, drawn = axes(3, 1, 8.0, 7.6, _title(results), sharex=True)
-    force, place, energy = drawn[:, 0]
+    node = _busiest(results[0])
+    figure, grid = axes(3, 1, 8.0, 7.6, title(results), sharex=True)
+    force, place, energy = grid[:, 0]
     newton, force_unit = scale([result["axial_force"] for result in results], "N")
+    called = names(results)
     changes = [{name: result[name] - result[name][0] for name in ENERGIES if name in result} for result in results]
     joule, energy_unit = scale([change for one in changes for change in one.values()], "J")
     for run, (result, change) in enumerate(zip(results, changes, strict=True)):
-        style = {"ls": STYLES[run % len(STYLES)]} | _marker(result)
-        ending = f", {_stem(result)}" if len(results) > 1 else ""
+        style = {"ls": STYLES[run % len(STYLES)]} | marker(result.time)
+        ending = f", {called[run]}" if len(results) > 1 else ""
         _forces(force, result, newton, style, ending)
         for axis, name in enumerate(AXES):
             values = result["position"][:, min(node, result["position"].shape[1] - 1), axis]
-            place.plot(result.time, values, color=COLOURS[axis], label=name + ending, **style)
+            place.plot(result.time, values, color=COLOURS[axis], label=name if run == 0 else None, **style)
         for number, (name, values) in enumerate(change.items()):
-            text = ENERGIES[name] + ending
+            text = ENERGIES[name] if run == 0 else None
             energy.plot(result.time, values / joule, color=COLOURS[number], label=text, **style)
     force.set_ylabel(label("axial force", force_unit))
-    place.set_ylabel(label(f"node {_node_name(results[0], node)}", "m"))
+    place.set_ylabel(label(f"node {_name(results[0], 'node', node)}", "m"))
     energy.set_ylabel(label("energy, change", energy_unit))
     for plot in (force, place, energy):
-        plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, borderaxespad=0.2)
-    _finish(figure, drawn, results)
-    return figure
-
-
-def _node_name(result: Result, node: int) -> str:
-    """A node's id in the scene; its place where the result does not say."""
-    return str(result["node"][node]) if "node" in result else str(node)
+        legend_above(plot)
+    return over_time(figure, grid, [result.time for result in results])
 
 
 def _forces(plot: Axes, result: Result, factor: float, style: dict[str, str], ending: str) -> None:
     """Draw each element's force, or the range and both ends of many."""
     values = result["axial_force"] / factor
-    names = [f"cable {element.id}" for element in scene_of(result).elements]
+    ids = [f"cable {element.id}" for element in scene_of(result).elements]
     count = values.shape[1]
     chosen = range(count) if count <= SEVERAL else (0, count - 1)
     if count > SEVERAL:
         low, high = values.min(axis=1), values.max(axis=1)
         plot.fill_between(result.time, low, high, color=COLOURS[5], alpha=0.35, lw=0, label="all elements" + ending)
     for number, i in enumerate(chosen):
-        name = names[i] if i < len(names) else f"element {i}"
+        name = ids[i] if i < len(ids) else f"element {i}"
         plot.plot(result.time, values[:, i], color=COLOURS[number % len(COLOURS)], label=name + ending, **style)
 
 
@@ -153,44 +139,80 @@ def values_of(curve: Curve, result: Result, scene: CableScene) -> np.ndarray | N
     return values[:, index] if curve.dof is None else values[:, index, curve.dof - 1]
 
 
-def draw(results: Sequence[Result], what: Sequence[str] = ()) -> dict[str, Figure]:
-    """Draw figures.
+@styled
+def waterfall(results: Sequence[Result], name: str = "axial_force") -> Figure:
+    """What runs along a chain of elements, over time and unstretched length from its first end."""
+    (result,) = results
+    scene = scene_of(result)
+    elements, nodes = scene.elements, [node.id for node in scene.nodes]
+    values, variable = result[name], result.variables[name]
+    if variable.dims != ("time", "element"):
+        raise ResultError("--what", f"'{name}' has no value for each element", "waterfall:axial_force has one")
+    joined = len(elements) == values.shape[1] and all(set(a.nodes) & set(b.nodes) for a, b in pairwise(elements))
+    if len(elements) < FEWEST or not joined:
+        raise NothingToShow(result, f"no chain of {FEWEST} elements or more, one after the other")
+    ends = np.array([[nodes.index(one) for one in element.nodes] for element in elements])
+    p = result["material"][0]
+    edges = np.concatenate([[0.0], np.cumsum(np.abs(p[ends[:, 1]] - p[ends[:, 0]]))])
+    words = (variable.long_name.split(",")[0], variable.units)
+    return waterfall_figure(result, values, edges, words, ("unstretched length", "m"))
 
-    Parameters
-    ----------
-    results : sequence of Result
-        At least one.
-    what : sequence of str
-        Names out of `FIGURES`. If empty, the scene's own plots if it lists any, else the overview.
 
-    Raises
-    ------
-    ResultError
-        If a name is unknown, or a result lacks what a figure shows.
+def spectrum(results: Sequence[Result]) -> Figure:
+    """Spectra of the axial force that varies most, and of the node that moves most."""
+
+    def force(result: Result) -> tuple[str, np.ndarray]:
+        worst = int(np.ptp(result["axial_force"], axis=0).argmax())
+        return f"cable {_name(result, 'element', worst)}", result["axial_force"][:, worst]
+
+    def place(result: Result) -> tuple[str, np.ndarray]:
+        node, position = _busiest(result), result["position"]
+        axis = int(np.ptp(position[:, node], axis=0).argmax())
+        return f"node {_name(result, 'node', node)}, {AXES[axis]}", position[:, node, axis]
+
+    panels = {("axial force", "N"): [force(result) for result in results]}
+    return spectrum_figure(results, panels | {("position", "m"): [place(result) for result in results]})
+
+
+DRAWINGS: Mapping[str, Drawing] = {
+    "plots": Drawing("the panels that the scene lists under Plots", plots, compared=True),
+    "overview": Drawing("axial forces, the position of the node that moves most, energies", overview, compared=True),
+    "waterfall": Drawing("axial force over time and arc length; waterfall:NAME another", waterfall, False, takes=True),
+    "spectrum": Drawing("spectra of the axial force and the position that vary most", spectrum),
+    "energy": energies(),
+}
+FIGURES: Mapping[str, str] = {name: drawing.text for name, drawing in DRAWINGS.items()}
+"""Names for ``--what``."""
+
+
+def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Figure]:
+    """Draw figures or variables; see `tautline.view.drawings.drawn`.
+
+    By default, the scene's own plots if it lists any, else the overview, and the waterfall of a long chain.
     """
     listed = bool(scene_of(results[0]).plots)
-    for name in what:
-        if name not in FIGURES:
-            known = "; ".join(f"{key} ({text})" for key, text in FIGURES.items())
-            raise ResultError("--what", f"there is no figure '{name}'", f"known: {known}")
-        if name == "plots" and not listed:
-            raise ResultError(
-                "--what", "the scene lists no Plots", "draw the overview, or add `Plots:` and run it again"
-            )
-    chosen = what or (("plots",) if listed else ("overview",))
-    return {name: plots(results) if name == "plots" else overview(results) for name in chosen}
+    if "plots" in what and not listed:
+        raise ResultError("--what", "the scene lists no Plots", "draw the overview, or add `Plots:` and run it again")
+    left_out = ("overview" if listed else "plots", "spectrum", "energy")
+    offered = {
+        name: replace(one, alone=False, compared=False) if name in left_out else one for name, one in DRAWINGS.items()
+    }
+    return drawn(results, offered, what, vs)
 
 
-def figures(
-    results: Sequence[Result],
-    folder: Path,
-    what: Sequence[str] = (),
-    formats: Sequence[str] = ("png",),
-    stem: str | None = None,
-) -> list[Path]:
-    """Draw figures into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
-    base = stem or (_stem(results[0]) if len(results) == 1 else "comparison")
-    return save_all(draw(results, what), Path(folder), base, formats, whole=stem is not None)
+figures = writing(draw)
+"""Draw figures into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
+
+
+def _busiest(result: Result) -> int:
+    """Place of the node that moves most."""
+    position = np.asarray(result["position"])
+    return int(np.linalg.norm(position - position[0], axis=-1).max(axis=0).argmax())
+
+
+def _name(result: Result, kind: str, place: int) -> str:
+    """A node's or element's id in the scene; its place where the result does not say."""
+    return str(result[kind][place]) if kind in result else str(place)
 
 
 def _panel_label(panel: Sequence[Curve], unit: str) -> str:
@@ -199,26 +221,3 @@ def _panel_label(panel: Sequence[Curve], unit: str) -> str:
     if len(kinds) > 1:
         return "\n".join(label(TEXTS[kind], VARIABLES[kind][1]) for kind in kinds)
     return label(TEXTS[kinds[0]], unit)
-
-
-def _finish(figure: Figure, drawn: np.ndarray, results: Sequence[Result]) -> None:
-    drawn[-1, 0].set_xlabel(label("time", "s"))
-    figure.align_ylabels(drawn[:, 0])
-    first, last = min(result.time[0] for result in results), max(result.time[-1] for result in results)
-    if last > first:
-        drawn[-1, 0].set_xlim(first, last)
-
-
-def _title(results: Sequence[Result]) -> str:
-    if len(results) > 1:
-        return "Comparison of results"
-    return str(results[0].attributes.get("title") or scene_of(results[0]).title or _stem(results[0]))
-
-
-def _stem(result: Result) -> str:
-    return result.path.stem if result.path is not None else "result"
-
-
-def _marker(result: Result) -> dict[str, str]:
-    """A run of one frame is a dot: a line through one point would be invisible."""
-    return {"marker": "o"} if len(result.time) == 1 else {}

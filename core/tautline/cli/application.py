@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
+    from tautline.view.appearance import Appearance, Look
 
 
 class Application(Protocol):
@@ -72,18 +73,40 @@ class Application(Protocol):
     def build(self, scene: Any) -> Any:
         """Compile a scene into a Model; raises SceneError."""
 
-    def figures(
-        self, results: Sequence[Result], folder: Path, what: Sequence[str], formats: Sequence[str], stem: str | None
-    ) -> list[Path]:
-        """Draw results into files; raises ResultError for an unknown figure.
+    @property
+    def figure_names(self) -> Mapping[str, str]:
+        """Names of figures, and what they show."""
+
+    def pictures(self, results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Any]:
+        """Draw results: name -> Figure, and nothing is written; raises ResultError for an unknown name.
 
         Parameters
         ----------
         what : sequence of str
-            Names of figures; empty for all of them.
+            Names of figures or of variables; empty for the usual figures.
+        vs : str or None
+            Variable to draw variables against, in place of time.
+        """
+
+    def figures(
+        self,
+        results: Sequence[Result],
+        folder: Path,
+        what: Sequence[str],
+        formats: Sequence[str],
+        stem: str | None,
+        vs: str | None = None,
+    ) -> list[Path]:
+        """Draw results into files; see `pictures`.
+
+        Parameters
+        ----------
         formats : sequence of str
             ``png``, ``svg``, ``pdf``.
         stem : str or None
             Beginning of the file names, and the whole name where there is one figure; None for the first result's
             name followed by the figure's.
         """
+
+    def appearance(self, result: Result, look: Look) -> Appearance:
+        """What a result looks like in space; raises ResultError for an unknown view."""

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
     from tautline.system.model import Model
+    from tautline.view.appearance import Appearance, Look
 
 PLACES: dict[str, Place] = {key: ("solver", key) for key in (*SETTINGS, "alpha_m", "alpha_f")}
 PLACES["interval"] = ("output", "interval")
@@ -93,8 +94,30 @@ class Packaged:
         """Compile a scene; raises SceneError."""
         return self._module("build").build(scene)
 
+    @property
+    def figure_names(self) -> Mapping[str, str]:
+        """Names of figures, and what they show."""
+        return self._module("figures").FIGURES
+
+    def pictures(self, results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Any]:
+        """Draw results: name -> Figure, and nothing is written; raises ResultError for an unknown name."""
+        return self._module("figures").draw(results, what, vs)
+
     def figures(
-        self, results: Sequence[Result], folder: Path, what: Sequence[str], formats: Sequence[str], stem: str | None
+        self,
+        results: Sequence[Result],
+        folder: Path,
+        what: Sequence[str],
+        formats: Sequence[str],
+        stem: str | None,
+        vs: str | None = None,
     ) -> list[Path]:
-        """Draw results."""
-        return self._module("figures").figures(results, folder, what, formats, stem)
+        """Draw results into files."""
+        return self._module("figures").figures(results, folder, what, formats, stem, vs)
+
+    def appearance(self, result: Result, look: Look) -> Appearance:
+        """What a result looks like in space; raises ResultError for an unknown view."""
+        from tautline.view.appearance import chosen
+
+        module = self._module("appearance")
+        return module.appearance(result, chosen(module.VIEWS, look))

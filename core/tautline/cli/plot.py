@@ -16,6 +16,7 @@ def plot(
     paths: Sequence[Path],
     output: Path | None,
     what: Sequence[str],
+    vs: str | None,
     form: str | None,
     as_json: bool,
 ) -> None:
@@ -26,14 +27,16 @@ def plot(
     output : Path or None
         A file if it ends in a known format, else a folder, which is made; by default the current folder.
     what : sequence of str
-        Names of figures; empty for all.
+        Names of figures or of variables; empty for the application's default figures.
+    vs : str or None
+        Variable to draw the others against, in place of time.
     form : str or None
         ``png``, ``svg`` or ``pdf``; by default what the output's name ends in, or ``png``.
 
     Raises
     ------
     ResultError
-        If a result cannot be read, a figure is unknown or a file cannot be written.
+        If a result cannot be read, they are of several applications, a figure is unknown or a file cannot be written.
     """
     from tautline.results.errors import ResultError
     from tautline.results.result import Result
@@ -51,7 +54,8 @@ def plot(
         raise ResultError(folder, f"there is no folder {folder.parent}", "make it, or name another with -o") from None
     except OSError as error:
         raise ResultError(folder, f"cannot be made: {error.strerror}", "name another folder with -o") from None
-    written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem)
+    against = {} if vs is None else {"vs": vs}
+    written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
     for file in written:
         say(f"wrote {file}", "green")
     if as_json:

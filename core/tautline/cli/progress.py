@@ -59,3 +59,39 @@ class Bar:
 
     def _reached(self, simulated: float) -> str:
         return f"{simulated:.1f} s" if self.end is None else f"{simulated:.1f} of {self.end:g} s"
+
+
+class Counter:
+    """A bar of things done, such as pictures of a film, as a context manager; call it with how many, and of how many.
+
+    Where there is no terminal nothing is drawn.
+    """
+
+    def __init__(self, things: str) -> None:
+        self.things = things
+        self.progress: Progress | None = None
+        self.task: TaskID | None = None
+        if console().is_terminal:
+            from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+            self.progress = Progress(
+                MofNCompleteColumn(), TextColumn(things), BarColumn(bar_width=40), TimeRemainingColumn(compact=True),
+                console=console(), transient=True,
+            )  # fmt: skip
+
+    def __enter__(self) -> Counter:
+        if self.progress is not None:
+            self.progress.start()
+            self.task = self.progress.add_task("", total=None)
+        return self
+
+    def __call__(self, done: int, total: int) -> None:
+        """Show how many are done."""
+        if self.progress is not None and self.task is not None:
+            self.progress.update(self.task, completed=done, total=total)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self.progress is not None:
+            self.progress.stop()

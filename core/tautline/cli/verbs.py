@@ -38,12 +38,59 @@ FigurePlace = Annotated[
 ]
 What = Annotated[
     list[str] | None,
-    typer.Option("--what", metavar="NAME", help="A figure's name, repeatable. [dim]\\[default: all][/]"),
+    typer.Option(
+        "--what",
+        metavar="NAME",
+        help="A figure, or a stored variable such as tension or axial_force:3; repeatable. "
+        "[dim]\\[default: the application's figures][/]",
+    ),
 ]
 Drawing = Annotated[
     Path | None, typer.Option("--figure", metavar="FILE", help="Draw the scene into a png, svg or pdf file.")
 ]
 Format = Annotated[str | None, typer.Option("--format", metavar="png|svg|pdf", help="[dim]\\[default: png][/]")]
+Stored = Annotated[Path, typer.Argument(metavar="RESULT", help="A result that `simulate` wrote.", show_default=False)]
+Against = Annotated[
+    str | None,
+    typer.Option("--vs", metavar="NAME", help="Variable to draw those of --what against. [dim]\\[default: time][/]"),
+]
+Image = Annotated[
+    list[str] | None,
+    typer.Option("--image", metavar="t=TIME", help="A picture of a time in s, `first` or `last`; repeatable."),
+]
+Movie = Annotated[Path | None, typer.Option("--movie", metavar="FILE", help="A film: mp4 or gif.")]
+Html = Annotated[
+    Path | None, typer.Option("--html", metavar="FILE", help="A web page that plays in any browser, self-contained.")
+]
+View = Annotated[str | None, typer.Option("--view", metavar="NAME", help="Which view, where there are several.")]
+Colour = Annotated[
+    str | None,
+    typer.Option("--colour", "--color", metavar="NAME", help="Quantity that colours the lines, or none."),
+]
+Radius = Annotated[
+    float | None,
+    typer.Option("--radius", min=0.0, help="Times the true thickness. [dim]\\[default: true, but visible][/]"),
+]
+Exaggerate = Annotated[
+    float | None,
+    typer.Option("--exaggerate", min=0.0, help="Times the offset across: sag, place in the hole."),
+]
+Eye = Annotated[
+    str | None,
+    typer.Option(
+        "--camera",
+        metavar="VIEW",
+        help="front, right, top, corner, ... or azimuth,elevation[,zoom] in degrees; @NAME follows a thing.",
+    ),
+]
+Size = Annotated[str | None, typer.Option("--size", metavar="WxH", help="Pixels. [dim]\\[default: 1280x720][/]")]
+Rate = Annotated[float | None, typer.Option("--rate", min=0.1, help="Pictures a second of a film, at most.")]
+Speed = Annotated[float | None, typer.Option("--speed", min=1e-6, help="Simulated over shown time of a film.")]
+Vtk = Annotated[bool, typer.Option("--vtk", help="Files for ParaView: a .pvd with .vtp frames.")]
+Csv = Annotated[bool, typer.Option("--csv", help="Tables: CSV files with units in their headers.")]
+Variables = Annotated[
+    list[str] | None, typer.Option("--what", metavar="NAME", help="A variable, repeatable. [dim]\\[default: all][/]")
+]
 Template = Annotated[
     str | None, typer.Argument(metavar="[TEMPLATE]", help="Which one; see --list.", show_default=False)
 ]
@@ -166,13 +213,59 @@ def plot(
     results: Results,
     output: FigurePlace = None,
     what: What = None,
+    against: Against = None,
     form: Format = None,
     as_json: Json = False,
 ) -> None:
-    """Draw figures of one result, or of several to compare."""
+    """Draw figures of one result, or of several to compare; or any variable, against time or another."""
     from tautline.cli.plot import plot as draw
 
-    draw(context.obj, results, output, what or (), form, as_json)
+    draw(context.obj, results, output, what or (), against, form, as_json)
+
+
+def render(
+    context: typer.Context,
+    result: Stored,
+    output: FigurePlace = None,
+    image: Image = None,
+    movie: Movie = None,
+    html: Html = None,
+    view: View = None,
+    colour: Colour = None,
+    radius: Radius = None,
+    exaggerate: Exaggerate = None,
+    camera: Eye = None,
+    size: Size = None,
+    rate: Rate = None,
+    speed: Speed = None,
+    as_json: Json = False,
+) -> None:
+    """Show a result in space: in a window, or as pictures, a film or a web page."""
+    from tautline.cli import render as verb
+
+    asked = {
+        "output": output, "image": image, "movie": movie, "html": html, "view": view, "colour": colour,
+        "radius": radius, "exaggerate": exaggerate, "camera": camera, "size": size, "rate": rate, "speed": speed,
+    }  # fmt: skip
+    verb.render(context.obj, result, asked, as_json)
+
+
+def export(
+    context: typer.Context,
+    result: Stored,
+    output: FigurePlace = None,
+    vtk: Vtk = False,
+    csv: Csv = False,
+    what: Variables = None,
+    view: View = None,
+    exaggerate: Exaggerate = None,
+    as_json: Json = False,
+) -> None:
+    """Write a result for other programs: ParaView, spreadsheets."""
+    from tautline.cli import export as verb
+    from tautline.cli.render import look_of
+
+    verb.export(context.obj, result, output, vtk, csv, what or (), look_of(view, exaggerate), as_json)
 
 
 def new(
@@ -227,6 +320,17 @@ def make_app(application: Application | Catalogue) -> typer.Typer:
             typer.echo(f"{catalogue.name} (tautline {installed('tautline')})")
             raise typer.Exit
 
-    for verb in (check, simulate, study, stability, plot, new, schema, *getattr(application, "verbs", ())):
+    for verb in (
+        check,
+        simulate,
+        plot,
+        render,
+        export,
+        study,
+        stability,
+        new,
+        schema,
+        *getattr(application, "verbs", ()),
+    ):
         app.command()(verb)
     return app

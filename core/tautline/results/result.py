@@ -6,6 +6,7 @@ import functools
 import json
 import time
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,10 @@ Contents = tuple[Sequence[Variable], dict[str, np.ndarray], Mapping[str, Coordin
 """A run kept in memory: variables, their arrays, coordinates, attributes, restart."""
 
 ATTEMPTS, PAUSE = 10, 0.02
+
+PICTURES, SPACE = "tautline.cli.pictures", "tautline.cli.render"
+"""Modules that draw results. They know the applications and stand above this one, so they are named here and looked up
+when a picture is asked for; nothing here imports them."""
 
 
 class Result:
@@ -149,6 +154,18 @@ class Result:
         for name, (dims, values, units, long_name) in coordinates.items():
             entries[name] = (dims, values, _described(Variable(name, dims, units, long_name)))
         return xarray.Dataset(entries, attrs=attributes)
+
+    @property
+    def plot(self) -> Any:
+        """Figures: ``result.plot.overview()``, ``result.plot("hook_load", vs="block_position")``.
+
+        See `tautline.cli.pictures.Plots`; ``dir(result.plot)`` lists the figures that there are.
+        """
+        return import_module(PICTURES).Plots(self)
+
+    def render(self, **asked: Any) -> Any:
+        """Put the result into a ``pyvista.Plotter``; see `tautline.cli.render.in_space` for what may be asked."""
+        return import_module(SPACE).in_space(self, **asked)
 
     def __repr__(self) -> str:
         return f"Result({str(self.path)!r})" if self.path else "Result(in memory)"

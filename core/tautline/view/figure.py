@@ -5,6 +5,8 @@ Figures are made without pyplot, so they need no display and no backend: saving 
 
 from __future__ import annotations
 
+import io
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,7 @@ from matplotlib.axes import Axes as Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import LinearSegmentedColormap, Normalize
-from matplotlib.figure import Figure as Figure
+from matplotlib.figure import Figure as Page
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
@@ -27,11 +29,17 @@ from tautline.results.errors import ResultError
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours (jfly.uni-koeln.de/color), told apart by colour-blind readers; yellow is left out."""
 
+STYLES = ("-", "--", ":", "-.")
+"""Lines of the first thing, the second and so on, where colours tell something else apart."""
+
 QUIET = "#9A9A9A"
 SHADE = "#EDEDED"
 
 SHADES = LinearSegmentedColormap.from_list("time", matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, 64)))
 """Colours of times and speeds, of a share from 0 to 1, without the yellow that is lost on paper."""
+
+BOTH_WAYS = LinearSegmentedColormap.from_list("both ways", ("#00517F", COLOURS[0], "#F5F5F5", COLOURS[1], "#8A3D00"))
+"""Colours of what has either sign: white is zero."""
 
 STYLE: dict[Any, Any] = {
     "figure.dpi": 100,
@@ -59,7 +67,23 @@ STYLE: dict[Any, Any] = {
 styled = matplotlib.rc_context(STYLE)
 """Decorator of every function that draws: the style holds inside it, and a user's own settings are left alone."""
 
-PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+LETTERS, LETTERS_OF_LEGEND = 10.5, 14.6
+"""Letters of a heading and of a legend in an inch."""
+
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+ENOUGH = 0.05
+"""Of a unit without a prefix, or with one that makes it smaller, from which on it is taken: 0.4 N, not 400 mN."""
+
+
+class Figure(Page):
+    """A figure unknown to pyplot: it needs no display and no closing, and notebooks show it."""
+
+    def _repr_png_(self) -> bytes:
+        """PNG of the figure, which notebooks ask for."""
+        written = io.BytesIO()
+        with matplotlib.rc_context(STYLE):
+            self.savefig(written, format="png", dpi=self.dpi)
+        return written.getvalue()
 
 
 def axes(
@@ -87,8 +111,44 @@ def axes(
     figure = Figure(figsize=(width, height), layout="constrained")
     plots = figure.subplots(rows, columns, squeeze=False, **subplots)
     if title:
-        figure.suptitle(title, x=0.01, ha="left", fontsize=12)
+        lines = textwrap.wrap(title, max(20, int(LETTERS * width)))
+        figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=12)
     return figure, plots
+
+
+def colour(number: int, count: int) -> Any:
+    """Colour of one thing among several; of more than there are colours, a shade."""
+    return COLOURS[number] if count <= len(COLOURS) else SHADES(number / (count - 1))
+
+
+def legend_above(plot: Axes, columns: int | None = None) -> None:
+    """Put the legend above the plot, off its curves; none if nothing has a name.
+
+    Parameters
+    ----------
+    columns : int, optional
+        As many as the names leave room for, by default.
+    """
+    handles, texts = plot.get_legend_handles_labels()
+    if not texts:
+        return
+    place = plot.get_subplotspec()
+    whole = plot.get_figure(root=True)
+    wide = (whole.get_figwidth() if whole is not None else 8.0) / (
+        place.get_gridspec().ncols if place is not None else 1
+    ) - 0.8
+    most = min(columns or 6, len(texts))
+    # Columns are filled from the left, and each is as wide as its longest name and its line.
+    fits = (n for n in range(most, 1, -1) if sum(_widths(texts, n)) < LETTERS_OF_LEGEND * wide)
+    # A power of ten of the axis stands where the legend begins.
+    plot.yaxis.set_offset_position("right")
+    columns = next(fits, 1)
+    plot.legend(handles, texts, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
+
+
+def _widths(texts: Sequence[str], columns: int) -> list[int]:
+    """Letters that the columns of a legend take, line and gap included."""
+    return [max(map(len, part)) + 9 for part in np.array_split(np.array(texts, object), columns)]
 
 
 def scale(values: Sequence[np.ndarray], unit: str) -> tuple[float, str]:
@@ -100,14 +160,17 @@ def scale(values: Sequence[np.ndarray], unit: str) -> tuple[float, str]:
         return 1.0, unit
     largest = max((float(np.max(np.abs(array))) for array in values if array.size), default=0.0)
     for factor, letter in PREFIXES:
-        if largest >= factor:
+        if largest >= (factor if factor > 1.0 else ENOUGH * factor):
             return factor, letter + unit
     return 1.0, unit
 
 
-def label(text: str, unit: str) -> str:
-    """Axis label: ``hook load [MN]``."""
-    return f"{text} [{unit}]" if unit else text
+def label(text: str, unit: str, letters: int = 0) -> str:
+    """Axis label: ``hook load [MN]``; in lines of at most so many letters, if that is said."""
+    whole = f"{text} [{unit}]" if unit else text
+    # A unit such as [N m] is one word.
+    lines = textwrap.wrap(whole.replace(f"[{unit}]", f"[{unit}]".replace(" ", "\0")), letters) if letters else [whole]
+    return "\n".join(lines).replace("\0", " ")
 
 
 def widen(plot: Axes, values: np.ndarray, least: float) -> None:

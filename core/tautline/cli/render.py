@@ -1,0 +1,168 @@
+"""The verb ``render``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tautline.cli.catalogue import Catalogue
+from tautline.cli.console import print_json, say
+
+if TYPE_CHECKING:
+    from tautline.results.result import Result
+    from tautline.view.appearance import Appearance, Look
+
+NO_DISPLAY = (
+    "there is no display that a window can be opened on: here is a picture; see also --movie, --html and `export --vtk`"
+)
+
+
+def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: bool) -> None:
+    """Show a result in space: in a window, or as pictures, a film or a web page.
+
+    Parameters
+    ----------
+    asked : dict
+        ``image`` (list of times, ``t=12.5``, ``12.5 s``, ``first`` or ``last``), ``movie``, ``html`` (files),
+        ``output`` of pictures, ``view``, ``colour``, ``radius``, ``exaggerate``, ``camera``, ``size``, ``rate``,
+        ``speed``; None where not given.
+
+    Raises
+    ------
+    ResultError
+        If something asked for is unknown, a file cannot be written, or there is nothing to draw with.
+    """
+    from tautline.results.result import Result
+
+    result = Result.read(path)
+    look = look_of(asked["view"], asked["exaggerate"])
+    appearance = catalogue.for_result(result).appearance(result, look)
+    written: list[Path] = []
+    if asked["html"] is not None:
+        from tautline.view.page import write_page
+
+        written.append(write_page(appearance, asked["html"], asked["colour"], asked["radius"]))
+    if asked["movie"] is not None:
+        written.append(_film(appearance, asked))
+    if asked["image"]:
+        written += _pictures(appearance, asked["image"], path, asked)
+    if not written:
+        from tautline.view.graphics import opens_windows
+
+        if opens_windows():
+            _window(appearance, asked)
+        else:
+            written += _pictures(appearance, ["last"], path, asked)
+            say(NO_DISPLAY)
+    for file in written:
+        say(f"wrote {file}", "green")
+    if as_json:
+        print_json({"status": "done", "files": [str(file) for file in written]})
+
+
+def in_space(
+    result: Result,
+    time: float | str = "last",
+    colour: str | None = None,
+    view: str | None = None,
+    radius: float | None = None,
+    exaggerate: float | None = None,
+    camera: str = "",
+    size: tuple[int, int] = (1280, 720),
+    window: bool = False,
+) -> Any:
+    """Put a result into a plotter, as ``result.render`` does.
+
+    Parameters
+    ----------
+    result : Result
+    time : float or str
+        s, or ``first`` or ``last``: the nearest frame is shown.
+    colour, view, radius, exaggerate, camera
+        As the options of the verb ``render``.
+    size : tuple of int
+        Pixels.
+    window : bool
+        Whether `show` is to open a window; else it draws off screen.
+
+    Returns
+    -------
+    pyvista.Plotter
+        With the whole scene in it: ``plotter.show()``, ``plotter.screenshot("crane.png")``, ``plotter.camera``.
+
+    Raises
+    ------
+    ResultError
+        If something asked for is unknown, or there is nothing to draw with.
+    """
+    from tautline.cli.catalogue import Installed
+    from tautline.view.stage import Stage
+    from tautline.view.still import frame_of
+
+    appearance = Installed().for_result(result).appearance(result, look_of(view, exaggerate))
+    stage = Stage(appearance, colour, radius, camera, size, window)
+    stage.show(frame_of(str(time), appearance.time))
+    return stage.plotter
+
+
+def _stage(appearance: Appearance, asked: dict[str, Any], window: bool = False) -> Any:
+    from tautline.view.stage import SIZE, Stage
+
+    size = _size(asked["size"]) if asked["size"] else SIZE
+    return Stage(appearance, asked["colour"], asked["radius"], asked["camera"] or "", size, window)
+
+
+def _size(text: str) -> tuple[int, int]:
+    from tautline.results.errors import ResultError
+
+    parts = text.lower().replace("×", "x").split("x")
+    try:
+        width, height = (int(part) for part in parts)
+    except ValueError:
+        width = height = 0
+    if not (100 <= width <= 8192 and 100 <= height <= 8192):
+        raise ResultError("--size", f"'{text}' is no size of a picture", "give pixels, such as 1920x1080") from None
+    return width, height
+
+
+def _window(appearance: Appearance, asked: dict[str, Any]) -> None:
+    from tautline.view.window import KEYS, Window
+
+    say(KEYS)
+    Window(_stage(appearance, asked, window=True), asked["speed"] or 1.0).open()
+
+
+def _film(appearance: Appearance, asked: dict[str, Any]) -> Path:
+    from tautline.cli.progress import Counter
+    from tautline.view.film import check_name, cut, film
+
+    check_name(asked["movie"])
+    made = cut(appearance.time, asked["rate"], asked["speed"])
+    stage = _stage(appearance, asked)
+    try:
+        with Counter("pictures") as counter:
+            written = film(stage, asked["movie"], made, counter)
+    finally:
+        stage.close()
+    faster = "" if abs(made.speed - 1.0) < 1e-9 else f", {made.speed:.3g} times as fast as life"
+    say(f"{len(made.frames)} pictures, {made.rate:.3g} a second{faster}")
+    return written
+
+
+def _pictures(appearance: Appearance, times: list[str], path: Path, asked: dict[str, Any]) -> list[Path]:
+    from tautline.view.still import frame_of, places, still
+
+    frames = [frame_of(text, appearance.time) for text in times]
+    files = places(asked["output"], path, appearance.time, frames)
+    stage = _stage(appearance, asked)
+    try:
+        return [still(stage, frame, file) for frame, file in zip(frames, files, strict=True)]
+    finally:
+        stage.close()
+
+
+def look_of(view: str | None, exaggerate: float | None) -> Look:
+    """What an application must know of what is asked for."""
+    from tautline.view.appearance import Look
+
+    return Look(view or "", exaggerate)

@@ -1,0 +1,158 @@
+"""A result as tables of comma-separated values, which every spreadsheet and every language reads."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Callable, Sequence
+from itertools import product
+from pathlib import Path
+from typing import NamedTuple
+from uuid import uuid4
+
+import numpy as np
+
+from tautline.results.errors import ResultError, WriteError
+from tautline.results.result import Result
+from tautline.results.target import check_folder
+from tautline.results.variable import Variable
+
+ROWS = 1000
+"""That are made into text at a time."""
+
+
+class _Table(NamedTuple):
+    """A file, the dimension that has a row for each of its places, and the variables that stand in it."""
+
+    file: Path
+    rows: str
+    variables: list[Variable]
+
+
+def write_csv(
+    result: Result,
+    path: str | Path,
+    what: Sequence[str] = (),
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Path]:
+    """Write variables as tables with a row for each frame.
+
+    Variables that are one number at each time go into one file, each with more dimensions into its own: of
+    ``run.csv``, ``run_position.csv`` with columns such as ``node 1 x [m]``. What does not change with time goes into a
+    file for its first dimension, such as ``run_by_node.csv``. The first row holds names with units; numbers are the
+    shortest that read back as they are stored.
+
+    Parameters
+    ----------
+    result : Result
+        What is read only.
+    path : str or Path
+        The ending ``.csv`` is added where it lacks. Earlier files of these names are replaced.
+    what : sequence of str
+        Names of variables; empty for all.
+    progress : callable, optional
+        Called with the number of tables that are written, and of all.
+
+    Returns
+    -------
+    list of Path
+
+    Raises
+    ------
+    ResultError
+        For a name that the result does not have, a missing folder, or a file that cannot be written; every table is
+        then whole or as it was before.
+    """
+    path = Path(path)
+    path = path if path.suffix.lower() == ".csv" else path.with_name(path.name + ".csv")
+    check_folder(path)
+    tables = _tables(_chosen(result, what), path)
+    for number, table in enumerate(tables, start=1):
+        _write(result, table)
+        if progress is not None:
+            progress(number, len(tables))
+    return [table.file for table in tables]
+
+
+def _chosen(result: Result, what: Sequence[str]) -> list[Variable]:
+    """Variables by name; all of them, but those that only name places along a dimension, for no name."""
+    for name in what:
+        if name not in result.variables:
+            known = ", ".join(result.variables)
+            raise ResultError("--what", f"{result.path or 'the result'} has no variable '{name}'", f"it has {known}")
+    if what:
+        return [result.variables[name] for name in dict.fromkeys(what)]
+    return [one for one in result.variables.values() if one.dims != (one.name,) or one.name == "time"]
+
+
+def _tables(variables: Sequence[Variable], path: Path) -> list[_Table]:
+    """What goes into which file."""
+    single = [one for one in variables if one.dims == ("time",)]
+    tables = [_Table(path, "time", single)] if single else []
+    still: dict[str, list[Variable]] = {}
+    for one in variables:
+        if "time" not in one.dims:
+            still.setdefault(one.dims[0] if one.dims else "", []).append(one)
+        elif one.dims != ("time",):
+            tables.append(_Table(path.with_name(f"{path.stem}_{one.name}.csv"), "time", [one]))
+    for dimension, some in still.items():
+        ending = f"by_{dimension}" if dimension else "constants"
+        tables.append(_Table(path.with_name(f"{path.stem}_{ending}.csv"), dimension, some))
+    return tables
+
+
+def _write(result: Result, table: _Table) -> None:
+    """Write a table under another name, and give it its own when it is whole."""
+    index = [result.variables[table.rows]] if table.rows in result.variables else []
+    variables = index + [one for one in table.variables if one not in index]
+    arrays = [np.asarray(result[one.name]) for one in variables]
+    header = [title for one, array in zip(variables, arrays, strict=True) for title in _titles(result, one, array)]
+    count = len(arrays[0]) if table.rows else 1
+    blocks = [array.reshape(count, -1) for array in arrays]
+    waiting = table.file.with_name(f".{table.file.name}.{uuid4().hex[:8]}.part")
+    _open(table.file, waiting)
+    try:
+        try:
+            with waiting.open("w", encoding="utf8", newline="") as file:
+                writer = csv.writer(file, lineterminator="\n")
+                writer.writerow(header)
+                for i in range(0, count, ROWS):
+                    parts = [block[i : i + ROWS].tolist() for block in blocks]
+                    writer.writerows([x for part in row for x in part] for row in zip(*parts, strict=True))
+            os.replace(waiting, table.file)
+        finally:
+            waiting.unlink(missing_ok=True)
+    except OSError as error:
+        cure = "name another file with -o, or make room"
+        raise WriteError(table.file, f"cannot be written: {error.strerror or error}", cure) from None
+
+
+def _open(file: Path, waiting: Path) -> None:
+    """Begin an empty file; raises ResultError where none can be."""
+    if file.is_dir():
+        raise ResultError(file, "is a folder", "name another file with -o")
+    try:
+        waiting.touch()
+    except OSError as error:
+        raise ResultError(file, f"cannot be written: {error.strerror}", "name another file or folder with -o") from None
+
+
+def _titles(result: Result, variable: Variable, array: np.ndarray) -> list[str]:
+    """Titles of a variable's columns: its name, or the places along its dimensions but the first; the unit."""
+    unit = f" [{variable.units}]" if variable.units else ""
+    if array.ndim < 2:
+        return [variable.name + unit]
+    # In a file of its own a variable's name is that of the file.
+    name = "" if variable.dims[0] == "time" else f"{variable.name} "
+    labels = [_labels(result, dim, size) for dim, size in zip(variable.dims[1:], array.shape[1:], strict=True)]
+    return [name + " ".join(place) + unit for place in product(*labels)]
+
+
+def _labels(result: Result, dimension: str, size: int) -> list[str]:
+    """What places along a dimension are called: ``node 1``, or ``x`` where they have names."""
+    if dimension in result.variables:
+        places = np.asarray(result[dimension])
+        if places.dtype.kind in "OSU":
+            return [str(place) for place in places]
+        return [f"{dimension} {place}" for place in places.tolist()]
+    return [f"{dimension} {i}" for i in range(1, size + 1)]

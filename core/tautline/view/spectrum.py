@@ -1,0 +1,49 @@
+"""Amplitude spectra of histories. Nothing here draws: an application may ask for a frequency while it runs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def spectrum(time: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitude spectrum of a signal about its mean, with a Hann window.
+
+    Parameters
+    ----------
+    time : (m,) array
+        Rising; at uneven intervals the signal is interpolated, s.
+    signal : (m,) array
+
+    Returns
+    -------
+    frequency : (k,) array
+        Hz; from 0 to half the frame rate, four times as fine as the run's length allows so that a line between two
+        of its frequencies keeps its height to 1 %. Empty for fewer than four frames.
+    amplitude : (k,) array
+        A sine shows with its amplitude.
+    """
+    time, signal = np.asarray(time, float), np.asarray(signal, float)
+    count = len(time)
+    if count < 4 or time[-1] <= time[0]:
+        return np.zeros(0), np.zeros(0)
+    even = np.linspace(time[0], time[-1], count)
+    if not np.allclose(time, even, rtol=0.0, atol=1e-6 * (time[-1] - time[0]) / count):
+        from scipy.interpolate import CubicSpline
+
+        signal = CubicSpline(time, signal)(even)
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
+    mean = (window * signal).sum() / window.sum()
+    lines = np.abs(np.fft.rfft((signal - mean) * window, 4 * count)) * 2.0 / window.sum()
+    return np.fft.rfftfreq(4 * count, even[1] - even[0]), lines
+
+
+def late_spectrum(time: np.ndarray, signal: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
+    """Spectrum of the last `share` of a run about a straight line: what drifts, as a load that is hoisted, is no line.
+
+    Parameters and returns as of `spectrum`.
+    """
+    late = time >= time[-1] - share * (time[-1] - time[0])
+    time, signal = np.asarray(time, float)[late], np.asarray(signal, float)[late]
+    if len(time) < 4:
+        return np.zeros(0), np.zeros(0)
+    return spectrum(time, signal - np.polynomial.Polynomial.fit(time, signal, 1)(time))

@@ -1,0 +1,37 @@
+// What the page uses of three.js and fflate; README.md says how three.min.js is made of it.
+export {
+  BufferAttribute,
+  BufferGeometry,
+  BackSide,
+  CircleGeometry,
+  Color,
+  ConeGeometry,
+  CylinderGeometry,
+  DataTexture,
+  DirectionalLight,
+  DoubleSide,
+  FrontSide,
+  Group,
+  HemisphereLight,
+  InstancedBufferGeometry,
+  InstancedInterleavedBuffer,
+  InstancedMesh,
+  InterleavedBufferAttribute,
+  LinearFilter,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
+  Mesh,
+  MeshLambertMaterial,
+  PerspectiveCamera,
+  Quaternion,
+  Raycaster,
+  Scene,
+  ShaderMaterial,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+export { OrbitControls } from "three/addons/controls/OrbitControls.js";
+export { mergeGeometries, toCreasedNormals } from "three/addons/utils/BufferGeometryUtils.js";
+export { unzlibSync } from "fflate";

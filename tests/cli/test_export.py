@@ -1,0 +1,78 @@
+"""The verb ``export``: what it writes where, and what it refuses."""
+
+import json
+
+import numpy as np
+import pytest
+from physics.rope_text import PINNED, chain, scene
+from view.made_up import moved
+
+from tautline.cable.application import Cable
+from tautline.cli.catalogue import Single
+from tautline.cli.export import export
+from tautline.results.errors import ResultError
+from tautline.view.appearance import Look
+
+CATALOGUE = Single(Cable())
+
+
+@pytest.fixture
+def span(tmp_path, monkeypatch):
+    """A result of two elements in the current folder."""
+    p = np.linspace(0.0, 1.0, 3)
+    items = chain(np.stack([p, 0 * p, 0 * p], axis=-1), p, {0: PINNED}, EA=1e3, EJ=0.1)
+    moved(scene(items), path=tmp_path / "span.1.nc", frames=3)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path / "span.1.nc"
+
+
+def files_of(folder):
+    return {file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()}
+
+
+def test_both_are_written_beside_each_other_and_listed_in_json(span, capsys):
+    export(CATALOGUE, span, None, True, True, (), Look(), True)
+    told = json.loads(capsys.readouterr().out)
+    assert told["status"] == "done"
+    assert set(told["files"]) == files_of(span.parent) - {"span.1.nc"}
+    assert {"span.1.pvd", "span.1.csv", "span.1_position.csv", "span.1/cable_0002.vtp"} <= set(told["files"])
+
+
+@pytest.mark.parametrize("name", ["out/mine", "out/mine.pvd", "out/mine.csv"])
+def test_a_name_is_taken_with_or_without_its_ending(span, name):
+    (span.parent / "out").mkdir()
+    export(CATALOGUE, span, span.parent / name, True, True, ("axial_force",), Look(), False)
+    assert {"mine.pvd", "mine_axial_force.csv", "mine/supports.vtp"} <= files_of(span.parent / "out")
+
+
+def test_a_folder_gets_files_of_the_results_name(span):
+    (span.parent / "out").mkdir()
+    export(CATALOGUE, span, span.parent / "out", False, True, ("axial_force",), Look(), False)
+    assert files_of(span.parent / "out") == {"span.1_axial_force.csv"}
+
+
+@pytest.mark.parametrize(
+    "output, vtk, csv, what, look, words",
+    [
+        (None, False, False, (), Look(), r"--vtk .*--csv"),
+        (None, True, False, ("tip",), Look(), r"--what: .*add --csv"),
+        (None, False, True, (), Look(exaggerate=2.0), r"--exaggerate: .*add --vtk"),
+        (None, False, True, (), Look(view="space"), r"--view: .*add --vtk"),
+        ("x.csv", True, False, (), Look(), r"ends in \.csv"),
+        ("x.pvd", False, True, (), Look(), r"ends in \.pvd"),
+        (None, True, True, ("tip",), Look(), r"no variable 'tip'"),
+        (None, True, False, (), Look(view="inside"), r"no view 'inside'"),
+    ],
+)
+def test_what_contradicts_itself_is_refused_and_writes_nothing(span, output, vtk, csv, what, look, words):
+    with pytest.raises(ResultError, match=words):
+        export(CATALOGUE, span, output and span.parent / output, vtk, csv, what, look, False)
+    assert files_of(span.parent) == {"span.1.nc"}
+
+
+def test_an_application_without_an_appearance_is_told_so(span):
+    class Bare:
+        name, title = "bare", "Nothing to see."
+
+    with pytest.raises(ResultError, match=r"results of bare have no appearance.*--csv"):
+        export(Single(Bare()), span, None, True, False, (), Look(), False)
