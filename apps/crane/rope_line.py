@@ -314,7 +314,8 @@ def turns_on(result: Any, course: Course, i: int) -> np.ndarray:
         turns = FEWEST_TURNS + (out.max() - out) * wound.stretch / (2.0 * np.pi * drum.radius)
     else:
         turns = np.maximum(drum.rope_on_drum - out, 0.0) * wound.stretch / (2.0 * np.pi * drum.radius)
-    return np.clip(turns, 1.0, drum.layers.turns if drum.layers is not None else MOST_TURNS)
+    most = MOST_TURNS if drum.layers is None else min(drum.layers.turns, MOST_TURNS)
+    return np.clip(turns, 1.0, most)
 
 
 def _unit(x: np.ndarray) -> np.ndarray:

@@ -43,7 +43,7 @@ JUMP = 1.0 / 3.0
 """Of their spacing that marks may move from one frame to the next: the eye still tells which way."""
 NICE = (1.0, 2.0, 5.0)
 """Times powers of ten, that marks are slowed down by."""
-MARK, SIGN, PATH = 0.011, 0.06, 0.0005
+MARK, SIGN, PATH = 0.009, 0.06, 0.0005
 """Half width of a mark, size of a support, radius of the tip's path, over the extent of the picture."""
 FINE = 4
 """Points of the tip's path from one frame to the next."""

@@ -11,6 +11,7 @@ from tautline.cable.application import Cable
 from tautline.cli.catalogue import Single
 from tautline.cli.export import export
 from tautline.results.errors import ResultError
+from tautline.results.result import Result
 from tautline.view.appearance import Look
 
 CATALOGUE = Single(Cable())
@@ -43,6 +44,19 @@ def test_a_name_is_taken_with_or_without_its_ending(span, name):
     (span.parent / "out").mkdir()
     export(CATALOGUE, span, span.parent / name, True, True, ("axial_force",), Look(), False)
     assert {"mine.pvd", "mine_axial_force.csv", "mine/supports.vtp"} <= files_of(span.parent / "out")
+
+
+def test_of_so_many_frames_one_is_written_and_the_last_with_the_numbers_of_their_time(span):
+    import pyvista
+
+    export(CATALOGUE, span, span.parent / "few", True, False, (), Look(), False, every=2)
+    reader = pyvista.get_reader(span.parent / "few.pvd")
+    whole = Result.read(span)
+    assert reader.time_values == [whole.time[0], whole.time[2]]  # of three frames
+    reader.set_active_time_value(whole.time[2])
+    lines = next(block for block in reader.read() if "kinetic_energy [J]" in block.field_data)
+    assert lines.field_data["kinetic_energy [J]"][0] == whole["kinetic_energy"][2]
+    assert np.allclose(lines.points[-1], whole["position"][2, -1])
 
 
 def test_a_folder_gets_files_of_the_results_name(span):

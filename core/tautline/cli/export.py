@@ -27,6 +27,7 @@ def export(
     what: Sequence[str],
     look: Look,
     as_json: bool,
+    every: int = 1,
 ) -> None:
     """Write a result for other programs: ParaView, spreadsheets. The result itself stays as it is.
 
@@ -41,6 +42,8 @@ def export(
         Variables that go into tables; empty for all.
     look : Look
         Of what ParaView shows.
+    every : int
+        Of so many frames ParaView gets one, and the last.
 
     Raises
     ------
@@ -50,7 +53,7 @@ def export(
     """
     from tautline.results.result import Result
 
-    _check(vtk, csv, output, what, look)
+    _check(vtk, csv, output, what, look, every)
     result = Result.read(path)
     base = _base(path, output)
     files: list[Path] = []
@@ -60,13 +63,13 @@ def export(
         with _counted("tables") as progress:
             files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)
     if vtk:
-        files += _write_vtk(catalogue, result, base, look)
+        files += _write_vtk(catalogue, result, base, look, every)
     _say_files(files)
     if as_json:
         print_json({"status": "done", "files": [str(file) for file in files]})
 
 
-def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look) -> list[Path]:
+def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, every: int) -> list[Path]:
     from tautline.results.errors import ResultError
 
     application = catalogue.for_result(result)
@@ -75,6 +78,7 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look) -> 
         cause = f"results of {application.name} have no appearance in space"
         raise ResultError("--vtk", cause, "leave it out, and take --csv")
     seen = appearance(result, look)
+    seen = seen if every == 1 else seen.thinned(every)
     try:
         from tautline.view.paraview import write_paraview
 
@@ -86,7 +90,7 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look) -> 
         raise ResultError("--vtk", "needs VTK, which is not installed", "pip install pyvista") from None
 
 
-def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look: Look) -> None:
+def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look: Look, every: int) -> None:
     """Refuse options that leave nothing to do, or that nothing asked for heeds."""
     from tautline.results.errors import ResultError
 
@@ -96,7 +100,7 @@ def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look:
     if what and not csv:
         cause = "chooses variables of tables, and none are asked for"
         raise ResultError("--what", cause, "add --csv, or leave it out: every quantity is in ParaView's files")
-    for option, given in (("--view", look.view), ("--exaggerate", look.exaggerate)):
+    for option, given in (("--view", look.view), ("--exaggerate", look.exaggerate), ("--every", every != 1)):
         if given and not vtk:
             raise ResultError(option, "changes what ParaView shows, and tables stay as they are", "add --vtk")
     if output is None or output.is_dir():

@@ -91,6 +91,7 @@ Csv = Annotated[bool, typer.Option("--csv", help="Tables: CSV files with units i
 Variables = Annotated[
     list[str] | None, typer.Option("--what", metavar="NAME", help="A variable, repeatable. [dim]\\[default: all][/]")
 ]
+Every = Annotated[int, typer.Option("--every", min=1, help="Of so many frames ParaView gets one, and the last.")]
 Template = Annotated[
     str | None, typer.Argument(metavar="[TEMPLATE]", help="Which one; see --list.", show_default=False)
 ]
@@ -259,13 +260,14 @@ def export(
     what: Variables = None,
     view: View = None,
     exaggerate: Exaggerate = None,
+    every: Every = 1,
     as_json: Json = False,
 ) -> None:
     """Write a result for other programs: ParaView, spreadsheets."""
     from tautline.cli import export as verb
     from tautline.cli.render import look_of
 
-    verb.export(context.obj, result, output, vtk, csv, what or (), look_of(view, exaggerate), as_json)
+    verb.export(context.obj, result, output, vtk, csv, what or (), look_of(view, exaggerate), as_json, every)
 
 
 def new(

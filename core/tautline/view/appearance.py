@@ -209,6 +209,10 @@ class Appearance:
         Direction from what is seen to the eye, of a view that shows it well.
     notes : tuple of str
         What a reader of the picture must know: that offsets are drawn twenty times larger.
+    source : (frames,) array of int or None
+        Frames of the result that these are; None for all of them.
+
+    Names of lines, solids and arrows differ; those that differ by a number at the end are of one kind.
     """
 
     title: str
@@ -221,6 +225,7 @@ class Appearance:
     rulers: tuple[Ruler, ...] = ()
     eye: tuple[float, float, float] = (0.9, -1.0, 0.5)
     notes: tuple[str, ...] = ()
+    source: np.ndarray | None = None
 
     @functools.cached_property
     def quantities(self) -> dict[str, list[Quantity]]:
@@ -230,6 +235,29 @@ class Appearance:
             for quantity in line.quantities:
                 found.setdefault(quantity.name, []).append(quantity)
         return found
+
+    def thinned(self, every: int) -> Appearance:
+        """The same with every so many of its frames, and the last."""
+        frames = np.unique([*range(0, len(self.time), every), len(self.time) - 1])
+
+        def chosen_of(values: Any) -> Any:
+            return None if values is None else lambda frame: values(int(frames[frame]))
+
+        def line(one: Line) -> Line:
+            shown = tuple(replace(quantity, values=chosen_of(quantity.values)) for quantity in one.quantities)
+            return replace(one, points=chosen_of(one.points), quantities=shown)
+
+        return replace(
+            self,
+            time=self.time[frames],
+            lines=tuple(map(line, self.lines)),
+            solids=tuple(replace(one, pose=chosen_of(one.pose)) for one in self.solids),
+            arrows=tuple(
+                replace(one, points=chosen_of(one.points), vectors=chosen_of(one.vectors)) for one in self.arrows
+            ),
+            labels=tuple(replace(one, place=chosen_of(one.place)) for one in self.labels),
+            source=frames if self.source is None else self.source[frames],
+        )
 
     def place_of(self, name: str) -> Values:
         """Where a thing is, frame -> (3,) array: a solid, a label, or the middle of a line.

@@ -61,9 +61,8 @@ class Pack:
     def track(self, values: Values, shift: Any = 0.0, steps: int = STEPS) -> dict[str, Any]:
         """Append what a callable gives at every frame, less a shift."""
         stride = 3 if np.ndim(values(int(self.frames[0]))) == 2 else 1
-        return self.rows(
-            np.stack([(np.asarray(values(int(k)), float) - shift).ravel() for k in self.frames]), stride, steps
-        )
+        array = np.stack([(np.asarray(values(int(k)), float) - shift).ravel() for k in self.frames])
+        return self.rows(array, stride, steps)
 
     def rows(self, array: np.ndarray, stride: int = 1, steps: int = STEPS) -> dict[str, Any]:
         """Append an array (rows, width) in steps of its range, each column about a middle of its own.

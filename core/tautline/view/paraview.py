@@ -115,6 +115,7 @@ def _write_frames(
     # What is one number at each time goes with a part that has a file for every frame.
     host = next((part for part in parts if part.moves and part.state is None), None)
     scalars = {labelled(v.name, v.units): result[v.name] for v in result.variables.values() if v.dims == ("time",)}
+    source = np.arange(frames) if appearance.source is None else appearance.source
     digits = max(DIGITS, len(str(frames - 1)))
     files: list[list[str]] = [[] for _ in parts]
     before: list[bytes | None] = [None] * len(parts)
@@ -129,7 +130,7 @@ def _write_frames(
                 data = part.data(frame)
                 if part is host or (host is None and frames == 1 and i == 0):
                     for name, values in scalars.items():
-                        add_array(data.GetFieldData(), name, np.array([values[frame]], dtype=float))
+                        add_array(data.GetFieldData(), name, np.array([values[source[frame]]], dtype=float))
                 if frame == 0 and (part is host or (host is None and i == 0)):
                     add_texts(data, "title", [appearance.title])
                     add_texts(data, "notes", appearance.notes)

@@ -163,12 +163,13 @@ class Stage:
 
     def thickness(self, line: Line) -> np.ndarray:
         """Radius that a line is drawn with, (m,) m."""
-        count = len(line.points(0))
-        true = np.broadcast_to(np.asarray(line.radius, float), count)
-        if self.radius is not None and line.thick:
-            true = self.radius * true
-        least = THINNEST * self.seen if line.thick and (self.radius is None or not true.any()) else 0.0
-        return np.maximum(true, least)
+        true = np.broadcast_to(np.asarray(line.radius, float), len(line.points(0)))
+        if not line.thick:
+            return np.array(true)
+        if not true.any():
+            # Of a line whose thickness nobody knows, the visible one is what a factor is taken of.
+            return np.full(len(true), THINNEST * self.seen * (1.0 if self.radius is None else self.radius))
+        return np.maximum(true, THINNEST * self.seen) if self.radius is None else self.radius * true
 
     def _line(self, line: Line) -> None:
         radius = self.thickness(line)
@@ -300,14 +301,17 @@ class Stage:
             self._legend(self.shading)
 
     def _thickness_notes(self) -> list[str]:
-        """How much thicker than it is each line is drawn."""
-        said = []
+        """How much thicker than it is each line is drawn; lines of one factor share a note."""
+        of: dict[str, list[str]] = {}
         for line in self.appearance.lines:
             true, drawn = np.max(line.radius), float(self.thickness(line).max())
             if true > 0.0 and line.thick and drawn > 1.05 * true:
                 factor = drawn / true
-                said.append(f"{line.name} drawn {factor:{'.0f' if factor >= 10.0 else '.2g'}} times as thick")
-        return list(dict.fromkeys(said))
+                of.setdefault(f"{factor:{'.0f' if factor >= 10.0 else '.2g'}}", []).append(line.name)
+        return [
+            f"{' and '.join(names) if len(names) < 3 else 'lines'} drawn {factor} times as thick"
+            for factor, names in of.items()
+        ]
 
     def _legend(self, shade: Shading) -> None:
         bar = self.plotter.add_scalar_bar(

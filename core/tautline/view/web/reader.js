@@ -51,6 +51,7 @@ function named(x, y) {
 function hover(event) {
   const found = event.buttons ? null : picked(event.clientX, event.clientY, 10);
   const text = event.buttons ? "" : found ? told(found, false) : named(event.clientX, event.clientY);
+  state.hovered = found;
   $("tip").hidden = !text;
   $("tip").textContent = text;
   const left = Math.min(event.clientX + 14, innerWidth - $("tip").offsetWidth - 8);
@@ -62,7 +63,7 @@ function hover(event) {
 function plot() {
   const { tube, point } = state.pinned;
   const shown = tube.quantity ?? page.quantities.find((one) => tube.tracks[one.name]);
-  $("picked").textContent = told(state.pinned, true);
+  $("picked").textContent = told(state.pinned, innerWidth > 700);
   $("curve").hidden = !shown || frames < 2;
   if ($("curve").hidden) return;
   const canvas = $("curve");
@@ -119,7 +120,7 @@ space.addEventListener("pointerup", (event) => {
   if (found) pin(found);
 });
 space.addEventListener("pointermove", (event) => event.pointerType === "mouse" && hover(event));
-space.addEventListener("pointerleave", () => ($("tip").hidden = true));
+space.addEventListener("pointerleave", () => (($("tip").hidden = true), (state.hovered = null)));
 $("close").addEventListener("click", () => pin(null));
 $("play").addEventListener("click", () => play(!state.playing));
 $("slider").addEventListener("input", () => (play(false), show(Number($("slider").value))));
@@ -152,12 +153,15 @@ addEventListener("keydown", (event) => {
   act(event.shiftKey);
 });
 
-/** What the address asks for: #frame=3, #t=12.5 (the last frame by then), #colour=tension, #play. */
+/** What the address asks for: #frame=3, #t=12.5 (the last frame by then), #colour=tension, #line=1&node=7, #play. */
 function address() {
   const asked = new URLSearchParams(location.hash.slice(1));
   if (asked.has("colour")) paint(asked.get("colour"));
   if (asked.has("frame")) show(Number(asked.get("frame")) || 0);
   if (asked.has("t")) show(Math.max(page.time.findLastIndex((time) => time <= Number(asked.get("t")) + 1e-9), 0));
+  const tube = tubes[Number(asked.get("line") ?? 1) - 1];
+  const node = Number(asked.get("node"));
+  if (tube && node >= 1 && node <= tube.nodes.length) pin({ tube, point: tube.nodes[node - 1], node });
   if (asked.has("play")) play(true);
 }
 

@@ -5,7 +5,7 @@
 const $ = (id) => document.getElementById(id);
 const page = JSON.parse($("scene").textContent);
 const frames = page.time.length;
-const state = { frame: 0, playing: false, speed: 1, clock: 0, quantity: null, pinned: null, moved: false, dirty: true };
+const state = { frame: 0, playing: false, speed: 1, clock: 0, quantity: null, pinned: null, hovered: null, moved: false, dirty: true };
 
 function made(tag, parent, text = "", kind = "") {
   const element = document.createElement(tag);
@@ -210,6 +210,7 @@ function show(frame) {
   $("clock").textContent = `t = ${time(page.time[state.frame])} s of ${time(page.time[frames - 1])} s`;
   document.body.dataset.frame = state.frame;
   if (state.pinned) plot();
+  if (state.hovered) $("tip").textContent = told(state.hovered, false);
   state.dirty = true;
 }
 
