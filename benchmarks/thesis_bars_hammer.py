@@ -9,11 +9,11 @@ import thesis_bars_scenes as bars
 from page import number, table
 from thesis_bars_pictures import DOCS, picture
 
-from gardenhose.limit_cycle import spectrum
 from tautline.cable.build import build
 from tautline.cable.scene import read, with_values
 from tautline.simulation import simulate
 from tautline.view.figure import COLOURS, Figure, axes, label, outline, styled
+from tautline.view.spectrum import spectrum
 
 SCENE = DOCS.parent / "data" / "cantilever_bar.yaml"
 HIT = 1.0

@@ -10,12 +10,12 @@ import thesis_bars_scenes as bars
 from page import number, table
 from thesis_bars_pictures import picture
 
-from gardenhose.limit_cycle import spectrum
 from tautline.integrators.linearise import matrices
 from tautline.integrators.state import new_state
 from tautline.results.result import Result
 from tautline.simulation import simulate
 from tautline.view.figure import COLOURS, QUIET, Figure, axes, label, styled
+from tautline.view.spectrum import spectrum
 
 MULTIPLES = np.logspace(-3.0, 6.0, 37)
 """Penalty over the highest stiffness of the bar."""

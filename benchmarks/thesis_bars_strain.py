@@ -7,9 +7,9 @@ import thesis_bars_scenes as bars
 from page import table
 from thesis_bars_pictures import picture
 
-from gardenhose.limit_cycle import spectrum
 from tautline.simulation import simulate
 from tautline.view.figure import COLOURS, QUIET, Figure, axes, label, styled
+from tautline.view.spectrum import spectrum
 
 STRAINS = ("green", "engineering")
 STIFFNESSES = np.logspace(0.0, 5.0, 21)

@@ -212,7 +212,8 @@ def orbit(results: Sequence[Result]) -> Figure:
     least = max(LEAST_ORBIT, LEAST_SHARE * float(motion.max()))
     busiest = [int(k) for k in np.argsort(-motion) if motion[k] >= least][: MOST_ORBITS - 1]
     chosen = sorted({*busiest, offset.shape[1] - 1})
-    room, depth = _clearance(result), result["measured_depth"].mean(axis=0)
+    depth = result["measured_depth"].mean(axis=0)
+    room = result["clearance"] if "clearance" in result else None
     rows = -(-len(chosen) // 3)
     figure, plots = axes(rows, min(len(chosen), 3), 3.3 * min(len(chosen), 3) + 0.6, 3.4 * rows + 0.9, title(results))
     turn = np.linspace(0.0, 2.0 * np.pi, 121)
@@ -236,17 +237,6 @@ def orbit(results: Sequence[Result]) -> Figure:
         plot.remove()
     figure.legend(*plots[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
-
-
-def _clearance(result: Result) -> np.ndarray | None:
-    """How far the axis of each lump can be from that of the hole, (lumps,) m; None where a result does not say."""
-    if not all(name in result for name in ("outer_diameter", "hole_diameter", "well_depth")):
-        return None
-    depth, outer = result["measured_depth"].mean(axis=0), result["outer_diameter"]
-    hole = np.interp(depth, result["well_depth"], result["hole_diameter"])
-    # A lump is half of the pipe above it and half of that below: the thicker one meets the wall.
-    above, below = np.r_[outer[:1], outer], np.r_[outer, outer[-1:]]
-    return 0.5 * (hole - np.maximum(above, below))
 
 
 def waterfall(results: Sequence[Result], name: str = "tension") -> Figure:

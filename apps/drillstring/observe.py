@@ -73,6 +73,7 @@ class Observer:
             "body": ("body", np.arange(lumps.length.size + 1), "", "lump, from the top drive down"),
             "link": ("link", np.arange(lumps.length.size), "", "element, from the top drive down"),
             "axis": ("axis", np.array(["x", "y", "z"]), "", "north, east, down"),
+            "side": ("side", np.array(["m1", "m2"]), "", "across the hole, in the Bishop frame"),
             "unstretched_depth": ("body", lumps.measured_depth, "m", "measured depth of the unstretched string"),
             "link_length": ("link", lumps.length, "m", "unstretched length of the element"),
             "section": ("link", np.array([lumps.tubes[k].name for k in lumps.section]), "", "section of the string"),
@@ -90,12 +91,18 @@ class Observer:
         }  # fmt: skip
 
     def _hole(self, stations: int) -> dict[str, tuple[Any, np.ndarray, str, str]]:
-        """Diameter of the hole; a string in free space has none."""
+        """Diameter of the hole, and the room that lumps have in it; a string in free space has none."""
         if self.contact is None:
             return {}
-        spring = self.contact.springs[0]
-        diameter = np.full(stations, 2.0 * (float(spring.clearance) + float(spring.radius)))
-        return {"hole_diameter": ("station", diameter, "m", "diameter of the hole")}
+        springs = self.contact.springs
+        diameter = np.full(stations, 2.0 * (float(springs[0].clearance) + float(springs[0].radius)))
+        # The lump that hangs in the drive has no spring: it has the room of the one below.
+        room = np.full(self.lumps.length.size + 1, springs.clearance[0])
+        room[springs.body] = springs.clearance
+        return {
+            "hole_diameter": ("station", diameter, "m", "diameter of the hole"),
+            "clearance": ("body", room, "m", "how far the lump's axis can be from the hole's"),
+        }
 
     def observe(self, frames: Any) -> dict[str, np.ndarray]:
         """Variables of a batch of frames, leading axis time."""

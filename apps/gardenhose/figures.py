@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gardenhose.curves import Plane, Trace, directions, name_of, plane_of, shape_of, snapped, spread
-from gardenhose.limit_cycle import LimitCycle, limit_cycle, spectrum, swings
+from gardenhose.limit_cycle import LimitCycle, limit_cycle, swings
 from gardenhose.stability_figures import boundary_figure as boundary_figure
 from gardenhose.stability_figures import flutter_figure as flutter_figure
 from gardenhose.stability_figures import show_in_plane
@@ -39,6 +39,7 @@ from tautline.view.figure import (
     widen,
 )
 from tautline.view.histories import energies
+from tautline.view.spectrum import spectrum
 from tautline.view.waterfall import waterfall_figure
 
 CHANGES = 0.05

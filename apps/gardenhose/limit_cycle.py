@@ -18,6 +18,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from gardenhose.curves import Trace, directions
+from tautline.view.spectrum import spectrum
 
 REST = 1.0e-9
 """Motion over the length of the hose below which the tip is at rest."""
@@ -238,38 +239,6 @@ def cycle_samples(
         return CycleSamples(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)))
     place, speed = _sampled(Trace(*_frames(time, position, velocity)), cycle.crossings, points)
     return CycleSamples(np.arange(points) / points, place.mean(axis=0), speed.mean(axis=0))
-
-
-def spectrum(time: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitude spectrum of a signal about its mean, with a Hann window.
-
-    Parameters
-    ----------
-    time : (m,) array
-        Rising; at uneven intervals the signal is interpolated, s.
-    signal : (m,) array
-
-    Returns
-    -------
-    frequency : (k,) array
-        Hz; from 0 to half the frame rate, four times as fine as the run's length allows so that a line between two
-        of its frequencies keeps its height to 1 %. Empty for fewer than four frames.
-    amplitude : (k,) array
-        A sine shows with its amplitude.
-    """
-    time, signal = np.asarray(time, float), np.asarray(signal, float)
-    count = len(time)
-    if count < 4 or time[-1] <= time[0]:
-        return np.zeros(0), np.zeros(0)
-    even = np.linspace(time[0], time[-1], count)
-    if not np.allclose(time, even, rtol=0.0, atol=1e-6 * (time[-1] - time[0]) / count):
-        from scipy.interpolate import CubicSpline
-
-        signal = CubicSpline(time, signal)(even)
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
-    mean = (window * signal).sum() / window.sum()
-    lines = np.abs(np.fft.rfft((signal - mean) * window, 4 * count)) * 2.0 / window.sum()
-    return np.fft.rfftfreq(4 * count, even[1] - even[0]), lines
 
 
 def headline(result: Any) -> dict[str, dict[str, Any]]:

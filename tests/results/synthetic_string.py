@@ -56,6 +56,9 @@ def result(path=None, frames=800, bodies=13, turning=False, vertical=False, lag=
     if bodies > 1:
         outer = np.where(rest[1:] < 1900.0, 0.1, 0.15)
         coordinates["outer_diameter"] = ("joint", outer, "m", "outer diameter of the string")
+        # A lump is half of the pipe above it and half of that below: the thicker one meets the wall.
+        thicker = np.maximum(np.r_[outer[:1], outer], np.r_[outer, outer[-1:]])
+        coordinates["clearance"] = ("body", 0.5 * (0.2 - thicker), "m", "room of the lump's axis")
         coordinates["hole_diameter"] = ("station", np.full(200, 0.2), "m", "diameter of the hole")
         coordinates["well_depth"] = ("station", depths, "m", "measured depth of the well path")
     described = {"scene": "title: J-well", "title": "J-well under heave", "application": "drillstring"}

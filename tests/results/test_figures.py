@@ -159,7 +159,7 @@ def test_orbits_are_those_of_the_lumps_that_move_most_inside_the_clearance_of_th
 
 def test_an_orbit_has_no_circle_where_the_result_knows_no_hole():
     run = result(None, frames=50)
-    del run._contents[2]["hole_diameter"]
+    del run._contents[2]["clearance"]
     run.__dict__.pop("variables", None)
     assert "wall" not in draw([run], ["orbit"])["orbit"].axes[0].get_legend_handles_labels()[1]
 

@@ -8,8 +8,9 @@ from scipy.integrate import solve_ivp
 from synthetic_hose import result
 
 from gardenhose.curves import Trace
-from gardenhose.limit_cycle import LimitCycle, cycle_samples, headline, limit_cycle, spectrum, swings
+from gardenhose.limit_cycle import LimitCycle, cycle_samples, headline, limit_cycle, swings
 from tautline.results.headline import to_json
+from tautline.view.spectrum import spectrum
 
 TURN = 2.0 * np.pi
 RATE = 20.37  # frames a second: no whole number of them in a period of 1 s

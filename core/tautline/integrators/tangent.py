@@ -16,6 +16,8 @@ from tautline.system.system import System
 DIRECTIONS = 3
 DROWNED = 1.0e-6
 """Share of the largest of the three parts below which a part is rounding of the residual."""
+ROUNDED = 1.0e-6
+"""Share of the largest row's terms below which a row's own are taken for that much: they drown in rounding."""
 SHARES = (1.0e-3, 1.0e-5, 1.0e-7)
 """Of the way of a step: how far a difference reaches. The best counts: rounding spoils the small, kinks the large."""
 
@@ -38,8 +40,9 @@ def _linearised(groups, dofs, state, t, cm, cc, ck, matrix, residual):
 def tangent_error(system: System, state: State, t: float, method: GeneralizedAlpha, seed: int = 1) -> float:
     """Largest difference of the tangent of the last step and a difference of its residual, relative.
 
-    The parts that belong to position, velocity and acceleration are compared one by one, each with its own size: at
-    a usual step the mass is nearly all of the whole. Rows count by forces over what is large there (``System.scale``).
+    The parts that belong to position, velocity and acceleration are compared one by one, and of each every row with
+    its own size: at a usual step the mass is nearly all of the whole, and a stiff part would hide a soft one beside it.
+    A row's size is what its terms would be together if none cancelled another.
 
     Parameters
     ----------
@@ -73,10 +76,12 @@ def tangent_error(system: System, state: State, t: float, method: GeneralizedAlp
     for _ in range(DIRECTIONS):
         x = random.uniform(-1.0, 1.0, n) * lengths
         products = [tangent @ x for tangent in tangents]
-        sizes = [float(np.abs(product / system.scale).max()) for product in products]
-        for part, product, size in zip(parts, products, sizes, strict=True):
-            if size <= DROWNED * max(sizes):
+        terms = [(np.abs(tangent) @ np.abs(x)) / system.scale for tangent in tangents]
+        largest = max(float(term.max()) for term in terms)
+        for part, product, term in zip(parts, products, terms, strict=True):
+            if term.max() <= DROWNED * largest:
                 continue
+            size = system.scale * np.maximum(term, ROUNDED * largest)
             errors = []
             for share in SHARES:
                 for sign, row in ((1.0, 1), (-1.0, 2)):
@@ -85,7 +90,7 @@ def tangent_error(system: System, state: State, t: float, method: GeneralizedAlp
                 # A law that is just slipping stands on a kink, and the tangent is that of one of its sides.
                 sides = (rows[1] - rows[2]) / 2.0, rows[1] - rows[0], rows[0] - rows[2]
                 wrong = np.min([np.abs(side / share - product) for side in sides], axis=0)
-                errors.append(float((wrong / system.scale).max()) / size)
+                errors.append(float((wrong / size).max()))
             worst = max(worst, min(errors))
     for array, values in zip(state, kept, strict=True):
         array[...] = values

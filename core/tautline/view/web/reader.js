@@ -77,7 +77,7 @@ function plot() {
   let [low, high_] = [Math.min(...known), Math.max(...known)];
   const least = 1e-3 * (shown.high - shown.low);
   if (high_ - low < least) [low, high_] = [0.5 * (low + high_ - least), 0.5 * (low + high_ + least)];
-  const names = [low, high_].map((value) => tidy(value, high_ - low));
+  const names = [low, high_].map((value) => tidy(value, Math.max(high_ - low, 0.01 * Math.abs(high_ + low))));
   const left = Math.max(...names.map((name) => pen.measureText(name).width)) + 8;
   const [first, last] = [page.time[0], page.time[frames - 1]];
   const x = (time) => left + ((wide - left - 6) * (time - first)) / (last - first || 1);
