@@ -105,16 +105,19 @@ def in_space(
     return stage.plotter
 
 
-def _stage(appearance: Appearance, asked: dict[str, Any], window: bool = False) -> Any:
-    from tautline.view.stage import SIZE, Stage
+def _stage(appearance: Appearance, asked: dict[str, Any], **more: Any) -> Any:
+    from tautline.view.stage import Stage
 
-    size = _size(asked["size"]) if asked["size"] else SIZE
-    return Stage(appearance, asked["colour"], asked["radius"], asked["camera"] or "", size, window)
+    given: dict[str, Any] = {"size": _size(asked["size"])} | more
+    return Stage(appearance, asked["colour"], asked["radius"], asked["camera"] or "", **given)
 
 
-def _size(text: str) -> tuple[int, int]:
+def _size(text: str | None) -> tuple[int, int]:
     from tautline.results.errors import ResultError
+    from tautline.view.stage import SIZE
 
+    if text is None:
+        return SIZE
     parts = text.lower().replace("×", "x").split("x")
     try:
         width, height = (int(part) for part in parts)
@@ -134,14 +137,14 @@ def _window(appearance: Appearance, asked: dict[str, Any]) -> None:
 
 def _film(appearance: Appearance, asked: dict[str, Any]) -> Path:
     from tautline.cli.progress import Counter
-    from tautline.view.film import check_name, cut, film
+    from tautline.view.film import check_name, cut, film, large
 
     check_name(asked["movie"])
-    made = cut(appearance.time, asked["rate"], asked["speed"])
-    stage = _stage(appearance, asked)
+    made, size = cut(appearance.time, asked["rate"], asked["speed"]), _size(asked["size"])
+    stage = _stage(appearance, asked, size=large(size), smooth=False)
     try:
         with Counter("pictures") as counter:
-            written = film(stage, asked["movie"], made, counter)
+            written = film(stage, asked["movie"], made, counter, size)
     finally:
         stage.close()
     faster = "" if abs(made.speed - 1.0) < 1e-9 else f", {made.speed:.3g} times as fast as life"

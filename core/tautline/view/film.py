@@ -24,8 +24,11 @@ MANY = 100.0
 
 WRITERS = {
     "mp4": ("-c:v", "libx264", "-preset", "veryfast", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
-    "gif": ("-vf", "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"),
+    "gif": (),
 }
+PALETTE = "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"
+LARGER = 1.5
+"""Size of a rendered picture over that in the film."""
 
 
 class Cut(NamedTuple):
@@ -71,8 +74,33 @@ def cut(time: np.ndarray, rate: float | None = None, speed: float | None = None)
     return Cut(frames, max((len(frames) - 1) / shown, 1e-3), speed)
 
 
-def film(stage: Stage, path: Path, made: Cut, progress: Callable[[int, int], None] | None = None) -> Path:
+def large(size: tuple[int, int]) -> tuple[int, int]:
+    """Size that pictures of a film are rendered in, pixels: ffmpeg makes them smaller, and with that smooth.
+
+    Drawn by software, several samples a pixel take three times as long as this.
+    """
+    return round(LARGER * size[0]), round(LARGER * size[1])
+
+
+def film(
+    stage: Stage,
+    path: Path,
+    made: Cut,
+    progress: Callable[[int, int], None] | None = None,
+    size: tuple[int, int] | None = None,
+) -> Path:
     """Write a film; an earlier one of the name is replaced when the new one is whole.
+
+    Parameters
+    ----------
+    stage : Stage
+    path : Path
+        Its ending says the format.
+    made : Cut
+    progress : callable, optional
+        Called with the number of pictures that are done, and of all.
+    size : tuple of int, optional
+        Of the film, pixels; by default the stage's.
 
     Raises
     ------
@@ -83,7 +111,7 @@ def film(stage: Stage, path: Path, made: Cut, progress: Callable[[int, int], Non
     part = path.with_name(f".{path.stem}.part.{ending}")
     width, height = stage.plotter.window_size
     try:
-        with _ffmpeg(part, ending, (width, height), made.rate) as pipe:
+        with _ffmpeg(part, ending, (width, height), size or (width, height), made.rate) as pipe:
             for number, frame in enumerate(made.frames):
                 stage.show(int(frame))
                 pipe.write(stage.picture())
@@ -107,7 +135,7 @@ def check_name(path: Path) -> str:
 
 
 @contextlib.contextmanager
-def _ffmpeg(path: Path, ending: str, size: tuple[int, int], rate: float) -> Any:
+def _ffmpeg(path: Path, ending: str, given: tuple[int, int], size: tuple[int, int], rate: float) -> Any:
     """A pipe that takes raw pictures."""
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
@@ -116,10 +144,13 @@ def _ffmpeg(path: Path, ending: str, size: tuple[int, int], rate: float) -> Any:
     except (ImportError, RuntimeError) as error:
         raise ResultError(path, f"cannot be written: no ffmpeg ({error})", "`pip install imageio-ffmpeg`") from None
     # libx264 wants an even number of pixels each way.
-    even = [] if ending == "gif" else ["-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2"]
+    width, height = size if ending == "gif" else (size[0] // 2 * 2, size[1] // 2 * 2)
+    filters = [f"scale={width}:{height}:flags=bilinear"] if (width, height) != given else []
+    filters += [PALETTE] if ending == "gif" else []
     command = [
-        program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}",
-        "-r", f"{rate:.6g}", "-i", "-", "-an", *even, *WRITERS[ending], str(path),
+        program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{given[0]}x{given[1]}",
+        "-r", f"{rate:.6g}", "-i", "-", "-an", *(["-vf", ",".join(filters)] if filters else []), *WRITERS[ending],
+        str(path),
     ]  # fmt: skip
     run = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
     assert run.stdin is not None and run.stderr is not None

@@ -63,6 +63,8 @@ class Stage:
         Of the picture, pixels.
     window : bool
         Whether it is to be a window on a screen.
+    smooth : bool
+        Whether edges are smoothed by several samples a pixel; by software that costs more than the picture.
 
     Attributes
     ----------
@@ -88,6 +90,7 @@ class Stage:
         camera: str = "",
         size: tuple[int, int] = SIZE,
         window: bool = False,
+        smooth: bool = True,
     ) -> None:
         self.appearance, self.radius = appearance, radius
         self.aim: Aim = aim(camera, appearance.eye)
@@ -96,6 +99,8 @@ class Stage:
         self.pyvista = graphics()
         self.plotter = self.pyvista.Plotter(off_screen=not window, window_size=list(size), lighting="light kit")
         self.plotter.set_background("white")
+        if not smooth:
+            self.plotter.render_window.SetMultiSamples(0)
         frames = len(appearance.time)
         looked_at = np.unique(np.linspace(0, frames - 1, min(frames, LOOKED_AT)).round().astype(int))
         self._extent = appearance.extent([int(frame) for frame in looked_at])
@@ -243,8 +248,8 @@ class Stage:
         self.plotter.add_mesh(plane, reset_camera=False, **look)
 
     def _label(self, label: Any) -> None:
-        actor = self._billboard(label.text, label.place(0), (10, 0))
-        self._moves.append(lambda frame: actor.SetPosition(*label.place(frame)))
+        place = self._words_at(label.text, label.place(0), (10, 0))
+        self._moves.append(lambda frame: place.SetValue(*label.place(frame)))
 
     def _ruler(self, ruler: Any) -> None:
         points = np.asarray(ruler.points, float)
@@ -258,23 +263,30 @@ class Stage:
         )  # fmt: skip
         for k, (point, number) in enumerate(zip(points, ruler.numbers, strict=True)):
             last = f" {ruler.unit}" if k == len(points) - 1 else ""
-            self._billboard(f"{number:g}{last}", point, (-10, 0), right=True)
-        self._billboard(ruler.text, points[int(np.argmax(points[:, 2]))], (0, 20), right=True)
+            self._words_at(f"{number:g}{last}", point, (-10, 0), right=True)
+        self._words_at(ruler.text, points[int(np.argmax(points[:, 2]))], (0, 20), right=True)
 
-    def _billboard(self, text: str, place: Any, offset: tuple[int, int], right: bool = False) -> Any:
-        """Words that always face the reader."""
-        from vtkmodules.vtkRenderingCore import vtkBillboardTextActor3D
+    def _words_at(self, text: str, place: Any, offset: tuple[int, int], right: bool = False) -> Any:
+        """Words beside a point, in front of everything; returns the vtkCoordinate of the point."""
+        from vtkmodules.vtkRenderingCore import vtkCoordinate, vtkTextActor
 
-        actor = vtkBillboardTextActor3D()
+        # VTK has an actor for words in space; it draws its letters anew whenever it moves, which takes longer than the
+        # rest of a picture.
+        actor, point = vtkTextActor(), vtkCoordinate()
+        point.SetCoordinateSystemToWorld()
+        point.SetValue(*place)
+        beside = actor.GetPositionCoordinate()
+        beside.SetCoordinateSystemToDisplay()
+        beside.SetReferenceCoordinate(point)
+        beside.SetValue(*(round(self.scale * pixels) for pixels in offset), 0.0)
         actor.SetInput(text)
-        actor.SetPosition(*place)
-        actor.SetDisplayOffset(*(round(self.scale * pixels) for pixels in offset))
+        actor.SetTextScaleModeToNone()
         self._lettering(actor.GetTextProperty(), 13)
         if right:
             actor.GetTextProperty().SetJustificationToRight()
         actor.GetTextProperty().SetVerticalJustificationToCentered()
         self.plotter.add_actor(actor, reset_camera=False, pickable=False)
-        return actor
+        return point
 
     def _lettering(self, look: Any, points: int) -> None:
         from vtkmodules.vtkRenderingCore import vtkTextProperty
