@@ -206,6 +206,50 @@ def _write_turn(rho1, rho2, l, line):
 
 
 @kernel
+def vary_gradient(rho1, rho2, line, move, de, y, dg):
+    """Change of g while d moves by ``move`` and e, with it, by ``de``: the Hessian of Lambda, applied.
+
+    With s = rho1 (1 - c1)/c1 w1 - rho2 (1 - c2)/c2 w2 and sigma = E^T s, so that g = e - sigma, and from A E = 1 - e e^T,
+
+        dg = de + e (de.sigma) + E^T (dA^T sigma - ds),   dA = dl + d((1 - e e^T) B),
+
+    where B is the bracket of A. A and s are made of e, w, e'/c and c alone, and of these
+    dw = -(e'/c) u, d(e'/c) = w u, dc = -(e.a)(a.de)/c with u = w.de/c. ``y`` (3,) is scratch.
+    """
+    e, number = line.e, line.number
+    if rho1 == 0.0 and rho2 == 0.0:
+        for k in range(AXES):
+            dg[k] = de[k]
+        return
+    dl = turned = 0.0
+    for k in range(AXES):
+        dl += e[k] * move[k]
+        turned += de[k] * (e[k] - line.g[k])
+        y[k] = 0.0
+    for side in range(2):
+        rho = -rho1 if side == 0 else rho2
+        if rho == 0.0:
+            continue
+        x, c = line.wheel[side], number[COS1 + side]
+        u = dot(x[W], de) / c
+        dc = -dot(e, x[AXIS]) * dot(x[AXIS], de) / c
+        swept = dot(x[PLANE], e) - dot(x[PLANE], line.g)
+        grown = dot(x[W], e) - dot(x[W], line.g)
+        dl -= rho * u * dot(e, x[PLANE])
+        for k in range(AXES):
+            dw = -u * x[PLANE, k]
+            # dB^T sigma, and what s loses.
+            y[k] += rho * ((dw * swept + x[W, k] * u * grown) / c - dc / (c * c) * x[W, k] * swept)
+            y[k] += rho * ((1.0 - c) / c * dw - dc / (c * c) * x[W, k]) - rho * turned * x[W, k]
+    for k in range(AXES):
+        y[k] += dl * (e[k] - line.g[k])
+    for k in range(AXES):
+        dg[k] = de[k] + e[k] * turned
+        for j in range(AXES):
+            dg[k] += line.turn[j, k] * y[j]
+
+
+@kernel
 def _psi(x):
     return atan2(dot(x[W], x[B]), dot(x[W], x[MARK]))
 

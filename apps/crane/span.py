@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.line import AXES, FOUND, LENGTH, PATH, POINT, PSI1, PSI2, RATE, Line, dot, find_line, new_line
+from crane.line import AXES, FOUND, LENGTH, PATH, POINT, PSI1, PSI2, RATE, Line, dot, find_line, new_line, vary_gradient
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import EMPTY, OFF_WHEEL, TWO_BLOCKED, register
 from tautline.kernels.jit import kernel
@@ -169,8 +169,8 @@ def _residual(g, t, q, v, a, r):
 def _vary(g, n, q, v, a, column, cm, cc, ck):
     """Write the derivative of the residual along one degree of freedom: position ck, velocity cc, acceleration cm.
 
-    What the curvature of e in the stations' distance adds to E is that of two points; it is exact for wheels of
-    parallel axes.
+    How the direction's derivative E changes is taken as between two points: that is exact for ropes that lie in their
+    wheels' planes, and small in any case, for what it multiplies is the momentum that flows through.
     """
     s, line, block, y = g.rows[n], g.line, g.block, g.change
     x, number = g.motion.point, g.motion.number
@@ -188,23 +188,28 @@ def _vary(g, n, q, v, a, column, cm, cc, ck):
         grown, size_v = sign * ck, sign * cc
         dp1_d, dp2_d, dp1_dd, dp2_dd = c_of_1 * cc, c_of_2 * cc, c_of_1 * cm, c_of_2 * cm
         for c in range(AXES):
-            y[0, c] = y[1, c] = y[2, c] = 0.0
+            y[0, c] = y[1, c] = y[2, c] = y[11, c] = 0.0
         d_lam = -lam * grown / size
         d_path_d = 0.0
     else:
-        # y: change of e, of E d., and e.-part; d moves by sign along one axis.
+        # y: 0 change of e, 1 of e., 11 of g; d moves by sign along one axis.
         along = sign * ck * e[axis]
-        speed = 0.0
+        speed = bent = 0.0
         for c in range(AXES):
             y[0, c] = sign * ck * turn[c, axis]
+            y[12, c] = sign * ck if c == axis else 0.0
             speed += (v[s.b + c] - v[s.a + c]) * e[c]
+        rho1 = g.wheels[s.wheel1].radius if s.wheel1 != POINT else 0.0
+        rho2 = g.wheels[s.wheel2].radius if s.wheel2 != POINT else 0.0
+        vary_gradient(rho1, rho2, line, y[12], y[0], y[13], y[11])
         for c in range(AXES):
             turned += y[0, c] * (v[s.b + c] - v[s.a + c])
+            bent += y[11, c] * (v[s.b + c] - v[s.a + c])
         for c in range(AXES):
             swept = x[E_D, c] - line.drift[c]
             y[1, c] = sign * cc * turn[c, axis] - (y[0, c] * speed + e[c] * turned + swept * along) / l
         d_lam = sign * ck * gradient[axis] / size
-        d_path_d = sign * cc * gradient[axis] + turned
+        d_path_d = sign * cc * gradient[axis] + bent
     d_lam_d = (d_path_d - d_lam * size_d - lam * size_v - lam_d * grown) / size
     dk, dk_d = s.mass * grown / 6.0, s.mass * size_v / 6.0
     # y: 2 dt, 3 dt., 4 dv1, 5 dv2, 6 dm1, 7 dm2, 8 dn1, 9 dn2, 10 dP
@@ -236,8 +241,8 @@ def _vary(g, n, q, v, a, column, cm, cc, ck):
         turned_p = -(y[0, c] * number[P_E] + e[c] * shifted + x[TURNED_P, c] * along) / l
         for d in range(AXES):
             turned_p += turn[d, c] * y[10, d]
-        pull = d_along * gradient[c] / size + number[P_E] * (y[0, c] - gradient[c] * grown / size) / size
-        pull += d_lam * x[TURNED_P, c] + lam * turned_p + d_force * gradient[c] + force * y[0, c]
+        pull = d_along * gradient[c] / size + number[P_E] * (y[11, c] - gradient[c] * grown / size) / size
+        pull += d_lam * x[TURNED_P, c] + lam * turned_p + d_force * gradient[c] + force * y[11, c]
         weight = 0.5 * grown * s.load[c]
         block[c, column] = y[8, c] - pull - weight
         block[STATION + c, column] = y[9, c] + pull - weight
@@ -365,7 +370,7 @@ def new_spans(rows: np.recarray, wheels: np.recarray) -> Spans:
     n = len(rows)
     return Spans(
         rows, wheels, np.zeros((n, SIZE)), np.zeros((n, 3)), np.zeros(n, np.int64), new_line(),
-        Motion(np.zeros((13, 3)), np.zeros(14)), np.zeros((11, 3)), np.zeros((8, 8)),
+        Motion(np.zeros((13, 3)), np.zeros(14)), np.zeros((14, 3)), np.zeros((8, 8)),
     )  # fmt: skip
 
 

@@ -34,7 +34,7 @@ def test_energies_and_powers_are_the_references(case):
 @pytest.mark.parametrize("case", CASES, ids=NAMES)
 @pytest.mark.parametrize("weights", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)], ids=["mass", "damping", "all"])
 def test_tangent_is_the_residuals_difference(case, weights):
-    """Exact for points; what is left out is how e's derivative changes on wheels that turn or are met askew."""
+    """Exact for points; left out is how E changes on wheels that turn or are met askew, in what flows through."""
     span = held(case)
     cm, cc, ck = weights
     made = span.matrix(case.q, case.v, case.a, cm, cc, ck)
@@ -46,7 +46,7 @@ def test_tangent_is_the_residuals_difference(case, weights):
         ends = [span.residual(case.q + s * ck * step, case.v + s * cc * step, case.a + s * cm * step) for s in (1, -1)]
         expected[:, j] = (ends[0] - ends[1]) / (2.0 * h)
     scale = np.abs(expected).max()
-    bound = 1e-7 if case.name == "point to point" or ck == 0.0 else 5e-4
+    bound = 1e-7 if case.name == "point to point" or ck == 0.0 else 5e-4  # BOUND
     assert np.abs(made - expected).max() < bound * scale
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oscillators import OMEGA, bar, oscillator, rk4, subject
+from oscillators import OMEGA, bar, node, oscillator, rk4, spring, subject
 from wrong_tangents import TOO_LARGE, faulty_subject, mounted
 
 from tautline.elements.linear import LinearTension
@@ -48,6 +48,17 @@ def test_a_tangent_of_one_group_that_is_a_tenth_off_is_told_by_both_verbs(quick,
     for error, warnings in looked_at(scene):
         assert error > WRONG_TANGENT and len(warnings) == 1
         assert "a tangent is wrong" in warnings[0]
+
+
+def test_a_wrong_tangent_is_told_beside_one_that_is_a_thousand_times_stiffer(quick):
+    beside = [
+        node(2, 5.0, 0.0, (1, 1, 1, 1)), node(3, 6.0 + 1e-5, 1.0), spring(1, (2, 3), 1.5e5),
+        "PointMass: {id: 1, nodes4: [3], mass: 1.0}",
+    ]  # fmt: skip
+    for told, found in ((1.0, False), (TOO_LARGE, True)):
+        scene = subject(oscillator(items=beside, time_end=0.3), change=mounted(stiffness=150.0, told=(1, 1, told)))
+        for error, warnings in looked_at(scene):
+            assert (error > WRONG_TANGENT) is found and (len(warnings) == 1) is found
 
 
 def test_right_tangents_are_not_told(quick):

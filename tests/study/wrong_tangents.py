@@ -87,7 +87,8 @@ def mounted(mass=0.5, damping=1.0, stiffness=50.0, told=(1.0, 1.0, 1.0), gap=Non
     """
 
     def change(model):
-        place, home = int(model.system.free[0]), 1.0 + (gap or 0.0)
+        near = np.abs(model.system.q - 1.0)[model.system.free].argmin()
+        place, home = int(model.system.free[near]), 1.0 + (gap or 0.0)
         numbers = float(mass), float(damping), float(stiffness), home
         extra = Mount(place, *numbers, int(gap is not None), np.array(told, float))
         model.system.groups = (*model.system.groups, extra)
