@@ -38,16 +38,22 @@ SHOTS = (
         "hoist",
         "Five tonnes are hoisted at 2 m/s from a vessel that heaves by half a metre. The load swings on its rope for as"
         " long as nothing damps it; the tension shows each swing.",
-        (("--image", "last"), ("--image", "t=6", "--camera", "30,10@winch")),
+        (("--image", "last"), ("--image", "t=6", "--camera", "35,12,9@drum winch")),
         ("tension", "payload"),
     ),
     Shot("hookblock", "Two falls through a hook block.", (("--image", "last"),), ("tension",)),
     Shot("sixteen_falls", "Sixteen falls on a moving vessel.", (("--image", "last"),), ("tension",)),
-    Shot("slewing", "A boom that slews while it hoists: the load lags behind.", (("--image", "t=6"),), ("payload",)),
+    Shot(
+        "slewing",
+        "A boom that slews while it hoists: the load lags behind.",
+        (("--image", "t=8", "--camera", "corner"),),
+        ("payload",),
+    ),
     Shot(
         "landing",
-        "A template lowered to the sea floor with heave compensation; the second picture follows the template.",
-        (("--image", "last"), ("--image", "last", "--camera", "20,12@template")),
+        "A template on its way to the sea floor, two kilometres down, with heave compensation. The first picture cuts the"
+        " rope, the second follows the template.",
+        (("--image", "last", "--view", "crane"), ("--image", "last", "--camera", "20,12@template")),
         ("tension",),
     ),
     Shot(

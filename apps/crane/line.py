@@ -209,7 +209,7 @@ def _write_turn(rho1, rho2, l, line):
 def vary_gradient(rho1, rho2, line, move, de, y, dg):
     """Change of g while d moves by ``move`` and e, with it, by ``de``: the Hessian of Lambda, applied.
 
-    With s = rho1 (1 - c1)/c1 w1 - rho2 (1 - c2)/c2 w2 and sigma = E^T s, so that g = e - sigma, and from A E = 1 - e e^T,
+    With s = rho1 (1 - c1)/c1 w1 - rho2 (1 - c2)/c2 w2 and sigma = E^T s it is g = e - sigma. From A E = 1 - e e^T,
 
         dg = de + e (de.sigma) + E^T (dA^T sigma - ds),   dA = dl + d((1 - e e^T) B),
 
