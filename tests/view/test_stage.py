@@ -97,6 +97,10 @@ def test_the_legend_says_what_it_shows_with_unit_and_round_numbers(stage):
     assert "Hoist by hand" in said
 
 
+def test_the_picture_says_what_the_longest_arrow_stands_for(stage):
+    assert any("weight: longest arrow 50 kN" in text for text in words(stage))
+
+
 def test_the_clock_says_the_frames_time(stage):
     stage.show(7)
     assert f"t = {TIME[7]:.2f} s" in words(stage)

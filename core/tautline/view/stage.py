@@ -17,6 +17,7 @@ import numpy as np
 from tautline.view.appearance import Appearance, Arrows, Line, Solid
 from tautline.view.camera import ANGLE, CLOSE, Aim, aim, fitted
 from tautline.view.colours import Shading, shading
+from tautline.view.figure import round_numbers, scale
 from tautline.view.graphics import graphics
 from tautline.view.mesh import turned_about
 from tautline.view.tube import rings, skin
@@ -305,7 +306,7 @@ class Stage:
         self._lettering(clock.prop, 15)
         digits = _digits(self.appearance.time)
         self._moves.append(lambda frame: setattr(clock, "input", f"t = {self.appearance.time[frame]:.{digits}f} s"))
-        notes = [*self.appearance.notes, *self._thickness_notes()]
+        notes = [*self.appearance.notes, *self._thickness_notes(), *self._arrow_notes()]
         if notes:
             words = self.plotter.add_text(_wrapped(notes), position=(0.16, 0.028), viewport=True, font_size=1)
             self._lettering(words.prop, 12)
@@ -325,6 +326,15 @@ class Stage:
             for factor, names in of.items()
         ]
 
+    def _arrow_notes(self) -> list[str]:
+        """What the longest arrow of each kind stands for."""
+        said = []
+        for arrows in self.appearance.arrows:
+            factor, unit = scale([np.array([arrows.longest])], arrows.unit)
+            if arrows.longest > 0.0:
+                said.append(f"{arrows.text}: longest arrow {arrows.longest / factor:.3g} {unit}".rstrip())
+        return said
+
     def _legend(self, shade: Shading) -> None:
         bar = self.plotter.add_scalar_bar(
             " ", mapper=self._legend_mapper(shade), vertical=True, n_labels=0, fmt="%g",
@@ -333,8 +343,6 @@ class Stage:
         bar.SetBarRatio(1.0)
         bar.SetTitle("")
         left, bottom, high = 1.0 - LEGEND + 0.035, 0.16, 0.66
-        from tautline.view.figure import round_numbers
-
         for number in round_numbers(shade.low, shade.high, 6):
             share = (number - shade.low) / (shade.high - shade.low)
             place = (left + 0.026, bottom + high * share)
