@@ -34,7 +34,9 @@ WIDE = 0.006
 """Radius of a line as a share of the picture's size from which its sides would show."""
 LEGEND = 0.13
 """Share of the width that the legend takes."""
-HEADROOM = 1.12
+FOOT = 0.04
+"""Share of half the height by which everything is moved up, off the clock and the notes."""
+HEADROOM = 1.17
 """Room around what is seen."""
 LOOKED_AT = 24
 """Frames, about, that the camera is placed for."""
@@ -152,8 +154,8 @@ class Stage:
         camera.position = tuple(place.focus + HEADROOM * (place.eye - place.focus))
         camera.focal_point, camera.up = tuple(place.focus), tuple(place.up)
         camera.view_angle = ANGLE
-        # The legend stands at the right: the middle of the rest is left of the picture's.
-        camera.SetWindowCenter(side, 0.0)
+        # The legend stands at the right, clock and notes at the foot: the middle of the rest is to the left, and above.
+        camera.SetWindowCenter(side, -FOOT)
         # Levels reach far, so the nearest thing that is shown would be far away too when seen from close by.
         self.plotter.renderer.SetNearClippingPlaneTolerance(float(np.clip(NEAREST / self.aim.zoom, 1e-5, NEAREST)))
         self.plotter.renderer.ResetCameraClippingRange()
