@@ -1,4 +1,4 @@
-"""Makes the folders of tests importable: `references.soft_string`, `physics.strings`; and Ctrl-C heard by all of them."""
+"""Makes the folders of tests importable, as `references.soft_string`, and Ctrl-C heard by all tests."""
 
 import signal
 import sys

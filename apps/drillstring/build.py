@@ -155,6 +155,7 @@ def build(scene: DrillstringScene) -> Model:
             "application": "drillstring",
             "physics": _physics(scene),
             "conventions": COORDINATE_UNITS,
+            "units": scene.units,
         },
         observe=observer.observe,
         headline=lambda result: headline(result, lumps),
@@ -167,7 +168,7 @@ def build(scene: DrillstringScene) -> Model:
 
 def _physics(scene: DrillstringScene) -> str:
     """Hash of all that a scene says but how it is solved and what is kept: a run can be gone on with if it agrees."""
-    said = scene.model_dump(exclude={"title", "solver", "output"})
+    said = scene.model_dump(exclude={"title", "units", "solver", "output"})
     return sha256(repr(said).encode()).hexdigest()[:16]
 
 

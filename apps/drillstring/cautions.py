@@ -10,7 +10,9 @@ import numpy as np
 from drillstring.build import tubes_of, well_of
 from drillstring.lumped_string import fluid_of, lateral_mass
 from drillstring.scene import DrillstringScene
+from drillstring.strength import yield_cautions
 from drillstring.string import Lumps, cut
+from tautline.cli.summary import shown
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import Caution
@@ -111,6 +113,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
                 "curvature; deepen the well, or shorten the string",
             )
         )
+    found += yield_cautions(scene, well_of(scene), lumps)
     longest = float(lumps.length.max())
     if longest > 0.25 * lumps.total and lumps.total > 500.0:
         found.append(
@@ -146,4 +149,22 @@ def figures(scene: DrillstringScene) -> dict[str, Any]:
             "displacement": float(lumps.of_lumps(lambda tube: pi / 4.0 * (tube.od**2 - tube.id**2)).sum()),
         },
         "critical_step_rk4": contact_critical_step(scene, lumps) if scene.well.wall is not None else None,
+        "printed_in": scene.units,
     }
+
+
+def describe(figures: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows of a table for people, in the units that the scene asks for."""
+    well, string = figures["well"], figures["string"]
+    rows = [
+        ("measured depth of the well", well["length"], "m"),
+        ("true vertical depth", well["vertical_depth"], "m"),
+        ("largest inclination", well["largest_inclination"], "rad"),
+        ("length of the string", string["length"], "m"),
+        ("mass of the string", string["mass"], "kg"),
+        ("displacement of its tubes", string["displacement"], "m^3"),
+        ("elements", string["elements"], ""),
+    ]
+    if figures["critical_step_rk4"] is not None:
+        rows.append(("critical step of RK4", figures["critical_step_rk4"], "s"))
+    return [(text, shown(value, unit, figures["printed_in"])) for text, value, unit in rows]

@@ -1,8 +1,9 @@
 """Laws of friction at a contact: exact Coulomb by projection, Karnopp's, and a regularised one.
 
 Each law gives the friction force ``lambda`` (along the hole, around it) on the pipe at a contact, as a function of the
-normal force N and the slip velocity w, with its derivatives. Three laws, three types; a contact's code is compiled for
-the one that the scene has. Every law offers
+normal force N and the slip velocity w, with its derivatives. One type for each law; a contact's code is compiled for
+the one that the scene has. A fourth law, that of a string that slides in a given direction, stands in sliding.py. Every
+law offers
 
 - ``prepare(law, i, h, beta, gamma, touch, along_rate, around_rate)`` at the start of an attempt of a step,
 - ``status(law, i, touch, converged)``: change status where it must; returns 1 if it did,
@@ -18,6 +19,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drillstring.sliding import (
+    Sliding,
+    act_sliding,
+    force_sliding,
+    prepare_sliding,
+    settle_sliding,
+    status_sliding,
+)
 from tautline.kernels.dispatch import by_type
 from tautline.kernels.jit import kernel
 
@@ -293,8 +302,22 @@ def _nothing_to_settle(law, i, touch):
     return
 
 
-prepare = by_type({Projection: _prepare_projection, Karnopp: _prepare_karnopp, Regularised: _nothing_to_prepare})
-status = by_type({Projection: _status_projection, Karnopp: _never_changes, Regularised: _never_changes})
-act = by_type({Projection: _act_projection, Karnopp: _act_karnopp, Regularised: _act_regularised})
-settle = by_type({Projection: _settle_projection, Karnopp: _settle_karnopp, Regularised: _nothing_to_settle})
-force_now = by_type({Projection: _force_projection, Karnopp: _force_karnopp, Regularised: _force_by_act})
+prepare = by_type(
+    {
+        Projection: _prepare_projection, Karnopp: _prepare_karnopp, Regularised: _nothing_to_prepare,
+        Sliding: prepare_sliding,
+    }
+)  # fmt: skip
+status = by_type(
+    {Projection: _status_projection, Karnopp: _never_changes, Regularised: _never_changes, Sliding: status_sliding}
+)
+act = by_type({Projection: _act_projection, Karnopp: _act_karnopp, Regularised: _act_regularised, Sliding: act_sliding})
+settle = by_type(
+    {
+        Projection: _settle_projection, Karnopp: _settle_karnopp, Regularised: _nothing_to_settle,
+        Sliding: settle_sliding,
+    }
+)  # fmt: skip
+force_now = by_type(
+    {Projection: _force_projection, Karnopp: _force_karnopp, Regularised: _force_by_act, Sliding: force_sliding}
+)

@@ -149,6 +149,7 @@ class DrillstringScene(Scene):
     """
 
     title: str | None = None
+    units: Annotated[Literal["si", "field"], word("si", "field")] = "si"
     gravity: Annotated[float, quantity("m/s^2", nonnegative=True)] = 9.81
     well: Well = Field(examples=["{sections: [{hold: 2200 m}], diameter: 0.2032, wall: none}"])
     string: Annotated[tuple[Section, ...], Field(min_length=1, examples=[STRING])]

@@ -45,6 +45,19 @@ def quantity(value: Any, unit: str) -> str:
     return f"{significant(float(value))} {prefix}{unit}".strip()
 
 
+def shown(value: Any, unit: str, system: str = "si") -> str:
+    """Write a figure that is given in SI in the units of a `system`: ``si`` or ``field``."""
+    if system == "field" and isinstance(value, (int, float)) and not isinstance(value, bool):
+        from tautline.cli.field_units import FIELD, in_field_units
+
+        if unit in FIELD:
+            converted, name = in_field_units(float(value), unit)
+            return f"{significant(converted)} {name}"
+    if system == "field" and isinstance(value, (list, tuple)):
+        return ", ".join(shown(item, unit, system) for item in value)
+    return quantity(value, unit)
+
+
 def speed(factor: float | None) -> str:
     """Write a real-time factor, and what it means."""
     if factor is None or not math.isfinite(factor) or factor <= 0.0:
@@ -75,10 +88,11 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
     report : dict
         The keys of ``simulate --json``.
     attributes : dict
-        Attributes of the result.
+        Attributes of the result; `units` says which units the figures are printed in.
     headline : dict
         The application's figures: name -> {value, unit, text}.
     """
+    system = str(attributes.get("units") or "si")
     rows: list[tuple[str, str]] = [
         ("method", str(report["method"] or "–")),
         ("step", quantity(report["step"], "s")),
@@ -96,12 +110,12 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
         rows.append(("energy balance, relative error", significant(report["energy_error"], 2)))
     if report.get("numerical_dissipation") is not None:
         # What nobody can account for is what the method has damped, as far as the ledger of power is exact.
-        rows.append(("energy lost to the method", quantity(report["numerical_dissipation"], "J")))
+        rows.append(("energy lost to the method", shown(report["numerical_dissipation"], "J", system)))
     if report.get("phase_lag"):
-        rows.append(("free swinging is late at the end by, about", quantity(report["phase_lag"], "rad")))
+        rows.append(("free swinging is late at the end by, about", shown(report["phase_lag"], "rad", system)))
     if headline:
         rows.append(("", ""))
     for name, figure in headline.items():
         label = str(figure.get("text") or name.replace("_", " "))
-        rows.append((label, quantity(figure.get("value"), str(figure.get("unit") or ""))))
+        rows.append((label, shown(figure.get("value"), str(figure.get("unit") or ""), system)))
     return two_columns(rows)
