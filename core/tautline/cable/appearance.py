@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from tautline.cable.carried import scene_of
 from tautline.cable.parts import Node
-from tautline.cable.scene import CableScene, parse
+from tautline.cable.scene import CableScene
 from tautline.cable.symbols import coil, mass, pin, plate, supports
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
-from tautline.scene.errors import SceneError
 from tautline.view.appearance import (
     STEEL,
     Appearance,
@@ -57,7 +57,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     ResultError
         If the result carries no scene of cables, or not the one that it was made of; or for an unknown view or factor.
     """
-    scene = _scene_of(result)
+    scene = scene_of(result)
     factor = factor_of(look, VIEWS)
     position = np.asarray(result["position"])
     if position.shape[1] != len(scene.nodes) or np.shape(result["axial_force"])[1] != len(scene.elements):
@@ -163,16 +163,6 @@ def chains_of(scene: CableScene) -> list[list[int]]:
             chain.append(follows[chain[-1]])
         found.append(chain)
     return found
-
-
-def _scene_of(result: Result) -> CableScene:
-    """The scene that a result carries; it is read here so that no library that draws is."""
-    name = str(result.path or "result")
-    try:
-        return parse(str(result.attributes.get("scene", "")), name)
-    except SceneError as error:
-        cause = f"carries a scene that cannot be read: {error.problems[0].cause}"
-        raise ResultError(name, cause, "run the scene again") from None
 
 
 def _cables(result: Result, scene: CableScene, factor: float) -> list[Line]:

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from tautline.cable.carried import scene_of
 from tautline.cable.parts import Curve
 from tautline.cable.plots import AXES, TEXTS
-from tautline.cable.scene import CableScene, parse
+from tautline.cable.scene import CableScene
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
-from tautline.scene.errors import SceneError
 from tautline.view.comparison import NothingToShow, marker, names, over_time, title
 from tautline.view.drawings import Drawing, drawn, writing
 from tautline.view.figure import COLOURS, STYLES, Axes, Figure, axes, label, legend_above, scale, styled, widen
@@ -107,22 +107,6 @@ def _forces(plot: Axes, result: Result, factor: float, style: dict[str, str], en
     for number, i in enumerate(chosen):
         name = ids[i] if i < len(ids) else f"element {i}"
         plot.plot(result.time, values[:, i], color=COLOURS[number % len(COLOURS)], label=name + ending, **style)
-
-
-def scene_of(result: Result) -> CableScene:
-    """Scene of a result, from the text that it carries.
-
-    Raises
-    ------
-    ResultError
-        If the text is no scene of a cable.
-    """
-    name = str(result.path or "result")
-    try:
-        return parse(str(result.attributes.get("scene", "")), name)
-    except SceneError as error:
-        cause = f"carries a scene that cannot be read: {error.problems[0].cause}"
-        raise ResultError(name, cause, "run the scene again") from None
 
 
 def values_of(curve: Curve, result: Result, scene: CableScene) -> np.ndarray | None:
