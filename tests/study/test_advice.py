@@ -16,11 +16,11 @@ class Stored:
         self.time, self.attributes = [0.0, 10.0], {"step": 0.01}
 
 
-def row(name, error, factor, status="done"):
+def row(name, error, factor, status="done", step=0.01):
     """A run called by its method with a relative error, None if it has none, and a real-time factor."""
     stored = Stored() if factor is not None else None
     wall = () if factor is None else (10.0 * factor,)
-    trial = Trial(Setting(name, 0.01), status, "", stored, wall, wall)
+    trial = Trial(Setting(name, step), status, "", stored, wall, wall)
     return Row(trial, None if error is None else Errors(error, None, None, 0.0))
 
 
@@ -60,6 +60,18 @@ def test_where_none_is_faster_than_real_time_that_is_said():
 def test_where_none_is_good_enough_the_best_is_named_with_what_to_do():
     text = advice(made(QUICK, row("worse", 0.5, 0.001), tolerance=0.002))
     assert text.startswith("no run has an error below 0.2 %: the best is quick") and "--steps" in text
+
+
+def test_where_the_finest_mesh_is_not_good_enough_elements_are_advised_and_not_steps():
+    text = advice(made(row("fair", 1e-3, 0.5), tolerance=0.005, mesh=0.02))
+    assert "the finest mesh alone is 2 % off" in text and "--elements" in text and "--steps" not in text
+
+
+def test_where_an_error_has_stopped_falling_with_the_step_smaller_ones_are_not_advised():
+    stalled = made(row("fair", 0.029, 0.1, step=0.02), row("fair", 0.028, 0.2), tolerance=0.005)
+    assert "smaller steps do not help" in advice(stalled)
+    falling = made(row("fair", 0.029, 0.1, step=0.02), row("fair", 0.008, 0.2), tolerance=0.005)
+    assert "--steps" in advice(falling)
 
 
 def test_where_no_run_came_to_its_end_there_is_no_advice():

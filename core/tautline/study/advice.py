@@ -11,6 +11,9 @@ if TYPE_CHECKING:
 CERTAIN = 1.5
 """Ratio of two run times from which one is shorter beyond the noise of a machine."""
 
+STALLED = 0.8
+"""Share of the error with the next larger step above which an error has stopped falling."""
+
 
 def good_enough(study: Study) -> list[Row]:
     """Runs whose error, with that of the reference, is below the tolerance, the cheapest first."""
@@ -35,7 +38,7 @@ def advice(study: Study) -> str:
         best = min((r for r in study.rows if r.errors is not None), key=lambda r: r.errors.position, default=None)
         if best is None:
             return "no advice: no run came to its end"
-        return f"no run has {asked}: the best is {_told(best)}; take smaller steps with --steps"
+        return f"no run has {asked}: the best is {_told(best)}; {_cure(study, best)}"
     first = f"cheapest with {asked}: {_told(enough[0])}"
     cheap = enough[0].factor or 0.0
     if not live:
@@ -44,6 +47,25 @@ def advice(study: Study) -> str:
         return f"{first}, and it is the most accurate in real time as well"
     second = f"most accurate in real time: {_told(live[0])}"
     return f"{first}; {second}" if cheap < 1.0 else f"{first}, which is not real time; {second}"
+
+
+def _cure(study: Study, best: Row) -> str:
+    """What would make the best run better: smaller steps, unless its error has stopped falling with them."""
+    own = study.reference.mesh_error if study.reference is not None else 0.0
+    if own > 0.5 * study.tolerance:
+        return f"the finest mesh alone is {100.0 * own:.2g} % off: take more elements with --elements"
+    assert best.errors is not None
+    coarser = [row.errors.position for row in study.rows if _like(row, best) and row.errors is not None]
+    if coarser and best.errors.position > STALLED * min(coarser):
+        return "smaller steps do not help it any more: its mesh, its constraints or its laws of friction differ"
+    return "take smaller steps with --steps"
+
+
+def _like(row: Row, best: Row) -> bool:
+    """Whether a run differs from the best by a larger step alone."""
+    one, two = row.trial.setting, best.trial.setting
+    same = (one.method, one.elements, one.constraint) == (two.method, two.elements, two.constraint)
+    return same and one.step is not None and two.step is not None and one.step > 1.01 * two.step
 
 
 def _told(row: Row) -> str:
