@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from tautline.cli.packaged import Packaged
@@ -13,6 +14,15 @@ class Drillstring(Packaged):
     name = "drillstring"
     title = "Drill strings in deviated wells: hook load, torque, friction, bit motion, faster than real time."
     starters = ("jwell", "vertical")
+
+    @property
+    def verbs(self) -> Sequence[Callable[..., None]]:
+        """Commands that other applications do not have."""
+        from drillstring.form_verbs import form
+        from drillstring.torque_verbs import torque_drag
+        from drillstring.tubular_verbs import tubulars
+
+        return (form, torque_drag, tubulars)
 
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with a well or a string is a drill string."""

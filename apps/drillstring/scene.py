@@ -8,9 +8,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from drillstring.hole import MOST_ELEMENTS, Distance, Factor, Length, Well
+from drillstring.tubulars import EXAMPLE, NoSuchTubular, find
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant, FunctionOfTime, Position, time_function
 from tautline.scene.model import Branch, Model, Scene, Switch, Whole, word
@@ -24,9 +26,21 @@ Density = Annotated[float, quantity("kg/m^3", positive=True)]
 Modulus = Annotated[float, quantity("Pa", positive=True)]
 
 
-class Section(Model):
-    """A piece of the string of one kind; `length` is a number or ``rest``, what the hole leaves for it."""
+def _either(schema: dict[str, Any]) -> None:
+    """Say in the JSON schema that a tubular stands for name and diameters."""
+    needed = schema.pop("required")
+    schema["anyOf"] = [{"required": ["tubular", "length"]}, {"required": needed}]
 
+
+class Section(Model):
+    """A piece of the string of one kind; `length` is a number or ``rest``, what the hole leaves for it.
+
+    `tubular` names one of the catalogue, which gives name, diameters, mass and yield load where they are not given.
+    """
+
+    model_config = ConfigDict(json_schema_extra=_either)
+
+    tubular: str | None = Field(None, examples=["5 in 19.50 lb/ft S135"])
     name: str = Field(examples=["drill pipe"])
     length: Annotated[float | Literal["rest"], quantity("m", positive=True, words=("rest",))]
     od: Length
@@ -34,6 +48,7 @@ class Section(Model):
     tool_joint_od: Length | None = None
     second_moment: Annotated[float, quantity("m^4", positive=True)] | None = None
     mass_per_length: Annotated[float, quantity("kg/m", positive=True)] | None = None
+    yield_load: Annotated[float, quantity("N", positive=True)] | None = None
     eccentricity: tuple[Annotated[float, quantity("m")], Annotated[float, quantity("m")]] = (0.0, 0.0)
     youngs_modulus: Modulus | None = None
     shear_modulus: Modulus | None = None
@@ -45,6 +60,21 @@ class Section(Model):
         """Diameter that touches the wall, m: the tool joint's where given."""
         return self.od if self.tool_joint_od is None else self.tool_joint_od
 
+    @model_validator(mode="before")
+    @classmethod
+    def _standard(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "tubular" not in data:
+            return data
+        words = data["tubular"]
+        if not isinstance(words, str):
+            kind = "is empty" if words is None else "must be a text"
+            raise fault("tubular", kind, f"give a tubular {EXAMPLE}; `drillstring tubulars` lists all")
+        try:
+            standard = find(words)
+        except NoSuchTubular as none:
+            raise fault("tubular", none.cause, none.cure) from None
+        return standard.keys(*(_diameter(data, key) for key in ("od", "id"))) | data
+
     @model_validator(mode="after")
     def _pipe(self) -> Section:
         if self.od <= self.id:
@@ -53,6 +83,14 @@ class Section(Model):
         if self.tool_joint_od is not None and self.tool_joint_od < self.od:
             raise fault("tool_joint_od", f"smaller than od = {self.od:g}", "give at least od, or remove it")
         return self
+
+
+def _diameter(data: dict[str, Any], key: str) -> float | None:
+    """A diameter that is given, m; None for one that is not, or that its own field will refuse."""
+    try:
+        return float(quantity("m").read(data[key])) if key in data else None
+    except (PydanticCustomError, ValidationError):
+        return None
 
 
 class Material(Model):

@@ -39,13 +39,15 @@ PROBLEMS_KEPT = 1000
 
 LENGTHS = {
     "m": 1.0, "meter": 1.0, "meters": 1.0, "metre": 1.0, "metres": 1.0,
-    "ft": 0.3048, "feet": 0.3048, "foot": 0.3048, "usft": 1200.0 / 3937.0, "km": 1000.0,
+    "ft": 0.3048, "feet": 0.3048, "foot": 0.3048, "ftkb": 0.3048, "mkb": 1.0, "km": 1000.0,
+    "usft": 1200.0 / 3937.0, "us ft": 1200.0 / 3937.0, "ftus": 1200.0 / 3937.0, "survey ft": 1200.0 / 3937.0,
 }  # fmt: skip
-"""Units of length in metres; the US survey foot is what some planning software exports."""
+"""Units of length in metres; the US survey foot is what some planning software exports, `ftkb` counts feet from the
+kelly bushing."""
 
 ANGLES = {
     "deg": math.pi / 180.0, "degs": math.pi / 180.0, "degree": math.pi / 180.0, "degrees": math.pi / 180.0,
-    "°": math.pi / 180.0, "rad": 1.0, "radian": 1.0, "radians": 1.0,
+    "°": math.pi / 180.0, "dega": math.pi / 180.0, "rad": 1.0, "radian": 1.0, "radians": 1.0,
     "gon": math.pi / 200.0, "grad": math.pi / 200.0,
 }  # fmt: skip
 """Units of angle in radians."""
@@ -55,9 +57,12 @@ UNITS = {"md": LENGTHS, "inc": ANGLES, "azi": ANGLES}
 NAMES = {
     "md": ("measured depth", "meas depth", "depth", "md"),
     "inc": ("inclination", "incl", "inc"),
-    "azi": ("azimuth", "azim", "azi"),
+    "azi": ("azimuth", "azim", "azi", "azm"),
 }
 """Headers read as each column, longest first, in small letters."""
+
+NORTH = r"(?:\s?[\[(]?(?:true|grid|tn|gn)\b(?: north)?[\])]?)?"
+"""Which north an azimuth counts from, as some headers say; all of a survey counts from the same one."""
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 
@@ -243,7 +248,8 @@ def _named(title: str) -> tuple[str, str | None] | None:
                 break
         else:
             continue
-        rest = re.fullmatch(r"\s?".join(name.split()) + r"\s?(?:[\[(]\s*(.*?)\s*[\])]|(.*))", plain)
+        north = NORTH if key == "azi" else ""
+        rest = re.fullmatch(r"\s?".join(name.split()) + north + r"\s?(?:[\[(]\s*(.*?)\s*[\])]|(.*))", plain)
         if rest is None:
             return None
         if rest[1] is not None:

@@ -58,6 +58,17 @@ def test_every_unit_of_the_table_equals_pint(name):
         ("1000 ft-lbf", "N m", 1000 * 0.3048 * 4.4482216152605),
         ("10 klbf", "N", 44482.216152605),
         ("10 kip", "N", 44482.216152605),
+        ("20 kft-lbf", "N m", 20e3 * 0.3048 * 4.4482216152605),
+        ("20 klbf ft", "N m", 20e3 * 0.3048 * 4.4482216152605),
+        ("20 kip-ft", "N m", 20e3 * 0.3048 * 4.4482216152605),
+        ("3000 psi", "Pa", 3000 * 4.4482216152605 / 0.0254**2),
+        ("30 Mpsi", "Pa", 30e6 * 4.4482216152605 / 0.0254**2),
+        ("19.5 lb/ft", "kg/m", 19.5 * 0.45359237 / 0.3048),
+        ("19.5 lbm/ft", "kg/m", 19.5 * 0.45359237 / 0.3048),
+        ("19.5 ppf", "kg/m", 19.5 * 0.45359237 / 0.3048),
+        ("490 pcf", "kg/m^3", 490 * 0.45359237 / 0.3048**3),
+        ("1e5 lbf/ft", "N/m", 1e5 * 4.4482216152605 / 0.3048),
+        ("60 ft/hr", "m/s", 60 * 0.3048 / 3600),
         ("10 N s/m", "N s/m", 10.0),
         ("20 N m s/rad", "N m s/rad", 20.0),
         ("20 N/(m/s)", "N s/m", 20.0),
@@ -71,6 +82,18 @@ def test_every_unit_of_the_table_equals_pint(name):
 )
 def test_a_quantity_is_read_in_si(written, unit, value):
     assert si(written, unit) == pytest.approx(value, rel=2e-15 if written != "2 fathom" else 1e-5)
+
+
+@pytest.mark.parametrize(("written", "unit"), [("50 klb", "N"), ("100 lb", "N"), ("20000 ft-lb", "N m")])
+def test_a_pound_where_a_force_is_wanted_is_refused_with_how_to_write_it(written, unit):
+    with pytest.raises(PydanticCustomError, match="a pound is a mass") as caught:
+        si(written, unit)
+    assert "write lbf, klbf or ft-lbf" in caught.value.context["cure"]
+
+
+def test_a_mixed_number_is_refused_as_a_fraction():
+    with pytest.raises(PydanticCustomError, match="is a fraction"):
+        si("8 1/2 in", "m")
 
 
 def test_decimal_prefixes_lose_no_bit():

@@ -36,6 +36,20 @@ def iscwsa(report, result):
     assert report["hook_load_start"] == pytest.approx(soft.hook_load(well, string, 0.0, "rotating"), rel=1e-2)
 
 
+def field_well(report, result):
+    # at rest the wall bears nothing along the hole: weights in mud, from lb/ft of the published tables, by vertical
+    # depths of hold, 3 deg/100 ft to 40 deg, hold; the stiff string's bending is what is left
+    foot, pound, mud = 0.3048, 0.45359237, 1.0 - 10.0 * 1728.0 / 231.0 / 490.0
+    depth = 2000.0 + 100.0 / np.radians(3.0) * np.sin(np.radians(40.0)) + 5000.0 * np.cos(np.radians(40.0))
+    below = np.cos(np.radians(40.0)) * np.array([600.0, 270.0 + 6.0 + 30.0])
+    collar = np.pi / 4.0 * (6.5**2 - 2.8125**2) / 144.0 * 490.0
+    weight = 22.60 * (depth - below.sum()) + 49.3 * below[0] + collar * below[1]
+    assert report["hook_load_start"] == pytest.approx(weight * mud * pound * 9.81, rel=1e-3)
+    # 30 ft/min up for 6 s less half of the ramp's 2 s, in SI whatever is printed; the bit follows, later and less
+    assert result["block_position"][-1] == pytest.approx(-2.5 * foot, rel=1e-9)
+    assert 0.0 < report["bit_travel"] < 2.5 * foot and result.attributes["units"] == "field"
+
+
 def hanging(report, result):
     # exact, and nothing moves
     assert report["stretch_start"] == pytest.approx(0.376529, abs=1e-6)
@@ -107,7 +121,7 @@ def sixteen_falls(report, result):
     assert tension[-1].mean() == pytest.approx((80.0e3 / 16.0 + 15.0 * 6.5) * GRAVITY, rel=5e-3)
 
 
-CLAIMS = {"jwell": jwell, "iscwsa": iscwsa, "hanging": hanging}
+CLAIMS = {"jwell": jwell, "iscwsa": iscwsa, "hanging": hanging, "field_well": field_well}
 CLAIMS |= {f"configuration_{case.lower()}": level(case) for case in "ABC"}
 CLAIMS |= {"cantilever_bar": cantilever_bar, "reeled_span": reeled_span}
 CLAIMS |= {"hoist": hoist, "hookblock": hookblock, "landing": landing, "slewing": slewing}

@@ -42,6 +42,10 @@ GOOD = {
     "carriage returns and a byte order mark": BOM + lines(HEAD, *ROWS).replace("\n", "\r\n").encode(),
     "a degree sign in Windows-1252": lines("md [m],inc [°],azi [°]", *ROWS).encode("cp1252"),
     "other units": lines("md [ft],inc [gon],azi [rad]", *OTHER_UNITS),
+    "headers as software exports them": lines("MD (m),Inc (deg),Azi (deg),TVD (ft)", *(r + ",1" for r in ROWS)),
+    "an azimuth from grid north": lines("MD (m),Incl (°),Azi Grid (°)", *ROWS),
+    "an azimuth from true north": lines("MD (m),Incl (dega),AziTrue (dega)", *ROWS),
+    "azimuth's other name": lines("MD (mKB),Incl (°),Azm (TN) (°)", *ROWS),
     "azimuths a turn off": lines("md [m],inc [deg],azi [deg]", "0,0,720", "30,1.5,-10", "60,3,370"),
 }  # fmt: skip
 
@@ -52,6 +56,35 @@ def test_a_survey_is_read_with(case, tmp_path):
     assert np.allclose(survey.md, MD, atol=1e-12) and np.allclose(survey.inc, INC, atol=1e-15)
     assert np.allclose(np.exp(1j * survey.azi), np.exp(1j * AZI), atol=1e-12)
     assert np.all((survey.azi >= 0.0) & (survey.azi < 2 * math.pi))
+
+
+@pytest.mark.parametrize(
+    ("unit", "foot"), [("ft", 0.3048), ("ftKB", 0.3048), ("usft", 1200 / 3937), ("US ft", 1200 / 3937)]
+)
+def test_feet_are_read_as_the_header_names_them_and_a_depth_column_in_other_units_is_passed_over(unit, foot, tmp_path):
+    text = lines(f"MD ({unit}),Inc (deg),Azi (deg),TVD (m)", "0,0,0,0", "1000,2,3,304.5", "2000,4,3,608")
+    survey = read_survey(write(tmp_path, text))
+    assert np.allclose(survey.md, [0.0, 1000.0 * foot, 2000.0 * foot], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("head", "units", "words"),
+    [
+        ("MD (ft),Inc,Azi (deg)", {}, "1: inc = Inc: no unit; write inc [deg] in the header"),
+        ("MD (kip),Inc (deg),Azi (deg)", {}, "1: md = kip: not a unit of length (in the header); use m, km or ft"),
+        (
+            "MD (ft),Inc (deg),Azi (deg)",
+            {"md": "m"},
+            "1: md = MD (ft): two units: the header says ft, the scene says m",
+        ),
+        ("MD (ft),Inc (deg),Azi Grid (deg),Azi True (deg)", {}, "the header has two such columns"),
+    ],
+)
+def test_missing_and_contradicting_units_are_refused_by_column(head, units, words, tmp_path):
+    path = write(tmp_path, lines(head, *(row + ",0" * (head.count(",") - 2) for row in ROWS)))
+    with pytest.raises(SceneError) as caught:
+        read_survey(path, units=units)
+    assert words in str(caught.value)
 
 
 def test_units_may_come_from_the_scene(tmp_path):

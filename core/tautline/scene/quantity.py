@@ -16,6 +16,9 @@ from tautline.scene.units import UnknownUnit, read_unit
 
 NUMBER = re.compile(r"\s*(?P<number>[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*", re.DOTALL)
 LARGEST_EXPONENT = 400
+POUND = re.compile(r"lbs?\b")
+PER_GRAVITY = read_unit("s^2/m")
+"""A force times this is a mass: where one is written for the other, the pound is to blame."""
 
 MEANINGS = {
     "": ("a plain number", "0.2"),
@@ -122,7 +125,7 @@ class Quantity:
             raise refusal("is not a finite number", self.cure)
         if not unit:
             raise refusal("is text, not a number", f"remove the quotes, or add the unit: {self.cure}")
-        if re.match(r"/\s*\d", unit):
+        if re.match(r"(\d+\s*)?/\s*\d", unit):
             raise refusal("is a fraction, and nothing is computed", self.cure)
         try:
             read = read_unit(unit)
@@ -130,6 +133,8 @@ class Quantity:
             raise refusal(str(error), self.cure) from error
         wanted = read_unit(self.unit) if self.unit else read_unit("%")
         if read.dimension != wanted.dimension:
+            if POUND.search(unit) and read.dimension == (wanted * PER_GRAVITY).dimension:
+                raise refusal("a pound is a mass", f"write lbf, klbf or ft-lbf for a force: {self.cure}")
             raise refusal(
                 f"'{unit}' is not the unit of {self.meaning}", f"expected {self.meaning} such as {self.example}"
             )

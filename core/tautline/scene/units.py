@@ -86,6 +86,9 @@ def _table() -> dict[str, Unit]:
         "lb": pound, "lbm": pound, "lbf": pound_force,
         "klbf": Unit(ten**3) * pound_force, "kip": Unit(ten**3) * pound_force,
         "psi": pound_force * inch**-2, "ksi": Unit(ten**3) * pound_force * inch**-2,
+        "Mpsi": Unit(ten**6) * pound_force * inch**-2,
+        "lbs": pound, "kft": Unit(ten**3) * foot, "hr": Unit(Fraction(3600)) * second,
+        "ppf": pound * foot**-1, "pcf": pound * foot**-3,
         "gal": gallon, "ppg": pound * gallon**-1, "bbl": Unit(Fraction(42)) * gallon,
         "sg": Unit(ten**3) * kg * metre**-3,
     }  # fmt: skip
@@ -93,7 +96,8 @@ def _table() -> dict[str, Unit]:
 
 
 TABLE = _table()
-"""Units read without pint. `bbl` is the oil barrel of 42 US gallons, `ppg` pounds per US gallon, `sg` 1000 kg/m^3."""
+"""Units read without pint. `bbl` is the oil barrel of 42 US gallons, `ppg` pounds per US gallon, `ppf`
+and `pcf` pounds per foot and per cubic foot, `sg` 1000 kg/m^3."""
 
 TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+(?:\.\d+)?)"
@@ -202,5 +206,7 @@ def pint_registry() -> Any:
 
     registry: Any = pint.UnitRegistry()
     registry.define("ppg = pound / gallon")
+    registry.define("ppf = pound / foot")
+    registry.define("pcf = pound / foot ** 3")
     registry.define("sg = 1000 kilogram / meter ** 3")
     return registry

@@ -1,0 +1,172 @@
+"""Friction factor back-calculated from hook loads that were measured while tripping."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from pydantic_core import PydanticCustomError
+from scipy.optimize import least_squares
+
+from drillstring.scene import DrillstringScene
+from drillstring.statics import Statics
+from drillstring.torque_drag import links, require_wall
+from tautline.scene.columns import Columns
+from tautline.scene.errors import Problem, SceneError
+
+START, MOST = 0.2, 1.0
+"""Friction factor that the fit begins with, and the largest that it tries."""
+COLUMNS = {
+    "depth": ("depth", "measured depth", "md", "bit depth"),
+    "pick_up": ("pick_up", "pick up", "pickup", "puw"),
+    "slack_off": ("slack_off", "slack off", "slackoff", "sow"),
+}
+"""Headers that are read as each column."""
+UNITS = {"depth": "m", "pick_up": "N", "slack_off": "N"}
+LOADS = ("pick_up", "slack_off")
+
+
+class Measured(NamedTuple):
+    """Hook loads of a trip: bit depth (n,) m; pick-up and slack-off (n,) N, NaN where not measured; lines (n,)."""
+
+    depth: np.ndarray
+    pick_up: np.ndarray
+    slack_off: np.ndarray
+    lines: np.ndarray
+
+
+class Fit(NamedTuple):
+    """Friction factor that fits best, and its spread.
+
+    ``spread`` is the standard error of the factor, from the residuals; NaN of a single load. ``residual`` is the root
+    mean square of what the loads are off, N; ``pick_up`` and ``slack_off`` are the factors that fit each alone.
+    """
+
+    friction: float
+    spread: float
+    residual: float
+    pick_up: float
+    slack_off: float
+    loads: int
+
+
+def read_measured(path: Path) -> Measured:
+    """Read a CSV file with the columns depth, pick_up and slack_off; units stand in the header, or are SI.
+
+    An empty cell, or a column that is missing, is a load that was not measured.
+
+    Raises
+    ------
+    SceneError
+        Naming the file, the row and what is wrong with it.
+    """
+    try:
+        columns = Columns(path)
+        wanted = [name for name in ("depth", *LOADS) if name == "depth" or _has(columns, name)]
+        if wanted == ["depth"]:
+            raise columns.refuse(
+                columns.header_line, "there is neither a column 'pick_up' nor 'slack_off'", "name them in the header"
+            )
+        values = {name: _column(columns, name) for name in wanted}
+    except PydanticCustomError as error:
+        said = error.context or {}
+        line = said.get("line")
+        raise SceneError(
+            [Problem(str(path), int(line) if line else None, "", None, str(said["cause"]), str(said["cure"]))]
+        ) from None
+    lines = np.array([line for line, _ in columns.rows])
+    none = np.full(lines.size, np.nan)
+    measured = Measured(values["depth"], values.get("pick_up", none), values.get("slack_off", none), lines)
+    _check(path, measured)
+    return measured
+
+
+def _has(columns: Columns, name: str) -> bool:
+    return any(head in COLUMNS[name] for head in columns.names)
+
+
+def _column(columns: Columns, name: str) -> np.ndarray:
+    """A column in SI, with NaN for empty cells of loads."""
+    at = columns.index(COLUMNS[name])
+    every = columns.rows
+    filled = [k for k, (_, row) in enumerate(every) if name == "depth" or (at < len(row) and row[at].strip())]
+    found = np.full(len(every), np.nan)
+    columns.rows = [every[k] for k in filled]
+    try:
+        found[filled] = columns.values(at, UNITS[name])
+    finally:
+        columns.rows = every
+    return found
+
+
+def _check(path: Path, measured: Measured) -> None:
+    """Refuse rows that no trip has."""
+    problems: list[tuple[int, str, str | None, str, str]] = []
+    for line, depth, up, down in zip(measured.lines, measured.depth, measured.pick_up, measured.slack_off, strict=True):
+        if depth <= 0.0:
+            problems.append((line, "depth", f"{depth:g} m", "not below the rotary table", "give the bit's depth"))
+        if np.isnan(up) and np.isnan(down):
+            problems.append((line, "pick_up, slack_off", None, "no load in this row", "fill one in, or delete the row"))
+        if up < down:
+            cause = f"smaller than slack_off = {down:g} N: friction makes it larger"
+            problems.append((line, "pick_up", f"{up:g} N", cause, "swap the two, or check the columns' units"))
+    if problems:
+        raise SceneError([Problem(str(path), int(line), *rest) for line, *rest in problems])
+
+
+def fit(
+    scene: DrillstringScene,
+    measured: Measured,
+    elements: int | None = None,
+    path: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Fit:
+    """Friction factor whose hook loads come nearest to those measured: least squares, over both directions.
+
+    The loads are those of the statics of the lumped model (statics.py). The spread is the standard error s/|J| with s
+    the residuals' root mean square over n - 1 and J the derivatives of the loads with respect to the factor.
+
+    Raises
+    ------
+    SceneError
+        For depths at which the string does not fit the well, by row.
+    StoppedEarly
+        Where no equilibrium was found.
+    """
+    require_wall(scene)
+    strings = []
+    for done, (depth, line) in enumerate(zip(measured.depth, measured.lines, strict=True), 1):
+        try:
+            strings.append(Statics(scene, float(depth), links(scene) if elements is None else elements))
+        except SceneError as error:
+            found = error.problems[0]
+            problem = Problem(str(path or "measured"), int(line), "depth", f"{depth:g} m", found.cause, found.cure)
+            raise SceneError([problem]) from None
+        if progress is not None:
+            progress(done, measured.depth.size)
+    rows = [
+        (string, direction, float(load))
+        for direction in LOADS
+        for string, load in zip(strings, getattr(measured, direction), strict=True)
+        if np.isfinite(load)
+    ]
+    alone = {name: _least_squares([row for row in rows if row[1] == name])[0] for name in LOADS}
+    friction, errors, slope = _least_squares(rows)
+    n = len(rows)
+    spread = float(np.sqrt(errors @ errors / (n - 1)) / np.linalg.norm(slope)) if n > 1 else np.nan
+    return Fit(friction, spread, float(np.sqrt(errors @ errors / n)), alone["pick_up"], alone["slack_off"], n)
+
+
+def _least_squares(rows: list[tuple[Statics, str, float]]) -> tuple[float, np.ndarray, np.ndarray]:
+    """Factor, residuals (n,) N, and their derivatives (n,) N; NaN of no rows."""
+    if not rows:
+        return np.nan, np.zeros(0), np.zeros(0)
+    size = max(abs(load) for *_, load in rows)
+
+    def errors(x: np.ndarray) -> np.ndarray:
+        return np.array([string.solve(float(x[0]), way).hook_load - load for string, way, load in rows]) / size
+
+    found = least_squares(errors, [START], bounds=(0.0, MOST), xtol=1e-8, ftol=1e-12, gtol=1e-12)
+    return float(found.x[0]), found.fun * size, found.jac[:, 0] * size

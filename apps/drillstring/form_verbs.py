@@ -1,0 +1,317 @@
+"""The verb ``form``: form finding. What it prints with ``--json`` is a contract."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tautline.cli.verbs import Json
+
+if TYPE_CHECKING:
+    from drillstring.form import Finding, Form
+
+MOST_MESHES = 20
+DECIMALS = 4
+"""Of a position in m."""
+NOTHING = 1.0e-7
+"""Share of the largest tension below which a hook load is what rounding leaves."""
+
+Scenes = Annotated[
+    list[Path], typer.Argument(metavar="SCENE...", help="YAML files; several make one report.", show_default=False)
+]
+By = Annotated[str, typer.Option("--by", metavar="static|relaxation", help="How the string is brought to rest.")]
+Elements = Annotated[
+    str | None,
+    typer.Option(
+        "--elements", metavar="N,N,...", help="Elements, between commas: 10,20,50. [dim]\\[default: the scene's][/]"
+    ),
+]
+Most = Annotated[
+    int | None,
+    typer.Option("--most", min=1, help="Steps of the relaxation after which to give up.", show_default=False),
+]
+Picture = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
+    ),
+]
+Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write every lump of every mesh as a table.")]
+
+
+def form(
+    scenes: Scenes,
+    by: By = "static",
+    elements: Elements = None,
+    most: Most = None,
+    output: Picture = None,
+    csv: Csv = None,
+    as_json: Json = False,
+) -> None:
+    """Find the string's shape at rest, and set the exact extensible rod beside it where there is one."""
+    from drillstring.form import find_form
+    from drillstring.scene import read
+    from tautline.integrators.relaxation import MOST_STEPS
+
+    way, meshes = _way(by, most), parse_elements(elements)
+    read_scenes = [read(path) for path in scenes]
+    figure, table = _target(scenes, output), _table_file(csv)
+    found = []
+    for path, scene in zip(scenes, read_scenes, strict=True):
+        found.append(_stopping(path, as_json, lambda scene=scene: find_form(scene, meshes, way, most or MOST_STEPS)))
+    _print(scenes, found)
+    _draw(scenes, found, figure)
+    if table is not None:
+        _write(scenes, found, table)
+    if as_json:
+        from tautline.cli.console import print_json
+
+        said = {"status": "done", "figure": str(figure), "csv": None if table is None else str(table)}
+        reports = [report(path, one) for path, one in zip(scenes, found, strict=True)]
+        print_json(reports[0] | said if len(reports) == 1 else {"scenes": reports} | said)
+
+
+def report(path: Path, found: Finding) -> dict[str, Any]:
+    """What ``--json`` tells of a scene: its finest mesh, the rod at the same lumps, and a summary of each mesh."""
+    import numpy as np
+
+    finest, reference = found.finest, found.reference
+    rod = reference.rod
+    exact = None
+    if rod is not None:
+        s = np.linspace(0.0, rod.length, 2001)
+        exact = {
+            "hook_load": rod.hook_load,
+            "tension_max": float(rod.tension(s).max()),
+            "stretch": rod.stretch,
+            "end": reference.position(np.array([rod.length]))[0],
+            "error": rod.error,
+        }
+    return {
+        "scene": str(path),
+        "by": found.by,
+        "node": list(range(finest.elements + 1)),
+        "measured_depth": finest.measured_depth,
+        "position": finest.position,
+        "reference": None if rod is None else reference.position(finest.unstretched),
+        "difference": found.difference(finest),
+        "reference_said": reference.said,
+        "rod": exact,
+        "unstretched_depth": finest.unstretched,
+        "meshes": [
+            {
+                "elements": one.elements,
+                "end": one.position[-1],
+                "end_moved": one.moved[-1],
+                "offset_max": float(one.offset.max()),
+                "difference_max": _largest(found, one),
+                "hook_load": one.hook_load,
+                "tension_max": float(one.tension.max()),
+                "stretch": one.stretch,
+                "touching": one.touching,
+                "iterations": one.iterations,
+            }
+            for one in found.forms
+        ],
+    }
+
+
+def parse_elements(text: str | None) -> list[int]:
+    """Numbers of elements of ``10,20,50``, rising and each once; none for None.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, the value, and what would do.
+    """
+    if text is None:
+        return []
+    words = [word.strip() for word in text.split(",")]
+    if not all(word.isascii() and word.isdigit() and len(word) < 10 and int(word) > 0 for word in words):
+        raise _refused("--elements", text, "is no list of numbers of elements", "write 10,20,50")
+    counts = sorted({int(word) for word in words})
+    if len(counts) > MOST_MESHES:
+        raise _refused("--elements", text, f"are {len(counts)} meshes, more than {MOST_MESHES}", "take fewer")
+    return counts
+
+
+def _way(by: str, most: int | None) -> str:
+    from drillstring.form import WAYS
+
+    if by not in WAYS:
+        raise _refused("--by", by, "is no way to bring a string to rest", "write static or relaxation")
+    if most is not None and by == "static":
+        cause = "is given without --by relaxation: the static solver takes no steps"
+        raise _refused("--most", str(most), cause, "leave it out, or add --by relaxation")
+    return by
+
+
+def _refused(option: str, value: str, cause: str, cure: str) -> Exception:
+    from tautline.scene.errors import Problem, SceneError
+
+    return SceneError([Problem(option, None, "", value, cause, cure)])
+
+
+def _target(scenes: list[Path], output: Path | None) -> Path:
+    from tautline.results.errors import ResultError
+    from tautline.results.target import check_folder
+
+    path = output or Path(f"{scenes[0].stem}_form.png" if len(scenes) == 1 else "forms.png")
+    if path.suffix not in (".png", ".svg", ".pdf"):
+        raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", "name it .png, .svg or .pdf")
+    check_folder(path)
+    return path
+
+
+def _table_file(csv: Path | None) -> Path | None:
+    from tautline.results.errors import ResultError
+    from tautline.results.target import check_folder
+
+    if csv is None:
+        return None
+    if csv.suffix.lower() != ".csv":
+        raise ResultError(csv, f"ends in '{csv.suffix}', and is to be a table", "name it .csv")
+    check_folder(csv)
+    return csv
+
+
+def _stopping(path: Path, as_json: bool, search: Any) -> Any:
+    """Run a search; a string that finds no rest ends the command as a run that stopped early does."""
+    from tautline.cli.console import print_json, say
+    from tautline.cli.run import Ended, ExitCode
+    from tautline.integrators.status import StoppedEarly
+
+    try:
+        return search()
+    except StoppedEarly as stop:
+        say(f"{path}: {stop.part}: {stop.sentence}", "red")
+        if as_json:
+            where = {"part": stop.part, "sentence": stop.sentence}
+            print_json({"scene": str(path), "status": stop.status.name.lower().replace("_", " "), "stopped": where})
+        raise Ended(ExitCode.STOPPED_EARLY) from None
+
+
+def _largest(found: Finding, one: Form) -> float | None:
+    difference = found.difference(one)
+    return None if difference is None else float(difference.max())
+
+
+def _print(scenes: list[Path], found: list[Finding]) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    from tautline.cli.console import say
+    from tautline.cli.study import show
+
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    table.add_column("scene")
+    spent = "steps" if found[0].by == "relaxation" else "iterations"
+    names = ("n", "end north, east, down [m]", "end moved [m]", "off axis", "off the rod", "hook load", "tension")
+    for name in (*names, "stretch", spent):
+        table.add_column(Text(name), justify="right")
+    for path, one in zip(scenes, found, strict=True):
+        for number, form_ in enumerate(one.forms):
+            table.add_row(path.stem if number == 0 else "", *_row(one, form_))
+        if one.reference.rod is not None:
+            table.add_row("", *_exact_row(one))
+    show(table)
+    for path, one in zip(scenes, found, strict=True):
+        rod = one.reference.rod
+        error = f", to {rod.error:.0e} m" if rod is not None and rod.error > 0.0 else ""
+        doubtful = rod is None or "may" in one.reference.said
+        say(f"{path.stem}: {one.reference.said}{error}", "yellow" if doubtful else "")
+        if touching := one.finest.touching:
+            say(f"{path.stem}: {touching} of {one.finest.elements + 1} lumps lie on the wall", "yellow")
+
+
+def _place(place: Any) -> str:
+    # Rounding makes -0.0000 of what is nothing.
+    return ", ".join(f"{round(float(x), DECIMALS) + 0.0:.{DECIMALS}f}" for x in place)
+
+
+def _length(value: float) -> str:
+    from tautline.cli.summary import significant
+
+    return f"{significant(value, 5)} m"
+
+
+def _hook(load: float, tension: Any) -> float:
+    """A hook load, or zero where it is rounding."""
+    return 0.0 if abs(load) < NOTHING * float(abs(tension).max()) else load
+
+
+def _row(found: Finding, one: Form) -> list[str]:
+    import numpy as np
+
+    from tautline.cli.summary import quantity
+
+    largest = _largest(found, one)
+    off = "–" if largest is None else quantity(largest, "m")
+    numbers = (_hook(one.hook_load, one.tension), "N"), (float(one.tension.max()), "N"), (one.stretch, "m")
+    moved = f"{float(np.linalg.norm(one.moved[-1])):.{DECIMALS}f}"
+    written = [quantity(value, unit) for value, unit in numbers]
+    return [
+        str(one.elements), _place(one.position[-1]), moved, _length(float(one.offset.max())), off, *written,
+        str(one.iterations),
+    ]  # fmt: skip
+
+
+def _exact_row(found: Finding) -> list[str]:
+    import numpy as np
+
+    from tautline.cli.summary import quantity
+
+    reference, finest = found.reference, found.finest
+    rod = reference.rod
+    assert rod is not None
+    s = np.linspace(0.0, rod.length, 2001)
+    end = reference.position(s[-1:])[0]
+    moved = float(np.linalg.norm(end - finest.position[-1] + finest.moved[-1]))
+    off = _length(float(np.abs(rod.locate(s)[1]).max()))
+    tension = rod.tension(s)
+    numbers = (_hook(rod.hook_load, tension), "N"), (float(tension.max()), "N"), (rod.stretch, "m")
+    return ["rod", _place(end), f"{moved:.{DECIMALS}f}", off, "", *(quantity(x, unit) for x, unit in numbers), ""]
+
+
+def _draw(scenes: list[Path], found: list[Finding], path: Path) -> None:
+    from drillstring.form_figures import form_figure
+    from tautline.cli.console import say
+    from tautline.view.figure import save
+
+    titles = [one.title or scene.stem for scene, one in zip(scenes, found, strict=True)]
+    say(f"wrote {save(form_figure(titles, found), path)}", "green")
+
+
+def _write(scenes: list[Path], found: list[Finding], path: Path) -> None:
+    """A row for each lump of each mesh of each scene; where there is no rod its cells are empty."""
+    import csv
+
+    from tautline.cli.console import say
+    from tautline.results.errors import WriteError
+
+    header = ["scene", "elements", "node", "unstretched depth [m]", "measured depth [m]", "north [m]", "east [m]"]
+    header += ["down [m]", "rod north [m]", "rod east [m]", "rod down [m]", "difference [m]", "tension below [N]"]
+    try:
+        with path.open("w", encoding="utf8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(header)
+            for scene, one in zip(scenes, found, strict=True):
+                for form_ in one.forms:
+                    writer.writerows(_rows(scene, one, form_))
+    except OSError as error:
+        raise WriteError(path, f"cannot be written: {error.strerror or error}", "name another with --csv") from None
+    say(f"wrote {path}", "green")
+
+
+def _rows(scene: Path, found: Finding, one: Form) -> list[list[Any]]:
+    difference = found.difference(one)
+    exact = None if difference is None else found.reference.position(one.unstretched).tolist()
+    rows = []
+    for i in range(one.elements + 1):
+        row: list[Any] = [scene.stem, one.elements, i, float(one.unstretched[i]), float(one.measured_depth[i])]
+        row += one.position[i].tolist()
+        row += ["", "", "", ""] if exact is None or difference is None else [*exact[i], float(difference[i])]
+        rows.append([*row, float(one.tension[i]) if i < one.elements else ""])
+    return rows

@@ -1,0 +1,148 @@
+"""The soft string: hook load and torque by integration along the hole, without bending and without clearance.
+
+With the effective tension T, the unit tangent t(s) down the hole, and w the buoyed weight per length, the string's
+load on the wall per length is
+
+    q = T t' + w (e_z - (e_z.t) t),    |q|^2 = T^2 k^2 + 2 T w t'_z + w^2 (1 - t_z^2),
+
+and the tension grows on the way up by ``dT = (w t_z + eps mu |q|) ds``, with eps = 1 picked up, -1 slacked off and 0
+turning. This is the differential form of C. A. Johancsik, D. B. Friesen and R. Dawson, "Torque and drag in directional
+wells: prediction and measurement", JPT 36(6), 1984, with the exact direction of the hole instead of mean angles. A
+string that turns climbs the wall until friction carries its part of q: the normal force is |q|/sqrt(1 + mu^2), and the
+torque grows by mu N times the pipe's radius. The string's stretch is not counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from math import ceil, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from drillstring.string import Tube
+from drillstring.wellbore import Wellbore
+
+STEP = 5.0
+"""Longest step of the integration, m. It is of fourth order, but for the step in which the string passes from one side
+of the hole to the other and |q| has a kink: that leaves an error of a millionth of the hook load."""
+ALONG = {"pick_up": 1.0, "slack_off": -1.0, "rotating": 0.0}
+"""Directions of motion, and that of friction along the hole, positive downhole: against the motion."""
+
+
+class SoftString(NamedTuple):
+    """Along the hole from the rotary table to the bit, at the ends of the steps.
+
+    Measured depth (n,) m; effective tension (n,) N; torque (n,) N m; side force per length (n,) N/m.
+    """
+
+    measured_depth: np.ndarray
+    tension: np.ndarray
+    torque: np.ndarray
+    side_force: np.ndarray
+
+    @property
+    def hook_load(self) -> float:
+        """Effective tension at the top, N."""
+        return float(self.tension[0])
+
+    @property
+    def surface_torque(self) -> float:
+        """Torque at the top, N m."""
+        return float(self.torque[0])
+
+
+class _Hole(NamedTuple):
+    """A step's hole, at its lower end, middle and upper end (3,): t_z, t'_z; and k^2 of its arc."""
+
+    down: np.ndarray
+    turn: np.ndarray
+    square: float
+
+
+def soft_string(
+    well: Wellbore,
+    tubes: Sequence[Tube],
+    weight: Sequence[float] | np.ndarray,
+    friction: float,
+    direction: str,
+    bit_force: float = 0.0,
+) -> SoftString:
+    """Integrate tension and torque from the bit up.
+
+    Parameters
+    ----------
+    well : Wellbore
+    tubes : sequence of Tube
+        From the rotary table down; the bit is at the end of the last.
+    weight : sequence of float
+        Buoyed weight of each per length, N/m.
+    friction : float
+        Friction factor.
+    direction : str
+        ``pick_up``, ``slack_off`` or ``rotating``.
+    bit_force : float
+        Tension at the bit, N.
+
+    Returns
+    -------
+    SoftString
+    """
+    s, tube = _mesh(well, tubes)
+    holes = _holes(well, s)
+    along = ALONG[direction] * friction
+    climbed = friction / sqrt(1.0 + friction * friction) if direction == "rotating" else 0.0
+    tension, torque, side = np.zeros(s.size), np.zeros(s.size), np.zeros(s.size)
+    tension[-1] = bit_force
+    for i in range(s.size - 2, -1, -1):
+        k, hole, h = tube[i], holes[i], float(s[i + 1] - s[i])
+        w, radius = weight[k], 0.5 * tubes[k].contact_od
+        low = float(tension[i + 1])
+        a = _growth(low, w, hole, 0, along)
+        b = _growth(low + 0.5 * h * a, w, hole, 1, along)
+        middle = low + 0.5 * h * b
+        c = _growth(middle, w, hole, 1, along)
+        high = low + h * c
+        tension[i] = low + h / 6.0 * (a + 2.0 * b + 2.0 * c + _growth(high, w, hole, 2, along))
+        loads = [_load(x, w, hole, j) for j, x in enumerate((low, middle, float(tension[i])))]
+        torque[i] = torque[i + 1] + climbed * radius * h / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2])
+        side[i] = loads[2]
+        if i == s.size - 2:
+            side[-1] = loads[0]
+    lifted = sqrt(1.0 + friction * friction) if direction == "rotating" else 1.0
+    return SoftString(s, tension, torque, side / lifted)
+
+
+def _load(tension: float, weight: float, hole: _Hole, place: int) -> float:
+    """Side load |q| per length, N/m."""
+    down, turn = hole.down[place], hole.turn[place]
+    square = tension * tension * hole.square + 2.0 * tension * weight * turn + weight * weight * (1.0 - down * down)
+    return sqrt(max(0.0, square))
+
+
+def _growth(tension: float, weight: float, hole: _Hole, place: int, along: float) -> float:
+    """Growth of the tension per metre up the hole, N/m."""
+    return float(weight * hole.down[place]) + along * _load(tension, weight, hole, place)
+
+
+def _mesh(well: Wellbore, tubes: Sequence[Tube]) -> tuple[np.ndarray, np.ndarray]:
+    """Depths with every joint of arcs and of sections among them (n + 1,), and the section of each step (n,)."""
+    ends = np.cumsum([tube.length for tube in tubes])
+    joints = np.unique(np.concatenate([[0.0], ends, well.md[well.md < ends[-1]]]))
+    joints = joints[np.append(True, np.diff(joints) > 1e-9)]
+    parts = [np.linspace(a, b, ceil((b - a) / STEP) + 1)[:-1] for a, b in pairwise(joints)]
+    s = np.append(np.concatenate(parts), joints[-1])
+    return s, np.minimum(np.searchsorted(ends, 0.5 * (s[:-1] + s[1:])), len(tubes) - 1)
+
+
+def _holes(well: Wellbore, s: np.ndarray) -> list[_Hole]:
+    middle = 0.5 * (s[:-1] + s[1:])
+    k1, k2 = well.curvature(middle)
+    down, turn = [], []
+    for at in (s[1:], middle, s[:-1]):
+        m1, m2, t = well.frame(at)
+        down.append(t[:, 2])
+        turn.append(k1 * m1[:, 2] + k2 * m2[:, 2])
+    rows = zip(np.transpose(down), np.transpose(turn), k1**2 + k2**2, strict=True)
+    return [_Hole(a, b, float(c)) for a, b, c in rows]

@@ -1,0 +1,211 @@
+"""A string that is picked up, slacked off or turned slowly: statics of the lumped model with friction in a direction.
+
+The string is the dynamic model's, lump by lump, with its stretch, its clearance and its bending; only the law of
+friction is another (sliding.py). The block is set so that the bit is at the depth asked for: a string that hangs in a
+well is longer by its stretch. The bit carries its force along the hole and touches the wall as every lump does; the
+lump in the drive does not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from drillstring.build import build, tubes_of, well_of
+from drillstring.contact import WallContact
+from drillstring.hole import Friction
+from drillstring.lumped_string import buoyed_weight, fluid_of
+from drillstring.scene import DrillstringScene, Top
+from drillstring.sliding import SLIDING, Sliding
+from drillstring.soft_string import ALONG
+from drillstring.string import Tube, cut
+from tautline.integrators.equilibrium import find_equilibrium
+from tautline.integrators.march import new_frames
+from tautline.integrators.state import State, new_state
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.lumped.curve import PER_BODY, records
+from tautline.scene.errors import SceneError
+
+AT_DEPTH = 1.0e-7
+"""Distance of the bit from its depth, m, that is left."""
+PLACINGS = 8
+"""Times that the block is set anew."""
+SMALLEST_PART = 1.0 / 256.0
+"""Part of the way from one friction factor to the next below which the search for an equilibrium is given up."""
+
+
+class Profile(NamedTuple):
+    """The string at rest under friction in one direction.
+
+    Hook load N; surface torque N m; of the lumps measured depth (n + 1,) m and side force per length (n + 1,) N/m; of
+    the links measured depth of the middle (n,) m, effective tension (n,) N and torque (n,) N m.
+    """
+
+    hook_load: float
+    surface_torque: float
+    measured_depth: np.ndarray
+    side_force: np.ndarray
+    link_depth: np.ndarray
+    tension: np.ndarray
+    torque: np.ndarray
+
+
+def shortened(scene: DrillstringScene, well_length: float, depth: float, elements: int) -> DrillstringScene:
+    """The scene with its bit at a depth, hanging still: the ``rest`` of the string, or else its top section, is cut.
+
+    Raises
+    ------
+    SceneError
+        Where the depth is outside the well, or above what the other sections take.
+    """
+    at = next((i for i, section in enumerate(scene.string) if section.length == "rest"), 0)
+    others = sum(float(section.length) for i, section in enumerate(scene.string) if i != at)
+    if depth > well_length * (1.0 + 1e-9):
+        cause = f"the bit would be at {depth:g} m, below the end of the well, {well_length:g} m"
+        raise SceneError([scene.problem("well", cause, "give depths within the well, or deepen it")])
+    if depth <= others * (1.0 + 1e-9):
+        name = scene.string[at].name
+        cause = f"with the bit at {depth:g} m nothing is left of {name}: the other sections are {others:g} m long"
+        raise SceneError([scene.problem(("string", at, "length"), cause, f"give depths of more than {others:g} m")])
+    assert scene.well.wall is not None
+    free = scene.model.elements == elements
+    string = tuple(
+        section.model_copy(
+            update={"length": depth - others if i == at else section.length} | ({} if free else {"elements": None})
+        )
+        for i, section in enumerate(scene.string)
+    )
+    wall = scene.well.wall.model_copy(update={"friction": Friction(static=0.0, kinetic=0.0)})
+    return scene.model_copy(
+        update={
+            "string": string,
+            "well": scene.well.model_copy(update={"wall": wall}),
+            "model": scene.model.model_copy(update={"elements": elements}),
+            "top": Top(),
+            # A bit held on the axis would carry the side force of the last half link without friction.
+            "bit": scene.bit.model_copy(update={"lateral": "free"}),
+        }
+    )
+
+
+def weight_per_length(scene: DrillstringScene, tubes: list[Tube]) -> np.ndarray:
+    """Buoyed weight of each section, N/m."""
+    fluid = fluid_of(scene.mud)
+    return np.array([buoyed_weight(cut([tube], 1), fluid, scene.gravity).sum() / tube.length for tube in tubes])
+
+
+class Statics:
+    """A string with its bit at one depth, to be solved for friction factors and directions.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+        With a wall.
+    depth : float
+        Measured depth of the bit, m.
+    elements : int
+        Links of the string.
+
+    Raises
+    ------
+    SceneError
+        As :func:`shortened` and the builder do.
+    """
+
+    def __init__(self, scene: DrillstringScene, depth: float, elements: int) -> None:
+        self.well = well_of(scene)
+        hung = shortened(scene, self.well.length, depth, elements)
+        self.depth = depth
+        self.tubes = tubes_of(hung, self.well.length)
+        self.lumps = cut(self.tubes, elements)
+        self.weight = weight_per_length(hung, self.tubes)
+        self.model = build(hung)
+        (contact,) = (g for g in self.model.system.groups if isinstance(g, WallContact))
+        self.rows = records(contact.springs.size, SLIDING)
+        self.contact = contact._replace(law=Sliding(self.rows))
+        groups = tuple(self.contact if isinstance(g, WallContact) else g for g in self.model.system.groups)
+        self.system = replace(self.model.system, groups=groups, linked={})
+        self.block = next(k for k, i in enumerate(self.system.dofs.held) if i == 0)
+        self.free: tuple[np.ndarray, float] | None = None
+
+    def solve(self, friction: float, direction: str) -> Profile:
+        """Equilibrium with all of Coulomb's friction against a motion.
+
+        Parameters
+        ----------
+        friction : float
+            Friction factor.
+        direction : str
+            ``pick_up``, ``slack_off`` or ``rotating``.
+
+        Returns
+        -------
+        Profile
+
+        Raises
+        ------
+        StoppedEarly
+            NO_EQUILIBRIUM, naming the unknown that is worst, and the friction factor.
+        """
+        self.rows.along = ALONG[direction]
+        self.rows.around = -1.0 if direction == "rotating" else 0.0
+        state = new_state(self.system)
+        self._without_friction(state)
+        self._approach(state, friction)
+        return self._profile(state)
+
+    def _without_friction(self, state: State) -> None:
+        """Where every search starts."""
+        if self.free is None:
+            self.rows.factor = 0.0
+            self._place(state)
+            self.free = state.q.copy(), float(self.system.dofs.offset[self.block])
+        state.q[:], self.system.dofs.offset[self.block] = self.free
+
+    def _approach(self, state: State, friction: float) -> None:
+        """Go to a friction factor at once, or where that fails by parts."""
+        here, part = 0.0, 1.0
+        while here != friction or friction == 0.0:
+            goal = friction if part >= 1.0 else min(friction, here + part * (friction - here))
+            kept, block = state.q.copy(), float(self.system.dofs.offset[self.block])
+            try:
+                self.rows.factor = goal
+                self._place(state)
+            except StoppedEarly as stop:
+                state.q[:], self.system.dofs.offset[self.block] = kept, block
+                part *= 0.5
+                if part < SMALLEST_PART or friction == 0.0:
+                    detail = f"bit at {self.depth:g} m, friction factor {goal:g}"
+                    raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, stop.part, detail) from None
+                continue
+            here, part = goal, min(1.0, 2.0 * part)
+            if friction == 0.0:
+                return
+
+    def _place(self, state: State) -> None:
+        """Equilibrium with the bit at its depth: the block gives way by what the bit is off."""
+        offset, end = self.system.dofs.offset, -PER_BODY
+        for _ in range(PLACINGS):
+            find_equilibrium(self.system, state, self.model.step_limit)
+            off = float(state.full_q[end])
+            if abs(off) < AT_DEPTH:
+                return
+            offset[self.block] -= off
+            # The string moves along as a whole: the next search is a short one.
+            state.q[np.isin(self.system.free, PER_BODY * np.arange(self.lumps.length.size + 1))] -= off
+
+    def _profile(self, state: State) -> Profile:
+        frames = new_frames(1, self.system.q.size, self.model.own)
+        frames.q[0], frames.residual[0] = state.full_q, state.residual
+        seen = {name: values[0] for name, values in self.model.observe(frames).items()}
+        q, springs = state.full_q.reshape(-1, PER_BODY), self.contact.springs
+        depth = np.hypot(q[springs.body, 1], q[springs.body, 2]) - springs.clearance
+        side = np.zeros(q.shape[0])
+        side[springs.body] = np.maximum(0.0, springs.stiffness * depth) / self.lumps.tributary[springs.body]
+        md = seen["measured_depth"]
+        return Profile(
+            float(seen["hook_load"]), float(seen["surface_torque"]), md, side, 0.5 * (md[1:] + md[:-1]),
+            seen["tension"], seen["torque"],
+        )  # fmt: skip

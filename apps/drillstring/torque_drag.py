@@ -1,0 +1,232 @@
+"""Torque and drag of a string: hook loads and surface torque against depth, buckling, lock-up.
+
+Every number is found twice: from the statics of the dynamic model (statics.py), and by the soft string's integral
+(soft_string.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drillstring.buckling import Limits, limits
+from drillstring.build import well_of
+from drillstring.scene import DrillstringScene, check_lengths
+from drillstring.soft_string import ALONG, SoftString, soft_string
+from drillstring.statics import Profile, Statics
+from tautline.integrators.status import StoppedEarly
+from tautline.scene.errors import SceneError
+
+DIRECTIONS = tuple(ALONG)
+"""Picked up, slacked off, turned off bottom."""
+ELEMENTS = 100
+"""Links of the string where they are not given: hook loads of the J-well err by less than 4e-4 so."""
+
+
+class Overpull(NamedTuple):
+    """Force, N, that the hook can pull beyond the pick-up load until a section yields; its name, and where, m."""
+
+    margin: float
+    section: str
+    measured_depth: float
+
+
+class Point(NamedTuple):
+    """The string with its bit at a depth, m, for one friction factor.
+
+    ``profiles`` and ``soft`` hold the lumped model's and the soft string's results by direction; ``profiles`` has none
+    where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
+    ``overpull`` is None where no section has a yield load.
+    """
+
+    friction: float
+    depth: float
+    link_depth: np.ndarray
+    limits: Limits
+    profiles: dict[str, Profile]
+    soft: dict[str, SoftString]
+    failures: dict[str, str]
+    overpull: Overpull | None
+
+    def hook_load(self, direction: str) -> float:
+        """Hook load, N; NaN where no equilibrium was found."""
+        return self.profiles[direction].hook_load if direction in self.profiles else np.nan
+
+    @property
+    def torque(self) -> float:
+        """Surface torque of the string that turns off bottom, N m; NaN where no equilibrium was found."""
+        return self.profiles["rotating"].surface_torque if "rotating" in self.profiles else np.nan
+
+    def compression(self, direction: str) -> np.ndarray:
+        """Compression of each link (n,), N: positive where it is pushed."""
+        return -self.profiles[direction].tension
+
+    def buckled(self, direction: str, kind: str) -> list[tuple[float, float]]:
+        """Stretches of hole, from and to measured depth in m, in which the string buckles."""
+        if direction not in self.profiles:
+            return []
+        return stretches(self.compression(direction) >= getattr(self.limits, kind), self.link_depth, self.depth)
+
+    @property
+    def locked(self) -> bool | None:
+        """Whether the string cannot be lowered by its weight, or is a helix on its way down; None if not known."""
+        if "slack_off" not in self.profiles:
+            return None
+        return self.hook_load("slack_off") <= 0.0 or bool(self.buckled("slack_off", "helical"))
+
+
+class Case(NamedTuple):
+    """All depths for one friction factor."""
+
+    friction: float
+    points: list[Point]
+
+    def hook_loads(self, direction: str) -> np.ndarray:
+        """Against depth (m,), N."""
+        return np.array([point.hook_load(direction) for point in self.points])
+
+    def soft_hook_loads(self, direction: str) -> np.ndarray:
+        """The soft string's, against depth (m,), N."""
+        return np.array([point.soft[direction].hook_load for point in self.points])
+
+    @property
+    def torques(self) -> np.ndarray:
+        """Surface torque of the string that turns off bottom, against depth (m,), N m."""
+        return np.array([point.torque for point in self.points])
+
+    @property
+    def soft_torques(self) -> np.ndarray:
+        """The soft string's, against depth (m,), N m."""
+        return np.array([point.soft["rotating"].surface_torque for point in self.points])
+
+    @property
+    def failures(self) -> list[str]:
+        """What was not found, and why."""
+        return [
+            f"{direction.replace('_', ' ')}: {text}"
+            for point in self.points
+            for direction, text in point.failures.items()
+        ]
+
+
+def stretches(marked: np.ndarray, middle: np.ndarray, end: float) -> list[tuple[float, float]]:
+    """Runs of marked links (n,) as stretches of hole; a link reaches half way to its neighbours' middles (n,) m."""
+    edges = np.concatenate([[0.0], 0.5 * (middle[1:] + middle[:-1]), [end]])
+    steps = np.diff(np.concatenate([[0], np.asarray(marked, int), [0]]))
+    return [
+        (float(edges[a]), float(edges[b])) for a, b in zip(*(np.flatnonzero(steps == k) for k in (1, -1)), strict=True)
+    ]
+
+
+def require_wall(scene: DrillstringScene) -> None:
+    """Raise SceneError where the scene has no wall: without contact there is no friction."""
+    if scene.well.wall is None:
+        cause = "is none: without contact the string has no friction"
+        raise SceneError([scene.problem("well.wall", cause, "give {stiffness: 1.0e9, friction: 0.2}")])
+
+
+def own_depth(scene: DrillstringScene) -> float:
+    """Depth of the bit in the scene as it stands, m."""
+    return float(sum(check_lengths(scene, well_of(scene).length)))
+
+
+def own_friction(scene: DrillstringScene) -> float:
+    """The scene's kinetic friction factor."""
+    require_wall(scene)
+    assert scene.well.wall is not None
+    return float(scene.well.wall.friction.kinetic)
+
+
+def links(scene: DrillstringScene) -> int:
+    """Links of the string where they are not given: the scene's, if it has more than the default."""
+    return max(ELEMENTS, scene.model.elements)
+
+
+def torque_drag(
+    scene: DrillstringScene,
+    frictions: Sequence[float] | None = None,
+    depths: Sequence[float] | None = None,
+    elements: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Case]:
+    """Hook loads, torque, side force and buckling for friction factors and depths.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+    frictions : sequence of float, optional
+        Friction factors; the scene's kinetic one if None.
+    depths : sequence of float, optional
+        Measured depths of the bit, m; the scene's own if None.
+    elements : int, optional
+        Links of the string; see :func:`links`.
+    progress : callable, optional
+        Called with the number of depths done and that of all.
+
+    Returns
+    -------
+    list of Case
+        One to a friction factor. A direction without an equilibrium is among the ``failures`` of its point.
+
+    Raises
+    ------
+    SceneError
+        For a scene without a wall, and for depths at which the string does not fit the well.
+    """
+    require_wall(scene)
+    frictions = [own_friction(scene)] if frictions is None else list(frictions)
+    depths = [own_depth(scene)] if depths is None else list(depths)
+    cases = [Case(friction, []) for friction in frictions]
+    for done, depth in enumerate(depths, 1):
+        statics = Statics(scene, depth, links(scene) if elements is None else elements)
+        for case in cases:
+            case.points.append(_point(statics, case.friction, scene))
+        if progress is not None:
+            progress(done, len(depths))
+    return cases
+
+
+def _point(statics: Statics, friction: float, scene: DrillstringScene) -> Point:
+    profiles, failures, soft = {}, {}, {}
+    for direction in DIRECTIONS:
+        soft[direction] = soft_string(statics.well, statics.tubes, statics.weight, friction, direction, scene.bit.force)
+        try:
+            profiles[direction] = statics.solve(friction, direction)
+        except StoppedEarly as stop:
+            failures[direction] = f"{stop.part}: {stop.sentence}"
+    middle = statics.lumps.measured_depth[:-1] + 0.5 * statics.lumps.length
+    pull = _overpull(statics, profiles["pick_up"], scene) if "pick_up" in profiles else None
+    return Point(friction, statics.depth, middle, buckling_limits(statics), profiles, soft, failures, pull)
+
+
+def _overpull(statics: Statics, picked: Profile, scene: DrillstringScene) -> Overpull | None:
+    """Margin of the link that yields first if the bit sticks: what the hook pulls more, every link carries more."""
+    loads = np.array([np.inf if one.yield_load is None else one.yield_load for one in scene.string])
+    # At the upper ends of the links, where each carries most.
+    upper = np.concatenate([[picked.hook_load], 0.5 * (picked.tension[1:] + picked.tension[:-1])])
+    margins = loads[statics.lumps.section] - upper
+    first = int(margins.argmin())
+    if not np.isfinite(margins[first]):
+        return None
+    name = scene.string[statics.lumps.section[first]].name
+    return Overpull(float(margins[first]), name, float(statics.lumps.measured_depth[first]))
+
+
+def buckling_limits(statics: Statics) -> Limits:
+    """Buckling limits at the middles of the unstretched links (n,)."""
+    lumps, well = statics.lumps, statics.well
+    middle = lumps.measured_depth[:-1] + 0.5 * lumps.length
+    m1, m2, t = well.frame(middle)
+    k1, k2 = well.curvature(middle)
+    contact = lumps.of_links(lambda tube: tube.contact_od)
+    room = statics.contact.springs.clearance + 0.5 * lumps.largest(lambda tube: tube.contact_od)[1:]
+    return limits(
+        lumps.of_links(lambda tube: tube.youngs_modulus * tube.second_moment),
+        room - 0.5 * contact,
+        statics.weight[lumps.section],
+        t[:, 2],
+        k1 * m1[:, 2] + k2 * m2[:, 2],
+        np.hypot(k1, k2),
+    )

@@ -1,0 +1,154 @@
+"""What ``torque-drag`` found, on one screen: a table, and a sentence for whatever a driller must know."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tautline.cli.summary import shown
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from drillstring.back_calculation import Fit
+    from drillstring.torque_drag import Case, Point
+
+MOST_ROWS = 24
+"""Rows of the table; of more, the figure and ``--json`` tell all."""
+IN_FULL = 6
+"""Points up to which every number stands beside that of the soft string."""
+WORDS = {"pick_up": "pick up", "slack_off": "slack off", "rotating": "rotating", "torque": "torque"}
+MOST_SENTENCES = 8
+
+
+def column_unit(unit: str, largest: float, system: str) -> tuple[float, str]:
+    """Factor to divide SI by, and the unit to write, the same for a whole column or axis."""
+    from tautline.cli.field_units import in_field_units
+
+    if system == "field":
+        size = abs(largest) or 1.0
+        value, name = in_field_units(size, unit)
+        return size / value, name
+    return (1e3, f"k{unit}") if unit in ("N", "N m") else (1.0, unit)
+
+
+def table(cases: list[Case], system: str = "si") -> Table:
+    """Table of the statics of the lumped model beside the soft string."""
+    points = [point for case in cases for point in case.points]
+    return _in_full(points, system) if len(points) <= IN_FULL else _compact(cases, system)
+
+
+def numbers_of(point: Point) -> dict[str, tuple[float, float, str]]:
+    """Statics, soft string and SI unit of a point's hook loads and torque."""
+    found = {way: (point.hook_load(way), soft.hook_load, "N") for way, soft in point.soft.items()}
+    return found | {"torque": (point.torque, point.soft["rotating"].surface_torque, "N m")}
+
+
+def _largest(points: list[Point], unit: str) -> float:
+    values = [abs(x) for point in points for a, b, kind in numbers_of(point).values() if kind == unit for x in (a, b)]
+    return max((x for x in values if np.isfinite(x)), default=0.0)
+
+
+def _new_table(heads: list[str]) -> Table:
+    from rich.markup import escape
+    from rich.table import Table
+
+    made = Table(box=None, padding=(0, 2, 0, 0))
+    for head in heads:
+        # A unit in brackets is no mark-up.
+        made.add_column(escape(head), justify="left" if head == "" else "right", no_wrap=True)
+    return made
+
+
+def _in_full(points: list[Point], system: str) -> Table:
+    length, name = column_unit("m", max(point.depth for point in points), system)
+    made = _new_table(["friction", f"depth [{name}]", "", "statics", "soft string", "differs by"])
+    for point in points:
+        head = [f"{point.friction:.3g}", f"{point.depth / length:.1f}"]
+        for what, (ours, soft, unit) in numbers_of(point).items():
+            factor, word = column_unit(unit, _largest(points, unit), system)
+            made.add_row(*head, WORDS[what], _cell(ours / factor, word), _cell(soft / factor, word), _off(ours, soft))
+            head = ["", ""]
+    return made
+
+
+def _compact(cases: list[Case], system: str) -> Table:
+    """One row to a point, with the largest of its differences; evenly spaced depths where there are many."""
+    points = [point for case in cases for point in case.points]
+    length, name = column_unit("m", max(point.depth for point in points), system)
+    force, newton = column_unit("N", _largest(points, "N"), system)
+    moment, metre = column_unit("N m", _largest(points, "N m"), system)
+    heads = ["friction", f"depth [{name}]", f"up [{newton}]", "down", "rotating", f"torque [{metre}]"]
+    made = _new_table([*heads, "soft: load", "torque"])
+    for case in cases:
+        count = len(case.points)
+        kept = np.unique(np.linspace(0, count - 1, min(max(2, MOST_ROWS // len(cases)), count)).round().astype(int))
+        for point in (case.points[k] for k in kept):
+            rows = numbers_of(point)
+            hook = max((rows[way][:2] for way in point.soft), key=lambda pair: _share(*pair))
+            values = [_cell(rows[way][0] / (moment if way == "torque" else force)) for way in rows]
+            differences = [_off(*hook), _off(*rows["torque"][:2])]
+            made.add_row(f"{point.friction:.3g}", f"{point.depth / length:.0f}", *values, *differences)
+    return made
+
+
+def _cell(value: float, unit: str = "") -> str:
+    return f"{value:.2f} {unit}".strip() if np.isfinite(value) else "–"
+
+
+def _share(ours: float, soft: float) -> float:
+    return abs(ours - soft) / abs(soft) if np.isfinite(ours) and soft != 0.0 else 0.0
+
+
+def _off(ours: float, soft: float) -> str:
+    if not np.isfinite(ours) or abs(soft) < 1.0:
+        return "–"
+    return f"{100.0 * (ours / soft - 1.0):+.2f} %"
+
+
+def sentences(cases: list[Case], fitted: Fit | None, system: str = "si") -> list[tuple[str, str]]:
+    """Sentences and their colours: fit, lock-up, buckling, overpull; the first few where there are many."""
+    points = [point for case in cases for point in case.points]
+    found = [] if fitted is None else [(fit_in_words(fitted, system), "green")]
+    warned = [(text, "yellow") for point in points for text in _warnings(point, system)]
+    found += warned[:MOST_SENTENCES]
+    if len(warned) > MOST_SENTENCES:
+        found.append((f"and {len(warned) - MOST_SENTENCES} more of these: --json has them all", "yellow"))
+    if not warned and all(point.profiles for point in points):
+        found.append(("no part of the string buckles or locks up", "green"))
+    pulls = [point for point in points if point.overpull is not None]
+    if pulls:
+        least = min(pulls, key=lambda point: point.overpull.margin if point.overpull is not None else 0.0)
+        assert least.overpull is not None
+        text = (
+            f"margin of overpull at {shown(least.depth, 'm', system)}, friction {least.friction:.3g}: "
+            f"{shown(least.overpull.margin, 'N', system)}, then {least.overpull.section} yields at "
+            f"{shown(least.overpull.measured_depth, 'm', system)}"
+        )
+        found.append((text, "green" if least.overpull.margin > 0.0 else "red"))
+    return found
+
+
+def fit_in_words(fitted: Fit, system: str = "si") -> str:
+    """The factor with its spread, and what each direction alone would say."""
+    alone = [f"{value:.3f} by {word}" for value, word in ((fitted.pick_up, "pick-up"), (fitted.slack_off, "slack-off"))]
+    spread = f" ± {fitted.spread:.2g}" if np.isfinite(fitted.spread) else ""
+    text = f"friction factor of the {fitted.loads} measured hook loads: {fitted.friction:.4f}{spread}"
+    return f"{text} ({', '.join(alone)}; the loads are off by {shown(fitted.residual, 'N', system)} rms)"
+
+
+def _warnings(point: Point, system: str) -> list[str]:
+    where = f"friction {point.friction:.3g}, bit at {shown(point.depth, 'm', system)}"
+    found = []
+    if "slack_off" in point.profiles and point.hook_load("slack_off") <= 0.0:
+        found.append(f"{where}: the string does not go down by its own weight: it must be pushed or turned")
+    for way in point.profiles:
+        helix = point.buckled(way, "helical")
+        sine = [] if helix else point.buckled(way, "sinusoidal")
+        for kind, places in (("into a helix", helix), ("into a sine", sine)):
+            if places:
+                spans = ", ".join(f"{shown(a, 'm', system)} to {shown(b, 'm', system)}" for a, b in places[:4])
+                lock = ": lock-up" if way == "slack_off" and kind == "into a helix" else ""
+                found.append(f"{where}, {WORDS[way]}: the string buckles {kind} from {spans}{lock}")
+    return found

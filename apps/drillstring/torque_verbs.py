@@ -1,0 +1,236 @@
+"""The verb ``torque-drag``: hook loads, torque and buckling. What it prints with ``--json`` is a contract."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tautline.cli.verbs import Json, Scene
+
+if TYPE_CHECKING:
+    from drillstring.back_calculation import Fit, Measured
+    from drillstring.scene import DrillstringScene
+    from drillstring.torque_drag import Case
+
+MOST_DEPTHS, MOST_FACTORS, MOST_ELEMENTS = 1000, 20, 5000
+LARGEST_FACTOR = 2.0
+
+Frictions = Annotated[
+    str | None,
+    typer.Option("--friction", metavar="A,B,C", help="Friction factors. [dim]\\[default: the scene's kinetic one][/]"),
+]
+Depths = Annotated[
+    str | None,
+    typer.Option(
+        "--depth",
+        metavar="FROM:TO:STEP|A,B,C",
+        help="Measured depths of the bit, m. [dim]\\[default: the scene's own][/]",
+    ),
+]
+Elements = Annotated[
+    int | None,
+    typer.Option(
+        "--elements", min=1, max=MOST_ELEMENTS, show_default=False,
+        help="Links of the string. [dim]\\[default: 100, or the scene's if more][/]",
+    ),
+]  # fmt: skip
+MeasuredFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--measured",
+        metavar="FILE",
+        help="CSV of measured hook loads, depth, pick_up, slack_off: fits the friction factor, which is then used.",
+    ),
+]
+Picture = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
+    ),
+]
+
+
+def torque_drag(
+    scene: Scene,
+    friction: Frictions = None,
+    depth: Depths = None,
+    elements: Elements = None,
+    measured: MeasuredFile = None,
+    output: Picture = None,
+    as_json: Json = False,
+) -> None:
+    """Find hook loads, surface torque, side force and buckling, at one depth or many, for several friction factors."""
+    from drillstring.scene import read
+    from drillstring.torque_drag import own_friction
+    from drillstring.torque_drag import torque_drag as compute
+    from tautline.cli.console import print_json, say
+    from tautline.cli.run import Ended, ExitCode
+
+    drillstring = read(scene)
+    own_friction(drillstring)
+    figure = _target(scene, output)
+    factors = parse_frictions(friction) if friction is not None else None
+    depths = parse_depths(depth) if depth is not None else None
+    _check_elements(drillstring, elements)
+    loads, fitted = _fitted(drillstring, measured, elements)
+    if fitted is not None:
+        factors = [fitted.friction] if factors is None else factors
+        depths = sorted(set(loads.depth.tolist())) if depths is None else depths
+    cases = compute(drillstring, factors, depths, elements)
+    failures = [text for case in cases for text in case.failures]
+    _print(drillstring, cases, fitted)
+    _draw(drillstring, cases, figure, loads)
+    for text in failures:
+        say(f"stopped, {text}", "red")
+    if as_json:
+        status = "stopped: no equilibrium in places" if failures else "done"
+        print_json({"scene": str(scene), "status": status, "figure": str(figure)} | report(cases, fitted, failures))
+    if failures:
+        raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def parse_frictions(text: str) -> list[float]:
+    """Friction factors between commas; raises SceneError naming the option and the word that is none."""
+    import math
+
+    from tautline.cli.lists import words
+    from tautline.scene.errors import Problem, SceneError
+
+    def read(word: str) -> Any:
+        try:
+            value = float(word)
+        except ValueError:
+            raise ValueError("is no friction factor: write 0.1,0.2,0.3") from None
+        if not math.isfinite(value) or not 0.0 <= value <= LARGEST_FACTOR:
+            raise ValueError(f"is no friction factor: one lies between 0 and {LARGEST_FACTOR:g}")
+        return value
+
+    found: list[Any] = words(text, "--friction", read)
+    if len(found) > MOST_FACTORS:
+        cause = f"makes {len(found)} friction factors, more than {MOST_FACTORS}"
+        raise SceneError([Problem("--friction", None, "", text, cause, "give fewer")])
+    return found
+
+
+def parse_depths(text: str) -> list[float]:
+    """Depths of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``, m or with units; raises SceneError with the cure."""
+    import math
+
+    from tautline.cli.lists import number, numbers
+    from tautline.scene.errors import Problem, SceneError
+
+    def refuse(cause: str, cure: str) -> SceneError:
+        return SceneError([Problem("--depth", None, "", text, cause, cure)])
+
+    if ":" not in text:
+        found = numbers(text, "--depth", "m")
+        if len(found) > MOST_DEPTHS:
+            raise refuse(f"makes {len(found)} depths, more than {MOST_DEPTHS}", "give fewer")
+        return found
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise refuse("needs three numbers: from, to and step", "write 500:3500:250, or 500,1000,2000")
+    first, last, step = (number(part, "--depth", "m") for part in parts)
+    if last < first:
+        raise refuse("ends above where it begins", "write the shallow depth first, such as 500:3500:250")
+    count = math.floor((last - first) / step * (1.0 + 1e-12) + 1e-9) + 1
+    if count > MOST_DEPTHS:
+        raise refuse(f"makes {count} depths, more than {MOST_DEPTHS}", "take a larger step")
+    return [first + k * step for k in range(count)]
+
+
+def _check_elements(scene: DrillstringScene, elements: int | None) -> None:
+    from tautline.scene.errors import Problem, SceneError
+
+    if elements is not None and elements < len(scene.string):
+        cause = f"fewer than the {len(scene.string)} sections of the string"
+        raise SceneError([Problem("--elements", None, "", str(elements), cause, "give one for each section at least")])
+
+
+def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None) -> tuple[Any, Fit | None]:
+    """Measured loads and the friction factor that fits them; a search that fails ends the command."""
+    from tautline.cli.console import say
+    from tautline.cli.run import Ended, ExitCode
+    from tautline.integrators.status import StoppedEarly
+
+    if path is None:
+        return None, None
+    from drillstring.back_calculation import fit, read_measured
+
+    loads = read_measured(path)
+    try:
+        return loads, fit(scene, loads, elements, path)
+    except StoppedEarly as stop:
+        say(f"stopped, {stop.part}: {stop.sentence}", "red")
+        raise Ended(ExitCode.STOPPED_EARLY) from None
+
+
+def report(cases: list[Case], fitted: Fit | None, failures: list[str]) -> dict[str, Any]:
+    """What ``--json`` tells: the first friction factor at the top, all of them in ``cases``, SI units."""
+    every = [_report_of(case) for case in cases]
+    return every[0] | {
+        "elements": cases[0].points[0].link_depth.size,
+        "cases": every,
+        "fit": None if fitted is None else fitted._asdict(),
+        "failures": failures,
+    }
+
+
+def _report_of(case: Case) -> dict[str, Any]:
+    from drillstring.torque_drag import DIRECTIONS
+
+    last = max(case.points, key=lambda point: point.depth)
+    soft = {way: case.soft_hook_loads(way) for way in DIRECTIONS} | {"torque": case.soft_torques}
+    loads = {way: case.hook_loads(way) for way in DIRECTIONS} | {"torque": case.torques}
+    return {
+        "friction": case.friction,
+        "depth": [point.depth for point in case.points],
+        **loads,
+        "soft_string": soft,
+        "difference": {way: loads[way] - soft[way] for way in loads},
+        "buckling": {
+            "measured_depth": last.link_depth, "sinusoidal": last.limits.sinusoidal, "helical": last.limits.helical,
+        },
+        "buckled": [
+            {way: {kind: point.buckled(way, kind) for kind in ("sinusoidal", "helical")} for way in DIRECTIONS}
+            for point in case.points
+        ],
+        "locked": [point.locked for point in case.points],
+        "overpull": [None if point.overpull is None else point.overpull._asdict() for point in case.points],
+        "profile": {
+            way: {
+                "measured_depth": profile.measured_depth, "side_force": profile.side_force,
+                "link_depth": profile.link_depth, "tension": profile.tension, "torque": profile.torque,
+            }
+            for way, profile in last.profiles.items()
+        },
+    }  # fmt: skip
+
+
+def _target(scene: Path, output: Path | None) -> Path:
+    from tautline.results.errors import ResultError
+
+    path = output or Path(f"{scene.stem}_torque_drag.png")
+    if path.suffix not in (".png", ".svg", ".pdf"):
+        raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", "name it .png, .svg or .pdf")
+    return path
+
+
+def _print(scene: DrillstringScene, cases: list[Case], fitted: Fit | None) -> None:
+    from drillstring.torque_summary import sentences, table
+    from tautline.cli.console import console, say
+
+    console().print(table(cases, scene.units))
+    for text, style in sentences(cases, fitted, scene.units):
+        say(text, style)
+
+
+def _draw(scene: DrillstringScene, cases: list[Case], path: Path, loads: Measured | None) -> None:
+    from drillstring.torque_figures import torque_drag_figure
+    from tautline.cli.console import say
+    from tautline.view.figure import save
+
+    title = f"{scene.title or path.stem}: torque and drag"
+    say(f"wrote {save(torque_drag_figure(cases, title, scene.units, loads), path)}", "green")

@@ -1,0 +1,126 @@
+"""Oilfield units on the screen, SI in files and JSON: the same numbers, by factors that pint agrees with."""
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+from drillstring.application import Drillstring
+from tautline.cli.field_units import FIELD, in_field_units
+from tautline.cli.run import run
+from tautline.cli.summary import shown
+from tautline.cli.verbs import make_app
+from tautline.results.result import Result
+from tautline.scene.units import pint_registry
+
+FIELD_WELL = (Path(__file__).parents[2] / "data" / "field_well.yaml").read_text(encoding="utf8")
+KIP, FOOT = 4448.2216152605, 0.3048
+
+
+@pytest.fixture
+def drillstring(tmp_path, monkeypatch, capsys):
+    """Run a command in this process, as the console script does: exit code, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+    Path("field.yaml").write_text(FIELD_WELL, encoding="utf8")
+    Path("si.yaml").write_text(FIELD_WELL.replace("units: field", "units: si"), encoding="utf8")
+
+    def command(*arguments):
+        monkeypatch.setattr(sys, "argv", ["drillstring", *map(str, arguments)])
+        with pytest.raises(SystemExit) as left:
+            run(make_app(Drillstring()))
+        captured = capsys.readouterr()
+        return left.value.code or 0, captured.out, captured.err
+
+    return command
+
+
+@pytest.mark.parametrize("unit", FIELD)
+def test_every_conversion_equals_pint_s(unit):
+    registry = pint_registry()
+    wanted = unit.replace("N m", "N*m")
+    for value in (1.0e-3, 7.0e2, 3.0e5, 8.0e8):
+        converted, name = in_field_units(value, unit)
+        # in pint a hyphen is a minus sign, and its bbl another barrel than oil's
+        pints = name.replace("-", "*").replace("lbm", "pound").replace("bbl", "oil_bbl")
+        exact = registry.Quantity(value, wanted).to(pints).magnitude
+        assert converted == pytest.approx(exact, rel=1e-12), name
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (1.0e6, "N", "224.8 kip"),
+        (1.0e3, "N", "224.8 lbf"),
+        (-1.0e6, "N", "-224.8 kip"),
+        (2.0e4, "N m", "14.75 kft-lbf"),
+        (100.0, "N m", "73.76 ft-lbf"),
+        (2.0e7, "Pa", "2901 psi"),
+        (2.0e8, "Pa", "29.01 ksi"),
+        (1000.0, "m", "3281 ft"),
+        (6.283185307179586, "rad/s", "60 rpm"),
+        (1498.0, "kg/m^3", "12.5 ppg"),
+        (2.5, "s", "2.5 s"),
+        (0.25, "", "0.25"),
+        (3, "", "3"),
+        (None, "N", "–"),
+        ([1.0e6, 2.0e6], "N", "224.8 kip, 449.6 kip"),
+        ("stiff", "", "stiff"),
+    ],
+)
+def test_a_figure_is_written_as_a_driller_would(value, unit, text):
+    assert shown(value, unit, "field") == text
+
+
+def test_without_a_word_about_units_figures_stay_si():
+    assert shown(1.0e6, "N") == "1 MN" and shown(1000.0, "m") == "1000 m"
+
+
+def test_the_summary_of_a_run_is_in_field_units_and_json_and_file_are_si(drillstring):
+    code, out, err = drillstring("simulate", "field.yaml", "--end", "0.2", "--json")
+    assert code == 0, err
+    report = json.loads(out)
+    hook = Result.read("field.nc")["hook_load"][0]
+    assert report["hook_load_start"] == pytest.approx(hook, rel=1e-12) and hook > 1.0e5
+    told = float(re.search(r"hook load at the start +([\d.]+) kip", err)[1])
+    assert told == pytest.approx(hook / KIP, rel=1e-3)
+    stretch = float(re.search(r"stretch at the start +([\d.]+) ft", err)[1])
+    assert stretch == pytest.approx(report["stretch_start"] / FOOT, rel=1e-3)
+    assert re.search(r"surface torque at the end +[\d.]+ k?ft-lbf", err) and not re.search(r"\d k?N( m)?\b", err)
+    assert Result.read("field.nc").attributes["units"] == "field"
+
+
+def test_units_change_what_is_printed_and_nothing_that_is_computed(drillstring):
+    field = json.loads(drillstring("simulate", "field.yaml", "--end", "0.2", "--json")[1])
+    code, out, err = drillstring("simulate", "si.yaml", "--end", "0.2", "--json")
+    si = json.loads(out)
+    assert "kN" in err and "kip" not in err
+    assert si["hook_load_max"] == field["hook_load_max"] and si["bit_travel"] == field["bit_travel"]
+    # a run may be gone on with in other units
+    code, out, err = drillstring("simulate", "field.yaml", "--end", "0.4", "--resume", "si.nc", "-o", "on.nc")
+    assert code == 0, err
+
+
+def test_check_prints_well_and_string_in_field_units_and_json_in_si(drillstring):
+    code, _, err = drillstring("check", "field.yaml")
+    assert code == 0 and re.search(r"measured depth of the well +8333 ft", err), err
+    assert re.search(r"largest inclination +40 deg", err)
+    figures = json.loads(drillstring("check", "field.yaml", "--json")[1])
+    assert figures["well"]["length"] == pytest.approx(8333.3333 * FOOT, rel=1e-6)
+
+
+def test_tubulars_are_listed_and_those_that_some_words_fit(drillstring):
+    code, out, err = drillstring("tubulars")
+    assert code == 0 and "drill collar 11 x 3 in" in err and "drill pipe 2 3/8 in 4.85 lb/ft E75" in err
+    code, out, err = drillstring("tubulars", "5", "in", "S135", "--json")
+    (one,) = json.loads(out)["tubulars"]
+    assert one["tubular"] == "drill pipe 5 in 19.50 lb/ft S135" and re.search(r"19.50 lb/ft S135 .* 712.1 NC50", err)
+    assert one["od"] == pytest.approx(0.127) and one["yield_load"] == pytest.approx(712.07 * KIP, rel=1e-4)
+    assert max(map(len, err.splitlines())) <= 100
+
+
+@pytest.mark.parametrize("words", ["casing", "HWDP 7 in", "5 in V150"])
+def test_words_that_fit_no_tubular_are_bad_input(words, drillstring):
+    code, _, err = drillstring("tubulars", *words.split())
+    assert code == 2 and words in err and "; " in err and "Traceback" not in err

@@ -1,0 +1,163 @@
+"""The verb `form`: table, figure, CSV, JSON contract, exit codes and refusals."""
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillstring.application import Drillstring
+from tautline.cli.run import run
+from tautline.cli.verbs import make_app
+
+DATA = Path(__file__).parents[2] / "data"
+KEYS = {"node", "measured_depth", "position", "reference", "difference"}
+"""DESIGN.md section 4."""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("configuration_a", "configuration_b", "hanging", "jwell"):
+        Path(f"{name}.yaml").write_text((DATA / f"{name}.yaml").read_text(encoding="utf8"), encoding="utf8")
+    return tmp_path
+
+
+@pytest.fixture
+def drillstring(folder, monkeypatch, capsys):
+    """Run a command in this process, as the console script does: exit code, standard output, standard error."""
+
+    def command(*arguments):
+        monkeypatch.setattr(sys, "argv", ["drillstring", *map(str, arguments)])
+        with pytest.raises(SystemExit) as left:
+            run(make_app(Drillstring()))
+        captured = capsys.readouterr()
+        return left.value.code or 0, captured.out, captured.err
+
+    return command
+
+
+def only_object(out):
+    return json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
+
+
+def files(folder):
+    return {file.name: file.read_bytes() for file in folder.iterdir()}
+
+
+def test_form_with_json_is_one_object_of_the_contract_for_the_finest_mesh(drillstring):
+    code, out, err = drillstring("form", "configuration_b.yaml", "--elements", "50,10", "--json")
+    report = only_object(out)
+    assert code == 0 and report.keys() >= KEYS
+    assert report["node"] == list(range(51))
+    position, reference = np.array(report["position"]), np.array(report["reference"])
+    assert position.shape == reference.shape == (51, 3)
+    assert len(report["measured_depth"]) == 51
+    # in a straight level hole northwards the measured depth is how far north a lump is
+    assert report["measured_depth"] == pytest.approx(position[:, 0])
+    assert report["difference"] == pytest.approx(np.linalg.norm(position - reference, axis=1))
+    # DRILLSTRING.md section 10
+    assert reference[-1, 0] - 1000.0 == pytest.approx(-149.31423, abs=1e-5)
+    assert position[:, 2].max() == pytest.approx(233.5539, rel=1e-3)
+    assert [one["elements"] for one in report["meshes"]] == [10, 50]
+    assert report["meshes"][1]["difference_max"] == pytest.approx(max(report["difference"]))
+    assert report["meshes"][1]["end"] == report["position"][-1]
+    assert (report["status"], report["figure"], report["csv"]) == ("done", "configuration_b_form.png", None)
+    assert "wrote configuration_b_form.png" in err
+
+
+def test_form_prints_a_row_for_each_mesh_and_one_for_the_rod_and_writes_nothing_to_standard_output(drillstring):
+    code, out, err = drillstring("form", "hanging.yaml", "--elements", "5,12", "-o", "shape.svg")
+    assert (code, out) == (0, "")
+    rows = [line.split() for line in err.splitlines()]
+    assert [row[0] for row in rows if "1000.3765" in row] == ["hanging", "12", "rod"]
+    assert all("404.6" in row for row in rows if "1000.3765" in row)
+    assert "[m]" in err
+    assert "<svg" in Path("shape.svg").read_text(encoding="utf8")
+    assert not Path("hanging_form.png").exists()
+
+
+def test_several_scenes_make_one_figure_one_table_and_one_json_object(drillstring):
+    code, out, err = drillstring("form", "configuration_a.yaml", "configuration_b.yaml", "hanging.yaml", "--json")
+    report = only_object(out)
+    assert code == 0
+    assert [one["scene"] for one in report["scenes"]] == [
+        "configuration_a.yaml",
+        "configuration_b.yaml",
+        "hanging.yaml",
+    ]
+    assert all(one.keys() >= KEYS for one in report["scenes"])
+    assert report["figure"] == "forms.png" and Path("forms.png").read_bytes().startswith(b"\x89PNG")
+    assert err.count("rod ") >= 3
+
+
+def test_a_string_on_the_wall_has_no_reference_and_the_reason_is_told(drillstring):
+    code, out, err = drillstring("form", "jwell.yaml", "--json", "-o", "j.pdf")
+    report = only_object(out)
+    assert code == 0
+    assert report["reference"] is None and report["difference"] is None and report["rod"] is None
+    assert "no exact rod: the hole is curved" in report["reference_said"] and "no exact rod" in err
+    assert report["meshes"][0]["touching"] > 0 and "lumps lie on the wall" in err
+    assert Path("j.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_the_table_of_lumps_has_units_in_its_header_and_a_row_for_each_lump_of_each_mesh(drillstring):
+    code, _, _ = drillstring("form", "configuration_b.yaml", "jwell.yaml", "--elements", "10,12", "--csv", "lumps.csv")
+    assert code == 0
+    with Path("lumps.csv").open(encoding="utf8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 2 * (11 + 13)
+    level = [row for row in rows if row["scene"] == "configuration_b" and row["elements"] == "12"]
+    place = np.array([[float(row[f"{who}{way} [m]"]) for way in ("north", "east", "down")]
+                      for row in level for who in ("", "rod ")]).reshape(13, 2, 3)  # fmt: skip
+    told = [float(row["difference [m]"]) for row in level]
+    assert told == pytest.approx(np.linalg.norm(place[:, 0] - place[:, 1], axis=1))
+    assert all(row["difference [m]"] == row["rod down [m]"] == "" for row in rows if row["scene"] == "jwell")
+
+
+def test_dynamic_relaxation_ends_in_the_same_form(drillstring):
+    ends = []
+    for way in ("static", "relaxation"):
+        code, out, _ = drillstring("form", "configuration_b.yaml", "--by", way, "--json")
+        report = only_object(out)
+        assert code == 0 and report["by"] == way
+        ends.append(report["position"])
+    assert np.array(ends[0]) == pytest.approx(np.array(ends[1]), abs=1e-3), "a millionth of 1000 m"
+
+
+def test_a_string_that_does_not_come_to_rest_ends_with_3_and_a_named_error(drillstring, folder):
+    before = files(folder)
+    code, out, err = drillstring("form", "configuration_b.yaml", "--by", "relaxation", "--most", "40", "--json")
+    assert code == 3
+    assert only_object(out)["status"] == "no equilibrium"
+    assert "the string did not come to rest" in err and "40 steps" in err and "Traceback" not in err
+    assert files(folder) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["missing.yaml"], "there is no such file"),
+        (["hanging.yaml", "--by", "magic"], "--by magic: is no way to bring a string to rest"),
+        (["hanging.yaml", "--most", "100"], "given without --by relaxation"),
+        (["hanging.yaml", "--elements", "ten"], "--elements ten: is no list of numbers of elements; write 10,20,50"),
+        (["hanging.yaml", "--elements", ""], "is no list of numbers of elements"),
+        (["hanging.yaml", "--elements", "10,0"], "is no list of numbers of elements"),
+        (["hanging.yaml", "--elements", "1"], "fewer than the 2 sections"),
+        (["hanging.yaml", "--elements", ",".join(map(str, range(2, 40)))], "more than 20"),
+        (["hanging.yaml", "--elements", "500000"], "--elements"),
+        (["hanging.yaml", "-o", "shape.xyz"], "is no format of figures"),
+        (["hanging.yaml", "-o", "nowhere/shape.png"], "there is no folder nowhere"),
+        (["hanging.yaml", "--csv", "table.txt"], "name it .csv"),
+        (["hanging.yaml", "--csv", "nowhere/table.csv"], "there is no folder nowhere"),
+        (["hanging.yaml", "--elemnts", "10"], "--elemnts"),
+    ],
+)
+def test_bad_input_exits_with_2_names_the_fault_and_writes_nothing(drillstring, folder, arguments, said):
+    before = files(folder)
+    code, out, err = drillstring("form", *arguments)
+    assert (code, out) == (2, "")
+    assert said in " ".join(err.split()) and "Traceback" not in err
+    assert files(folder) == before

@@ -1,0 +1,237 @@
+"""The verb torque-drag: JSON, table, figure, options that are refused, measured hook loads, exit codes."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drillstring.statics
+from drillstring.application import Drillstring
+from drillstring.back_calculation import COLUMNS, fit, read_measured
+from drillstring.scene import read
+from drillstring.torque_drag import torque_drag
+from tautline.cli.run import run
+from tautline.cli.verbs import make_app
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.scene.errors import SceneError
+
+DATA = Path(__file__).parents[2] / "data"
+JWELL = (DATA / "jwell.yaml").read_text(encoding="utf8")
+KEYS = {"friction", "depth", "pick_up", "slack_off", "rotating", "torque", "buckling"}
+"""Of the contract (DESIGN.md, section 4)."""
+FEW = ("--elements", "20")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("jwell.yaml").write_text(JWELL, encoding="utf8")
+    Path("field.yaml").write_text("units: field\n" + JWELL, encoding="utf8")
+    strong = JWELL.replace("name: drill pipe, ", "name: drill pipe, yield_load: 1.76 MN, ")
+    Path("strong.yaml").write_text(strong, encoding="utf8")
+    wall = JWELL[JWELL.index("  wall:") : JWELL.index("string:")]
+    Path("free.yaml").write_text(JWELL.replace(wall, "  wall: none\n"), encoding="utf8")
+    return tmp_path
+
+
+@pytest.fixture
+def drillstring_(folder, monkeypatch, capsys):
+    """Run a command in this process, as the console script does: exit code, standard output, standard error."""
+
+    def command(*arguments):
+        monkeypatch.setattr(sys, "argv", ["drillstring", *map(str, arguments)])
+        with pytest.raises(SystemExit) as left:
+            run(make_app(Drillstring()))
+        captured = capsys.readouterr()
+        return left.value.code or 0, captured.out, captured.err
+
+    return command
+
+
+def only_object(out):
+    return json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
+
+
+def test_json_has_the_keys_of_the_contract_for_the_scenes_own_depth_and_friction(drillstring_):
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", "--json", *FEW)
+    report = only_object(out)
+    assert (code, report["status"], report["scene"]) == (0, "done", "jwell.yaml")
+    assert report.keys() >= KEYS and report["buckling"].keys() >= {"sinusoidal", "helical"}
+    assert report["friction"] == 0.2 and report["depth"] == pytest.approx([3770.796], abs=1e-3)
+    # tests/references/soft_string.py: 748.588, 583.902, 668.394 kN and 5.9194 kN m
+    assert report["pick_up"] == pytest.approx([748.588e3], rel=3e-3)
+    assert report["slack_off"] == pytest.approx([583.902e3], rel=3e-3)
+    assert report["rotating"] == pytest.approx([668.394e3], rel=3e-3)
+    assert report["torque"] == pytest.approx([5919.4], rel=1.5e-2)
+    assert len(report["buckling"]["sinusoidal"]) == 20 == report["elements"]
+    assert report["soft_string"]["pick_up"] == pytest.approx([748.588e3], rel=1e-5)
+    assert Path("jwell_torque_drag.png").read_bytes().startswith(b"\x89PNG") and "wrote jwell_torque_drag.png" in err
+
+
+def test_broomstick_over_depths_and_frictions_is_one_case_to_a_factor(drillstring_):
+    options = ("--depth", "1000:3000:500", "--friction", "0.1,0.3", "-o", "broom.svg", "--json")
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", *options, *FEW)
+    report = only_object(out)
+    assert code == 0 and report["depth"] == [1000, 1500, 2000, 2500, 3000]
+    assert [case["friction"] for case in report["cases"]] == [0.1, 0.3] and report["friction"] == 0.1
+    low, high = (np.array(case["pick_up"]) for case in report["cases"])
+    # no drag in the vertical, more of it with more friction and depth below the kick-off at 2200 m
+    assert high[:3] == pytest.approx(low[:3], rel=1e-9) and (high - low)[3] > 10.0 and (high - low)[4] > 1e4
+    assert "<svg" in Path("broom.svg").read_text() and "2500" in err
+
+
+def test_table_says_both_models_their_difference_and_the_unit_and_fits_80_columns(drillstring_):
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", *FEW)
+    assert (code, out) == (0, "")
+    lines = err.splitlines()
+    assert all(len(line.rstrip()) <= 80 for line in lines[:5]) and "…" not in err
+    assert lines[0].split() == ["friction", "depth", "[m]", "statics", "soft", "string", "differs", "by"]
+    row = next(line for line in lines if "pick up" in line)
+    assert "748.59 kN" in row and "%" in row
+    assert "no part of the string buckles or locks up" in err
+
+
+def test_field_units_are_printed_where_the_scene_asks_for_them_and_json_stays_si(drillstring_):
+    _, out, err = drillstring_("torque-drag", "field.yaml", "--json", *FEW)
+    assert "168.29 kip" in err and "depth [ft]" in err and "kft-lbf" in err
+    assert only_object(out)["pick_up"] == pytest.approx([748.588e3], rel=3e-3)
+
+
+def test_lock_up_and_buckled_stretches_are_said_in_words(drillstring_):
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", "--friction", "0.5", "--elements", "50", "--json")
+    report = only_object(out)
+    assert code == 0 and report["locked"] == [True]
+    assert "buckles into a helix from" in err and "lock-up" in err
+    ((top, bottom),) = report["buckled"][0]["slack_off"]["helical"]
+    assert 1700.0 < top < bottom < 2350.0
+
+
+def test_overpull_is_the_yield_load_less_the_pick_up_load(drillstring_):
+    _, out, err = drillstring_("torque-drag", "strong.yaml", "--json", *FEW)
+    report = only_object(out)
+    pull = report["overpull"][0]
+    assert pull["margin"] == pytest.approx(1.76e6 - report["pick_up"][0], rel=1e-9)
+    assert pull["section"] == "drill pipe" and "margin of overpull" in err
+    _, out, err = drillstring_("torque-drag", "jwell.yaml", "--json", *FEW)
+    assert only_object(out)["overpull"] == [None] and "overpull" not in err
+
+
+# what is refused
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--friction", "0.2,x"), ("--friction", "'x'|x", "is no friction factor")),
+        (("--friction", "-0.2"), ("--friction", "between 0 and 2")),
+        (("--friction", "nan"), ("--friction", "between 0 and 2")),
+        (("--friction", "0.2,,0.3"), ("--friction", "empty")),
+        (("--depth", "500:3000"), ("--depth", "needs three numbers", "write 500:3500:250")),
+        (("--depth", "3000:500:100"), ("--depth", "ends above where it begins")),
+        (("--depth", "1:3000:0.001"), ("--depth", "larger step")),
+        (("--depth", "0"), ("--depth",)),
+        (("--depth", "5000"), ("below the end of the well", "give depths within the well")),
+        (("--depth", "100"), ("nothing is left of drill pipe", "give depths of more than 240 m")),
+        (("--elements", "1"), ("--elements", "fewer than the 2 sections")),
+        (("-o", "figure.bmp"), ("figure.bmp", "name it .png, .svg or .pdf")),
+        (("--measured", "nothing.csv"), ("nothing.csv", "there is no such file")),
+    ],
+)
+def test_bad_options_are_refused_with_the_cure_and_exit_code_2(drillstring_, folder, options, words):
+    before = sorted(file.name for file in folder.iterdir())
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", *options)
+    text = " ".join(err.split())
+    assert (code, out) == (2, "") and "Traceback" not in err
+    assert all(any(part in text for part in word.split("|")) for word in words), text
+    assert sorted(file.name for file in folder.iterdir()) == before
+
+
+def test_scene_without_a_wall_is_refused_by_its_key(drillstring_):
+    code, _, err = drillstring_("torque-drag", "free.yaml")
+    assert code == 2 and "free.yaml" in err and "well.wall" in err and "no friction" in err
+
+
+def test_direction_without_an_equilibrium_is_named_the_rest_is_kept_and_the_exit_code_is_3(drillstring_, monkeypatch):
+    solve = drillstring.statics.Statics.solve
+
+    def fails(self, friction, direction):
+        if direction == "slack_off" and friction == 0.3:
+            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "lump 7", "friction factor 0.3")
+        return solve(self, friction, direction)
+
+    monkeypatch.setattr(drillstring.statics.Statics, "solve", fails)
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", "--friction", "0.2,0.3", "--json", *FEW)
+    report = only_object(out)
+    assert code == 3 and report["status"].startswith("stopped")
+    assert report["cases"][1]["slack_off"] == [None] and report["cases"][1]["pick_up"][0] > 7e5
+    assert "slack off: lump 7: no static equilibrium was found" in " ".join(err.split())
+    assert Path("jwell_torque_drag.png").exists()
+
+
+# measured loads
+@pytest.fixture
+def loads(folder):
+    """Hook loads of a trip that were made with friction 0.24, in field units."""
+    depths = [2600.0, 3000.0, 3400.0, 3700.0]
+    (case,) = torque_drag(read("jwell.yaml"), [0.24], depths, 20)
+    rows = zip(depths, case.hook_loads("pick_up"), case.hook_loads("slack_off"), strict=True)
+    text = "depth [ft],pick_up [kip],slack_off [kip]\n"
+    for depth, up, down in rows:
+        text += f"{depth / 0.3048:.6f},{up / 4448.2216152605:.6f},{down / 4448.2216152605:.6f}\n"
+    Path("loads.csv").write_text(text, encoding="utf8")
+    return text
+
+
+def test_back_calculation_recovers_the_friction_factor_that_made_the_loads(loads, drillstring_):
+    options = ("--measured", "loads.csv", "--json")
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", *options, *FEW)
+    report = only_object(out)
+    assert code == 0
+    assert report["fit"]["friction"] == pytest.approx(0.24, abs=1e-3)
+    assert report["fit"]["pick_up"] == pytest.approx(0.24, abs=1e-3)
+    assert report["fit"]["slack_off"] == pytest.approx(0.24, abs=1e-3)
+    assert report["friction"] == report["fit"]["friction"] and report["fit"]["loads"] == 8
+    assert len(report["depth"]) == 4 and "friction factor of the 8 measured hook loads: 0.2400" in err
+
+
+def test_spread_of_the_factor_is_that_of_the_loads_noise(loads):
+    # noise of +-2 kN; the factor moves a load by about 400 kN, so the spread of eight is 2/(400 sqrt(8)) or so
+    scene, measured = read("jwell.yaml"), read_measured(Path("loads.csv"))
+    sign = np.array([1.0, -1.0, 1.0, -1.0])
+    noisy = measured._replace(pick_up=measured.pick_up + 2e3 * sign, slack_off=measured.slack_off - 2e3 * sign)
+    found = fit(scene, noisy, 20)
+    assert found.friction == pytest.approx(0.24, abs=4.0 * found.spread)
+    assert 3e-4 < found.spread < 1e-2
+    assert found.residual == pytest.approx(2e3, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("row", "new", "line", "words"),
+    [
+        (2, "9842.5,abc,130", 3, "abc"),
+        (2, "9842.5,,", 3, "no load in this row"),
+        (2, "9842.5,120,160", 3, "swap the two"),
+        (3, "99842.5,170,130", 4, "below the end of the well"),
+        (1, "-5,170,130", 2, "not below the rotary table"),
+        (0, "depth [ft],pick_up [m],slack_off [kip]", 1, "is not a unit like N"),
+        (0, "depth [ft],up,down", 1, "pick_up"),
+    ],
+)
+def test_bad_row_of_measured_loads_is_named_by_its_number(loads, drillstring_, row, new, line, words):
+    rows = loads.splitlines()
+    rows[row] = new
+    Path("loads.csv").write_text("\n".join(rows) + "\n", encoding="utf8")
+    code, _, err = drillstring_("torque-drag", "jwell.yaml", "--measured", "loads.csv", *FEW)
+    text = " ".join(err.split())
+    assert code == 2 and f"loads.csv:{line}" in text and words in text and "Traceback" not in err
+
+
+def test_empty_cells_and_a_missing_column_are_loads_that_were_not_measured(folder):
+    Path("some.csv").write_text("md [m];pick up [kN]\n2600;640\n3000;\n3400;700\n", encoding="utf8")
+    with pytest.raises(SceneError, match=r"some\.csv:3"):
+        read_measured(Path("some.csv"))
+    Path("some.csv").write_text("md [m];pick up [kN];sow [kN]\n2600;640;\n3000;;600\n", encoding="utf8")
+    found = read_measured(Path("some.csv"))
+    assert found.pick_up == pytest.approx([640e3, np.nan], nan_ok=True)
+    assert found.slack_off == pytest.approx([np.nan, 600e3], nan_ok=True)
+    assert set(COLUMNS) == {"depth", "pick_up", "slack_off"}
