@@ -28,8 +28,8 @@ from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.state import State, new_state
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.model import validate
-from tautline.system.system import System
 from tautline.simulation import SAFE
+from tautline.system.system import System
 
 WAYS = ("static", "relaxation")
 """How a string is brought to rest."""
@@ -200,14 +200,12 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
 def _balance(system: System, state: State, step_limit: float) -> int:
     """Move the state to static equilibrium; returns the iterations of the search that found it."""
     origin = state.q.copy()
-    for longer in LONGER:
-        state.q[:] = origin
+    for longer in LONGER[:-1]:
         try:
             return find_equilibrium(system, state, longer * step_limit, BALANCE).iterations
-        except StoppedEarly as stop:
-            if stop.status != Status.NO_EQUILIBRIUM or longer == LONGER[-1]:
-                raise
-    raise AssertionError("unreachable")
+        except StoppedEarly:
+            state.q[:] = origin
+    return find_equilibrium(system, state, LONGER[-1] * step_limit, BALANCE).iterations
 
 
 class NotAtRest(StoppedEarly):

@@ -50,11 +50,11 @@ def _largest(points: list[Point], unit: str) -> float:
     return max((x for x in values if np.isfinite(x)), default=0.0)
 
 
-def _new_table(heads: list[str]) -> Table:
+def _new_table(heads: list[str], gap: int = 2) -> Table:
     from rich.markup import escape
     from rich.table import Table
 
-    made = Table(box=None, padding=(0, 2, 0, 0))
+    made = Table(box=None, padding=(0, gap, 0, 0))
     for head in heads:
         # A unit in brackets is no mark-up.
         made.add_column(escape(head), justify="left" if head == "" else "right", no_wrap=True)
@@ -80,7 +80,7 @@ def _compact(cases: list[Case], system: str) -> Table:
     force, newton = column_unit("N", _largest(points, "N"), system)
     moment, metre = column_unit("N m", _largest(points, "N m"), system)
     heads = ["friction", f"depth [{name}]", f"up [{newton}]", "down", "rotating", f"torque [{metre}]"]
-    made = _new_table([*heads, "soft: load", "torque"])
+    made = _new_table([*heads, "soft: load", "torque"], gap=1)
     for case in cases:
         count = len(case.points)
         kept = np.unique(np.linspace(0, count - 1, min(max(2, MOST_ROWS // len(cases)), count)).round().astype(int))

@@ -539,3 +539,9 @@ def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(key, value):
         validate(DrillstringScene, document.replaced({key: (value, "vary")}))
     except SceneError as error:
         assert error.problems
+
+
+def test_where_every_section_is_at_fault_the_list_is_not_called_empty():
+    with pytest.raises(SceneError) as caught:
+        DrillstringScene.parse(TEXT.replace("od: 0.127", "od: thick").replace("od: 0.165", "od: thin"))
+    assert [problem.key for problem in caught.value.problems] == ["string[0].od", "string[1].od"]

@@ -128,12 +128,18 @@ def validate(model: type[M], document: Document) -> M:
     try:
         scene = model.model_validate(document.root, context={"folder": document.folder})
     except ValidationError as error:
-        problems = [_problem(e, document) for e in error.errors(include_url=False)]
+        problems = [_problem(e, document) for e in error.errors(include_url=False) if not _full(e)]
         problems.sort(key=lambda problem: problem.line or 0)
         raise SceneError(list(dict.fromkeys(problems))) from None
     if isinstance(scene, Scene):
         scene._document = document
     return scene
+
+
+def _full(error: Any) -> bool:
+    """Whether a list is called too short that is long enough as written: pydantic counts entries without a fault."""
+    given, least = error["input"], (error.get("ctx") or {}).get("min_length", 0)
+    return error["type"] == "too_short" and isinstance(given, (list, tuple)) and len(given) >= least
 
 
 def _problem(error: Any, document: Document) -> Problem:
