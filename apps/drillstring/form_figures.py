@@ -39,14 +39,15 @@ def form_figure(titles: Sequence[str], found: Sequence[Finding]) -> Figure:
     heading = "At rest, " + ("by the static solver" if found[0].by == "static" else "by dynamic relaxation")
     width, height = (8.0, 6.4) if across == 1 else (12.0, 5.6 * down + 0.4)
     figure, plots = axes(2 * down, across, width, height, heading, height_ratios=(1.5, 1.0) * down)
+    # One look for a mesh, in all panels.
+    counts = sorted({form.elements for one in found for form in one.forms})
     for k, (title, one) in enumerate(zip(titles, found, strict=True)):
         shape, off = plots[2 * (k // across), k % across], plots[2 * (k // across) + 1, k % across]
-        _draw_shape(shape, title, one)
-        _draw_difference(off, one)
+        _draw_shape(shape, title, one, counts)
+        _draw_difference(off, one, counts)
     for k in range(len(found), across * down):
         for row in (0, 1):
             plots[2 * (k // across) + row, k % across].set_axis_off()
-    counts = sorted({form.elements for one in found for form in one.forms})
     samples = [sample_line(f"{n} elements", **_look(n, counts)) for n in counts]
     if any(one.reference.rod is not None for one in found):
         samples.insert(0, sample_line("exact rod", color="black", lw=3.0, alpha=0.25))
@@ -80,13 +81,12 @@ def _plane(found: Finding) -> tuple[np.ndarray, np.ndarray, str, str]:
     return np.array([*ahead, 0.0]), np.array([0.0, 0.0, 1.0]), word, "depth"
 
 
-def _draw_shape(plot: Axes, title: str, found: Finding) -> None:
+def _draw_shape(plot: Axes, title: str, found: Finding, counts: Sequence[int]) -> None:
     if _straight(found):
-        _draw_stretch(plot, title, found)
+        _draw_stretch(plot, title, found, counts)
         return
     right, down, ahead, below = _plane(found)
     rod = found.reference.rod
-    counts = sorted(form.elements for form in found.forms)
     shown = [form.position for form in found.forms]
     if rod is not None:
         curve = found.reference.position(np.linspace(0.0, rod.length, CURVE))
@@ -117,12 +117,11 @@ def _straight(found: Finding) -> bool:
     return rod is not None and float(level.max()) < 1.0e-9 * rod.length
 
 
-def _draw_stretch(plot: Axes, title: str, found: Finding) -> None:
+def _draw_stretch(plot: Axes, title: str, found: Finding, counts: Sequence[int]) -> None:
     """How far each point of a hanging string goes down, against where it is in the unstretched string."""
     reference, rod = found.reference, found.reference.rod
     assert rod is not None
     s = np.linspace(0.0, rod.length, CURVE)
-    counts = sorted(form.elements for form in found.forms)
     top = reference.top[2]
     plot.plot(reference.position(s)[:, 2] - s - top, s, color="black", lw=3.0, alpha=0.25)
     for form in found.forms:
@@ -134,9 +133,8 @@ def _draw_stretch(plot: Axes, title: str, found: Finding) -> None:
     plot.set_title(f"{title} (displacement)")
 
 
-def _draw_difference(plot: Axes, found: Finding) -> None:
+def _draw_difference(plot: Axes, found: Finding, counts: Sequence[int]) -> None:
     """Distance from the rod along the string; where there is none from the hole's axis, and words that say why."""
-    counts = sorted(form.elements for form in found.forms)
     plot.set_xlabel(label("distance from the block in the unstretched string", "m"))
     plot.set_xlim(-0.02 * found.finest.unstretched[-1], 1.02 * found.finest.unstretched[-1])
     if found.reference.rod is None:
