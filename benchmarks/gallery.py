@@ -51,8 +51,8 @@ SHOTS = (
     ),
     Shot(
         "landing",
-        "A template on its way to the sea floor, two kilometres down, with heave compensation. The first picture cuts the"
-        " rope, the second follows the template.",
+        "A template on its way to the sea floor, two kilometres down, with heave compensation. The first picture cuts"
+        " the rope, the second follows the template.",
         (("--image", "last", "--view", "crane"), ("--image", "last", "--camera", "20,12@template")),
         ("tension",),
     ),
