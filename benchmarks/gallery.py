@@ -19,7 +19,7 @@ from tautline.results.result import Result
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = Path("images") / "gallery"
-WIDE, SMALL = "1280x720", "480x270"
+WIDE, SMALL = "1280x720", "640x360"
 FILM = ("hoist", ("--rate", "8", "--size", SMALL, "--speed", "1.5"))
 QUICK = 0.1
 
