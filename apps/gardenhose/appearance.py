@@ -137,7 +137,10 @@ def _held(scene: HoseScene | None, hose: Chain, extent: float) -> tuple[list[Sol
     solids = [Solid(held.name, held.points, held.triangles, None, DECK, smooth=False)]
     if scene.hose.tip_mass == 0.0:
         return solids, []
-    tip = lambda frame: hose.points(slice(frame, frame + 1))[0, -1]  # noqa: E731
+
+    def tip(frame: int) -> np.ndarray:
+        return hose.points(slice(frame, frame + 1))[0, -1]
+
     solids.append(mass(scene.hose.tip_mass, tip, extent, "tip mass"))
     return solids, ["the mass at the tip is a sign, not to scale"]
 

@@ -1,16 +1,13 @@
 """The verb `form`: table, figure, CSV, JSON contract, exit codes and refusals."""
 
 import csv
-import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from cli.in_process import commands_of, files, only_object
 
 from drillstring.application import Drillstring
-from tautline.cli.run import run
-from tautline.cli.verbs import make_app
 
 DATA = Path(__file__).parents[2] / "data"
 KEYS = {"node", "measured_depth", "position", "reference", "difference"}
@@ -26,25 +23,8 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def drillstring(folder, monkeypatch, capsys):
-    """Run a command in this process, as the console script does: exit code, standard output, standard error."""
-
-    def command(*arguments):
-        monkeypatch.setattr(sys, "argv", ["drillstring", *map(str, arguments)])
-        with pytest.raises(SystemExit) as left:
-            run(make_app(Drillstring()))
-        captured = capsys.readouterr()
-        return left.value.code or 0, captured.out, captured.err
-
-    return command
-
-
-def only_object(out):
-    return json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
-
-
-def files(folder):
-    return {file.name: file.read_bytes() for file in folder.iterdir()}
+def drillstring(folder, capsys):
+    return commands_of(Drillstring(), capsys)
 
 
 def test_form_with_json_is_one_object_of_the_contract_for_the_finest_mesh(drillstring):

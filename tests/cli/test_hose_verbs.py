@@ -1,15 +1,12 @@
 """The hose's own verbs, static and flutter, and what simulate says of a hose: files, JSON, exit codes, resumption."""
 
-import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from cli.in_process import commands_of, files, only_object
 
 from gardenhose.application import Gardenhose
-from tautline.cli.run import run
-from tautline.cli.verbs import make_app
 from tautline.results.result import Result
 
 HOSE = (Path(__file__).parents[2] / "data" / "hose.yaml").read_text(encoding="utf8")
@@ -30,25 +27,8 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def gardenhose(folder, monkeypatch, capsys):
-    """Run a command in this process, as the console script does: exit code, standard output, standard error."""
-
-    def command(*arguments):
-        monkeypatch.setattr(sys, "argv", ["gardenhose", *map(str, arguments)])
-        with pytest.raises(SystemExit) as left:
-            run(make_app(Gardenhose()))
-        captured = capsys.readouterr()
-        return left.value.code or 0, captured.out, captured.err
-
-    return command
-
-
-def only_object(out):
-    return json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
-
-
-def files(folder):
-    return {file.name: file.read_bytes() for file in folder.iterdir()}
+def gardenhose(folder, capsys):
+    return commands_of(Gardenhose(), capsys)
 
 
 # static

@@ -1,19 +1,16 @@
 """The verb torque-drag: JSON, table, figure, options that are refused, measured hook loads, exit codes."""
 
-import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from cli.in_process import commands_of, only_object
 
 import drillstring.statics
 from drillstring.application import Drillstring
 from drillstring.back_calculation import COLUMNS, fit, read_measured
 from drillstring.scene import read
 from drillstring.torque_drag import torque_drag
-from tautline.cli.run import run
-from tautline.cli.verbs import make_app
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 
@@ -37,21 +34,8 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def drillstring_(folder, monkeypatch, capsys):
-    """Run a command in this process, as the console script does: exit code, standard output, standard error."""
-
-    def command(*arguments):
-        monkeypatch.setattr(sys, "argv", ["drillstring", *map(str, arguments)])
-        with pytest.raises(SystemExit) as left:
-            run(make_app(Drillstring()))
-        captured = capsys.readouterr()
-        return left.value.code or 0, captured.out, captured.err
-
-    return command
-
-
-def only_object(out):
-    return json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
+def drillstring_(folder, capsys):
+    return commands_of(Drillstring(), capsys)
 
 
 def test_json_has_the_keys_of_the_contract_for_the_scenes_own_depth_and_friction(drillstring_):

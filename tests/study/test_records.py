@@ -220,7 +220,10 @@ def test_the_region_that_is_drawn_is_where_rk4_shrinks(looked, drawn):
     """Inside at -1 + 2i, outside at -1 + 2.9i and at 0.3: by the cut-off exponential."""
     region = drawn(figures.stability_figure, looked).axes[0]
     paths = [path for collection in region.collections for path in collection.get_paths()]
-    inside = lambda z: any(path.contains_point((z.real, z.imag)) for path in paths)  # noqa: E731
+
+    def inside(z):
+        return any(path.contains_point((z.real, z.imag)) for path in paths)
+
     assert inside(-1 + 2j) and inside(-2.7 + 0j) and inside(-0.05 + 2.7j)
     assert not inside(-1 + 2.9j) and not inside(0.3 + 0j) and not inside(-2.9 + 0j)
 

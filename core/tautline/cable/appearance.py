@@ -229,7 +229,10 @@ def _forces(scene: CableScene, time: np.ndarray, position: np.ndarray) -> tuple[
     longest = float(np.linalg.norm(force, axis=-1).max())
     if longest == 0.0:
         return ()
-    vectors: Values = lambda frame: acts[frame][:, None] * force  # noqa: E731
+
+    def vectors(frame: int) -> np.ndarray:
+        return acts[frame][:, None] * force
+
     return (Arrows("force", "force", "N", lambda frame: position[frame, nodes], vectors, longest),)
 
 

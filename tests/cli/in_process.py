@@ -1,0 +1,30 @@
+"""Commands run in this process, as the console scripts do."""
+
+import json
+
+import pytest
+
+from tautline.cli.run import run
+from tautline.cli.verbs import make_app
+
+
+def commands_of(application, capsys):
+    """A function that runs a command of an application: exit code, standard output, standard error."""
+
+    def command(*arguments):
+        with pytest.raises(SystemExit) as left:
+            run(make_app(application), [str(argument) for argument in arguments])
+        captured = capsys.readouterr()
+        return left.value.code or 0, captured.out, captured.err
+
+    return command
+
+
+def only_object(out):
+    """The one JSON object of a command; NaN and infinity are none of JSON's."""
+    return json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
+
+
+def files(folder):
+    """Contents of the files of a folder, by name."""
+    return {file.name: file.read_bytes() for file in folder.iterdir()}
