@@ -9,6 +9,8 @@ import numpy as np
 
 from drillstring import wellbore
 from drillstring.contact import WallContact
+from drillstring.end_groups import BLOCK, ROTATION, Along, groups_at_ends, is_driven
+from drillstring.ends import Controller
 from drillstring.hole import Build, Hold
 from drillstring.lumped_string import (
     bends_of,
@@ -22,11 +24,9 @@ from drillstring.lumped_string import (
     links_of,
 )
 from drillstring.observe import COORDINATE_UNITS, Observer, headline, variables
-from drillstring.scene import Controller, DrillstringScene, check_lengths
+from drillstring.scene import DrillstringScene, check_lengths
 from drillstring.string import Lumps, Tube, cut
 from drillstring.survey import read_survey
-from drillstring.top_drive import TopDrive
-from tautline.elements.load import Loads
 from tautline.kernels.groups import offers
 from tautline.kernels.time_function import evaluate
 from tautline.lumped.bend import Bends
@@ -46,8 +46,6 @@ TOLERANCE = 1.0e-9
 """Largest residual over the string's weight that counts as solved: a millinewton on a meganewton."""
 STEP_ERROR = 1.0e-5
 """Error of a step, m, where the step is chosen and the scene gives none."""
-BLOCK, ROTATION = 0, 1
-"""Functions of time of a scene: the block's position m, and the angle of the rotary rad."""
 
 
 def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
@@ -124,7 +122,7 @@ def build(scene: DrillstringScene) -> Model:
     lumps = cut(tubes_of(scene, well.length), scene.model.elements)
     functions = compile_functions(_requests(scene))
     start = [evaluate(functions, k, 0.0) for k in (BLOCK, ROTATION)]
-    driven = isinstance(scene.top.rotation, Controller)
+    driven = is_driven(scene)
     law, notes = _law(scene)
     moving = any(rate != 0.0 for _, rate, _ in start)
     groups, weight = _groups(scene, well, lumps, functions, law, moving)
@@ -219,14 +217,9 @@ def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):
                 lumps, curve, links, lateral, scene.well.diameter, wall, scene.damping.contact_rotation, law, moving
             )
         )
-    if scene.bit.force != 0.0:
-        groups.append(Loads(np.array([PER_BODY * lumps.length.size]), np.array([scene.bit.force])))
-    drive = scene.top.rotation
-    if isinstance(drive, Controller):
-        limit = drive.torque_limit if drive.torque_limit is not None else np.inf
-        groups.append(
-            TopDrive(functions, ROTATION, 3, drive.inertia, drive.proportional, drive.integral, limit, np.zeros(1))
-        )
+    bit = PER_BODY * lumps.length.size
+    depth = float(lumps.measured_depth[-1])
+    groups.extend(groups_at_ends(scene, functions, 3, Along(np.array([bit]), np.ones(1), depth), bit + 3))
     return tuple(groups), weight
 
 

@@ -15,9 +15,10 @@ import numpy as np
 
 from drillstring.build import build, tubes_of, well_of
 from drillstring.contact import WallContact
+from drillstring.ends import Top
 from drillstring.hole import Friction
 from drillstring.lumped_string import buoyed_weight, fluid_of
-from drillstring.scene import DrillstringScene, Top
+from drillstring.scene import DrillstringScene
 from drillstring.sliding import SLIDING, Sliding
 from drillstring.soft_string import ALONG
 from drillstring.string import Tube, cut
