@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from drillstring.build import tubes_of, well_of
-from drillstring.lumped_string import fluid_of, lateral_mass
+from drillstring.fluid import fluid_of
+from drillstring.lumped_string import lateral_mass
 from drillstring.scene import DrillstringScene
 from drillstring.strength import yield_cautions
 from drillstring.string import Lumps, cut

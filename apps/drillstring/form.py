@@ -8,16 +8,15 @@ does, and what the string rests in then depends on where it began.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from drillstring.build import build, tubes_of, well_of
-from drillstring.lumped_string import buoyed_weight, fluid_of
+from drillstring.fluid import fluid_of, weight_in
 from drillstring.rod import NoRod, Piece, Rod, bend, hang
 from drillstring.scene import DrillstringScene
-from drillstring.string import Tube, cut
+from drillstring.string import cut
 from drillstring.wellbore import Wellbore
 from tautline.integrators.critical_step import CriticalStep
 from tautline.integrators.equilibrium import find_equilibrium
@@ -235,12 +234,13 @@ def reference_of(scene: DrillstringScene, form: Form) -> Reference:
 def pieces_of(scene: DrillstringScene, well_length: float) -> list[Piece]:
     """The string's sections as the rod takes them, with their weight in the mud."""
     fluid = fluid_of(scene.mud)
-
-    def weight(tube: Tube) -> float:
-        return float(buoyed_weight(cut([replace(tube, elements=None)], 1), fluid, scene.gravity).sum()) / tube.length
-
     return [
-        Piece(tube.length, tube.youngs_modulus * tube.area, tube.youngs_modulus * tube.second_moment, weight(tube))
+        Piece(
+            tube.length,
+            tube.youngs_modulus * tube.area,
+            tube.youngs_modulus * tube.second_moment,
+            weight_in(fluid, tube, scene.gravity),
+        )
         for tube in tubes_of(scene, well_length)
     ]
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import pi
 from typing import Any
 
 import numpy as np
 
 from drillstring.contact import SPRING, WallContact
 from drillstring.drag import Drag
+from drillstring.fluid import Fluid, mass_beside, weight_in
 from drillstring.friction import BANDED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
 from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
@@ -32,54 +31,14 @@ def curve_of(well: Wellbore, measured_depth: np.ndarray) -> Curve:
     return Curve(arcs, records(measured_depth.size, SEAT, place=measured_depth))
 
 
-@dataclass(frozen=True)
-class Fluid:
-    """Mud around and inside the string; densities kg/m^3.
-
-    ``added_mass`` is the coefficient C_a, or ``annular``: that of a cylinder in a hole; ``inside_density`` is 0 where
-    the pipe is empty.
-    """
-
-    density: float = 0.0
-    inside_density: float = 0.0
-    added_mass: float | str = 0.0
-    drag: float = 0.0
-
-
-def fluid_of(mud: Any) -> Fluid:
-    """The fluid of a scene's mud; a pipe that is not filled has nothing inside."""
-    if mud is None:
-        return Fluid()
-    return Fluid(mud.density, (mud.inside_density or mud.density) if mud.inside else 0.0, mud.added_mass, mud.drag)
-
-
 def buoyed_weight(lumps: Lumps, fluid: Fluid, gravity: float) -> np.ndarray:
-    """Weight of each lump in the mud, N: steel, plus the mud inside it, minus the mud that both displace.
-
-    With the same mud inside and outside it is ``m g (1 - rho_m / rho_s)``; a section's mass per length that is not
-    that of its round tube (tool joints) displaces in proportion.
-    """
-
-    def per_length(tube: Any) -> float:
-        steel_area = tube.mass_per_length / tube.density
-        bore = pi / 4.0 * tube.id**2
-        outer = steel_area + bore
-        return gravity * (tube.mass_per_length + fluid.inside_density * bore - fluid.density * outer)
-
-    return lumps.of_lumps(per_length)
+    """Weight of each lump in the mud, N."""
+    return lumps.of_lumps(lambda tube: weight_in(fluid, tube, gravity))
 
 
 def lateral_mass(lumps: Lumps, fluid: Fluid, hole_diameter: float) -> np.ndarray:
     """Mass that follows lateral motion beside the steel, kg: added mass of the mud outside, and the mud inside."""
-
-    def per_length(tube: Any) -> float:
-        if fluid.added_mass == "annular":
-            coefficient = (hole_diameter**2 + tube.od**2) / (hole_diameter**2 - tube.od**2)
-        else:
-            coefficient = float(fluid.added_mass)
-        return pi / 4.0 * (coefficient * fluid.density * tube.od**2 + fluid.inside_density * tube.id**2)
-
-    return lumps.of_lumps(per_length)
+    return lumps.of_lumps(lambda tube: mass_beside(fluid, tube, hole_diameter))
 
 
 def bodies_of(

@@ -61,6 +61,7 @@ class Observer:
         self.links, self.contact = kinds["Links"], kinds.get("WallContact")
         self.bodies = kinds.get("Bodies") or kinds["EccentricBodies"]
         self.drive = kinds.get("TopDrive")
+        self.own = (0 if self.contact is None else 3 * self.contact.springs.size) + (0 if self.drive is None else 1)
         weight = np.array(self.bodies.lumps.weight)
         self.unstretched = -float(weight @ well.tvd(lumps.measured_depth))
 

@@ -20,6 +20,8 @@ from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 
+MOST_POINTS = 9
+"""Points of contact inside an element: more would hold a cubic in more places than it can bend between."""
 STRING = "[{name: drill pipe, length: rest, od: 0.127, id: 0.1086}]"
 
 Density = Annotated[float, quantity("kg/m^3", positive=True)]
@@ -125,19 +127,30 @@ class Damping(Model):
     mass_proportional: Annotated[float, quantity("1/s", nonnegative=True)] = 0.0
 
 
-class LumpedModel(Model):
-    """How the string is modelled: so many lumps, and which bending."""
+LUMPED, BEAM = "lumped", "ale-ancf"
+"""Kinds of model: lumps along the hole, or a beam in space of ALE-ANCF elements."""
+KIND = word(LUMPED, BEAM, aliases={"ancf": BEAM})
 
-    kind: Annotated[Literal["lumped"], word("lumped")] = "lumped"
+
+class StringModel(Model):
+    """How the string is modelled: of which kind, with so many elements, and which bending.
+
+    `contact_points` is how many points of a beam's element touch the wall beside those at its ends.
+    """
+
+    kind: Annotated[Literal["lumped", "ale-ancf"], KIND] = "lumped"
     elements: Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS, examples=["12"])]
     bending: Annotated[Literal["stiff", "soft", "none"], word("stiff", "soft", "none")] = "stiff"
+    contact_points: Annotated[Whole, Field(ge=0, le=MOST_POINTS)] | None = None
 
-    @model_validator(mode="before")
-    @classmethod
-    def _kind(cls, data: Any) -> Any:
-        if isinstance(data, dict) and str(data.get("kind")).lower().replace("_", "-") == "ale-ancf":
-            raise fault("kind", "the ALE-ANCF model of the string is not available yet", "use kind: lumped")
-        return data
+    @model_validator(mode="after")
+    def _kinds(self) -> StringModel:
+        if self.kind == BEAM and self.bending == "soft":
+            cause = "a beam has its stiffness against every bend"
+            raise fault("bending", cause, "give stiff or none, or take kind: lumped")
+        if self.kind == LUMPED and self.contact_points is not None:
+            raise fault("contact_points", "lumps touch where they are", f"remove it, or take kind: {BEAM}")
+        return self
 
 
 class DrillstringScene(Scene):
@@ -159,7 +172,7 @@ class DrillstringScene(Scene):
     damping: Damping = Damping()
     top: Top = Top()
     bit: Bit = Bit()
-    model: LumpedModel = Field(examples=["{kind: lumped, elements: 12}"])
+    model: StringModel = Field(examples=["{kind: lumped, elements: 12}"])
     start: Annotated[Literal["static", "relaxed", "straight"], word("static", "relaxed", "straight")] = "static"
     solver: Solver = Field(examples=["{method: generalized-alpha, step: 1 ms, end: 40 s}"])
     output: Output = Field(examples=["{interval: 50 ms}"])

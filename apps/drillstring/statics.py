@@ -16,8 +16,8 @@ import numpy as np
 from drillstring.build import build, tubes_of, well_of
 from drillstring.contact import WallContact
 from drillstring.ends import Top
+from drillstring.fluid import fluid_of, weight_in
 from drillstring.hole import Friction
-from drillstring.lumped_string import buoyed_weight, fluid_of
 from drillstring.scene import DrillstringScene
 from drillstring.sliding import SLIDING, Sliding
 from drillstring.soft_string import ALONG
@@ -94,7 +94,7 @@ def shortened(scene: DrillstringScene, well_length: float, depth: float, element
 def weight_per_length(scene: DrillstringScene, tubes: list[Tube]) -> np.ndarray:
     """Buoyed weight of each section, N/m."""
     fluid = fluid_of(scene.mud)
-    return np.array([buoyed_weight(cut([tube], 1), fluid, scene.gravity).sum() / tube.length for tube in tubes])
+    return np.array([weight_in(fluid, tube, scene.gravity) for tube in tubes])
 
 
 class Statics:

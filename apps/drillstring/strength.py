@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillstring.lumped_string import buoyed_weight, fluid_of
+from drillstring.fluid import fluid_of, weight_in
 from drillstring.scene import DrillstringScene
-from drillstring.string import Lumps, cut
+from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
 from tautline.cli.summary import shown
 from tautline.scene.errors import Caution
@@ -24,7 +24,7 @@ def tension_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> np
     fluid = fluid_of(scene.mud)
     ends = np.cumsum([0.0] + [tube.length for tube in lumps.tubes])
     depth = np.diff(well.tvd(ends))
-    weight = [buoyed_weight(cut([tube], 1), fluid, scene.gravity).sum() / tube.length for tube in lumps.tubes]
+    weight = [weight_in(fluid, tube, scene.gravity) for tube in lumps.tubes]
     return np.cumsum((np.array(weight) * depth)[::-1])[::-1] + scene.bit.force
 
 

@@ -1,0 +1,116 @@
+"""A drill-string scene as lumps: its groups, its degrees of freedom, and how they are coupled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillstring.assembled import Assembled
+from drillstring.end_groups import BLOCK, ROTATION, Along, groups_at_ends, is_driven
+from drillstring.fluid import fluid_of
+from drillstring.lumped_string import (
+    bends_of,
+    bodies_of,
+    buoyed_weight,
+    contact_of,
+    curve_of,
+    drag_of,
+    lateral_mass,
+    links_of,
+)
+from drillstring.observe import Observer
+from drillstring.scene import DrillstringScene
+from drillstring.string import Lumps
+from drillstring.wellbore import Wellbore
+from tautline.kernels.time_function import TimeFunctions, evaluate
+from tautline.lumped.bend import Bends
+from tautline.lumped.body import EccentricBodies
+from tautline.lumped.curve import PER_BODY
+from tautline.system.system import Degrees, assemble
+
+DIRECTIONS = ("along the hole", "north side", "east side", "rotation")
+ROUNDING = 1.0e-6
+"""Share of EA that counts as a large force where a string weighs next to nothing: its residual cannot be smaller than
+the rounding of its stiffness."""
+REACH = 0.3
+"""Part of the shortest link by which a lump may move in one iteration of the search for an equilibrium."""
+
+
+def assemble_lumps(
+    scene: DrillstringScene, well: Wellbore, lumps: Lumps, functions: TimeFunctions, law: str
+) -> Assembled:
+    """The lumped model of a string in its hole; ``law`` is the friction law that the method can take."""
+    start = [evaluate(functions, k, 0.0) for k in (BLOCK, ROTATION)]
+    moving = any(rate != 0.0 for _, rate, _ in start)
+    driven = is_driven(scene)
+    groups, weight = _groups(scene, well, lumps, functions, law, moving)
+    degrees = _degrees(scene, lumps, weight, driven)
+    degrees.value[PER_BODY::PER_BODY] = start[BLOCK][0]
+    velocity = np.zeros(degrees.value.size)
+    velocity[0::PER_BODY] = start[BLOCK][1]
+    velocity[3::PER_BODY] = start[ROTATION][1]
+    # While the equilibrium is sought nothing turns: a controller that asks for speed would wind the string up.
+    system = assemble(groups, degrees, functions, velocity, *_stencils(lumps, groups), at_rest=[3] if driven else [])
+    return Assembled(system, Observer(well, lumps, groups, driven), REACH * float(lumps.length.min()))
+
+
+def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):
+    """The scene's groups, one of each kind that it has, and the lumps' buoyed weights."""
+    fluid = fluid_of(scene.mud)
+    wall = scene.well.wall
+    curve = curve_of(well, lumps.measured_depth)
+    weight = buoyed_weight(lumps, fluid, scene.gravity)
+    lateral = lateral_mass(lumps, fluid, scene.well.diameter)
+    reference = lumps.total / (wall.lumps if wall is not None else 12)
+    links = links_of(lumps, curve, scene.damping.structural)
+    groups = [bodies_of(lumps, curve, weight, lateral, scene.damping, lumps.tributary / reference), links]
+    if scene.model.bending != "none" and lumps.length.size > 1:
+        groups.append(bends_of(lumps, curve, scene.model.bending == "stiff"))
+    if fluid.density * fluid.drag > 0.0:
+        groups.append(drag_of(lumps, fluid))
+    if wall is not None:
+        groups.append(
+            contact_of(
+                lumps, curve, links, lateral, scene.well.diameter, wall, scene.damping.contact_rotation, law, moving
+            )
+        )
+    bit = PER_BODY * lumps.length.size
+    depth = float(lumps.measured_depth[-1])
+    groups.extend(groups_at_ends(scene, functions, 3, Along(np.array([bit]), np.ones(1), depth), bit + 3))
+    return tuple(groups), weight
+
+
+def _degrees(scene: DrillstringScene, lumps: Lumps, weight: np.ndarray, driven: bool) -> Degrees:
+    """Four degrees of freedom a lump; the top one follows block and rotary and does not leave the axis."""
+    count = lumps.length.size + 1
+    stiffness = lumps.of_links(lambda tube: tube.youngs_modulus * tube.area)
+    force = float(np.abs(weight).sum()) + abs(scene.bit.force) + ROUNDING * float(stiffness.max())
+    radius = max(tube.od for tube in lumps.tubes) / 2.0
+    section = np.append(lumps.section, lumps.section[-1])
+    names = [
+        f"lump {i} of {count - 1} ({lumps.tubes[section[i]].name}, md {lumps.measured_depth[i]:.0f} m): {direction}"
+        for i in range(count)
+        for direction in DIRECTIONS
+    ]
+    degrees = Degrees(names, np.zeros(PER_BODY * count), np.tile([force, force, force, force * radius], count))
+    degrees.prescribe(0, BLOCK)
+    degrees.fix(1)
+    degrees.fix(2)
+    if not driven:
+        degrees.prescribe(3, ROTATION)
+    if scene.bit.lateral == "pinned":
+        degrees.fix(PER_BODY * (count - 1) + 1)
+        degrees.fix(PER_BODY * (count - 1) + 2)
+    return degrees
+
+
+def _stencils(lumps: Lumps, groups) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Degrees of freedom that the tangents and the mass matrix couple, a row each."""
+    bodies = PER_BODY * np.arange(lumps.length.size + 1)[:, None]
+    own = bodies + np.arange(PER_BODY)
+    axial = bodies[:-1] + np.array([0, 1, 2, 4, 5, 6])
+    torsional = bodies[:-1] + np.array([3, 7])
+    stencils = [own, axial, torsional]
+    if any(isinstance(g, Bends) for g in groups):
+        stencils.append(bodies[:-2] + np.array([0, 1, 2, 4, 5, 6, 8, 9, 10]))
+    eccentric = any(isinstance(g, EccentricBodies) for g in groups)
+    return stencils, [own[:, 1:]] if eccentric else []
