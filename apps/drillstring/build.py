@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from drillstring.ends import Controller
 from drillstring.hole import Build, Hold
 from drillstring.lumped_model import assemble_lumps
 from drillstring.observe import COORDINATE_UNITS, headline, variables
-from drillstring.scene import DrillstringScene, check_lengths
+from drillstring.scene import BEAM, DrillstringScene, check_lengths
 from drillstring.string import Tube, cut
 from drillstring.survey import read_survey
 from tautline.kernels.groups import offers
@@ -101,7 +102,7 @@ def build(scene: DrillstringScene) -> Model:
     lumps = cut(tubes_of(scene, well.length), scene.model.elements)
     functions = compile_functions(_requests(scene))
     law, notes = _law(scene)
-    string = assemble_lumps(scene, well, lumps, functions, law)
+    string = _assembler(scene.model.kind)(scene, well, lumps, functions, law)
     system, observer = string.system, string.observer
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
@@ -130,6 +131,16 @@ def build(scene: DrillstringScene) -> Model:
         own=observer.own,
         notes=notes,
     )  # fmt: skip
+
+
+def _assembler(kind: str) -> Any:
+    """What makes a system of the string, by the kind of its model."""
+    if kind == BEAM:
+        # Only a scene of a beam needs a beam's code.
+        from drillstring.beam_model import assemble_beam
+
+        return assemble_beam
+    return assemble_lumps
 
 
 def _physics(scene: DrillstringScene) -> str:

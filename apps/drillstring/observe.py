@@ -67,43 +67,14 @@ class Observer:
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""
-        lumps, well = self.lumps, self.well
-        stations = np.unique(np.concatenate([well.md, np.linspace(0.0, well.length, 201)]))
-        side, _, direction = well.frame(stations)
-        return {
-            "body": ("body", np.arange(lumps.length.size + 1), "", "lump, from the top drive down"),
-            "link": ("link", np.arange(lumps.length.size), "", "element, from the top drive down"),
-            "axis": ("axis", np.array(["x", "y", "z"]), "", "north, east, down"),
-            "side": ("side", np.array(["m1", "m2"]), "", "across the hole, in the Bishop frame"),
-            "unstretched_depth": ("body", lumps.measured_depth, "m", "measured depth of the unstretched string"),
-            "link_length": ("link", lumps.length, "m", "unstretched length of the element"),
-            "section": ("link", np.array([lumps.tubes[k].name for k in lumps.section]), "", "section of the string"),
-            "outer_diameter": ("link", lumps.of_links(lambda tube: tube.od), "m", "outer diameter of the string"),
-            "buoyed_weight": ("body", np.array(self.bodies.lumps.weight), "N", "weight of the lump in the mud"),
-            "well_depth": ("station", stations, "m", "measured depth of the well path"),
-            "well_position": (("station", "axis"), well.position(stations), "m", "well path north, east, down"),
-            "well_direction": (("station", "axis"), direction, "", "unit vector down the hole"),
-            "well_side": (("station", "axis"), side, "", "unit vector m1 of the Bishop frame"),
-            "well_curvature": (
-                ("station", "side"), np.stack(well.curvature(stations), axis=-1), "1/m",
-                "curvature on m1 and m2 from here to the next station",
-            ),
-            **self._hole(stations.size),
-        }  # fmt: skip
-
-    def _hole(self, stations: int) -> dict[str, tuple[Any, np.ndarray, str, str]]:
-        """Diameter of the hole, and the room that lumps have in it; a string in free space has none."""
-        if self.contact is None:
-            return {}
-        springs = self.contact.springs
-        diameter = np.full(stations, 2.0 * (float(springs[0].clearance) + float(springs[0].radius)))
-        # The lump that hangs in the drive has no spring: it has the room of the one below.
-        room = np.full(self.lumps.length.size + 1, springs.clearance[0])
-        room[springs.body] = springs.clearance
-        return {
-            "hole_diameter": ("station", diameter, "m", "diameter of the hole"),
-            "clearance": ("body", room, "m", "how far the lump's axis can be from the hole's"),
-        }
+        weight, room = np.array(self.bodies.lumps.weight), None
+        if self.contact is not None:
+            springs = self.contact.springs
+            # The lump that hangs in the drive has no spring: it has the room of the one below.
+            room = np.full(weight.size, springs.clearance[0])
+            room[springs.body] = springs.clearance
+        diameter = None if room is None else 2.0 * (float(springs[0].clearance) + float(springs[0].radius))
+        return coordinates_of(self.well, self.lumps, weight, room, diameter)
 
     def observe(self, frames: Any) -> dict[str, np.ndarray]:
         """Variables of a batch of frames, leading axis time."""
@@ -181,6 +152,48 @@ class Observer:
         if self.drive is not None:
             return frames.own[:, -1] - self.drive.inertia * frames.a[:, 3]
         return frames.residual[:, 3].copy()
+
+
+def coordinates_of(
+    well: Wellbore, lumps: Lumps, weight: np.ndarray, room: np.ndarray | None, diameter: float | None
+) -> dict[str, tuple[Any, np.ndarray, str, str]]:
+    """What does not change with time of a string, whichever its model.
+
+    Parameters
+    ----------
+    well : Wellbore
+    lumps : Lumps
+        Its mesh.
+    weight, room : (n + 1,) array
+        Buoyed weight of each lump N, and how far it can be from the hole's axis, m; None for a string in free space.
+    diameter : float or None
+        Of the hole, m.
+    """
+    stations = np.unique(np.concatenate([well.md, np.linspace(0.0, well.length, 201)]))
+    side, _, direction = well.frame(stations)
+    found = {
+        "body": ("body", np.arange(lumps.length.size + 1), "", "lump, from the top drive down"),
+        "link": ("link", np.arange(lumps.length.size), "", "element, from the top drive down"),
+        "axis": ("axis", np.array(["x", "y", "z"]), "", "north, east, down"),
+        "side": ("side", np.array(["m1", "m2"]), "", "across the hole, in the Bishop frame"),
+        "unstretched_depth": ("body", lumps.measured_depth, "m", "measured depth of the unstretched string"),
+        "link_length": ("link", lumps.length, "m", "unstretched length of the element"),
+        "section": ("link", np.array([lumps.tubes[k].name for k in lumps.section]), "", "section of the string"),
+        "outer_diameter": ("link", lumps.of_links(lambda tube: tube.od), "m", "outer diameter of the string"),
+        "buoyed_weight": ("body", weight, "N", "weight of the lump in the mud"),
+        "well_depth": ("station", stations, "m", "measured depth of the well path"),
+        "well_position": (("station", "axis"), well.position(stations), "m", "well path north, east, down"),
+        "well_direction": (("station", "axis"), direction, "", "unit vector down the hole"),
+        "well_side": (("station", "axis"), side, "", "unit vector m1 of the Bishop frame"),
+        "well_curvature": (
+            ("station", "side"), np.stack(well.curvature(stations), axis=-1), "1/m",
+            "curvature on m1 and m2 from here to the next station",
+        ),
+    }  # fmt: skip
+    if room is not None and diameter is not None:
+        found["hole_diameter"] = ("station", np.full(stations.size, diameter), "m", "diameter of the hole")
+        found["clearance"] = ("body", room, "m", "how far the lump's axis can be from the hole's")
+    return found
 
 
 def headline(result: Any, lumps: Lumps) -> dict[str, dict[str, Any]]:
