@@ -1,7 +1,7 @@
 """A drill-string scene as a beam in space: ALE-ANCF elements with bending, twist, the wall and mud at points of them.
 
 A node has position r, slope r', its material coordinate p, which is held, and the rotation theta. Elements end where
-sections do. The wall and the mud act at the nodes and at points in between, each for the length that belongs to it.
+sections do. The wall and the mud act at two points of each and at the bit (beam_points.py).
 The top moves on the straight line through the table's centre, as a block in its derrick does.
 """
 
@@ -14,7 +14,7 @@ from drillstring.beam_contact import PAD, BeamContact
 from drillstring.beam_eccentricity import OFF_AXIS, BeamEccentricity
 from drillstring.beam_mud import SLEEVE, BeamMud
 from drillstring.beam_observe import BeamObserver
-from drillstring.beam_points import CONTACT_POINTS, NODE, TURN, Points, hole_of, nodes_of, points_of
+from drillstring.beam_points import NODE, TURN, Points, hole_of, nodes_as_points, nodes_of, points_of
 from drillstring.end_groups import BLOCK, ROTATION, Along, groups_at_ends, is_driven
 from drillstring.fluid import Fluid, fluid_of, mass_beside, weight_in
 from drillstring.lumped_string import law_of
@@ -53,7 +53,7 @@ def assemble_beam(
     """The ALE-ANCF model of a string in its hole; ``law`` is the friction law that the method can take."""
     start = [evaluate(functions, k, 0.0) for k in (BLOCK, ROTATION)]
     moving = any(rate != 0.0 for _, rate, _ in start)
-    points = points_of(mesh, CONTACT_POINTS if scene.model.contact_points is None else scene.model.contact_points)
+    points = points_of(mesh)
     elements = _elements(scene, mesh)
     around = _around(scene, well, mesh, points, law, moving)
     degrees, carriers = _degrees(scene, well, mesh, start[BLOCK][0])
@@ -137,16 +137,16 @@ def _around(scene: DrillstringScene, well: Wellbore, mesh: Lumps, points: Points
     if at.size:
         weight = mesh.of_lumps(lambda tube: weight_in(fluid, tube, scene.gravity))
         rows = records(at.size, OFF_AXIS, mass=mass[at], weight=weight[at], e1=off[0][at], e2=off[1][at])
-        groups.append(BeamEccentricity(hole_of(well, points.at_nodes(at)), rows))
+        groups.append(BeamEccentricity(hole_of(well, nodes_as_points(mesh, at)), rows))
     if scene.well.wall is not None:
-        groups.append(_contact(scene, well, points.below_the_top(), fluid, law, moving))
+        groups.append(_contact(scene, well, points, fluid, law, moving))
     return groups
 
 
 def _contact(
     scene: DrillstringScene, well: Wellbore, points: Points, fluid: Fluid, law: str, moving: bool
 ) -> BeamContact:
-    """The wall at every point but that in the drive; what is given for a lump scales as in the lumped model."""
+    """The wall at every point; what is given for a lump scales as in the lumped model."""
     wall = scene.well.wall
     assert wall is not None
     mesh = points.mesh
@@ -157,8 +157,8 @@ def _contact(
     mass = points.of(lambda tube: tube.mass_per_length)
     polar = points.of(lambda tube: tube.density * tube.polar_moment)
     lateral = points.of(lambda tube: mass_beside(fluid, tube, scene.well.diameter))
-    # The stiffness that holds a point along the string: that of the pieces up and down to its neighbours.
-    stiffness = 2.0 * points.of(lambda tube: tube.youngs_modulus * tube.area) / points.length**2
+    # The stiffness that holds a point along the string: that of half elements up and down.
+    stiffness = 4.0 * (mesh.of_links(lambda tube: tube.youngs_modulus * tube.area) / mesh.length)[points.element]
     return BeamContact(
         hole=hole_of(well, points),
         law=law_of(

@@ -71,7 +71,7 @@ class BeamObserver:
         self.contact = next((g for g in groups if isinstance(g, BeamContact)), None)
         self.drive = next((g for g in groups if isinstance(g, TopDrive)), None)
         self.twist = next(g for g in groups if isinstance(g, Twist))
-        self.points = points.below_the_top()
+        self.points = points
         self.own = (0 if self.contact is None else 3 * self.contact.springs.size) + (0 if self.drive is None else 1)
         self.diameter = scene.well.diameter if scene.well.wall is not None else None
         self.lag = scene.damping.structural
@@ -91,10 +91,9 @@ class BeamObserver:
         """Arrays that do not change with time."""
         room = None
         if self.contact is not None:
-            room = np.empty(self.weight.size)
-            ends = (self.points.place == 0.0) | (self.points.place == 1.0)
-            room[1:] = self.contact.springs.clearance[ends]
-            room[0] = room[1]
+            # A node has the room of the element above it, that in the drive of the one below.
+            inside = self.contact.springs.clearance[:-1:2]
+            room = np.append(inside[:1], inside)
         return coordinates_of(self.well, self.mesh, self.weight, room, self.diameter)
 
     def observe(self, frames: Any) -> dict[str, np.ndarray]:

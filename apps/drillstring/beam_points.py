@@ -1,4 +1,10 @@
-"""Where the hole acts on a beam: at its nodes and at points of its elements, each for the length that belongs to it."""
+"""Where the hole acts on a beam: at two points of every element and at the bit, each for the length belonging to it.
+
+They are the middles of the halves of an element, so that all spans between them are half an element long. With the bit
+there are as many of them as the beam has unknowns in a direction. Fewer, at nodes and halfway say, leave the slopes
+free to swing against each other along the string, where no friction ever stops them; more make friction indeterminate,
+as the feet of a table with four legs; and points at uneven distances leave spans that sag out of the hole.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +24,8 @@ NODE = 8
 """Degrees of freedom of a node: r, r', p, theta."""
 TURN = 7
 """Place of theta among them."""
-CONTACT_POINTS = 1
-"""Points of contact inside an element where the scene does not say how many."""
+PLACES, BIT = (0.25, 0.75), 0.125
+"""Points of an element from its upper end, and the part of the last element that belongs to the bit."""
 assert TURN == MATERIAL + 1
 
 
@@ -79,15 +85,6 @@ class Points:
     def _some(self, which: np.ndarray) -> Points:
         return Points(self.mesh, self.element[which], self.place[which], self.halves[which])
 
-    def below_the_top(self) -> Points:
-        """All but the first, which hangs in the drive."""
-        return self._some(np.arange(1, self.element.size))
-
-    def at_nodes(self, nodes: np.ndarray) -> Points:
-        """Those that are nodes of the mesh, by the nodes' numbers."""
-        each = np.flatnonzero((self.place == 0.0) | (self.place == 1.0))
-        return self._some(each[nodes])
-
     def to_nodes(self, values: np.ndarray) -> np.ndarray:
         """Forces at the points (..., n), shared by lever between the nodes of their element, (..., nodes)."""
         out = np.zeros((*values.shape[:-1], self.mesh.length.size + 1))
@@ -96,18 +93,21 @@ class Points:
         return out
 
 
-def points_of(mesh: Lumps, inside: int) -> Points:
-    """The nodes, and so many points evenly spaced inside each element."""
+def points_of(mesh: Lumps) -> Points:
+    """The points where a string touches the wall and the mud."""
     n = mesh.length.size
-    per = inside + 1
-    element = np.append(np.repeat(np.arange(n), per), n - 1)
-    place = np.append(np.tile(np.arange(per) / per, n), 1.0)
-    halves = np.zeros((n * per + 1, len(mesh.tubes)))
-    for piece in range(n * per):
-        k, metres = mesh.section[piece // per], mesh.length[piece // per] / per
-        halves[piece, k] += 0.5 * metres
-        halves[piece + 1, k] += 0.5 * metres
-    return Points(mesh, element, place, halves)
+    element = np.append(np.repeat(np.arange(n), 2), n - 1)
+    share = np.full(element.size, 0.5)
+    share[-2:] = 0.5 - BIT, BIT
+    halves = np.zeros((element.size, len(mesh.tubes)))
+    halves[np.arange(element.size), mesh.section[element]] = share * mesh.length[element]
+    return Points(mesh, element, np.append(np.tile(PLACES, n), 1.0), halves)
+
+
+def nodes_as_points(mesh: Lumps, nodes: np.ndarray) -> Points:
+    """Some nodes of a mesh, each for the length that belongs to it."""
+    last = nodes == mesh.length.size
+    return Points(mesh, nodes - last, last.astype(float), mesh.halves[nodes])
 
 
 def hole_of(well: Wellbore, points: Points) -> Hole:

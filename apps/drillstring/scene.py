@@ -20,8 +20,6 @@ from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 
-MOST_POINTS = 9
-"""Points of contact inside an element: more would hold a cubic in more places than it can bend between."""
 STRING = "[{name: drill pipe, length: rest, od: 0.127, id: 0.1086}]"
 
 Density = Annotated[float, quantity("kg/m^3", positive=True)]
@@ -133,23 +131,17 @@ KIND = word(LUMPED, BEAM, aliases={"ancf": BEAM})
 
 
 class StringModel(Model):
-    """How the string is modelled: of which kind, with so many elements, and which bending.
-
-    `contact_points` is how many points of a beam's element touch the wall beside those at its ends.
-    """
+    """How the string is modelled: of which kind, with so many elements, and which bending."""
 
     kind: Annotated[Literal["lumped", "ale-ancf"], KIND] = "lumped"
     elements: Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS, examples=["12"])]
     bending: Annotated[Literal["stiff", "soft", "none"], word("stiff", "soft", "none")] = "stiff"
-    contact_points: Annotated[Whole, Field(ge=0, le=MOST_POINTS)] | None = None
 
     @model_validator(mode="after")
     def _kinds(self) -> StringModel:
         if self.kind == BEAM and self.bending == "soft":
             cause = "a beam has its stiffness against every bend"
             raise fault("bending", cause, "give stiff or none, or take kind: lumped")
-        if self.kind == LUMPED and self.contact_points is not None:
-            raise fault("contact_points", "lumps touch where they are", f"remove it, or take kind: {BEAM}")
         return self
 
 

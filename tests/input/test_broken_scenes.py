@@ -135,13 +135,6 @@ EDITS = {
         "model.bending = soft",
         "kind: lumped",
     ),
-    "points of contact inside a lump": (
-        "kind: lumped,",
-        "kind: lumped, contact_points: 1,",
-        23,
-        "model.contact_points = 1",
-        "kind: ale-ancf",
-    ),
     "an unknown model": ("kind: lumped", "kind: lumpy", 23, "model.kind = lumpy", "did you mean 'lumped'"),
     "a bit on the bottom": ("on_bottom: false", "on_bottom: true", 22, "bit.on_bottom", "not available yet"),
     "no for false": ("on_bottom: false", "on_bottom: no", 22, "bit.on_bottom = no", "true or false"),
