@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from drillstring.beam_frequency import contact_frequency
+from drillstring.beam_points import points_of
 from drillstring.build import tubes_of, well_of
 from drillstring.fluid import fluid_of
 from drillstring.lumped_string import lateral_mass
-from drillstring.scene import DrillstringScene
+from drillstring.scene import BEAM, DrillstringScene
 from drillstring.strength import yield_cautions
 from drillstring.string import Lumps, cut
 from tautline.cli.summary import shown
@@ -38,6 +40,8 @@ def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
     wall = scene.well.wall
     if wall is None:
         return float("inf")
+    if scene.model.kind == BEAM:
+        return RK4_LIMIT / contact_frequency(points_of(lumps), wall, fluid_of(scene.mud), scene.well.diameter)
     mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
     mass = mass + lateral_mass(lumps, fluid_of(scene.mud), scene.well.diameter)
     od = lumps.largest(lambda tube: tube.od)

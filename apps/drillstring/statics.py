@@ -18,7 +18,7 @@ from drillstring.contact import WallContact
 from drillstring.ends import Top
 from drillstring.fluid import fluid_of, weight_in
 from drillstring.hole import Friction
-from drillstring.scene import DrillstringScene
+from drillstring.scene import LUMPED, DrillstringScene
 from drillstring.sliding import SLIDING, Sliding
 from drillstring.soft_string import ALONG
 from drillstring.string import Tube, cut
@@ -83,7 +83,7 @@ def shortened(scene: DrillstringScene, well_length: float, depth: float, element
         update={
             "string": string,
             "well": scene.well.model_copy(update={"wall": wall}),
-            "model": scene.model.model_copy(update={"elements": elements}),
+            "model": scene.model.model_copy(update={"elements": elements, "kind": LUMPED}),
             "top": Top(),
             # A bit held on the axis would carry the side force of the last half link without friction.
             "bit": scene.bit.model_copy(update={"lateral": "free"}),

@@ -11,7 +11,7 @@ import math
 from typing import Any
 
 from drillstring.build import tubes_of, well_of
-from drillstring.scene import DrillstringScene
+from drillstring.scene import LUMPED, DrillstringScene
 from drillstring.string import Tube, share_elements
 from tautline.scene.document import Document, Path_
 from tautline.scene.errors import SceneError
@@ -112,10 +112,11 @@ def bars(scene: DrillstringScene) -> list[Bar]:
         length = tube.length / count
         speed = math.sqrt(tube.youngs_modulus * tube.area / tube.mass_per_length)
         name, last = f"{tube.name}, element of {length:.4g} m", i == len(links) - 1
+        kind = "lumped" if scene.model.kind == LUMPED else "bent"
         if count > 1 or not last:
-            made.append(Bar(name, length, speed, "lumped", False))
+            made.append(Bar(name, length, speed, kind, False))
         if last:
-            made.append(Bar(f"{name} at the lower end", length, speed, "lumped", True))
+            made.append(Bar(f"{name} at the lower end", length, speed, kind, True))
     return made
 
 
