@@ -15,6 +15,7 @@ from drillstring.lumped_string import lateral_mass
 from drillstring.scene import BEAM, DrillstringScene
 from drillstring.strength import yield_cautions
 from drillstring.string import Lumps, cut
+from drillstring.variations import bars
 from tautline.cli.summary import shown
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.kernels.time_function import sample
@@ -36,12 +37,16 @@ def _lumps(scene: DrillstringScene) -> Lumps:
 
 
 def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
-    """Critical step of RK4 by the stiffest contact, eq. 2.170, the mud that moves with a lump counted; inf if none."""
+    """Critical step of RK4 by the stiffest contact, eq. 2.170, the mud that moves with a lump counted; inf if none.
+
+    A beam's elements ring along the hole faster than lumps do: for them it is the shorter of the two.
+    """
     wall = scene.well.wall
     if wall is None:
         return float("inf")
     if scene.model.kind == BEAM:
-        return RK4_LIMIT / contact_frequency(points_of(lumps), wall, fluid_of(scene.mud), scene.well.diameter)
+        rattling = contact_frequency(points_of(lumps), wall, fluid_of(scene.mud), scene.well.diameter)
+        return RK4_LIMIT / max(rattling, *(bar.fastest for bar in bars(scene)))
     mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
     mass = mass + lateral_mass(lumps, fluid_of(scene.mud), scene.well.diameter)
     od = lumps.largest(lambda tube: tube.od)
