@@ -15,7 +15,7 @@ from drillstring.string import Lumps
 from drillstring.top_drive import TopDrive
 from drillstring.wellbore import Wellbore
 from tautline.elements.twist import Twist
-from tautline.kernels.hermite import FIRST, WEIGHT, lobatto, table
+from tautline.kernels.hermite import FIRST, SECOND, WEIGHT, gauss, lobatto, table
 
 PASSES = 20
 """Times that a point is looked for on the arc on which it was found last."""
@@ -75,6 +75,8 @@ class BeamObserver:
         self.own = (0 if self.contact is None else 3 * self.contact.springs.size) + (0 if self.drive is None else 1)
         self.diameter = scene.well.diameter if scene.well.wall is not None else None
         self.lag = scene.damping.structural
+        self.bends = scene.model.bending != "none"
+        self.rigidity = mesh.of_links(lambda tube: tube.youngs_modulus * tube.second_moment)
         fluid = fluid_of(scene.mud)
         self.per_metre = mesh.of_links(lambda tube: weight_in(fluid, tube, scene.gravity))
         self.weight = mesh.of_lumps(lambda tube: weight_in(fluid, tube, scene.gravity))
@@ -134,20 +136,32 @@ class BeamObserver:
         }
 
     def _tension(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Effective tension of each element: its mean along the element, with Kelvin-Voigt damping."""
-        axial = self.mesh.of_links(lambda tube: tube.youngs_modulus * tube.area)
-        total = np.zeros((q.shape[0], self.mesh.length.size))
-        for row in table(*lobatto()):
-            slope, rate = (self._slope(row[FIRST : FIRST + 4], x) for x in (q, v))
-            size = np.linalg.norm(slope, axis=-1)
-            total += row[WEIGHT] * (size - 1.0 + self.lag * np.sum(slope * rate, axis=-1) / size)
-        return axial * total
+        """Effective tension of each element: its mean along the element, with Kelvin-Voigt damping.
 
-    def _slope(self, shape: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """r', or its rate, at a place of every element."""
+        The energy EI kappa^2 / 2 is that of the curvature per metre as it is stretched, so that it pushes along the
+        line as well: T = EA strain - EI kappa^2 / |r'|.
+        """
+        axial = self.mesh.of_links(lambda tube: tube.youngs_modulus * tube.area)
+        strain = np.zeros((q.shape[0], self.mesh.length.size))
+        for row in table(*lobatto()):
+            slope, rate = (self._interpolated(row[FIRST : FIRST + 4], x, 1) for x in (q, v))
+            size = np.linalg.norm(slope, axis=-1)
+            strain += row[WEIGHT] * (size - 1.0 + self.lag * np.sum(slope * rate, axis=-1) / size)
+        tension = axial * strain
+        for row in table(*gauss(3)) if self.bends else ():
+            slope = self._interpolated(row[FIRST : FIRST + 4], q, 1)
+            turn = self._interpolated(row[SECOND : SECOND + 4], q, 2)
+            size = np.linalg.norm(slope, axis=-1)
+            square = np.sum(np.cross(slope, turn) ** 2, axis=-1) / size**6
+            tension -= row[WEIGHT] * self.rigidity * square / size
+        return tension
+
+    def _interpolated(self, shape: np.ndarray, x: np.ndarray, order: int) -> np.ndarray:
+        """The first or second derivative of r by p at a place of every element, or of its rate."""
         a, b = x[:, self.nodes.a // NODE], x[:, self.nodes.b // NODE]
-        moved = shape[2] * (b[:, :, :3] - a[:, :, :3]) / self.mesh.length[:, None]
-        return moved + shape[1] * a[:, :, 3:6] + shape[3] * b[:, :, 3:6]
+        length = self.mesh.length[:, None]
+        of_slopes = shape[1] * a[:, :, 3:6] + shape[3] * b[:, :, 3:6]
+        return (shape[2] * (b[:, :, :3] - a[:, :, :3]) / length + of_slopes) / length ** (order - 1)
 
     def _torque(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         twist = np.diff(q[:, :, TURN], axis=1) + self.lag * np.diff(v[:, :, TURN], axis=1)

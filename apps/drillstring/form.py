@@ -43,10 +43,12 @@ STRAIGHT = 1.0e-9
 
 
 class Form(NamedTuple):
-    """A string of lumps at rest; n + 1 lumps from the block down.
+    """A string at rest; n + 1 lumps, or nodes of the beam, from the block down.
 
     Attributes
     ----------
+    kind : str
+        Of the model: ``lumped`` or ``ale-ancf``.
     elements : int
         Links, n.
     unstretched, measured_depth : (n + 1,) array
@@ -67,6 +69,7 @@ class Form(NamedTuple):
         Of the static solver, or steps of the relaxation.
     """
 
+    kind: str
     elements: int
     unstretched: np.ndarray
     measured_depth: np.ndarray
@@ -126,9 +129,13 @@ class Finding(NamedTuple):
 
 
 def find_form(
-    scene: DrillstringScene, elements: Sequence[int] = (), by: str = "static", most: int = MOST_STEPS
+    scene: DrillstringScene,
+    elements: Sequence[int] = (),
+    by: str = "static",
+    most: int = MOST_STEPS,
+    kinds: Sequence[str] = (),
 ) -> Finding:
-    """Bring a string to rest on several meshes.
+    """Bring a string to rest on several meshes, as one model or both.
 
     Parameters
     ----------
@@ -140,6 +147,8 @@ def find_form(
         ``static`` or ``relaxation``.
     most : int
         Steps of the relaxation after which a string that still moves is given up.
+    kinds : sequence of str
+        Kinds of model, ``lumped`` and ``ale-ancf``; that of the scene if empty.
 
     Returns
     -------
@@ -152,7 +161,7 @@ def find_form(
     StoppedEarly
         Where the string does not come to rest; its sentence names the mesh.
     """
-    forms = tuple(at_rest(one, by, most) for one in _meshes(scene, elements))
+    forms = tuple(at_rest(one, by, most) for one in _meshes(scene, elements, kinds))
     return Finding(scene.title or "", by, forms, reference_of(scene, forms[0]))
 
 
@@ -182,6 +191,7 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
     room = model.coordinates["clearance"][1] if "clearance" in model.coordinates else np.inf
     offset = np.hypot(*seen["lateral"].T)
     return Form(
+        kind=scene.model.kind,
         elements=scene.model.elements,
         unstretched=place["unstretched_depth"],
         measured_depth=seen["measured_depth"],
@@ -284,12 +294,14 @@ def _doubt(rod: Rod, pieces: Sequence[Piece]) -> str:
     return f"; pressed by {pressed:.3g} N, beyond Euler's {euler:.3g} N, it has other shapes too, which lumps may find"
 
 
-def _meshes(scene: DrillstringScene, elements: Sequence[int]) -> list[DrillstringScene]:
-    if not elements:
+def _meshes(scene: DrillstringScene, elements: Sequence[int], kinds: Sequence[str]) -> list[DrillstringScene]:
+    if not elements and not kinds:
         return [scene]
     if scene.document is None:
         raise ValueError("a scene that was not read from a document has no other meshes")
-    return [
-        validate(DrillstringScene, scene.document.replaced({("model", "elements"): (int(n), "--elements")}))
-        for n in elements
+    changes = [
+        {("model", "kind"): (kind, "--model"), ("model", "elements"): (int(n), "--elements")}
+        for kind in kinds or (scene.model.kind,)
+        for n in elements or (scene.model.elements,)
     ]
+    return [validate(DrillstringScene, scene.document.replaced(change)) for change in changes]

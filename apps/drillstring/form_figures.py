@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drillstring.form import Finding, Form
+from drillstring.scene import LUMPED
 from tautline.view.figure import COLOURS, Axes, Figure, axes, equal_scale, label, sample_line, styled
 
 FLAT = 0.05
@@ -39,8 +40,8 @@ def form_figure(titles: Sequence[str], found: Sequence[Finding]) -> Figure:
     heading = "At rest, " + ("by the static solver" if found[0].by == "static" else "by dynamic relaxation")
     width, height = (8.0, 6.4) if across == 1 else (12.0, 5.6 * down + 0.4)
     figure, plots = axes(2 * down, across, width, height, heading, height_ratios=(1.5, 1.0) * down)
-    # One look for a mesh, in all panels.
-    counts = sorted({form.elements for one in found for form in one.forms})
+    # One look for a mesh of a model, in all panels.
+    counts = sorted({_mesh(form) for one in found for form in one.forms})
     for k, (title, one) in enumerate(zip(titles, found, strict=True)):
         shape, off = plots[2 * (k // across), k % across], plots[2 * (k // across) + 1, k % across]
         _draw_shape(shape, title, one, counts)
@@ -48,15 +49,30 @@ def form_figure(titles: Sequence[str], found: Sequence[Finding]) -> Figure:
     for k in range(len(found), across * down):
         for row in (0, 1):
             plots[2 * (k // across) + row, k % across].set_axis_off()
-    samples = [sample_line(f"{n} elements", **_look(n, counts)) for n in counts]
+    several = len({kind for _, kind in counts}) > 1
+    samples = [sample_line(_words(n, kind, several), **_look((n, kind), counts)) for n, kind in counts]
     if any(one.reference.rod is not None for one in found):
         samples.insert(0, sample_line("exact rod", color="black", lw=3.0, alpha=0.25))
     figure.legend(handles=samples, loc="outside lower center", ncols=min(6, len(samples)))
     return figure
 
 
-def _look(elements: int, counts: Sequence[int]) -> dict:
-    number = counts.index(elements)
+Mesh = tuple[int, str]
+"""Number of elements, and kind of the model."""
+
+
+def _mesh(form: Form) -> Mesh:
+    return form.elements, form.kind
+
+
+def _words(elements: int, kind: str, several: bool) -> str:
+    if not several:
+        return f"{elements} elements"
+    return f"{elements} lumps" if kind == LUMPED else f"{elements} ALE-ANCF elements"
+
+
+def _look(mesh: Mesh, counts: Sequence[Mesh]) -> dict:
+    number = counts.index(mesh)
     return {
         "color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)], "mfc": "none",
         "ms": 5.0, "lw": 0.9,
@@ -81,7 +97,7 @@ def _plane(found: Finding) -> tuple[np.ndarray, np.ndarray, str, str]:
     return np.array([*ahead, 0.0]), np.array([0.0, 0.0, 1.0]), word, "depth"
 
 
-def _draw_shape(plot: Axes, title: str, found: Finding, counts: Sequence[int]) -> None:
+def _draw_shape(plot: Axes, title: str, found: Finding, counts: Sequence[Mesh]) -> None:
     if _straight(found):
         _draw_stretch(plot, title, found, counts)
         return
@@ -93,7 +109,7 @@ def _draw_shape(plot: Axes, title: str, found: Finding, counts: Sequence[int]) -
         shown.append(curve)
         plot.plot(curve @ right, curve @ down, color="black", lw=3.0, alpha=0.25)
     for form in found.forms:
-        plot.plot(form.position @ right, form.position @ down, markevery=_every(form), **_look(form.elements, counts))
+        plot.plot(form.position @ right, form.position @ down, markevery=_every(form), **_look(_mesh(form), counts))
     points = np.concatenate(shown)
     x, y = points @ right, points @ down
     sag, span = float(np.ptp(y)), float(np.ptp(x))
@@ -117,7 +133,7 @@ def _straight(found: Finding) -> bool:
     return rod is not None and float(level.max()) < 1.0e-9 * rod.length
 
 
-def _draw_stretch(plot: Axes, title: str, found: Finding, counts: Sequence[int]) -> None:
+def _draw_stretch(plot: Axes, title: str, found: Finding, counts: Sequence[Mesh]) -> None:
     """How far each point of a hanging string goes down, against where it is in the unstretched string."""
     reference, rod = found.reference, found.reference.rod
     assert rod is not None
@@ -125,7 +141,7 @@ def _draw_stretch(plot: Axes, title: str, found: Finding, counts: Sequence[int])
     top = reference.top[2]
     plot.plot(reference.position(s)[:, 2] - s - top, s, color="black", lw=3.0, alpha=0.25)
     for form in found.forms:
-        look = _look(form.elements, counts)
+        look = _look(_mesh(form), counts)
         plot.plot(form.position[:, 2] - form.unstretched - top, form.unstretched, markevery=_every(form), **look)
     plot.invert_yaxis()
     plot.set_xlabel(label("displacement downwards", "m"))
@@ -133,13 +149,13 @@ def _draw_stretch(plot: Axes, title: str, found: Finding, counts: Sequence[int])
     plot.set_title(f"{title} (displacement)")
 
 
-def _draw_difference(plot: Axes, found: Finding, counts: Sequence[int]) -> None:
+def _draw_difference(plot: Axes, found: Finding, counts: Sequence[Mesh]) -> None:
     """Distance from the rod along the string; where there is none from the hole's axis, and words that say why."""
     plot.set_xlabel(label("distance from the block in the unstretched string", "m"))
     plot.set_xlim(-0.02 * found.finest.unstretched[-1], 1.02 * found.finest.unstretched[-1])
     if found.reference.rod is None:
         for form in found.forms:
-            plot.plot(form.unstretched, form.offset, markevery=_every(form), **_look(form.elements, counts))
+            plot.plot(form.unstretched, form.offset, markevery=_every(form), **_look(_mesh(form), counts))
         plot.set_ylabel(label("distance from the hole's axis", "m"))
         plot.set_title(_wrapped(found.reference.said), fontsize=9)
         return
@@ -150,7 +166,7 @@ def _draw_difference(plot: Axes, found: Finding, counts: Sequence[int]) -> None:
         seen = difference > least
         drawn = drawn or bool(seen.any())
         where = np.where(seen, difference, np.nan)
-        plot.plot(form.unstretched, where, markevery=_every(form), **_look(form.elements, counts))
+        plot.plot(form.unstretched, where, markevery=_every(form), **_look(_mesh(form), counts))
     plot.set_ylabel(label("distance from the rod", "m"))
     if drawn:
         plot.set_yscale("log")

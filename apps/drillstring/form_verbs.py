@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -28,6 +29,10 @@ Elements = Annotated[
         "--elements", metavar="N,N,...", help="Elements, between commas: 10,20,50. [dim]\\[default: the scene's][/]"
     ),
 ]
+Models = Annotated[
+    str | None,
+    typer.Option("--model", metavar="KIND,KIND", help="lumped, ale-ancf, or both. [dim]\\[default: the scene's][/]"),
+]
 Most = Annotated[
     int | None,
     typer.Option("--most", min=1, help="Steps of the relaxation after which to give up.", show_default=False),
@@ -45,6 +50,7 @@ def form(
     scenes: Scenes,
     by: By = "static",
     elements: Elements = None,
+    model: Models = None,
     most: Most = None,
     output: Picture = None,
     csv: Csv = None,
@@ -55,12 +61,13 @@ def form(
     from drillstring.scene import read
     from tautline.integrators.relaxation import MOST_STEPS
 
-    way, meshes = _way(by, most), parse_elements(elements)
+    way, meshes, kinds = _way(by, most), parse_elements(elements), parse_models(model)
     read_scenes = [read(path) for path in scenes]
     figure, table = _target(scenes, output), _table_file(csv)
     found = []
     for path, scene in zip(scenes, read_scenes, strict=True):
-        found.append(_stopping(path, as_json, lambda scene=scene: find_form(scene, meshes, way, most or MOST_STEPS)))
+        search = partial(find_form, scene, meshes, way, most or MOST_STEPS, kinds)
+        found.append(_stopping(path, as_json, search))
     _print(scenes, found)
     _draw(scenes, found, figure)
     if table is not None:
@@ -92,6 +99,7 @@ def report(path: Path, found: Finding) -> dict[str, Any]:
     return {
         "scene": str(path),
         "by": found.by,
+        "model": finest.kind,
         "node": list(range(finest.elements + 1)),
         "measured_depth": finest.measured_depth,
         "position": finest.position,
@@ -102,6 +110,7 @@ def report(path: Path, found: Finding) -> dict[str, Any]:
         "unstretched_depth": finest.unstretched,
         "meshes": [
             {
+                "model": one.kind,
                 "elements": one.elements,
                 "end": one.position[-1],
                 "end_moved": one.moved[-1],
@@ -135,6 +144,26 @@ def parse_elements(text: str | None) -> list[int]:
     if len(counts) > MOST_MESHES:
         raise _refused("--elements", text, f"are {len(counts)} meshes, more than {MOST_MESHES}", "take fewer")
     return counts
+
+
+def parse_models(text: str | None) -> list[str]:
+    """Kinds of model of ``lumped,ale-ancf``, each once; none for None.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, the value, and what would do.
+    """
+    from drillstring.scene import BEAM, LUMPED
+
+    if text is None:
+        return []
+    meant = {"lumped": LUMPED, "ale-ancf": BEAM, "ancf": BEAM}
+    words = [word.strip().lower().replace("_", "-") for word in text.split(",")]
+    for word in words:
+        if word not in meant:
+            raise _refused("--model", text, f"'{word}' is no kind of model", f"write {LUMPED}, {BEAM}, or both")
+    return list(dict.fromkeys(meant[word] for word in words))
 
 
 def _way(by: str, most: int | None) -> str:
@@ -208,7 +237,16 @@ def _print(scenes: list[Path], found: list[Finding]) -> None:
     table = Table(box=None, padding=(0, 2, 0, 0))
     table.add_column("scene")
     spent = "steps" if found[0].by == "relaxation" else "iterations"
-    names = ("n", "end north, east, down [m]", "end moved [m]", "off axis", "off the rod", "hook load", "tension")
+    names = (
+        "model",
+        "n",
+        "end north, east, down [m]",
+        "end moved [m]",
+        "off axis",
+        "off the rod",
+        "hook load",
+        "tension",
+    )
     for name in (*names, "stretch", spent):
         table.add_column(Text(name), justify="right")
     for path, one in zip(scenes, found, strict=True):
@@ -223,7 +261,8 @@ def _print(scenes: list[Path], found: list[Finding]) -> None:
         doubtful = rod is None or "may" in one.reference.said
         say(f"{path.stem}: {one.reference.said}{error}", "yellow" if doubtful else "")
         if touching := one.finest.touching:
-            say(f"{path.stem}: {touching} of {one.finest.elements + 1} lumps lie on the wall", "yellow")
+            parts = "lumps" if one.finest.kind == "lumped" else "nodes"
+            say(f"{path.stem}: {touching} of {one.finest.elements + 1} {parts} lie on the wall", "yellow")
 
 
 def _place(place: Any) -> str:
@@ -253,7 +292,7 @@ def _row(found: Finding, one: Form) -> list[str]:
     moved = f"{float(np.linalg.norm(one.moved[-1])):.{DECIMALS}f}"
     written = [quantity(value, unit) for value, unit in numbers]
     return [
-        str(one.elements), _place(one.position[-1]), moved, _length(float(one.offset.max())), off, *written,
+        one.kind, str(one.elements), _place(one.position[-1]), moved, _length(float(one.offset.max())), off, *written,
         str(one.iterations),
     ]  # fmt: skip
 
@@ -272,7 +311,7 @@ def _exact_row(found: Finding) -> list[str]:
     off = _length(float(np.abs(rod.locate(s)[1]).max()))
     tension = rod.tension(s)
     numbers = (_hook(rod.hook_load, tension), "N"), (float(tension.max()), "N"), (rod.stretch, "m")
-    return ["rod", _place(end), f"{moved:.{DECIMALS}f}", off, "", *(quantity(x, unit) for x, unit in numbers), ""]
+    return ["rod", "", _place(end), f"{moved:.{DECIMALS}f}", off, "", *(quantity(x, unit) for x, unit in numbers), ""]
 
 
 def _draw(scenes: list[Path], found: list[Finding], path: Path) -> None:
@@ -291,7 +330,16 @@ def _write(scenes: list[Path], found: list[Finding], path: Path) -> None:
     from tautline.cli.console import say
     from tautline.results.errors import WriteError
 
-    header = ["scene", "elements", "node", "unstretched depth [m]", "measured depth [m]", "north [m]", "east [m]"]
+    header = [
+        "scene",
+        "model",
+        "elements",
+        "node",
+        "unstretched depth [m]",
+        "measured depth [m]",
+        "north [m]",
+        "east [m]",
+    ]
     header += ["down [m]", "rod north [m]", "rod east [m]", "rod down [m]", "difference [m]", "tension below [N]"]
     try:
         with path.open("w", encoding="utf8", newline="") as file:
@@ -310,7 +358,14 @@ def _rows(scene: Path, found: Finding, one: Form) -> list[list[Any]]:
     exact = None if difference is None else found.reference.position(one.unstretched).tolist()
     rows = []
     for i in range(one.elements + 1):
-        row: list[Any] = [scene.stem, one.elements, i, float(one.unstretched[i]), float(one.measured_depth[i])]
+        row: list[Any] = [
+            scene.stem,
+            one.kind,
+            one.elements,
+            i,
+            float(one.unstretched[i]),
+            float(one.measured_depth[i]),
+        ]
         row += one.position[i].tolist()
         row += ["", "", "", ""] if exact is None or difference is None else [*exact[i], float(difference[i])]
         rows.append([*row, float(one.tension[i]) if i < one.elements else ""])

@@ -52,7 +52,7 @@ def test_form_prints_a_row_for_each_mesh_and_one_for_the_rod_and_writes_nothing_
     code, out, err = drillstring("form", "hanging.yaml", "--elements", "5,12", "-o", "shape.svg")
     assert (code, out) == (0, "")
     rows = [line.split() for line in err.splitlines()]
-    assert [row[0] for row in rows if "1000.3765" in row] == ["hanging", "12", "rod"]
+    assert [row[0] for row in rows if "1000.3765" in row] == ["hanging", "lumped", "rod"]
     assert all("404.6" in row for row in rows if "1000.3765" in row)
     assert "[m]" in err
     assert "<svg" in Path("shape.svg").read_text(encoding="utf8")
@@ -141,3 +141,25 @@ def test_bad_input_exits_with_2_names_the_fault_and_writes_nothing(drillstring, 
     assert (code, out) == (2, "")
     assert said in " ".join(err.split()) and "Traceback" not in err
     assert files(folder) == before
+
+
+def test_both_models_stand_beside_the_rod_in_one_table_and_figure(drillstring):
+    code, out, _ = drillstring(
+        "form", "configuration_a.yaml", "--model", "lumped,ALE_ANCF", "--elements", "10,20", "--csv", "a.csv", "--json"
+    )
+    report = only_object(out)
+    assert code == 0
+    assert [(one["model"], one["elements"]) for one in report["meshes"]] == [
+        ("lumped", 10), ("lumped", 20), ("ale-ancf", 10), ("ale-ancf", 20),
+    ]  # fmt: skip
+    off = {(one["model"], one["elements"]): one["difference_max"] for one in report["meshes"]}
+    # Second order against fourth: a hundred times nearer with the same number of elements.
+    assert off["ale-ancf", 10] < 0.01 * off["lumped", 10]
+    rows = list(csv.DictReader(Path("a.csv").open(encoding="utf8")))
+    assert {row["model"] for row in rows} == {"lumped", "ale-ancf"} and len(rows) == 11 + 21 + 11 + 21
+
+
+def test_an_unknown_model_is_refused_with_those_that_there_are(drillstring):
+    code, out, err = drillstring("form", "configuration_a.yaml", "--model", "lumped,fem")
+    assert (code, out) == (2, "")
+    assert "--model" in err and "'fem'" in err and "ale-ancf" in err

@@ -46,6 +46,15 @@ def test_a_beam_of_fifty_elements_lies_as_the_exact_rod_does(name):
         assert form.moved[-1, 0] == pytest.approx(end, abs=tolerance)
 
 
+def test_the_tension_of_a_bent_beam_is_that_of_the_rod_and_not_its_strain_alone():
+    # Horizontal force is zero between a pin and a guide along the hole: where the rod is level its tension is zero.
+    form = at_rest(beam("configuration_b", 50))
+    level = int(np.argmax(form.offset))
+    assert abs(form.tension[level]) < 0.02 * form.tension.max()
+    lumps = at_rest(shipped("configuration_b"))
+    assert form.tension == pytest.approx(lumps.tension, abs=3e-3 * lumps.tension.max())
+
+
 def test_ten_elements_of_the_beam_are_nearer_to_the_rod_than_fifty_lumps():
     end, _ = ENDS["configuration_b"]
     ten, fifty = at_rest(beam("configuration_b", 10)), at_rest(shipped("configuration_b"))
