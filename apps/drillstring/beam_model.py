@@ -17,6 +17,7 @@ from drillstring.beam_observe import BeamObserver
 from drillstring.beam_points import NODE, TURN, Points, hole_of, nodes_as_points, nodes_of, points_of
 from drillstring.end_groups import BLOCK, ROTATION, Along, groups_at_ends, is_driven
 from drillstring.fluid import Fluid, fluid_of, mass_beside, weight_in
+from drillstring.lumped_model import reach
 from drillstring.lumped_string import law_of
 from drillstring.scene import DrillstringScene
 from drillstring.string import Lumps
@@ -35,10 +36,9 @@ from tautline.system.system import Degrees, assemble
 NAMES = ("north", "east", "down", "slope north", "slope east", "slope down", "material coordinate", "rotation")
 ROUNDING = 1.0e-6
 """Share of EA that counts as a large force where a string weighs next to nothing, as in the lumped model."""
-REACH = 0.3
-"""Part of the shortest element by which a node may move in one iteration of the search for an equilibrium."""
 IN_A_HOLE = 0.3
-"""The same for a string in a hole, m: thrown further against a wall, an element may come to rest folded up."""
+"""Longest way of a node in one iteration of the search for an equilibrium in a hole, m: thrown further against a wall,
+an element may come to rest folded up."""
 TOUCHING = 1.0e-6
 """Side force of a soft string over the weight per metre, beyond which it is looked for at the wall."""
 WELDED = 1.0e4
@@ -67,10 +67,8 @@ def assemble_beam(
     stencils = _stencils(mesh, groups, carriers)
     driven = is_driven(scene)
     system = assemble(groups, degrees, functions, velocity, *stencils, at_rest=[TURN] if driven else [])
-    reach = REACH * float(mesh.length.min())
-    if scene.well.wall is not None:
-        reach = min(reach, IN_A_HOLE)
-    return Assembled(system, BeamObserver(scene, well, mesh, points, groups), reach)
+    way = reach(scene, mesh) if scene.well.wall is None else min(reach(scene, mesh), IN_A_HOLE)
+    return Assembled(system, BeamObserver(scene, well, mesh, points, groups), way)
 
 
 def _elements(scene: DrillstringScene, mesh: Lumps) -> list:

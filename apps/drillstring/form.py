@@ -24,11 +24,10 @@ from tautline.integrators.march import new_frames
 from tautline.integrators.method import method_for
 from tautline.integrators.relaxation import MOST_STEPS, relax
 from tautline.integrators.rk4 import RungeKutta4
-from tautline.integrators.state import State, new_state
+from tautline.integrators.state import new_state
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.model import validate
 from tautline.simulation import SAFE
-from tautline.system.system import System
 
 WAYS = ("static", "relaxation")
 """How a string is brought to rest."""
@@ -36,8 +35,6 @@ BALANCE = 1.0e-14
 """Residual of the static solver over the scale of forces: rounding decides. A string may weigh next to nothing."""
 REST = 1.0e-10
 """Largest inertia force over the scale of forces that counts as rest in the relaxation, for the same reason."""
-LONGER = (1.0, 4.0, 16.0)
-"""Times the model's longest way of an iteration that are tried: many short links would take too many to sag far."""
 STRAIGHT = 1.0e-9
 """Angle, rad, by which a hole that counts as straight may turn, or one that counts as vertical lean."""
 
@@ -171,7 +168,7 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
     system, state = model.system, new_state(model.system)
     try:
         if by == "static":
-            spent = _balance(system, state, model.step_limit)
+            spent = find_equilibrium(system, state, model.step_limit, BALANCE).iterations
         else:
             method = method_for(system, model.solver)
             step = model.solver.step
@@ -204,17 +201,6 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
         touching=int((offset > room).sum()),
         iterations=int(spent),
     )
-
-
-def _balance(system: System, state: State, step_limit: float) -> int:
-    """Move the state to static equilibrium; returns the iterations of the search that found it."""
-    origin = state.q.copy()
-    for longer in LONGER[:-1]:
-        try:
-            return find_equilibrium(system, state, longer * step_limit, BALANCE).iterations
-        except StoppedEarly:
-            state.q[:] = origin
-    return find_equilibrium(system, state, LONGER[-1] * step_limit, BALANCE).iterations
 
 
 class NotAtRest(StoppedEarly):

@@ -33,6 +33,8 @@ ROUNDING = 1.0e-6
 the rounding of its stiffness."""
 REACH = 0.3
 """Part of the shortest link by which a lump may move in one iteration of the search for an equilibrium."""
+SAGGING = 1.0 / 300.0
+"""The same over the string's length, at least, in free space: there a string may sag by as much as it is long."""
 
 
 def assemble_lumps(
@@ -50,7 +52,13 @@ def assemble_lumps(
     velocity[3::PER_BODY] = start[ROTATION][1]
     # While the equilibrium is sought nothing turns: a controller that asks for speed would wind the string up.
     system = assemble(groups, degrees, functions, velocity, *_stencils(lumps, groups), at_rest=[3] if driven else [])
-    return Assembled(system, Observer(well, lumps, groups, driven), REACH * float(lumps.length.min()))
+    return Assembled(system, Observer(well, lumps, groups, driven), reach(scene, lumps))
+
+
+def reach(scene: DrillstringScene, lumps: Lumps) -> float:
+    """How far a lump or a node may move in one iteration of the search for an equilibrium, m."""
+    short = REACH * float(lumps.length.min())
+    return short if scene.well.wall is not None else max(short, SAGGING * lumps.total)
 
 
 def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):

@@ -245,3 +245,10 @@ def test_fewer_elements_than_sections_are_refused_naming_the_option():
     with pytest.raises(SceneError, match="--elements") as refusal:
         find_form(shipped("hanging"), (1,))
     assert "fewer than the 2 sections" in str(refusal.value)
+
+
+@pytest.mark.parametrize("elements", [400, 1000])
+def test_a_string_of_many_short_links_sags_as_far_as_one_of_few(elements):
+    # 233.5539 m, DRILLSTRING.md section 10; the links are 2.5 and 1 m long.
+    form = at_rest(shipped("configuration_b", model__elements=elements))
+    assert form.offset.max() == pytest.approx(233.5539, rel=1e-5)
