@@ -61,7 +61,7 @@ def assemble_beam(
     direction = well.frame(mesh.measured_depth[-1])[2]
     datum = float(mesh.measured_depth[-1] - direction @ well.position(mesh.measured_depth[-1]))
     bit = Along(last + np.arange(AXES), direction, datum)
-    groups = (*elements, *around, *groups_at_ends(scene, functions, TURN, bit, last + TURN))
+    groups = (*elements, *around, *groups_at_ends(scene, functions, TURN, bit, last + TURN, mesh.tubes))
     velocity = _velocity(well, mesh, start[BLOCK], start[ROTATION][1], len(degrees.names))
     velocity[[way for way, _ in carriers]] = start[BLOCK][1]
     stencils = _stencils(mesh, groups, carriers)
@@ -180,7 +180,7 @@ def _degrees(
     at = np.append(np.arange(mesh.length.size + 1), nodes.twins[:, 1] // NODE)
     weight = mesh.of_lumps(lambda tube: weight_in(fluid_of(scene.mud), tube, scene.gravity))
     stiffness = mesh.of_links(lambda tube: tube.youngs_modulus * tube.area)
-    force = float(np.abs(weight).sum()) + abs(scene.bit.force) + ROUNDING * float(stiffness.max())
+    force = float(np.abs(weight).sum()) + abs(scene.bit.load) + ROUNDING * float(stiffness.max())
     radius = max(tube.od for tube in mesh.tubes) / 2.0
     section = np.append(mesh.section, mesh.section[-1])[at]
     names = [
@@ -220,7 +220,7 @@ def _at_first(scene: DrillstringScene, well: Wellbore, mesh: Lumps, block: float
         fluid = fluid_of(scene.mud)
         depth = well.tvd(mesh.measured_depth)
         weight = mesh.of_links(lambda tube: weight_in(fluid, tube, scene.gravity)) * np.diff(depth)
-        tension = np.cumsum(weight[::-1])[::-1] - 0.5 * weight + scene.bit.force
+        tension = np.cumsum(weight[::-1])[::-1] - 0.5 * weight + scene.bit.load
         strain = tension / mesh.of_links(lambda tube: tube.youngs_modulus * tube.area)
     place = block + mesh.measured_depth + np.append(0.0, np.cumsum(strain * mesh.length))
     position, tangent = well.position(place), well.frame(place)[2]

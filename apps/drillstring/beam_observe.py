@@ -8,6 +8,8 @@ import numpy as np
 
 from drillstring.beam_contact import BeamContact
 from drillstring.beam_points import NODE, TURN, Points, nodes_of
+from drillstring.drilling import observed_at_ends
+from drillstring.end_groups import numbers_of_ends
 from drillstring.fluid import fluid_of, weight_in
 from drillstring.observe import coordinates_of
 from drillstring.scene import DrillstringScene
@@ -71,8 +73,8 @@ class BeamObserver:
         self.contact = next((g for g in groups if isinstance(g, BeamContact)), None)
         self.drive = next((g for g in groups if isinstance(g, TopDrive)), None)
         self.twist = next(g for g in groups if isinstance(g, Twist))
-        self.points = points
-        self.own = (0 if self.contact is None else 3 * self.contact.springs.size) + (0 if self.drive is None else 1)
+        self.points, self.groups = points, groups
+        self.own = (0 if self.contact is None else 3 * self.contact.springs.size) + numbers_of_ends(groups)
         self.diameter = scene.well.diameter if scene.well.wall is not None else None
         self.lag = scene.damping.structural
         self.bends = scene.model.bending != "none"
@@ -133,7 +135,7 @@ class BeamObserver:
             "potential_energy": frames.energy[:, 2] - self.unstretched,
             "dissipated_energy": frames.energy[:, 4].copy(),
             "external_work": frames.energy[:, 3].copy(),
-        }
+        } | observed_at_ends(frames, self.groups)
 
     def _tension(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Effective tension of each element: its mean along the element, with Kelvin-Voigt damping.

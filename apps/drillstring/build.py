@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from drillstring import wellbore
+from drillstring.drilling import variables_of_ends
+from drillstring.end_groups import notes_of_ends
 from drillstring.ends import Controller
 from drillstring.hole import Build, Hold
 from drillstring.lumped_model import assemble_lumps
@@ -102,6 +104,7 @@ def build(scene: DrillstringScene) -> Model:
     lumps = cut(tubes_of(scene, well.length), scene.model.elements)
     functions = compile_functions(_requests(scene))
     law, notes = _law(scene)
+    notes += notes_of_ends(scene, lumps.tubes)
     string = _assembler(scene.model.kind)(scene, well, lumps, functions, law)
     system, observer = string.system, string.observer
     solver = scene.solver
@@ -114,7 +117,7 @@ def build(scene: DrillstringScene) -> Model:
             alpha_m, alpha_f, solver.tolerance or TOLERANCE, criterion, solver.max_iterations,
             solver.max_halvings, step_error=error_of_steps(solver, STEP_ERROR), automatic=solver.step == "auto",
         ),
-        variables=variables(),
+        variables=variables() + variables_of_ends(system.groups),
         coordinates=observer.coordinates(),
         attributes={
             "scene": scene.document.text if scene.document is not None else "",

@@ -6,20 +6,39 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from drillstring.bit import Bit as Bit
 from tautline.scene.functions import Constant, FunctionOfTime, Position, time_function
-from tautline.scene.model import Branch, Model, Switch, word
+from tautline.scene.model import Branch, Model, word
 from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
 
 
 class Controller(Model):
-    """A top drive that holds its speed: proportional (N m s/rad) and integral (N m/rad) gains, inertia (kg m^2)."""
+    """A top drive under control: speed wanted, gains (N m s/rad, N m/rad), largest torque N m, inertia kg m^2.
 
+    `kind` is ``pi`` with the gains that are given; ``soft_torque`` with gains that let no torsional wave come back from
+    the drive, found from the string where they are not given; or ``stiff``, which holds the speed exactly.
+    """
+
+    kind: Annotated[Literal["pi", "soft-torque", "stiff"], word("pi", "soft-torque", "stiff")] = "pi"
     speed: Annotated[FunctionOfTime, time_function("rad/s")] = Field(examples=["120 rpm"])
-    proportional: Annotated[float, quantity("N m s/rad", nonnegative=True)]
-    integral: Annotated[float, quantity("N m/rad", nonnegative=True)] = 0.0
+    proportional: Annotated[float, quantity("N m s/rad", nonnegative=True)] | None = None
+    integral: Annotated[float, quantity("N m/rad", nonnegative=True)] | None = None
     torque_limit: Annotated[float, quantity("N m", positive=True)] | None = None
-    inertia: Annotated[float, quantity("kg m^2", positive=True)]
+    inertia: Annotated[float, quantity("kg m^2", positive=True)] | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Controller:
+        if self.kind == "stiff":
+            if self.torque_limit is not None:
+                cause = "a stiff drive gives whatever torque holds its speed"
+                raise fault("torque_limit", cause, "remove it, or take kind: pi")
+            return self
+        needed = {"inertia": "2000"} | ({"proportional": "1500 N m s/rad"} if self.kind == "pi" else {})
+        for key, example in needed.items():
+            if getattr(self, key) is None:
+                raise fault(key, "is missing", f"add `{key}:`, such as {example}")
+        return self
 
 
 BLOCK = time_function("m", velocity="m/s")
@@ -31,19 +50,3 @@ class Top(Model):
 
     block: Annotated[Position, BLOCK] = Field(Constant(value=0.0), examples=["{velocity: {ramp: {to: 0.5, over: 2}}}"])
     rotation: Annotated[FunctionOfTime | Controller, ROTATION] = Field(Constant(value=0.0), examples=["60 rpm"])
-
-
-class Bit(Model):
-    """The lower end; `force` in N along the string, positive downhole."""
-
-    on_bottom: Switch = False
-    lateral: Annotated[Literal["free", "pinned"], word("free", "pinned")] = "free"
-    force: Annotated[float, quantity("N")] = 0.0
-
-    @model_validator(mode="after")
-    def _off(self) -> Bit:
-        if self.on_bottom:
-            raise fault(
-                "on_bottom", "drilling is not available yet", "set it to false; `force` can stand for bit weight"
-            )
-        return self

@@ -83,7 +83,8 @@ def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):
         )
     bit = PER_BODY * lumps.length.size
     depth = float(lumps.measured_depth[-1])
-    groups.extend(groups_at_ends(scene, functions, 3, Along(np.array([bit]), np.ones(1), depth), bit + 3))
+    along = Along(np.array([bit]), np.ones(1), depth)
+    groups.extend(groups_at_ends(scene, functions, 3, along, bit + 3, lumps.tubes))
     return tuple(groups), weight
 
 
@@ -91,7 +92,7 @@ def _degrees(scene: DrillstringScene, lumps: Lumps, weight: np.ndarray, driven: 
     """Four degrees of freedom a lump; the top one follows block and rotary and does not leave the axis."""
     count = lumps.length.size + 1
     stiffness = lumps.of_links(lambda tube: tube.youngs_modulus * tube.area)
-    force = float(np.abs(weight).sum()) + abs(scene.bit.force) + ROUNDING * float(stiffness.max())
+    force = float(np.abs(weight).sum()) + abs(scene.bit.load) + ROUNDING * float(stiffness.max())
     radius = max(tube.od for tube in lumps.tubes) / 2.0
     section = np.append(lumps.section, lumps.section[-1])
     names = [

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from drillstring.drilling import drilling_figures, observed_at_ends
+from drillstring.end_groups import numbers_of_ends
 from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
 from tautline.lumped.curve import PER_BODY
@@ -56,12 +58,12 @@ class Observer:
     """Turns frames into variables; all of it vectorised over the frames of a batch."""
 
     def __init__(self, well: Wellbore, lumps: Lumps, groups: tuple[Any, ...], driven: bool) -> None:
-        self.well, self.lumps, self.driven = well, lumps, driven
+        self.well, self.lumps, self.groups, self.driven = well, lumps, groups, driven
         kinds = {type(g).__name__: g for g in groups}
         self.links, self.contact = kinds["Links"], kinds.get("WallContact")
         self.bodies = kinds.get("Bodies") or kinds["EccentricBodies"]
         self.drive = kinds.get("TopDrive")
-        self.own = (0 if self.contact is None else 3 * self.contact.springs.size) + (0 if self.drive is None else 1)
+        self.own = (0 if self.contact is None else 3 * self.contact.springs.size) + numbers_of_ends(groups)
         weight = np.array(self.bodies.lumps.weight)
         self.unstretched = -float(weight @ well.tvd(lumps.measured_depth))
 
@@ -111,7 +113,7 @@ class Observer:
             "potential_energy": potential - self.unstretched,
             "dissipated_energy": frames.energy[:, 4].copy(),
             "external_work": frames.energy[:, 3].copy(),
-        }
+        } | observed_at_ends(frames, self.groups)
 
     def _tension(self, q, v, s, k1, k2) -> np.ndarray:
         """Effective tension of each link, from its chord (DRILLSTRING.md section 3) and Kelvin-Voigt damping."""
@@ -215,4 +217,6 @@ def headline(result: Any, lumps: Lumps) -> dict[str, dict[str, Any]]:
     if np.abs(torque).max() > TORQUE_SHOWN:
         figures["surface_torque_max"] = (np.abs(torque).max(), "N m", "largest surface torque")
         figures["surface_torque_end"] = (torque[-1], "N m", "surface torque at the end")
+    if "weight_on_bit" in result:
+        figures |= drilling_figures(result)
     return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

@@ -15,8 +15,10 @@ from tautline.kernels.time_function import TimeFunctions, evaluate
 class TopDrive(NamedTuple):
     """PI speed control at full degree of freedom ``place``: torque, limited, on the drive's own inertia kg m^2.
 
-    T = proportional (Omega - phi') + integral (int Omega dt - phi), |T| <= limit; the reference angle is function
-    ``angle`` of the scene. ``torque`` (1,) is that of the last accepted step.
+    T = proportional (Omega - phi') + integral (int Omega dt - phi + lead), |T| <= limit; the reference angle is
+    function ``angle`` of the scene. At its limit the drive does not wind up: while it is too slow for the torque that
+    it gives (too fast, the other way) the angle ``lead`` takes back what the integral would grow by. ``torque`` (1,) is
+    that of the last accepted step, ``lead`` (2,) that angle and by how much the reference was ahead then, rad.
     """
 
     functions: TimeFunctions
@@ -27,13 +29,14 @@ class TopDrive(NamedTuple):
     integral: float
     limit: float
     torque: np.ndarray
+    lead: np.ndarray
 
 
 @kernel
 def _torque(g, t, q, v):
     """Torque asked for, N m, and whether it is within the limit."""
     angle, speed, _ = evaluate(g.functions, g.angle, t)
-    asked = g.proportional * (speed - v[g.place]) + g.integral * (angle - q[g.place])
+    asked = g.proportional * (speed - v[g.place]) + g.integral * (angle - q[g.place] + g.lead[0])
     if abs(asked) > g.limit:
         return np.copysign(g.limit, asked), False
     return asked, True
@@ -72,7 +75,12 @@ def _dissipation(g, t, q, v, p):
 
 @kernel
 def _commit(g, t, h, q, v, a):
-    torque, _ = _torque(g, t, q, v)
+    torque, within = _torque(g, t, q, v)
+    angle, speed, _ = evaluate(g.functions, g.angle, t)
+    ahead = angle - q[g.place]
+    if not within and torque * (speed - v[g.place]) > 0.0 and h > 0.0:
+        g.lead[0] -= ahead - g.lead[1]
+    g.lead[1] = ahead
     g.torque[0] = torque
 
 

@@ -1,0 +1,226 @@
+"""The bit on bottom: tangents are differences of residuals, powers balance, and a step's rate is solved for exactly."""
+
+import numpy as np
+import pytest
+import short_string as string
+
+from drillstring.bit_group import OWN
+from drillstring.bit_numbers import BIT, rate_at, torque_at, weight_at
+from drillstring.bit_rock import BladeBit, RockBit
+from drillstring.friction import SLIP, STICK
+from tautline.kernels import groups as over
+from tautline.kernels.jit import entry
+
+PLACES, DIRECTION, TURN = np.array([12, 13]), np.array([0.8, 0.6]), 15
+LAST = 0.4
+"""Time of the last accepted step, s; the state asked for is that of t = 1."""
+NUMBERS = dict(
+    stiffness=3.0, damping=0.0, threshold=0.2, cut=0.3, weight_exponent=1.0, speed_exponent=1.0, slow=0.1, limit=0.5,
+    below=0.4, above=0.7, excess=0.3, decay=1.4, c=2.0, force=-0.3, way=1.0, time=LAST, drilled=0.1, placed=1,
+    status=SLIP, settled=SLIP, inertia=1.0, spring=1.0,
+)  # fmt: skip
+UNPLACED = "before the bottom is placed"
+LAWS = {
+    "turning": {},
+    "turning backwards": {"way": -1.0},
+    "stuck": {"status": STICK, "settled": STICK},
+    "just let go": {"settled": STICK, "level": 1},
+    "with a damper": {"damping": 0.8},
+    "with powers": {"weight_exponent": 1.6, "speed_exponent": 0.7},
+    "with powers below one and a damper": {"weight_exponent": 0.6, "speed_exponent": 1.4, "damping": 0.5},
+    "without drilling": {"cut": 0.0},
+    "regularised": {"slip_speed": 0.6},
+    "regularised, slow": {"slip_speed": 9.0},
+    "off bottom": {"hole": 9.0},
+    UNPLACED: {"placed": 0, "weight": 2.0, "torque": 0.5},
+}
+BLADES = {
+    "blades": {},
+    "stuck blades": {"status": STICK, "settled": STICK},
+    "blades on pressed flats": {"limit": 9.0},
+    "blades turned back": {"back": 1.0},
+    "blades off the bottom": {"lift": 3.0},
+}
+CASES = [("rock", name, seed) for name in LAWS for seed in range(2)]
+CASES += [("blades", name, seed) for name in BLADES for seed in range(2)]
+
+
+def row(**changes):
+    numbers = NUMBERS | changes
+    return string.records(1, BIT, **numbers)
+
+
+def rock_bit(hole=None, **changes):
+    """A bit some way into its spring."""
+    return RockBit(PLACES, DIRECTION, 4.2, TURN, row(hole=3.0 if hole is None else hole, **changes), *scratch())
+
+
+def scratch():
+    return np.zeros(4), np.zeros((3, 4))
+
+
+def blade_bit(state, back=0.0, lift=0.0, **changes):
+    """A bit whose blades have passed over a bottom that falls as a wave does."""
+    depth = 4.2 + DIRECTION @ state.q[PLACES]
+    newest = state.q[TURN] - 0.35 + back
+    angle = newest + np.linspace(-4.0, 0.0, 40)
+    ring = np.column_stack([angle, depth - 0.6 + lift + 0.1 * angle - 0.1 * newest + 0.02 * np.sin(3.0 * angle)])
+    ring = np.roll(ring, 7, axis=0)
+    numbers = dict(cut_weight=1.3, cut_torque=0.6, blades=3.0, seat=depth - 0.3 + lift, limit=0.5) | changes
+    return BladeBit(PLACES, DIRECTION, 4.2, TURN, row(**numbers), *scratch(), ring, np.array([6]))
+
+
+def of(cases):
+    """A parametrised ``case``."""
+    return pytest.mark.parametrize("case", cases, ids=lambda case: f"{case[1]}-{case[2]}", indirect=True)
+
+
+@pytest.fixture
+def case(request):
+    """A bit at a random state, turning clockwise unless its law says otherwise."""
+    kind, name, seed = request.param
+    rng = np.random.default_rng([seed, 5])
+    state = string.random_state(rng)
+    changes = LAWS[name] if kind == "rock" else BLADES[name]
+    state.v[TURN] = abs(state.v[TURN]) * changes.get("way", 1.0)
+    return (rock_bit(**changes) if kind == "rock" else blade_bit(state, **changes)), state
+
+
+def close(one, other):
+    return np.allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(one).max(initial=0.0) + 1e-9)
+
+
+@of(CASES)
+def test_each_part_of_the_tangent_is_the_difference_of_the_residual(case):
+    group, state = case
+    _, _, parts = string.evaluate((group,), state, t=1.0)
+    for field, name in zip(state._fields, ("stiffness", "damping", "mass"), strict=True):
+        # The bottom that blades have left is straight from one angle kept to the next: a short step stays on one piece.
+        slope = string.derivative(
+            lambda x, field=field: string.residual((group,), state._replace(**{field: x}), t=1.0),
+            getattr(state, field), step=1e-4,
+        )  # fmt: skip
+        assert close(parts[name], slope), name
+
+
+@of(CASES)
+def test_weight_is_along_the_hole_and_torque_about_it(case):
+    group, state = case
+    r = string.residual((group,), state, t=1.0)
+    other = np.setdiff1d(np.arange(r.size), [*PLACES, TURN])
+    assert np.all(r[other] == 0.0)
+    assert r[PLACES] == pytest.approx(DIRECTION * (r[PLACES] @ DIRECTION), abs=1e-14)
+    assert r[PLACES] @ DIRECTION >= 0.0
+
+
+@entry
+def _commit(groups, t, h, q, v, a):
+    over.commit(groups, t, h, q, v, a)
+
+
+def commit(group, state, t, h=0.1):
+    _commit(over.link((group,), "commit"), t, h, *state)
+
+
+@entry
+def _record(groups, out, at):
+    over.record(groups, out, at)
+
+
+def recorded(group):
+    out = np.zeros(OWN)
+    _record(over.link((group,), "record"), out, np.zeros(1, np.int64))
+    return out
+
+
+@of([case for case in CASES if case[0] == "rock" and case[1] != UNPLACED])
+def test_the_hole_deepens_by_the_mean_of_the_rates_at_both_ends_of_a_step(case):
+    """And the weight is that of the spring on the hole as deep as it then is: the local equation was solved."""
+    group, state = case
+    b = group.row[0]
+    before, rate = b.hole, b.drilled
+    commit(group, state, 1.0)
+    weight, _, now, hole = recorded(group)
+    assert hole == pytest.approx(before + 0.5 * (1.0 - LAST) * (rate + now), rel=1e-13)
+    depth, speed = 4.2 + DIRECTION @ state.q[PLACES], DIRECTION @ state.v[PLACES]
+    pressed = b.stiffness * (depth - hole) + b.damping * (speed - now)
+    assert weight == pytest.approx(max(0.0, pressed), rel=1e-12, abs=1e-12)
+    assert now == pytest.approx(rate_at(b, weight, state.v[TURN]), rel=1e-12, abs=1e-300)
+
+
+@of([case for case in CASES if case[1] != UNPLACED])
+def test_power_that_the_bit_takes_is_stored_or_lost(case):
+    group, state = case
+    r = string.residual((group,), state, t=1.0)
+    lost, driven = string.losses((group,), state, t=1.0)
+    b, rate = group.row[0], group.value[3]
+    hole = b.hole
+
+    def energy(h):
+        b.hole = hole + h * rate
+        return string.energy((group,), state._replace(q=state.q + h * state.v), t=1.0).sum()
+
+    stored = string.rate(energy, 1e-4)
+    if isinstance(group, BladeBit) and group.row[0].limit == NUMBERS["limit"]:
+        stored = max(0.0, min(0.0, stored))  # flats that carry all they can yield
+    assert r @ state.v == pytest.approx(stored + lost, rel=1e-6, abs=1e-8)
+    assert driven == 0.0
+
+
+def test_the_torque_of_a_bit_that_turns_is_that_of_the_law_and_none_exceeds_it_when_stuck():
+    rng = np.random.default_rng(3)
+    state = string.random_state(rng)
+    state.v[TURN] = 0.8
+    group = rock_bit()
+    commit(group, state, 1.0)
+    weight, torque, _, _ = recorded(group)
+    assert torque == pytest.approx(torque_at(group.row[0], weight, 0.8), rel=1e-13)
+    # 0.4 N m a newton up to 0.5 N, 0.7 beyond, and 0.3 exp(-0.8 / 1.4) of all
+    assert torque == pytest.approx(0.2 + 0.7 * (weight - 0.5) + 0.3 * weight * np.exp(-0.8 / 1.4), rel=1e-13)
+
+
+@pytest.mark.parametrize("exponents", [(1.0, 1.0), (1.7, 0.6), (0.5, 2.0)])
+def test_weight_for_a_rate_is_the_inverse_of_the_rate_for_a_weight(exponents):
+    b = row(weight_exponent=exponents[0], speed_exponent=exponents[1])[0]
+    assert rate_at(b, weight_at(b, 0.02, 1.3), 1.3) == pytest.approx(0.02, rel=1e-12)
+    assert weight_at(b, 0.02, -1.0) == np.inf and weight_at(b, 0.0, 1.0) == b.threshold
+
+
+@pytest.mark.parametrize("kind", ["rock", "blades"])
+def test_the_first_commit_puts_the_bottom_where_it_carries_the_weight_at_the_start(kind):
+    state = string.random_state(np.random.default_rng(4))
+    state = state._replace(v=np.zeros_like(state.v))
+    changes = {"placed": 0, "weight": 2.5, "status": STICK, "settled": STICK, "force": 0.0}
+    group = rock_bit(**changes) if kind == "rock" else blade_bit(state, **changes)
+    commit(group, state, 0.0, h=0.2)
+    assert group.row[0].placed == 0, "a step before the run opens"
+    commit(group, state, 0.0, h=0.0)
+    assert recorded(group)[0] == pytest.approx(2.5, rel=1e-13)
+    assert string.residual((group,), state)[PLACES] == pytest.approx(2.5 * DIRECTION, rel=1e-13)
+
+
+def test_blades_that_drill_steadily_remember_the_bottom_and_cut_what_the_delay_left():
+    """u = rate t, angle = Omega t: each blade cuts rate (2 pi / n) / Omega, the bit n times that: 2 pi rate / Omega."""
+    state = string.State(*np.zeros((3, 16)))
+    group = blade_bit(state, limit=0.0, seat=99.0)
+    rate, spin, h = 0.03, 2.0, 0.05
+    for step in range(1, 200):
+        q, v = np.zeros(16), np.zeros(16)
+        q[PLACES], v[PLACES] = DIRECTION * rate * step * h, DIRECTION * rate
+        q[TURN], v[TURN] = spin * step * h, spin
+        commit(group, string.State(q, v, np.zeros(16)), step * h, h)
+    cut = 2.0 * np.pi * rate / spin
+    weight, torque, now, hole = recorded(group)
+    assert (weight, torque, now) == pytest.approx((1.3 * cut, 0.6 * cut, rate), rel=1e-9)
+    assert hole == pytest.approx(4.2 + rate * 199 * h, rel=1e-12)
+
+
+def test_a_bit_that_creeps_does_not_use_up_the_memory_of_its_blades():
+    state = string.State(*np.zeros((3, 16)))
+    group = blade_bit(state, limit=0.0, seat=99.0)
+    for step in range(1, 500):
+        q = np.zeros(16)
+        q[TURN] = 1e-5 * step
+        commit(group, string.State(q, np.zeros(16), np.zeros(16)), 0.01 * step, 0.01)
+    angles = np.sort(group.ring[:, 0])
+    assert angles[-1] - angles[0] > 2.0 * np.pi / 3.0
