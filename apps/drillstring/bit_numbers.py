@@ -79,6 +79,8 @@ def bit_row(bit: Bit, hole_diameter: float, tubes: Sequence[Tube], spin: float, 
         b.weight_exponent = b.speed_exponent = 1.0
     if explicit:
         b.slip_speed = bit.slip_speed
+        # Static torque that is there at rest alone a function of the speed would not know.
+        b.decay = b.decay or bit.slip_speed
     last = tubes[-1]
     b.inertia = last.density * last.polar_moment * last.length
     b.spring = last.shear_modulus * last.polar_moment / last.length
