@@ -22,6 +22,8 @@ WEIGHT, KINETIC, STATIC, RATE = 0, 1, 2, 3
 DEPTH, SPEED, ANGLE, SPIN = 0, 1, 2, 3
 REACH = 1.25
 """Angles between two blades that the ring reaches back by at least."""
+YIELDED = 1.0e-5
+"""Share of the weight that flats can take within which they count as pushed on: a depth of kilometres is rounded."""
 ENOUGH, BISECTIONS = 1.0e-14, 200
 """Relative change of the weight on bit at which it counts as found, and bound of the search."""
 
@@ -303,7 +305,7 @@ def _stores_blades(g, q, v):
     b = g.row[0]
     flat = b.stiffness * (depth_of(g, q) - b.seat)
     speed = speed_of(g, v)
-    if flat <= 0.0 or (flat >= b.limit * (1.0 - 1e-12) and speed > 0.0):
+    if flat <= 0.0 or (flat >= b.limit * (1.0 - YIELDED) and speed > 0.0):
         return 0.0
     return min(b.limit, flat) * speed
 

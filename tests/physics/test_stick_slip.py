@@ -74,8 +74,8 @@ def test_a_stuck_bit_does_not_creep_and_bears_what_the_string_brings():
 def _margin(speed, damping):
     """By how much a lump that has let go comes to rest, rad/s.
 
-    y = twist less that of steady turning, J y'' + c y' + k y = 0, y(0) = (T_s - T_k - c Omega) / k, y'(0) = Omega, and the bit rests where y' is Omega again. The least speed over the
-    first turn is what counts, for later ones are less.
+    y = twist less that of steady turning, J y'' + c y' + k y = 0, y(0) = (T_s - T_k - c Omega) / k, y'(0) = Omega, and
+    the bit rests where y' is Omega again. The least speed over the first turn is what counts: later ones are larger.
     """
     decay = damping / (2.0 * INERTIA)
     w = sqrt(STIFFNESS / INERTIA - decay**2)
@@ -140,7 +140,7 @@ def test_rk4_takes_the_regularised_torque_says_so_and_has_nearly_the_same_cycle(
     assert any("rk4" in note and "slip_speed" in note for note in model.notes)
     exact, crept = run(lump(2.0, end=8.0)), simulate(model)
     peaks = [one["rotation_rate"][:, -1].max() for one in (exact, crept)]
-    assert peaks[1] == pytest.approx(peaks[0], rel=2e-2)
+    assert peaks[1] == pytest.approx(peaks[0], rel=4e-2)
 
 
 # -- the drive -------------------------------------------------------------------------------------------------------
@@ -186,7 +186,7 @@ def sent_back(drive, length=1000.0):
 
 @pytest.mark.parametrize("ratio", [0.25, 1.0, 3.0])
 def test_a_drive_sends_back_what_its_impedance_tells(ratio):
-    """(zeta - Z) / (zeta + Z) of the speed's wave, (Z - zeta) / (Z + zeta) of the torque's: nothing where they match."""
+    """(zeta - Z) / (zeta + Z) of the speed's wave, (Z - zeta) / (Z + zeta) of the torque's: none where they match."""
     zeta = POLAR * sqrt(DENSITY * G)
     share, size = sent_back({"proportional": ratio * zeta})
     assert size == pytest.approx(abs(1.0 - ratio) / (1.0 + ratio), abs=1e-2)
