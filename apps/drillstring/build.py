@@ -102,7 +102,7 @@ def build(scene: DrillstringScene) -> Model:
     """
     well = well_of(scene)
     lumps = cut(tubes_of(scene, well.length), scene.model.elements)
-    functions = compile_functions(_requests(scene))
+    functions = compile_functions(requests(scene))
     law, notes = _law(scene)
     notes += notes_of_ends(scene, lumps.tubes)
     string = _assembler(scene.model.kind)(scene, well, lumps, functions, law)
@@ -152,7 +152,7 @@ def _physics(scene: DrillstringScene) -> str:
     return sha256(repr(said).encode()).hexdigest()[:16]
 
 
-def _requests(scene: DrillstringScene) -> list[FunctionRequest]:
+def requests(scene: DrillstringScene) -> list[FunctionRequest]:
     """Block position, and the rotary's angle from where it is at t = 0."""
     rotation = scene.top.rotation
     speed = rotation.speed if isinstance(rotation, Controller) else rotation

@@ -9,6 +9,7 @@ import numpy as np
 
 from drillstring.beam_frequency import contact_frequency
 from drillstring.beam_points import points_of
+from drillstring.bit_cautions import bit_cautions
 from drillstring.build import tubes_of, well_of
 from drillstring.fluid import fluid_of
 from drillstring.lumped_string import lateral_mass
@@ -115,7 +116,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
                 )
             )
     past = _past_the_end(scene, lumps)
-    if past > PAST_THE_END:
+    if past > PAST_THE_END and not scene.bit.on_bottom:
         found.append(
             Caution(
                 "top.block",
@@ -124,6 +125,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
             )
         )
     found += yield_cautions(scene, well_of(scene), lumps)
+    found += bit_cautions(scene, well_of(scene), lumps)
     longest = float(lumps.length.max())
     if longest > 0.25 * lumps.total and lumps.total > 500.0:
         found.append(

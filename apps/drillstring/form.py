@@ -245,9 +245,7 @@ def _rod_of(scene: DrillstringScene, well: Wellbore, inclination: float) -> tupl
     """The rod and what it is, or None and why there is none."""
     if float(np.hypot(well.k1, well.k2).max(initial=0.0)) * well.length > STRAIGHT:
         return None, "no exact rod: the hole is curved, and the rod is that of a straight one"
-    if scene.bit.on_bottom:
-        return None, "no exact rod: the bit stands on the bottom of the hole, whose force the rod does not know"
-    force = scene.bit.force
+    force = scene.bit.load
     pieces = pieces_of(scene, well.length)
     if np.sin(inclination) <= STRAIGHT:
         if np.cos(inclination) < 0.0:
@@ -259,7 +257,10 @@ def _rod_of(scene: DrillstringScene, well: Wellbore, inclination: float) -> tupl
         return None, "no exact rod: the wall may carry the string, and the rod is that of free space (well.wall: none)"
     if scene.bit.lateral == "free":
         if force != 0.0:
-            return None, "no exact rod: with a free end the rod is known where it hangs, not where bit.force pulls it"
+            return (
+                None,
+                "no exact rod: with a free end the rod is known where it hangs, not where a force on the bit pulls",
+            )
         return hang(pieces, inclination=inclination), "exact: the string hangs straight down from its pin, closed form"
     if scene.model.bending == "none":
         return None, "no exact rod: the string is without bending (model.bending: none), and the rod has it"

@@ -15,7 +15,7 @@ import numpy as np
 
 from drillstring.build import build, tubes_of, well_of
 from drillstring.contact import WallContact
-from drillstring.ends import Top
+from drillstring.ends import Bit, Top
 from drillstring.fluid import fluid_of, weight_in
 from drillstring.hole import Friction
 from drillstring.scene import LUMPED, DrillstringScene
@@ -86,7 +86,8 @@ def shortened(scene: DrillstringScene, well_length: float, depth: float, element
             "model": scene.model.model_copy(update={"elements": elements, "kind": LUMPED}),
             "top": Top(),
             # A bit held on the axis would carry the side force of the last half link without friction.
-            "bit": scene.bit.model_copy(update={"lateral": "free"}),
+            # A bit on bottom is its weight on bit: the string would otherwise be hung from where the rock is.
+            "bit": Bit(force=scene.bit.load),
         }
     )
 

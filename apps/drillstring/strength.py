@@ -25,7 +25,7 @@ def tension_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> np
     ends = np.cumsum([0.0] + [tube.length for tube in lumps.tubes])
     depth = np.diff(well.tvd(ends))
     weight = [weight_in(fluid, tube, scene.gravity) for tube in lumps.tubes]
-    return np.cumsum((np.array(weight) * depth)[::-1])[::-1] + scene.bit.force
+    return np.cumsum((np.array(weight) * depth)[::-1])[::-1] + scene.bit.load
 
 
 def yield_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:

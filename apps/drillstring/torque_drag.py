@@ -194,7 +194,7 @@ def torque_drag(
 def _point(statics: Statics, friction: float, scene: DrillstringScene) -> Point:
     profiles, failures, soft = {}, {}, {}
     for direction in DIRECTIONS:
-        soft[direction] = soft_string(statics.well, statics.tubes, statics.weight, friction, direction, scene.bit.force)
+        soft[direction] = soft_string(statics.well, statics.tubes, statics.weight, friction, direction, scene.bit.load)
         try:
             profiles[direction] = statics.solve(friction, direction)
         except StoppedEarly as stop:

@@ -17,6 +17,17 @@ from tautline.scene.model import validate
 JWELL = Path(__file__).parents[2] / "data" / "jwell.yaml"
 TEXT = JWELL.read_text()
 
+
+def bit(keys, key, words):
+    """A fault of a bit on bottom."""
+    return "on_bottom: false", f"on_bottom: true, {keys}", 22, f"bit.{key}", words
+
+
+def drive(keys, key, words):
+    """A fault of a top drive."""
+    return "{constant: 0 rpm}", f"{{controller: {{{keys}}}}}", 21, f"top.rotation.controller.{key}", words
+
+
 # what is replaced, by what, the line, the key, words of the message
 EDITS = {
     "a length in degrees": ("diameter: 0.2032 m", "diameter: 20 deg", 8, "well.diameter = 20 deg", "a length such as"),
@@ -136,7 +147,26 @@ EDITS = {
         "kind: lumped",
     ),
     "an unknown model": ("kind: lumped", "kind: lumpy", 23, "model.kind = lumpy", "did you mean 'lumped'"),
-    "a bit on the bottom": ("on_bottom: false", "on_bottom: true", 22, "bit.on_bottom", "not available yet"),
+    "a bit on the bottom without a weight": ("on_bottom: false", "on_bottom: true", 22, "bit.weight", "weight: 100 kN"),
+    "a negative weight on bit": bit("weight: -1 kN", "weight = -1 kN", "must not be negative"),
+    "a bit held less at rest": bit("weight: 1, torque: {static: 1, kinetic: 2}", "torque.static", "swap the two"),
+    "a torque at no weight": bit("weight: 0, torque: {static: 2, kinetic: 1}", "torque.weight", "at which this torque"),
+    "a rate at no weight": bit("weight: 0, penetration: {rate: 1, speed: 1}", "penetration.weight", "is missing"),
+    "a rate in metres": bit("weight: 1, penetration: {rate: 15 m, speed: 1}", "penetration.rate = 15 m", "a speed"),
+    "a threshold above the weight": bit(
+        "weight: 1, penetration: {rate: 1, speed: 1, threshold: 2}", "penetration.threshold = 2", "not below 1 N"
+    ),
+    "two laws of torque": bit(
+        "weight: 1, torque: {static: 2, kinetic: 1}, cutting: {specific_energy: 1e8}", "torque", "remove `cutting`"
+    ),
+    "a damper under blades": bit(
+        "weight: 1, rock: {damping: 1}, cutting: {specific_energy: 1e8, blades: 5}", "rock.damping", "remove it"
+    ),
+    "half a blade": bit("weight: 1, cutting: {specific_energy: 1e8, blades: 2.5}", "cutting.blades", "a whole number"),
+    "a drive without gains": drive("speed: 1, inertia: 2", "proportional", "1500 N m s/rad"),
+    "a drive without inertia": drive("kind: soft_torque, speed: 1", "inertia", "is missing"),
+    "a stiff drive with a limit": drive("kind: stiff, speed: 1, torque_limit: 1", "torque_limit", "kind: pi"),
+    "an unknown drive": drive("kind: soft, speed: 1", "kind = soft", "soft-torque"),
     "no for false": ("on_bottom: false", "on_bottom: no", 22, "bit.on_bottom = no", "true or false"),
     "an unknown key": ("od: 0.127", "diametr: 0.127", 14, "string[0].diametr", "unknown key"),
     "an unknown key at the root": ("material:", "materials:", 16, "materials", "did you mean 'material'"),

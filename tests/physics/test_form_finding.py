@@ -5,7 +5,6 @@ import pytest
 from physics.strings import COLLAR, DENSITY, GRAVITY, E, area, mass_per_length, shipped, straight_hole
 from references import extensible_rod as written_apart
 
-from drillstring.ends import Bit
 from drillstring.form import at_rest, find_form, pieces_of, reference_of
 from drillstring.rod import NoRod, Piece, bend, hang
 from tautline.integrators.status import StoppedEarly
@@ -216,10 +215,9 @@ def test_a_rod_that_is_pressed_beyond_eulers_load_says_that_it_has_other_shapes(
         (lambda: straight_hole(LEVEL, well__wall="none", elements=4, bit={"lateral": "pinned"}), "without bending"),
         (lambda: shipped("jwell"), "the hole is curved"),
         (lambda: straight_hole(np.pi), "the string stands upwards"),
-        (lambda: straight_hole(0.4, well__wall="none", bit={"force": 1e3}), "not where bit.force pulls it"),
-        (lambda: shipped("hanging").model_copy(update={"bit": Bit.model_construct(on_bottom=True)}), "on the bottom"),
+        (lambda: straight_hole(0.4, well__wall="none", bit={"force": 1e3}), "not where a force on the bit pulls"),
     ],
-    ids=["wall", "no bending", "curved", "upwards", "free end", "on bottom"],
+    ids=["wall", "no bending", "curved", "upwards", "free end"],
 )
 def test_where_the_rod_does_not_apply_there_is_none_and_the_reason_is_said(scene, said):
     scene = scene()

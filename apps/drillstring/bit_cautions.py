@@ -1,0 +1,98 @@
+"""What to tell a user about a bit on bottom before the run: too heavy, drilled away from, pushed, badly damped."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillstring.bit_numbers import bit_row, rate_at, weight_at
+from drillstring.build import requests
+from drillstring.end_groups import BLOCK, ROTATION
+from drillstring.scene import DrillstringScene
+from drillstring.strength import tension_at_rest
+from drillstring.string import Lumps
+from drillstring.wellbore import Wellbore
+from tautline.cli.summary import shown
+from tautline.kernels.time_function import evaluate
+from tautline.scene.errors import Caution
+from tautline.system.time_functions import compile_functions
+
+OFF = 0.05
+"""Difference of the block's speed from the rate of penetration, over the latter, that is told."""
+UPRIGHT = np.radians(10.0)
+"""Inclination below which a pipe in compression is not held by the hole."""
+RINGS = 0.95
+"""Spectral radius at infinity above which the shock of a bit that sticks rings on."""
+
+
+def bit_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
+    """Cautions of a bit on bottom; none of one that hangs."""
+    if not scene.bit.on_bottom:
+        return []
+    return [*_of_weight(scene, well, lumps), *_of_drilling(scene, lumps), *_of_method(scene)]
+
+
+def _of_weight(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
+    tension = np.append(tension_at_rest(scene, well, lumps), scene.bit.load)
+    weight, hook = (shown(force, "N", scene.units) for force in (scene.bit.weight or 0.0, float(tension[0])))
+    if tension[0] < 0.0:
+        cause = f"{weight} is more than the string weighs along the hole: the hook load is {hook} at rest"
+        return [Caution("bit.weight", f"{cause}; take less, or a heavier string")]
+    end = lumps.tubes[0].length
+    if len(lumps.tubes) > 1 and tension[1] < 0.0 and float(well.inclination(np.array([end]))[0]) < UPRIGHT:
+        name, pressed = lumps.tubes[0].name, shown(-float(tension[1]), "N", scene.units)
+        return [
+            Caution(
+                "bit.weight",
+                f"{weight} puts the lower end of {name} under {pressed} of compression in an upright hole: it may "
+                "buckle; take less, or more collars",
+            )
+        ]
+    return []
+
+
+def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
+    """Where the block is not lowered as fast as the bit drills."""
+    functions = compile_functions(requests(scene))
+    feed = evaluate(functions, BLOCK, scene.solver.end)[1]
+    spin = evaluate(functions, ROTATION, scene.solver.end)[1]
+    if scene.bit.penetration is None and scene.bit.cutting is None:
+        if feed <= 0.0:
+            return []
+        cause = f"lowers the bit at {_rate(scene, feed)} onto a bottom that is not drilled"
+        return [Caution("top.block", f"{cause}; give bit.penetration or bit.cutting, or hold the block")]
+    b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, spin, False)[0]
+    rate = rate_at(b, scene.bit.weight or 0.0, spin)
+    if abs(feed - rate) <= OFF * rate:
+        return []
+    then = weight_at(b, feed, spin)
+    found = (
+        shown(then, "N", scene.units) if np.isfinite(then) else "no steady value, for the bit does not turn"
+    )
+    return [
+        Caution(
+            "top.block",
+            f"is lowered at {_rate(scene, feed)} at the end and the bit drills {_rate(scene, rate)} with its weight: "
+            f"the weight on bit goes to {found}",
+        )
+    ]
+
+
+def _rate(scene: DrillstringScene, rate: float) -> str:
+    """A rate of penetration as drillers say it."""
+    return f"{rate * 3600.0 / 0.3048:.3g} ft/h" if scene.units == "field" else f"{rate * 3600.0:.3g} m/h"
+
+
+def _of_method(scene: DrillstringScene) -> list[Caution]:
+    alpha_f = scene.solver.alphas[1]
+    sticks = scene.bit.torque is not None or scene.bit.cutting is not None
+    # rho_inf = alpha_f / (1 - alpha_f) on the line of eqs 2.79-2.80; Newmark's is 1
+    rho = alpha_f / (1.0 - alpha_f) if scene.solver.method == "generalized-alpha" and alpha_f < 1.0 else 1.0
+    if scene.solver.method == "rk4" or not sticks or rho <= RINGS:
+        return []
+    return [
+        Caution(
+            "solver.method" if scene.solver.method == "newmark" else "solver.rho_inf",
+            "does not damp what a step cannot follow: the shock of a bit that sticks rings on in its torque, and it "
+            "lets go too early; take generalized-alpha with rho_inf 0.9 or less",
+        )
+    ]
