@@ -65,9 +65,7 @@ def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     if abs(feed - rate) <= OFF * rate:
         return []
     then = weight_at(b, feed, spin)
-    found = (
-        shown(then, "N", scene.units) if np.isfinite(then) else "no steady value, for the bit does not turn"
-    )
+    found = shown(then, "N", scene.units) if np.isfinite(then) else "no steady value, for the bit does not turn"
     return [
         Caution(
             "top.block",
