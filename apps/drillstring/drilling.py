@@ -53,6 +53,11 @@ def observed_at_ends(frames: Any, groups: Sequence[Any]) -> dict[str, np.ndarray
     return found
 
 
+def _per_hour(rate: float) -> str:
+    """A rate of penetration in both units that drillers use."""
+    return f"{3600.0 * rate:.3g} m/h, {3600.0 * rate / 0.3048:.3g} ft/h"
+
+
 def last_part(time: np.ndarray) -> np.ndarray:
     """Frames (m,) of the part of a run that tells of stick-slip."""
     return time >= time[-1] - LAST * (time[-1] - time[0])
@@ -90,7 +95,7 @@ def drilling_figures(result: Mapping[str, Any] | Any) -> dict[str, tuple[float, 
     if drilled > 0.0:
         mean = np.ptp(result["hole_depth"][last]) / max(np.ptp(time[last]), 1e-300)
         figures["drilled"] = (drilled, "m", "depth drilled")
-        figures["rate_of_penetration_mean"] = (mean, "m/s", "mean rate of penetration, last half")
+        figures["rate_of_penetration_mean"] = (mean, "m/s", f"mean rate of penetration, last half ({_per_hour(mean)})")
     found = stick_slip(time, spin)
     if found["largest"] > SLOWEST:
         figures["bit_rotation_mean"] = (found["mean"], "rad/s", "mean rotary speed of the bit, last half")

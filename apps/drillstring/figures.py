@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from drillstring.drilling_figures import drilling, phase
 from drillstring.observe import STUCK
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -258,6 +259,8 @@ DRAWINGS: Mapping[str, Drawing] = {
     "overview": Drawing("block and bit, hook load, bit speed and surface torque against time", overview, compared=True),
     "forces": Drawing("tension, side force and torque against measured depth", forces),
     "waterfall": Drawing("tension over time and depth; waterfall:torque another", waterfall, False, takes=True),
+    "drilling": Drawing("rotary speeds, torques, weight on bit and rate against time", drilling, compared=True),
+    "phase": Drawing("rotary speed of the bit against the twist of the string", phase),
     "loop": Drawing("bit and hook load against the block", loop),
     "orbit": Drawing("ways of lumps across the hole, inside its wall", orbit, False),
     "path": Drawing("vertical section and plan", path, False),

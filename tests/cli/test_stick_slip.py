@@ -1,0 +1,209 @@
+"""The verb stick-slip: JSON, table, files, options and scenes that are refused, runs that fail, interruption."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from cli.in_process import commands_of, files, only_object
+
+import drillstring.stick_slip
+from drillstring.application import Drillstring
+from drillstring.scene import read
+from drillstring.stick_slip import Cell, Map, stick_slip_map, varied
+from drillstring.stick_slip_figures import draw
+from drillstring.stick_slip_record import sentences
+from drillstring.stick_slip_verbs import parse_range
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.scene.errors import SceneError
+
+DATA = Path(__file__).parents[2] / "data"
+DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8").replace("elements: 24", "elements: 6")
+KEYS = {
+    "scene", "status", "speed", "weight", "severity", "stuck", "bit_speed_mean", "bit_speed_min", "bit_speed_max",
+    "torque_on_bit", "weight_on_bit", "rate_of_penetration", "outcome", "sticking_ends", "failures", "files",
+}  # fmt: skip
+RPM = 2.0 * math.pi / 60.0
+FEW = ("--speed", "60,170", "--weight", "60 kN,1e5", "--end", "30 s")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("drilling.yaml").write_text(DRILLING, encoding="utf8")
+    Path("field.yaml").write_text("units: field\n" + DRILLING, encoding="utf8")
+    Path("off.yaml").write_text(DRILLING.replace("on_bottom: true", "on_bottom: false"), encoding="utf8")
+    law = DRILLING[DRILLING.index("  torque: {static") : DRILLING.index("  penetration")]
+    Path("smooth.yaml").write_text(DRILLING.replace(law, ""), encoding="utf8")
+    return tmp_path
+
+
+@pytest.fixture
+def drillstring_(folder, capsys):
+    return commands_of(Drillstring(), capsys)
+
+
+def test_json_and_files_hold_the_map_and_say_where_sticking_ends(drillstring_):
+    code, out, err = drillstring_("stick-slip", "drilling.yaml", "--json", "--jobs", "1", *FEW)
+    report = only_object(out)
+    assert (code, report["status"]) == (0, "done") and report.keys() == KEYS
+    assert report["speed"] == pytest.approx([60 * RPM, 170 * RPM]) and report["weight"] == [60e3, 100e3]
+    severity, stuck = np.array(report["severity"]), np.array(report["stuck"])
+    assert severity.shape == (2, 2)
+    assert np.all(severity[:, 0] > 0.9) and np.all(stuck[:, 0] > 0.05)
+    assert np.all(severity[:, 1] < 0.3) and np.all(stuck[:, 1] == 0.0)
+    # The block follows the rate of 20 m/h at 100 kN and 120 rpm, in proportion to both.
+    rates = 20.0 / 3600.0 * np.outer([0.6, 1.0], [0.5, 170.0 / 120.0])
+    assert np.array(report["rate_of_penetration"]) == pytest.approx(rates, rel=0.15)
+    assert np.array(report["weight_on_bit"])[:, 1] == pytest.approx([60e3, 100e3], rel=0.05)
+    assert report["sticking_ends"][1] == {
+        "weight": 1e5, "sticks_at": pytest.approx(60 * RPM), "turns_at": pytest.approx(170 * RPM)
+    }  # fmt: skip
+    assert "100 kN: sticking ends between 60 rpm and 170 rpm" in err and "60 rpm" in err
+    with Path("drilling_stick_slip.csv").open(newline="", encoding="utf8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 4 and float(rows[3]["torque_on_bit [N m]"]) == pytest.approx(report["torque_on_bit"][1][1])
+    with xarray.open_dataset("drilling_stick_slip.nc", engine="h5netcdf") as data:
+        assert data["severity"].dims == ("weight", "speed") and data["severity"].values == pytest.approx(severity)
+        assert data["speed"].attrs["units"] == "rad/s" and data["status"].values[0, 0] == "done"
+    assert Path("drilling_stick_slip.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_processes_find_what_one_does(drillstring_):
+    code, out, _ = drillstring_("stick-slip", "drilling.yaml", "--json", "--jobs", "2", "-o", "two", *FEW)
+    two = only_object(out)
+    code, out, _ = drillstring_("stick-slip", "drilling.yaml", "--json", "--jobs", "1", "-o", "one", *FEW)
+    one = only_object(out)
+    assert code == 0 and Path("two.csv").exists() and Path("one.png").exists()
+    assert all(one[key] == two[key] for key in KEYS - {"files"})
+
+
+def test_a_map_in_oilfield_units_prints_kip(drillstring_):
+    code, _, err = drillstring_("stick-slip", "field.yaml", "--jobs", "1", "--speed", "170", "--weight", "20 kip",
+                                "--end", "5 s")  # fmt: skip
+    assert code == 0 and "20 kip: the bit" in err
+
+
+def test_each_run_begins_at_rest_with_the_weight_and_the_laws_of_the_scene(folder):
+    scene = varied(read("drilling.yaml"), 80 * RPM, 5e4, 12.0)
+    assert scene.bit.weight == 5e4 and scene.bit.torque.weight == scene.bit.penetration.weight == 1e5
+    assert scene.top.rotation.speed.to == pytest.approx(80 * RPM) and scene.top.rotation.torque_limit == 40e3
+    assert scene.top.block.velocity.to == pytest.approx(20.0 / 3600.0 * 0.5 * 80.0 / 120.0)
+    assert scene.top.block.velocity.over == scene.top.rotation.speed.over <= 3.0
+    assert scene.solver.end == 12.0
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "said"),
+    [
+        ("off.yaml", (), "bit.on_bottom = false: is false: a bit that hangs has no torque"),
+        ("smooth.yaml", (), "gives no torque"),
+        ("drilling.yaml", ("--speed", "40:160"), "needs three numbers"),
+        ("drilling.yaml", ("--speed", "160:40:20"), "ends below where it begins"),
+        ("drilling.yaml", ("--speed", "40 m"), "is not the unit of a rotary speed"),
+        ("drilling.yaml", ("--speed", "40:160:0.001"), "take a larger step"),
+        ("drilling.yaml", ("--speed", "1:100:1", "--weight", "1 kN:100 kN:1 kN"), "makes 10000 runs"),
+        ("drilling.yaml", ("--speed", "-40"), "greater than zero"),
+        ("drilling.yaml", ("--weight", "50 kN:100 kN:0"), "greater than zero"),
+        ("drilling.yaml", ("--weight", "50,,60"), "an entry is empty"),
+        ("drilling.yaml", ("--weight", "5 m"), "a force"),
+        ("drilling.yaml", ("--end", "0"), "greater than zero"),
+        ("drilling.yaml", ("-o", "nowhere/map"), "there is no folder nowhere"),
+    ],
+)
+def test_what_cannot_be_mapped_is_refused_with_a_cure_and_nothing_is_written(
+    drillstring_, folder, scene, options, said
+):
+    before = files(folder)
+    code, out, err = drillstring_("stick-slip", scene, *options)
+    assert (code, out) == (2, "") and said in " ".join(err.split())
+    assert files(folder) == before
+
+
+def test_a_bare_speed_is_in_rpm_and_a_bare_weight_in_newton():
+    assert parse_range("30:90:30", "--speed", "rad/s", RPM) == pytest.approx([30 * RPM, 60 * RPM, 90 * RPM])
+    assert parse_range("2 rad/s,60", "--speed", "rad/s", RPM) == pytest.approx([2.0, 60 * RPM])
+    assert parse_range("50 kN:60000:5e3", "--weight", "N") == pytest.approx([50e3, 55e3, 60e3])
+    with pytest.raises(SceneError, match="write 40:160:20"):
+        parse_range("1:2:3:4", "--speed", "rad/s")
+
+
+def test_a_run_that_fails_is_in_the_map_by_name_and_the_others_are_kept(drillstring_, monkeypatch):
+    real = drillstring.stick_slip.simulate
+
+    def simulate(model):
+        if f"{170 * RPM:.6f}" in told[-1]:
+            raise StoppedEarly(Status.NOT_CONVERGED, 1.5, "lump 3")
+        return real(model)
+
+    told = [""]
+    build = drillstring.stick_slip.build
+
+    def remembering(scene):
+        told.append(f"{scene.top.rotation.speed.to:.6f}")
+        return build(scene)
+
+    monkeypatch.setattr(drillstring.stick_slip, "build", remembering)
+    monkeypatch.setattr(drillstring.stick_slip, "simulate", simulate)
+    code, out, err = drillstring_("stick-slip", "drilling.yaml", "--json", "--jobs", "1", "--speed", "60,170",
+                                  "--weight", "1e5", "--end", "15 s")  # fmt: skip
+    report = only_object(out)
+    assert code == 3 and report["status"] == "stopped: some runs"
+    assert report["outcome"] == [["done", "not converged"]] and report["severity"][0][1] is None
+    (failure,) = report["failures"]
+    assert failure["status"] == "not converged" and "lump 3" in failure["sentence"]
+    assert "stopped at 170 rpm, 100 kN: not converged" in " ".join(err.split())
+    assert Path("drilling_stick_slip.png").exists()
+
+
+def test_ctrl_c_keeps_what_was_run(drillstring_, monkeypatch):
+    real = drillstring.stick_slip.run_cell
+
+    def run_cell(scene, speed, weight, end):
+        if speed > 100 * RPM:
+            raise KeyboardInterrupt
+        return real(scene, speed, weight, end)
+
+    monkeypatch.setattr(drillstring.stick_slip, "run_cell", run_cell)
+    code, out, err = drillstring_("stick-slip", "drilling.yaml", "--json", "--jobs", "1", "--speed", "60,170",
+                                  "--weight", "1e5", "--end", "15 s")  # fmt: skip
+    report = only_object(out)
+    assert code == 130 and report["status"] == "interrupted"
+    assert report["outcome"] == [["done", "not run"]] and "interrupted" in err
+
+
+def cell(speed, stuck=0.0, severity=0.1, status="done"):
+    numbers = [severity, stuck, 10.0, 5.0, 12.0, 4e3, 1e5, 5e-3] if status == "done" else [math.nan] * 8
+    return Cell(speed * RPM, 1e5, *numbers, status, "", 0.1)
+
+
+@pytest.mark.parametrize(
+    ("cells", "ends", "said"),
+    [
+        ((cell(60), cell(90)), (None, 60), "100 kN: the bit does not stick from 60 rpm up"),
+        ((cell(60, 0.2, 1.1), cell(90)), (60, 90), "100 kN: sticking ends between 60 rpm and 90 rpm"),
+        ((cell(60), cell(90, 0.2, 1.1)), (90, None), "100 kN: the bit sticks up to the highest speed, 90 rpm"),
+        ((cell(60, 0.2), cell(90), cell(120, 0.1), cell(150)), (120, 150), "between 120 rpm and 150 rpm"),
+        ((cell(60, 0.2), cell(90, status="unstable"), cell(120)), (60, 120), "between 60 rpm and 120 rpm"),
+    ],
+)
+def test_where_sticking_ends_is_told_above_the_highest_speed_that_sticks(cells, ends, said):
+    found = Map(tuple(c.speed for c in cells), (1e5,), (tuple(cells),))
+    got = [None if x is None else round(x / RPM) for x in found.ends()[0]]
+    assert tuple(got) == ends
+    assert said in sentences(found, "si")[0][0]
+
+
+def test_a_map_of_one_cell_and_one_of_failures_alone_are_drawn():
+    for cells in ((cell(60),), (cell(60, status="unstable"),)):
+        figure = draw(Map((60 * RPM,), (1e5,), (cells,)), "one")
+        assert figure.axes
+
+
+def test_a_scene_made_in_python_says_that_it_has_no_text(folder):
+    scene = read("drilling.yaml")
+    bare = type(scene).model_construct(**{key: getattr(scene, key) for key in type(scene).model_fields})
+    with pytest.raises(SceneError, match="without a text cannot be varied"):
+        stick_slip_map(bare, [5.0], [1e5])
