@@ -50,6 +50,23 @@ def field_well(report, result):
     assert 0.0 < report["bit_travel"] < 2.5 * foot and result.attributes["units"] == "field"
 
 
+def drilling(report, result):
+    # buoyed weights of 2730 m at 22.60 lb/ft, 110 m at 49.3 lb/ft and 160 m of round collar, less the weight on bit
+    pound = 0.45359237 / 0.3048
+    collar = 7850.0 * np.pi / 4.0 * (6.5**2 - 2.8125**2) * 0.0254**2
+    weight = (2730.0 * 22.60 * pound + 110.0 * 49.3 * pound + 160.0 * collar) * (1.0 - 1200.0 / 7850.0) * 9.81
+    assert report["hook_load_start"] == pytest.approx(weight - 1e5, rel=1e-3)
+    assert report["weight_on_bit_start"] == pytest.approx(1e5, rel=1e-9)
+    # wound up to its static torque in proportion to the weight, it sticks and slips at up to twice the drive's speed
+    ratio = result["torque_on_bit"] / result["weight_on_bit"]
+    assert ratio.max() == pytest.approx(8e3 / 1e5, rel=1e-3)
+    spin = result["rotation_rate"][:, -1] * 30.0 / np.pi
+    assert 200.0 < spin.max() < 260.0 and (np.abs(spin) < 1e-5).mean() > 0.05
+    # 20 m/h at 120 rpm and 100 kN is so much a turn
+    turns = result["rotation"][-1, -1] / (2.0 * np.pi)
+    assert np.ptp(result["hole_depth"]) == pytest.approx(20.0 / 3600.0 / 2.0 * turns, rel=0.03)
+
+
 def hanging(report, result):
     # exact, and nothing moves
     assert report["stretch_start"] == pytest.approx(0.376529, abs=1e-6)
@@ -121,14 +138,14 @@ def sixteen_falls(report, result):
     assert tension[-1].mean() == pytest.approx((80.0e3 / 16.0 + 15.0 * 6.5) * GRAVITY, rel=5e-3)
 
 
-CLAIMS = {"jwell": jwell, "iscwsa": iscwsa, "hanging": hanging, "field_well": field_well}
+CLAIMS = {"jwell": jwell, "iscwsa": iscwsa, "hanging": hanging, "field_well": field_well, "drilling": drilling}
 CLAIMS |= {f"configuration_{case.lower()}": level(case) for case in "ABC"}
 CLAIMS |= {"cantilever_bar": cantilever_bar, "reeled_span": reeled_span}
 CLAIMS |= {"hoist": hoist, "hookblock": hookblock, "landing": landing, "slewing": slewing}
 CLAIMS |= {"sixteen_falls": sixteen_falls}
 BALANCE = {"reeled_span": 1e-2}
 """Energy that a scene's step of generalized-alpha damps away, where it is more than a thousandth."""
-ENDS = {"cantilever_bar": "20", "jwell": "1", "iscwsa": "1", "hanging": "0.1"}
+ENDS = {"cantilever_bar": "20", "drilling": "20", "jwell": "1", "iscwsa": "1", "hanging": "0.1"}
 
 
 APART = ("jwell", "cantilever_bar", "hoist")

@@ -1,0 +1,119 @@
+"""What verbs do with a bit on the bottom: check warns, plot draws, torque-drag and form take its weight as a force."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cli.in_process import commands_of, only_object
+
+from drillstring.application import Drillstring
+from drillstring.cautions import cautions
+from drillstring.figures import draw
+from drillstring.scene import DrillstringScene, read
+from tautline.results.errors import ResultError
+from tautline.results.result import Result
+
+DATA = Path(__file__).parents[2] / "data"
+DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8")
+HANGING = (DATA / "hanging.yaml").read_text(encoding="utf8")
+BIT = DRILLING[DRILLING.index("bit:\n") : DRILLING.index("model:")]
+
+
+def with_bit(text, keys):
+    """The drilling scene with another bit."""
+    return DRILLING.replace(BIT, f"bit: {{{keys}}}\n") if text is None else text + f"\nbit: {{{keys}}}\n"
+
+
+@pytest.fixture
+def drillstring_(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("drilling.yaml").write_text(DRILLING, encoding="utf8")
+    return commands_of(Drillstring(), capsys)
+
+
+def test_torque_and_drag_take_the_weight_on_bit_as_a_force_on_the_string(drillstring_):
+    Path("force.yaml").write_text(with_bit(None, "force: -100 kN"), encoding="utf8")
+    Path("off.yaml").write_text(with_bit(None, "on_bottom: false"), encoding="utf8")
+    found = {}
+    for name in ("drilling", "force", "off"):
+        code, out, _ = drillstring_("torque-drag", f"{name}.yaml", "--json", "--elements", "20")
+        assert code == 0
+        found[name] = only_object(out)
+    for key in ("pick_up", "slack_off", "rotating"):
+        assert found["drilling"][key] == pytest.approx(found["force"][key], rel=1e-9)
+    assert found["off"]["rotating"][0] - found["drilling"]["rotating"][0] == pytest.approx(1e5, rel=1e-6)
+
+
+def test_form_finds_the_string_pressed_by_its_weight_on_bit_as_by_a_force(drillstring_):
+    found = []
+    for keys in ("on_bottom: true, weight: 20 kN", "force: -20 kN"):
+        Path("pressed.yaml").write_text(with_bit(HANGING, keys), encoding="utf8")
+        code, out, err = drillstring_("form", "pressed.yaml", "--json")
+        assert code == 0, err
+        found.append(only_object(out))
+    one, other = found
+    assert np.allclose(one["position"], other["position"], atol=1e-9)
+    assert np.abs(one["difference"]).max() < 1e-5, "the exact rod under that force stands beside it"
+
+
+WARNED = {
+    "more than the string weighs": (with_bit(None, "on_bottom: true, weight: 2 MN"), "bit.weight", "hook load is"),
+    "more than the collars weigh": (with_bit(None, "on_bottom: true, weight: 400 kN"), "bit.weight", "may buckle"),
+    "nothing is drilled": (with_bit(None, "on_bottom: true, weight: 1 kN"), "top.block", "not drilled; give bit.pen"),
+    "the block is too fast": (DRILLING.replace("to: 20 m/h", "to: 30 m/h"), "top.block", "goes to 150 kN"),
+    "the block rests": (DRILLING.replace("to: 20 m/h", "to: 0 m/h"), "top.block", "goes to 0 N"),
+    "a method that rings": (DRILLING.replace("rho_inf: 0.5", "rho_inf: 1"), "solver.rho_inf", "lets go too early"),
+    "Newmark": (
+        DRILLING.replace("generalized-alpha, rho_inf: 0.5", "newmark"), "solver.method", "lets go too early"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", WARNED)
+def test_what_a_driller_should_know_is_warned_of(case):
+    text, key, words = WARNED[case]
+    told = [caution for caution in cautions(DrillstringScene.parse(text)) if caution.where == key]
+    assert any(words in caution.text for caution in told), told
+
+
+def test_the_shipped_scene_gives_no_warning_though_it_drills_past_the_end_of_its_well():
+    assert cautions(DrillstringScene.parse(DRILLING)) == []
+    deep = DRILLING.replace("to: 20 m/h", "to: 20 m/s").replace("rate: 20 m/h", "rate: 20 m/s")
+    assert cautions(DrillstringScene.parse(deep)) == []
+
+
+def test_plot_draws_drilling_and_phase_of_one_result_and_of_several(drillstring_):
+    for name, speed in (("one", 120), ("two", 160)):
+        Path("scene.yaml").write_text(DRILLING.replace("to: 120 rpm", f"to: {speed} rpm"), encoding="utf8")
+        code, _, err = drillstring_("simulate", "scene.yaml", "-o", f"{name}.nc", "--end", "12")
+        assert code == 0 and "weight on bit at the start" in err and "m/h" in err
+    results = [Result.read(f"{name}.nc") for name in ("one", "two")]
+    for shown in (results[:1], results):
+        made = draw(shown, ["drilling", "phase"])
+        assert set(made) == {"drilling", "phase"}
+        assert len(made["drilling"].axes) == 4
+    lines = {line.get_label(): line for line in draw(results[:1], ["drilling"])["drilling"].axes[0].lines}
+    assert lines["bit"].get_ydata() == pytest.approx(results[0]["rotation_rate"][:, -1] * 30.0 / np.pi)
+    assert lines["drive"].get_ydata() == pytest.approx(results[0]["drive_speed"] * 30.0 / np.pi)
+    code, _, _ = drillstring_("plot", "one.nc", "two.nc")
+    assert code == 0 and list(Path().glob("*drilling*.png"))
+
+
+def test_a_result_without_a_bit_on_bottom_has_no_drilling_to_draw(drillstring_):
+    Path("hanging.yaml").write_text(HANGING, encoding="utf8")
+    assert drillstring_("simulate", "hanging.yaml", "--end", "0.1")[0] == 0
+    result = Result.read("hanging.nc")
+    assert not {"weight_on_bit", "drive_torque"} & set(result.variables)
+    for name in ("drilling", "phase"):
+        with pytest.raises(ResultError, match="no bit on the bottom"):
+            draw([result], [name])
+    assert not {"drilling", "phase"} & set(draw([result]))
+
+
+def test_soft_torque_tells_its_gains_when_a_scene_is_checked(drillstring_):
+    soft = DRILLING.replace("kind: pi", "kind: soft_torque").replace("      integral: 2000", "      # integral: 2000")
+    Path("soft.yaml").write_text(soft, encoding="utf8")
+    code, _, err = drillstring_("check", "soft.yaml")
+    said = " ".join(err.split())
+    assert code == 0 and "note: soft torque: proportional 5000 N m s/rad, integral" in said
+    assert read("soft.yaml").top.rotation.kind == "soft-torque"
