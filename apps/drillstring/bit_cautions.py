@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillstring.bit_numbers import bit_row, rate_at, weight_at
+from drillstring.bit_numbers import bit_row, rate_at, torque_at, weight_at
 from drillstring.build import requests
 from drillstring.end_groups import BLOCK, ROTATION
 from drillstring.scene import DrillstringScene
@@ -12,8 +12,10 @@ from drillstring.strength import tension_at_rest
 from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
 from tautline.cli.summary import shown
+from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.kernels.time_function import evaluate
 from tautline.scene.errors import Caution
+from tautline.scene.solver import longest_step
 from tautline.system.time_functions import compile_functions
 
 OFF = 0.05
@@ -28,7 +30,9 @@ def bit_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[
     """Cautions of a bit on bottom; none of one that hangs."""
     if not scene.bit.on_bottom:
         return []
-    return [*_of_weight(scene, well, lumps), *_of_drilling(scene, lumps), *_of_method(scene)]
+    return [
+        *_of_weight(scene, well, lumps), *_of_drilling(scene, lumps), *_of_method(scene), *_of_chatter(scene, lumps),
+    ]  # fmt: skip
 
 
 def _of_weight(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
@@ -92,5 +96,25 @@ def _of_method(scene: DrillstringScene) -> list[Caution]:
             "solver.method" if scene.solver.method == "newmark" else "solver.rho_inf",
             "does not damp what a step cannot follow: the shock of a bit that sticks rings on in its torque, and it "
             "lets go too early; take generalized-alpha with rho_inf 0.9 or less",
+        )
+    ]
+
+
+def _of_chatter(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
+    """Where an explicit step is too long for the torque of a bit at rest, which rises with its speed."""
+    if scene.solver.method != "rk4":
+        return []
+    b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, 0.0, True)[0]
+    inertia = float(lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)[-1])
+    steepness = torque_at(b, scene.bit.weight or 0.0, 0.0) / inertia
+    step = longest_step(scene.solver, scene.output.interval)
+    if steepness * step <= RK4_LIMIT * scene.bit.slip_speed:
+        return []
+    return [
+        Caution(
+            "bit.slip_speed",
+            f"a bit at rest chatters at a step of {step:g} s, and loses energy: take a step of "
+            f"{RK4_LIMIT * scene.bit.slip_speed / steepness:.2g} s, a slip_speed of {steepness * step / RK4_LIMIT:.2g} "
+            "rad/s, or generalized-alpha, whose bit sticks exactly",
         )
     ]

@@ -63,6 +63,9 @@ WARNED = {
     "the block is too fast": (DRILLING.replace("to: 20 m/h", "to: 30 m/h"), "top.block", "goes to 150 kN"),
     "the block rests": (DRILLING.replace("to: 20 m/h", "to: 0 m/h"), "top.block", "goes to 0 N"),
     "a method that rings": (DRILLING.replace("rho_inf: 0.5", "rho_inf: 1"), "solver.rho_inf", "lets go too early"),
+    "an explicit step": (
+        DRILLING.replace("generalized-alpha, rho_inf: 0.5", "rk4"), "bit.slip_speed", "chatters at a step of 0.002 s"
+    ),
     "Newmark": (
         DRILLING.replace("generalized-alpha, rho_inf: 0.5", "newmark"), "solver.method", "lets go too early"
     ),
