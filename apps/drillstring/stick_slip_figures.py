@@ -6,12 +6,13 @@ from math import pi
 from pathlib import Path
 
 import numpy as np
-from matplotlib.patches import Rectangle
 
 from drillstring.stick_slip import NOT_RUN, Map
-from tautline.view.figure import QUIET, SHADE, SHADES, Axes, Figure, axes, label, sample_line, save, styled
+from tautline.view.figure import COLOURS, QUIET, SHADE, SHADES, Axes, Figure, axes, label, sample_line, save, styled
 
 RPM = 2.0 * pi / 60.0
+FRAME = COLOURS[1]
+"""Colour of the frame of a cell whose bit sticks."""
 MOST_NUMBERS = 150
 """Cells up to which each has its number written in it."""
 MOST_SEVERE = 2.0
@@ -67,13 +68,11 @@ def draw(found: Map, title: str, system: str = "si") -> Figure:
     return figure
 
 
-FRAME = "#D55E00"
-
-
 def _frame(plot: Axes, across: np.ndarray, up: np.ndarray) -> None:
-    inside = 0.04 * (across[1] - across[0]), 0.06 * (up[1] - up[0])
-    size = across[1] - across[0] - 2.0 * inside[0], up[1] - up[0] - 2.0 * inside[1]
-    plot.add_patch(Rectangle((across[0] + inside[0], up[0] + inside[1]), *size, fill=False, ec=FRAME, lw=2))
+    """Draw around a cell, a little inside it."""
+    left, right = across + 0.04 * (across[1] - across[0]) * np.array([1.0, -1.0])
+    low, high = up + 0.06 * (up[1] - up[0]) * np.array([1.0, -1.0])
+    plot.plot([left, right, right, left, left], [low, low, high, high, low], color=FRAME, lw=2)
 
 
 def _edges(middles: np.ndarray) -> np.ndarray:

@@ -239,3 +239,25 @@ def test_energy_balances_while_a_bit_drills_sticks_and_slips(method):
     gone = kept - kept[0] + result["dissipated_energy"] - result["external_work"]
     assert np.abs(gone).max() < 2e-3 * result["external_work"].max()
     assert result.headline["rotation_stuck"]["value"] > 0.05
+
+
+def test_a_beam_drills_and_sticks_as_lumps_do():
+    """The bit knows its string by its depth and rotation alone: in both torsion is the same chain."""
+    bit = {"penetration": PENETRATION, "torque": {"static": 8e3, "kinetic": 5e3, "decay": "60 rpm"}}
+    ramp = {"ramp": {"to": 5.0, "over": 1.0}}
+    one, other = (
+        run(
+            drilled(
+                1000.0, 6, ramp, FEED, bit=bit, model__kind=kind, model__bending="stiff", solver__end=6.0,
+                damping={"structural": 2e-3},
+            )
+        )
+        for kind in ("lumped", "ale-ancf")
+    )  # fmt: skip
+    assert other["weight_on_bit"][0] == pytest.approx(WEIGHT, rel=1e-9)
+    spin, peak = one["rotation_rate"][:, -1], one["rotation_rate"][:, -1].max()
+    assert peak > 7.0 and (np.abs(spin) < 1e-5).mean() > 0.1, "it sticks and slips"
+    assert other["rotation_rate"][:, -1] == pytest.approx(spin, abs=0.03 * peak)
+    for name in ("torque_on_bit", "weight_on_bit"):
+        assert other[name] == pytest.approx(one[name], abs=0.05 * np.abs(one[name]).max()), name
+    assert np.ptp(other["hole_depth"]) == pytest.approx(np.ptp(one["hole_depth"]), rel=0.02)
