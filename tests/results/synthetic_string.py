@@ -14,7 +14,7 @@ def course(depth):
     return np.stack([north, np.zeros_like(north), down], axis=-1)
 
 
-def result(path=None, frames=800, bodies=13, turning=False, vertical=False, lag=1.0, energies=True):
+def result(path=None, frames=800, bodies=13, turning=False, vertical=False, lag=1.0, energies=True, drilling=False):
     time = 0.05 * np.arange(frames)
     block = np.sin(2 * np.pi * (time - 5) / 20 + (time - 5) ** 2 / 400)
     block -= block[0]
@@ -41,11 +41,18 @@ def result(path=None, frames=800, bodies=13, turning=False, vertical=False, lag=
         work = kinetic + strain + potential + dissipated + 300 * np.sin(time)
         names = ("kinetic_energy", "strain_energy", "potential_energy", "dissipated_energy", "external_work")
         values |= dict(zip(names, (kinetic, strain, potential, dissipated, work), strict=True))
+    if drilling:
+        # The bit stands for a third of every five seconds, and else turns at up to 24 rad/s; the drive at 12.
+        spin = np.clip(24.0 * np.sin(2 * np.pi * time / 5.0) + 8.0, 0.0, None)
+        values["rotation_rate"] = np.outer(np.full(frames, 12.0), 1 - share) + np.outer(spin, share)
+        values["rotation"] = np.cumsum(values["rotation_rate"], axis=0) * 0.05 + 20.0 * (1 - share)
+        values |= {"weight_on_bit": 1e5 + 2e3 * np.sin(time), "torque_on_bit": 4e3 + 2e3 * np.exp(-spin / 6.0)}
+        values |= {"rate_of_penetration": 5e-4 * spin, "hole_depth": 3770.0 + 5e-3 * time}
     # Lumps go around in the hole, the deeper the wider; the pipe is 0.1 m thick, its lower half 0.15 m, in 0.2 m.
     wide, turn = 0.02 * share, 2 * np.pi * time / 8.0
     values["lateral"] = np.stack([np.outer(np.cos(turn), wide), np.outer(np.sin(turn), wide)], axis=-1)
     axes = {"lateral": ("body", "side"), "position": ("body", "axis"), "tension": ("link",), "torque": ("link",)}
-    axes |= {"measured_depth": ("body",), "contact_force": ("body",)}
+    axes |= {name: ("body",) for name in ("measured_depth", "contact_force", "rotation", "rotation_rate")}
     units = {"hook_load": "N", "tension": "N", "contact_force": "N", "torque": "N m"}
     variables = [
         Variable(name, ("time", *axes.get(name, ())), units.get(name, "m"), name.replace("_", " ")) for name in values

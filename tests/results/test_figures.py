@@ -14,6 +14,9 @@ from drillstring.figures import FIGURES, draw, figures
 from tautline.results.errors import ResultError
 from tautline.view.figure import save, scale
 
+BIT = ("drilling", "phase")
+"""Figures of a bit on the bottom."""
+
 
 @pytest.mark.parametrize(
     "kind",
@@ -25,6 +28,8 @@ from tautline.view.figure import save, scale
         {"bodies": 1},
         {"vertical": True},
         {"frames": 1, "bodies": 1},
+        {"drilling": True},
+        {"drilling": True, "frames": 1},
     ],
     ids=str,
 )
@@ -32,8 +37,9 @@ def test_every_figure_is_drawn_without_a_warning(tmp_path, kind):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         drawn = draw([result(None, **({"frames": 100} | kind))])
-        still = {"waterfall", "loop", "orbit"} if kind.get("frames") == 1 else set()
-        assert drawn.keys() == FIGURES.keys() - still
+        absent = {"waterfall", "loop", "orbit", "phase"} if kind.get("frames") == 1 else set()
+        absent |= set() if "drilling" in kind else set(BIT)
+        assert drawn.keys() == FIGURES.keys() - absent
         check(drawn, tmp_path, pixels=not kind)
 
 
@@ -46,7 +52,7 @@ def test_a_figure_that_a_result_has_nothing_for_says_why(name, why):
 
 
 def test_every_axis_says_its_quantity_and_unit():
-    for figure in draw([result(None, turning=True)]).values():
+    for figure in draw([result(None, turning=True, drilling=True)]).values():
         for plot in figure.axes:
             labels = (plot.get_xlabel(), plot.get_ylabel())
             assert any(labels) and all("[" in text for text in labels if text)
@@ -63,6 +69,16 @@ def test_stuck_phases_of_the_bit_are_shaded():
     assert len(plot.patches) == 5
 
 
+def test_a_drilling_bit_is_drawn_beside_its_drive_and_shaded_where_it_stands():
+    figure = draw([result(None, drilling=True)], ["drilling"])["drilling"]
+    speed, *_, rate = figure.axes
+    assert set(speed.get_legend_handles_labels()[1]) == {"drive", "bit", "bit stuck"}
+    assert len(speed.patches) == 8, "once in five seconds of forty"
+    assert rate.lines[0].get_ydata().max() == pytest.approx(3600.0 * 5e-4 * 32.0, rel=1e-2)
+    both = draw([result(None, drilling=True), result(None, drilling=True, frames=200)], ["phase"])["phase"]
+    assert all("severity" in text for text in both.axes[0].get_legend_handles_labels()[1] if text != "end")
+
+
 def test_several_results_are_overlaid_under_their_names_in_one_overview(tmp_path):
     both = [result(tmp_path / "first.nc"), result(tmp_path / "second.nc", lag=0.3)]
     (figure,) = draw(both).values()
@@ -74,7 +90,7 @@ def test_files_are_named_after_the_result_and_the_figure(tmp_path, monkeypatch):
     one = result(tmp_path / "well.nc", frames=20)
     other = result(tmp_path / "second.nc", frames=20)
     names = [file.name for file in figures([one], tmp_path, (), ("png", "svg"))]
-    assert names == [f"well_{name}.{ending}" for name in FIGURES for ending in ("png", "svg")]
+    assert names == [f"well_{name}.{ending}" for name in FIGURES if name not in BIT for ending in ("png", "svg")]
     assert [file.name for file in figures([one], tmp_path, ("path",), ("pdf",), "mine")] == ["mine.pdf"]
     assert figures([one], tmp_path, ("waterfall:torque",))[0].name == "well_waterfall_torque.png"
     assert (
