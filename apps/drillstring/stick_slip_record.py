@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drillstring.stick_slip import NOT_RUN, NUMBERS, Map
+from drillstring.stick_slip import NOT_RUN, NUMBERS, Cell, Map
 from tautline.cli.summary import quantity, shown, significant
 from tautline.results.errors import ResultError
 from tautline.version import __version__
@@ -29,6 +29,8 @@ NAMES = {
 }  # fmt: skip
 """What a cell's numbers are called in files and JSON."""
 RPM = 2.0 * pi / 60.0
+MOST_COLUMNS = 9
+"""Columns of numbers that a screen has room for."""
 
 
 def whole_record(found: Map) -> dict[str, Any]:
@@ -86,24 +88,32 @@ def write_netcdf(found: Map, attributes: Mapping[str, str], path: Path) -> Path:
     return path
 
 
-def table(found: Map, system: str) -> Table:
-    """Severity at every speed and weight, and the share of time that the bit is stuck where it is."""
+def table(found: Map, system: str) -> Table | None:
+    """Severity at every speed and weight, and the share of time that the bit is stuck where it is.
+
+    Speeds are across where they fit on a screen, else weights; None where neither do.
+    """
     from rich.table import Table
 
+    if min(len(found.speeds), len(found.weights)) > MOST_COLUMNS:
+        return None
     laid_out = Table(box=None, padding=(0, 2, 0, 0), header_style="cyan", title="severity (share of time stuck)")
-    laid_out.add_column("weight on bit", justify="right")
-    for speed in found.speeds:
-        laid_out.add_column(f"{significant(speed / RPM)} rpm", justify="right")
-    for weight, row in zip(found.weights, found.cells, strict=True):
-        words = []
-        for cell in row:
-            if cell.status != "done":
-                words.append("–" if cell.status == NOT_RUN else cell.status)
-            else:
-                stuck = f" ({100.0 * cell.stuck:.0f}\u00a0%)" if cell.sticks else ""
-                words.append(f"{cell.severity:.2f}{stuck}")
-        laid_out.add_row(shown(weight, "N", system), *words)
+    speeds = [f"{significant(speed / RPM)}\u00a0rpm" for speed in found.speeds]
+    weights = [shown(weight, "N", system).replace(" ", "\u00a0") for weight in found.weights]
+    words = [[_word(cell) for cell in row] for row in found.cells]
+    across = len(speeds) <= MOST_COLUMNS
+    laid_out.add_column("weight on bit" if across else "rotary speed", justify="right")
+    for head in speeds if across else weights:
+        laid_out.add_column(head, justify="right")
+    for head, row in zip(*((weights, words) if across else (speeds, zip(*words, strict=True))), strict=True):
+        laid_out.add_row(head, *row)
     return laid_out
+
+
+def _word(cell: Cell) -> str:
+    if cell.status != "done":
+        return "–" if cell.status == NOT_RUN else cell.status
+    return f"{cell.severity:.2f}" + (f" ({100.0 * cell.stuck:.0f}\u00a0%)" if cell.sticks else "")
 
 
 def sentences(found: Map, system: str) -> list[tuple[str, str]]:
@@ -117,7 +127,8 @@ def sentences(found: Map, system: str) -> list[tuple[str, str]]:
         if sticks is None:
             said.append((f"{at}: the bit does not stick from {high} up", "green"))
         elif turns is None:
-            said.append((f"{at}: the bit sticks up to the highest speed, {low}", "yellow"))
+            of = "that was run" if any(cell.status != "done" for cell in row) else "of all"
+            said.append((f"{at}: the bit sticks up to the highest speed {of}, {low}", "yellow"))
         else:
             said.append((f"{at}: sticking ends between {low} and {high}", "yellow"))
     said += [

@@ -144,7 +144,9 @@ def _report(path: Path, scene: DrillstringScene, found: Map, stem: Path, as_json
     from tautline.cli.study import named
 
     title = f"{scene.title or path.stem}: stick-slip"
-    console().print(table(found, scene.units))
+    laid_out = table(found, scene.units)
+    if laid_out is not None:
+        console().print(laid_out)
     files = [
         write_csv(found, named(stem, ".csv")),
         write_netcdf(found, {"scene": str(path), "title": title}, named(stem, ".nc")),

@@ -14,7 +14,7 @@ from drillstring.application import Drillstring
 from drillstring.scene import read
 from drillstring.stick_slip import Cell, Map, stick_slip_map, varied
 from drillstring.stick_slip_figures import draw
-from drillstring.stick_slip_record import sentences
+from drillstring.stick_slip_record import sentences, table
 from drillstring.stick_slip_verbs import parse_range
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
@@ -183,8 +183,9 @@ def cell(speed, stuck=0.0, severity=0.1, status="done"):
     ("cells", "ends", "said"),
     [
         ((cell(60), cell(90)), (None, 60), "100 kN: the bit does not stick from 60 rpm up"),
+        ((cell(60, 0.2), cell(90, status="not run")), (60, None), "the highest speed that was run, 60 rpm"),
         ((cell(60, 0.2, 1.1), cell(90)), (60, 90), "100 kN: sticking ends between 60 rpm and 90 rpm"),
-        ((cell(60), cell(90, 0.2, 1.1)), (90, None), "100 kN: the bit sticks up to the highest speed, 90 rpm"),
+        ((cell(60), cell(90, 0.2, 1.1)), (90, None), "100 kN: the bit sticks up to the highest speed of all, 90 rpm"),
         ((cell(60, 0.2), cell(90), cell(120, 0.1), cell(150)), (120, 150), "between 120 rpm and 150 rpm"),
         ((cell(60, 0.2), cell(90, status="unstable"), cell(120)), (60, 120), "between 60 rpm and 120 rpm"),
     ],
@@ -194,6 +195,16 @@ def test_where_sticking_ends_is_told_above_the_highest_speed_that_sticks(cells, 
     got = [None if x is None else round(x / RPM) for x in found.ends()[0]]
     assert tuple(got) == ends
     assert said in sentences(found, "si")[0][0]
+
+
+def test_the_table_has_the_shorter_side_across_and_gives_way_to_the_files_where_both_are_long():
+    def made(speeds, weights):
+        row = tuple(cell(60 + k, 0.2) for k in range(speeds))
+        return table(Map(tuple(c.speed for c in row), tuple(1e5 + k for k in range(weights)), (row,) * weights), "si")
+
+    assert (len(made(3, 2).columns), made(3, 2).row_count) == (4, 2)
+    assert (len(made(12, 2).columns), made(12, 2).row_count) == (3, 12)
+    assert made(12, 12) is None
 
 
 def test_a_map_of_one_cell_and_one_of_failures_alone_are_drawn():
