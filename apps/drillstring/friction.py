@@ -44,11 +44,11 @@ PROJECTED = np.dtype(
             "static", "kinetic", "mass", "links", "force_a", "force_c", "slip_a", "slip_c", "nx", "ny", "factor", "c",
         )
     ]
-    + [(name, np.int64) for name in ("settled", "status", "dropped", "reversed")]
+    + [(name, np.int64) for name in ("settled", "status", "dropped", "reversed", "forced")]
 )  # fmt: skip
 """Exact Coulomb friction at a contact: static and kinetic factor; lump's mass kg and link stiffness N/m; force N and
 slip m/s at the last accepted step; of the step under way: direction, factor, stiffness c N s/m; then the status settled
-and under way, and whether the factor dropped or the slip reversed in it."""
+and under way, whether the factor dropped or the slip reversed in it, and how often it was forced to stick."""
 
 BANDED = np.dtype(
     [
@@ -99,6 +99,7 @@ def _prepare_projection(law, i, h, beta, gamma, touch, along_rate, around_rate):
     f.factor = f.static if f.settled == STICK else f.kinetic
     f.dropped = 0
     f.reversed = 0
+    f.forced = 0
     f.slip_a = touch.along
     f.slip_c = touch.around
     if gamma > 0.0:
@@ -130,15 +131,18 @@ def _status_projection(law, i, touch, converged):
         if touch.along * f.nx + touch.around * f.ny < 0.0:
             # Never from slip one way straight to slip the other way.
             f.status = FORCED
+            f.forced += 1
             return 1
-    elif size > f.factor * touch.normal:
+    elif size <= f.factor * touch.normal:
+        f.status = STICK
+        return 0
+    elif f.status == STICK or f.forced < 2:
         f.status = SLIP
         f.nx = x / size
         f.ny = y / size
         return 1
-    else:
-        f.status = STICK
-        return 0
+    # A lump that rolls around the hole turns within an iteration, and the slip that this leaves is no sign that it
+    # slips: forced for a second time it sticks until the iteration has converged.
     if size > 0.0:
         f.nx = x / size
         f.ny = y / size
@@ -150,6 +154,15 @@ def _settle_events(law, i, touch):
     """Changes that wait for a converged state, each once a step: the factor drops, or slip has reversed."""
     f = law.rows[i]
     if f.status == FORCED:
+        x = f.c * touch.along - f.force_a
+        y = f.c * touch.around - f.force_c
+        size = sqrt(x * x + y * y)
+        if size <= f.factor * touch.normal:
+            f.status = STICK
+            return 0
+        f.status = SLIP
+        f.nx = x / size
+        f.ny = y / size
         return 1
     if f.status == SLIP:
         if f.settled == STICK and f.dropped == 0:
@@ -161,6 +174,7 @@ def _settle_events(law, i, touch):
             f.reversed = 1
             f.factor = f.static
             f.status = FORCED
+            f.forced += 1
             return 1
     return 0
 

@@ -31,6 +31,11 @@ HALF_STEPS_FROM = 9
 """From this iteration on every third increment is halved: two statuses of a law may chase each other."""
 SAME_STEP = 1.0e-9
 """Relative difference of beta' below which two steps are the same: frame times are rounded."""
+ROUNDED = 8.0 * float(np.finfo(float).eps)
+"""Increments of velocity below so much of the largest are rounding: no iteration can do better."""
+ROUNDING_MOST = 1.0e4
+"""Times the tolerance up to which a residual is put down to rounding. A contact that rolls at speed v, with friction of
+stiffness c, leaves eps c v in the residual, and smaller steps only raise c."""
 
 
 class Corrector(NamedTuple):
@@ -40,7 +45,8 @@ class Corrector(NamedTuple):
     anew. ``tolerance``: with the energy criterion the bound of eq. 2.78 with the energy over ``unit``; with the force
     criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch,
     kept where others do, and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and
-    gamma' that they belong to, zeros where they are out of date.
+    gamma' that they belong to, zeros where they are out of date. ``rounded`` (1,) is 1 after an increment that rounding
+    has made.
     """
 
     tolerance: float
@@ -56,6 +62,7 @@ class Corrector(NamedTuple):
     made_for: np.ndarray
     factored_for: np.ndarray
     changed: np.ndarray
+    rounded: np.ndarray
 
 
 def corrector(
@@ -73,7 +80,7 @@ def corrector(
         float(tolerance), float(contraction), float(unit), bool(by_energy), int(max_iterations), system.scale,
         new_matrix(n, system.bandwidth, system.border), new_factors(n, system.bandwidth, system.border),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
-        np.zeros(2, np.int64),
+        np.zeros(2, np.int64), np.zeros(1, np.int64),
     )  # fmt: skip
 
 
@@ -89,6 +96,7 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
     c = corrector
     changed = c.changed
     changed[1] = 0
+    c.rounded[0] = 0
     previous = energy = np.inf
     if abs(c.factored_for[0] - beta) > SAME_STEP * beta:
         c.factored_for[0] = 0.0
@@ -106,6 +114,7 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
         event = False
         if changed[0] > 0:
             changed[1] = 1
+            c.rounded[0] = 0
             c.factored_for[0] = 0.0
             previous = energy = np.inf
         state.residual.fill(0.0)
@@ -114,12 +123,14 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
         size = _worst(c.increment, c.scale, state.counters)
         if not np.isfinite(size):
             return NOT_FINITE
-        if size <= c.tolerance if not c.by_energy else energy <= c.tolerance:
+        enough = ROUNDING_MOST * c.tolerance if c.rounded[0] == 1 else c.tolerance
+        if size <= enough if not c.by_energy else energy <= c.tolerance:
             changed[0] = 0
             over.switch(groups, t, state.full_q, state.full_v, True, changed)
             if changed[0] == 0:
                 return DONE
             changed[1] = 1
+            c.rounded[0] = 0
             c.factored_for[0] = 0.0
             previous = energy = np.inf
             event = True
@@ -165,13 +176,16 @@ def _step(c, state, beta, gamma, fraction):
     """Solve for the increment and add it; returns the energy error of eq. 2.78."""
     copy(c.increment, c.right_side)
     solve_matrix(c.factors, c.increment)
-    energy = 0.0
+    energy = fastest = largest = 0.0
     for i in range(state.q.size):
         step = -fraction * c.increment[i]
         energy += c.right_side[i] * c.increment[i]
+        fastest = max(fastest, abs(state.v[i]))
+        largest = max(largest, gamma * abs(step))
         state.q[i] += step
         state.v[i] += gamma * step
         state.a[i] += beta * step
+    c.rounded[0] = 1 if largest <= ROUNDED * fastest else 0
     return np.sqrt(abs(energy) / c.unit)
 
 
