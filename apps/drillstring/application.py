@@ -18,12 +18,13 @@ class Drillstring(Packaged):
     @property
     def verbs(self) -> Sequence[Callable[..., None]]:
         """Commands that other applications do not have."""
+        from drillstring.campbell_verbs import campbell
         from drillstring.form_verbs import form
         from drillstring.stick_slip_verbs import stick_slip
         from drillstring.torque_verbs import torque_drag
         from drillstring.tubular_verbs import tubulars
 
-        return (form, torque_drag, stick_slip, tubulars)
+        return (form, torque_drag, campbell, stick_slip, tubulars)
 
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with a well or a string is a drill string."""
