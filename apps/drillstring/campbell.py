@@ -151,12 +151,12 @@ class _Linear:
                 normal[s.body] = np.maximum(0.0, s.stiffness * gap)
         return cls(mesh, well, lumps, model.system, state, normal)
 
-    def matrices(self, rows: np.ndarray, clamped: int = 0) -> tuple[np.ndarray, csc_array]:
+    def matrices(self, rows: np.ndarray, fixed: np.ndarray | None = None) -> tuple[np.ndarray, csc_array]:
         """Diagonal of the mass and stiffness of some full degrees of freedom, all others held.
 
-        At a lump that is clamped only the half of the bend that is below it gives way.
+        ``fixed`` (n + 1,) says which lumps are held sideways.
         """
-        system = self.system if clamped == 0 else _clamped(self.system, self.lumps, clamped)
+        system = self.system if fixed is None else _clamped(self.system, self.lumps, fixed)
         number = system.dofs.number[rows]
         parts = []
         for part in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)):
@@ -171,12 +171,20 @@ class _Linear:
         return rows[self.system.dofs.number[rows] >= 0]
 
 
-def _clamped(system: System, lumps: Lumps, at: int) -> System:
+def _clamped(system: System, lumps: Lumps, fixed: np.ndarray) -> System:
+    """Where links that are held end, only that half of a bend gives way which belongs to the link that is free.
+
+    With the whole bend a clamped end would err by the first order of a link's length.
+    """
     groups = []
     for group in system.groups:
         if isinstance(group, Bends):
-            stiffness, tube = group.stiffness.copy(), lumps.tubes[lumps.section[at]]
-            stiffness[at - 1] = tube.youngs_modulus * tube.second_moment / (0.5 * lumps.length[at])
+            rigidity = lumps.of_links(lambda tube: tube.youngs_modulus * tube.second_moment)
+            above, here, below = fixed[:-2], fixed[1:-1], fixed[2:]
+            stiffness = group.stiffness.copy()
+            for held, link in ((above & ~below, slice(1, None)), (below & ~above, slice(None, -1))):
+                half = (rigidity / (0.5 * lumps.length))[link]
+                stiffness[held & here] = half[held & here]
             group = group._replace(stiffness=stiffness)
         groups.append(group)
     return replace(system, groups=tuple(groups), linked={})
@@ -273,11 +281,11 @@ def _upper_end(linear: _Linear, lowest: float) -> int:
 def _lateral_modes(linear: _Linear, at: int, highest: float, held: frozenset[str]) -> list[Mode]:
     """Modes below a lump, which is held with all above it; motion along the hole goes with them."""
     lumps = np.arange(at + 1, linear.lumps.length.size + 1)
-    fixed = [i for i in lumps if _sections_of(linear.lumps, i) & held]
-    along = linear.free(lumps, (X,))
-    across = linear.free(np.setdiff1d(lumps, fixed), (U, V))
+    every = np.arange(linear.lumps.length.size + 1)
+    fixed = np.array([i <= at or bool(_sections_of(linear.lumps, i) & held) for i in every])
+    along, across = linear.free(lumps, (X,)), linear.free(every[~fixed], (U, V))
     rows = np.sort(np.concatenate([along, across]))
-    mass, stiffness = linear.matrices(rows, at)
+    mass, stiffness = linear.matrices(rows, fixed)
     frequency, vectors = modes_below(mass, stiffness, highest)
     full = np.zeros((linear.lumps.length.size + 1, PER_BODY, frequency.size))
     full.reshape(-1, frequency.size)[rows] = vectors

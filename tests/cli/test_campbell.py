@@ -1,0 +1,120 @@
+"""The verb `campbell`: table, figure, CSV, JSON contract, exit codes and refusals."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cli.in_process import commands_of, files, only_object
+
+from drillstring.application import Drillstring
+
+DATA = Path(__file__).parents[2] / "data"
+KEYS = {
+    "speed",
+    "orders",
+    "up_to",
+    "part",
+    "supports",
+    "links",
+    "modes",
+    "critical",
+    "scene",
+    "status",
+    "figure",
+    "csv",
+}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("field_well", "hanging", "iscwsa_reference"):
+        for path in DATA.glob(f"{name}.*"):
+            Path(path.name).write_text(path.read_text(encoding="utf8"), encoding="utf8")
+    return tmp_path
+
+
+@pytest.fixture
+def drillstring(folder, capsys):
+    return commands_of(Drillstring(), capsys)
+
+
+def test_campbell_with_json_is_one_object_of_the_contract_in_si(drillstring):
+    code, out, err = drillstring("campbell", "field_well.yaml", "--modes", "lateral,torsional", "--json")
+    report = only_object(out)
+    assert code == 0 and report.keys() == KEYS and report["status"] == "done"
+    assert report["speed"] == pytest.approx([0.0, 200.0 * 2.0 * np.pi / 60.0])
+    assert report["up_to"] == pytest.approx(10.0) and report["orders"] == [1.0, 2.0, 3.0]
+    assert {mode["kind"] for mode in report["modes"]} == {"lateral", "torsional"}
+    for mode in report["modes"]:
+        assert len(mode["shape"]) == len(mode["measured_depth"]) and np.abs(mode["shape"]).max() == pytest.approx(1.0)
+    for one in report["critical"]:
+        frequency = report["modes"][one["mode"]]["frequency"]
+        assert one["order"] * one["speed"] == pytest.approx(2.0 * np.pi * frequency)
+    assert "stabiliser on the wall" in err and "wrote field_well_campbell.png" in err
+    assert Path("field_well_campbell.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_campbell_prints_a_row_for_each_mode_and_writes_nothing_to_standard_output(drillstring):
+    code, out, err = drillstring(
+        "campbell", "hanging.yaml", "--modes", "torsional,axial", "--blades", "5", "-o", "d.svg", "--csv", "modes.csv"
+    )
+    assert (code, out) == (0, "")
+    heads, first, *_ = (line for line in err.splitlines() if line.strip())
+    assert heads.split() == [
+        "motion",
+        "Hz",
+        "error",
+        "most",
+        "at",
+        "[m]",
+        "1x",
+        "rpm",
+        "2x",
+        "rpm",
+        "3x",
+        "rpm",
+        "5x",
+        "rpm",
+    ]
+    assert first.split()[:2] == ["T1", "torsional"]
+    assert "<svg" in Path("d.svg").read_text(encoding="utf8") and not Path("hanging_campbell.png").exists()
+    with Path("modes.csv").open(encoding="utf8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["kind"] for row in rows} == {"torsional", "axial"}
+    for row in rows:
+        assert 5.0 * float(row["5x [rpm]"]) / 60.0 == pytest.approx(float(row["frequency [Hz]"]))
+
+
+def test_units_of_the_field_are_printed_where_the_scene_asks_for_them(drillstring):
+    _, _, err = drillstring("campbell", "field_well.yaml", "--speed", "60 rpm:180 rpm", "--hold", "stabiliser,bit")
+    assert "most at [ft]" in err and "stabiliser held" in err and "bit held on the axis" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["missing.yaml"], "there is no such file"),
+        (["hanging.yaml", "--speed", "100"], "--speed 100: needs two numbers"),
+        (["hanging.yaml", "--speed", "200:100"], "does not end above where it begins"),
+        (["hanging.yaml", "--speed", "0:fast"], "--speed 0:fast"),
+        (["hanging.yaml", "--speed", "0:5000"], "goes beyond 1000 rpm"),
+        (["hanging.yaml", "--modes", "sideways"], "is not one of lateral, torsional, axial"),
+        (["hanging.yaml", "--orders", "0"], "is no multiple of the rotary speed"),
+        (["hanging.yaml", "--orders", "two"], "is no multiple of the rotary speed"),
+        (["hanging.yaml", "--from", "1000"], "leaves nothing of the string"),
+        (["hanging.yaml", "--hold", "collars"], "is not one of drill pipe"),
+        (["hanging.yaml", "--up-to", "150"], "links for bending waves of 150 Hz"),
+        (["hanging.yaml", "--up-to", "0"], "--up-to"),
+        (["hanging.yaml", "-o", "d.xyz"], "is no format of figures"),
+        (["hanging.yaml", "--csv", "nowhere/t.csv"], "there is no folder nowhere"),
+        (["hanging.yaml", "--blades", "0"], "--blades"),
+    ],
+)
+def test_bad_input_exits_with_2_names_the_fault_and_writes_nothing(drillstring, folder, arguments, said):
+    before = files(folder)
+    code, out, err = drillstring("campbell", *arguments)
+    assert (code, out) == (2, "")
+    assert said in " ".join(err.split()) and "Traceback" not in err
+    assert files(folder) == before
