@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.build import tubes_of, well_of
-from drillstring.lumped_string import fluid_of, lateral_mass
-from drillstring.scene import DrillstringScene
-from drillstring.string import Tube, cut
+from drillstring.fluid import fluid_of, mass_beside
+from drillstring.scene import LUMPED, DrillstringScene
+from drillstring.string import Tube
 from tautline.scene.errors import Problem, SceneError
 
 LONGEST_STABILISER = 15.0
@@ -121,8 +121,7 @@ def fine(scene: DrillstringScene, top: float, frequency: float) -> Cut:
         if i < first:
             counts.append(max(LEAST_LINKS, ceil(tube.length / COARSE)))
             continue
-        mass = tube.mass_per_length
-        mass += float(lateral_mass(cut([tube], 1), fluid, scene.well.diameter).sum()) / tube.length
+        mass = tube.mass_per_length + mass_beside(fluid, tube, scene.well.diameter)
         wave = 2.0 * pi / wave_number(tube, mass, push, frequency)
         counts.append(max(LEAST_LINKS, ceil(PER_WAVE * tube.length / wave)))
     _check(scene, 2 * sum(counts[first:]) + sum(counts[:first]), f" for bending waves of {frequency:.3g} Hz")
@@ -152,5 +151,5 @@ def _parted(scene: DrillstringScene, depth: float) -> DrillstringScene:
 def _meshed(scene: DrillstringScene, counts: tuple[int, ...]) -> DrillstringScene:
     pairs = zip(scene.string, counts, strict=True)
     string = tuple(section.model_copy(update={"elements": count}) for section, count in pairs)
-    model = scene.model.model_copy(update={"elements": sum(counts)})
+    model = scene.model.model_copy(update={"elements": sum(counts), "kind": LUMPED})
     return scene.model_copy(update={"string": string, "model": model})

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.campbell import KINDS, Campbell, Mode
+from drillstring.campbell import Campbell
 from drillstring.campbell_summary import RPM, name_of, names_of
+from drillstring.natural_modes import KINDS, Mode
 from drillstring.torque_summary import column_unit
 from tautline.view.figure import COLOURS, QUIET, Axes, Figure, axes, colour, label, outline, sample_line, styled
 

@@ -12,7 +12,8 @@ from tautline.cli.summary import shown, significant
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from drillstring.campbell import Campbell, Mode
+    from drillstring.campbell import Campbell
+    from drillstring.natural_modes import Mode
 
 RPM = 2.0 * pi / 60.0
 MOST_ROWS, MOST_SUPPORTS = 8, 8

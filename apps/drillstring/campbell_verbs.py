@@ -82,8 +82,8 @@ def campbell(
     as_json: Json = False,
 ) -> None:
     """Find natural frequencies of the assembly between its contact points, and the rotary speeds that excite them."""
-    from drillstring.campbell import KINDS
     from drillstring.campbell import campbell as compute
+    from drillstring.natural_modes import KINDS
     from drillstring.scene import read
     from tautline.cli.lists import number, one_of, words
 
