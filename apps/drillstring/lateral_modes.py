@@ -67,7 +67,7 @@ def _lateral_modes(linear: StringAtRest, at: int, highest: float, held: frozense
     """Modes below a lump, which is held with all above it; motion along the hole goes with them."""
     lumps = np.arange(at + 1, linear.lumps.length.size + 1)
     every = np.arange(linear.lumps.length.size + 1)
-    fixed = np.array([i <= at or bool(_sections_of(linear.lumps, i) & held) for i in every])
+    fixed = np.array([i <= at or bool(_sections_of(linear.lumps, int(i)) & held) for i in every])
     along, across = linear.free(lumps, (X,)), linear.free(every[~fixed], (U, V))
     rows = np.sort(np.concatenate([along, across]))
     mass, stiffness = linear.matrices(rows, fixed)

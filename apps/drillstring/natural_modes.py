@@ -89,7 +89,6 @@ def with_errors(modes: list[Mode], rough: list[Mode]) -> list[Mode]:
     """
     found = []
     for mode in modes:
-        like = [one.frequency for one in rough if one.plane == mode.plane]
-        nearest = min(like, key=lambda f, own=mode.frequency: abs(f - own), default=np.nan)
-        found.append(mode._replace(error=abs(nearest - mode.frequency) / 3.0))
+        off = [abs(one.frequency - mode.frequency) for one in rough if one.plane == mode.plane]
+        found.append(mode._replace(error=min(off, default=np.nan) / 3.0))
     return found
