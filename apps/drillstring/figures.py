@@ -12,6 +12,8 @@ import numpy as np
 
 from drillstring.drilling_figures import drilling, phase
 from drillstring.observe import STUCK
+from drillstring.whirl import turns, whirl_of
+from drillstring.whirl_figures import lump_of, whirl
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.view.comparison import NothingToShow, marker, names, over_time, title
@@ -203,8 +205,11 @@ def loop(results: Sequence[Result]) -> Figure:
 
 
 @styled
-def orbit(results: Sequence[Result]) -> Figure:
-    """Ways of lumps across the hole, inside the circle that its wall leaves them: those that move most, and the bit."""
+def orbit(results: Sequence[Result], named: str = "") -> Figure:
+    """Ways of lumps across the hole, inside the circle that its wall leaves them: those that move most, and the bit.
+
+    Or those that are named, between commas.
+    """
     (result,) = results
     offset = result["lateral"] if "lateral" in result else np.zeros((1, 1, 2))
     motion = np.ptp(offset, axis=0).max(axis=-1)
@@ -213,10 +218,12 @@ def orbit(results: Sequence[Result]) -> Figure:
     least = max(LEAST_ORBIT, LEAST_SHARE * float(motion.max()))
     busiest = [int(k) for k in np.argsort(-motion) if motion[k] >= least][: MOST_ORBITS - 1]
     chosen = sorted({*busiest, offset.shape[1] - 1})
+    if named:
+        chosen = list(dict.fromkeys(lump_of(result, name) for name in named.split(",")))[:MOST_ORBITS]
     depth = result["measured_depth"].mean(axis=0)
     room = result["clearance"] if "clearance" in result else None
     rows = -(-len(chosen) // 3)
-    figure, plots = axes(rows, min(len(chosen), 3), 3.3 * min(len(chosen), 3) + 0.6, 3.4 * rows + 0.9, title(results))
+    figure, plots = axes(rows, min(len(chosen), 3), 3.3 * min(len(chosen), 3) + 0.6, 3.7 * rows + 0.9, title(results))
     turn = np.linspace(0.0, 2.0 * np.pi, 121)
     for number, (plot, k) in enumerate(zip(plots.flat, chosen, strict=False)):
         east, north = 1e3 * offset[:, k, 1], 1e3 * offset[:, k, 0]
@@ -230,7 +237,7 @@ def orbit(results: Sequence[Result]) -> Figure:
         plot.plot(east[-1], north[-1], color=COLOURS[1], marker="o", ms=5, ls="", label="end")
         equal_scale(plot, across, up, 1e-3)
         words = "bit" if k == offset.shape[1] - 1 else f"lump {k}"
-        plot.set_title(f"{words}, {depth[k]:.0f} m", fontsize=10)
+        plot.set_title(f"{words}, {depth[k]:.0f} m{_whirls(result, k)}", fontsize=10)
         plot.set_xlabel(label("offset along m2", "mm"))
         if number % 3 == 0:
             plot.set_ylabel(label("offset along m1", "mm"))
@@ -238,6 +245,14 @@ def orbit(results: Sequence[Result]) -> Figure:
         plot.remove()
     figure.legend(*plots[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
+
+
+def _whirls(result: Result, lump: int) -> str:
+    """The whirl ratio of a lump at the end, where the string turns."""
+    if not {"rotation_rate", "velocity"} <= result.variables.keys() or not turns(result):
+        return ""
+    ratio = whirl_of(result, lump).ratio()
+    return f", whirl {ratio:+.2g}" if np.isfinite(ratio) else ""
 
 
 def waterfall(results: Sequence[Result], name: str = "tension") -> Figure:
@@ -262,7 +277,8 @@ DRAWINGS: Mapping[str, Drawing] = {
     "drilling": Drawing("rotary speeds, torques, weight on bit and rate against time", drilling, compared=True),
     "phase": Drawing("rotary speed of the bit against the twist of the string", phase),
     "loop": Drawing("bit and hook load against the block", loop),
-    "orbit": Drawing("ways of lumps across the hole, inside its wall", orbit, False),
+    "orbit": Drawing("ways of lumps across the hole, inside its wall; orbit:7,bit others", orbit, False, takes=True),
+    "whirl": Drawing("orbit, whirl rate and spectra of a lump; whirl:7 another", whirl, False, takes=True),
     "path": Drawing("vertical section and plan", path, False),
     "energy": energies("work of the top"),
 }

@@ -10,6 +10,7 @@ from drillstring.drilling import drilling_figures, observed_at_ends
 from drillstring.end_groups import numbers_of_ends
 from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
+from drillstring.whirl import whirl_figures
 from tautline.lumped.curve import PER_BODY
 from tautline.results.variable import Variable
 
@@ -219,4 +220,6 @@ def headline(result: Any, lumps: Lumps) -> dict[str, dict[str, Any]]:
         figures["surface_torque_end"] = (torque[-1], "N m", "surface torque at the end")
     if "weight_on_bit" in result:
         figures |= drilling_figures(result)
+    if any(tube.eccentricity != (0.0, 0.0) for tube in lumps.tubes):
+        figures |= whirl_figures(result)
     return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

@@ -19,6 +19,8 @@ from physics.strings import COLLAR, area, mass_per_length, run, straight_hole
 from physics.strings import E as YOUNG
 from scipy.optimize import brentq
 
+from drillstring.whirl import busiest, whirl_of
+
 MUD, HOLE, LENGTH, OFF, ZETA = 1200.0, 0.2032, 10.0, 2e-3, 0.1
 LINK, RADIUS, CLEARANCE = LENGTH / 2, COLLAR[0] / 2, (HOLE - COLLAR[0]) / 2
 WALL, SOFT = 1e9, 1e8
@@ -234,6 +236,28 @@ def test_the_rotary_keeps_a_lump_rolling_by_the_work_that_its_damping_takes():
         power = (result[energy][last] - result[energy][first]) / spent
         assert power == pytest.approx(damping(zeta) * (r * rate) ** 2, rel=1e-2)
     assert damping(zeta) < 0.8 * MASS * rate
+
+
+# -- what is told of it
+
+
+def test_the_whirl_ratio_of_a_run_is_that_of_its_circle_and_frames_far_apart_do_not_deceive_it():
+    # from positions alone, a frame every 50 ms would see the lump, which goes 8.6 times a second, go the other way
+    slow = run(level(0.8, 4 * pi, output__interval=0.05))
+    one = whirl_of(slow, busiest(slow))
+    assert one.lump == 1 and one.rolling == pytest.approx(-COLLAR[0] / (HOLE - COLLAR[0]))
+    assert one.ratio() == pytest.approx(-RADIUS / rolling(4 * pi), rel=2e-3)
+    assert one.rate()[-1] == pytest.approx(one.ratio() * 4 * pi, rel=2e-2)
+
+
+def test_headline_figures_of_an_unbalanced_string_tell_offset_whirl_ratio_and_acceleration():
+    result = run(span(2.0 * CRITICAL))
+    told = result.headline
+    size = abs(steady(result))
+    assert told["whirl_ratio"]["value"] == pytest.approx(1.0, abs=2e-3)
+    assert told["lateral_offset_max"]["value"] == pytest.approx(np.abs(way(result)[0]).max())
+    assert told["lateral_acceleration_max"]["value"] >= 0.99 * size * (2.0 * CRITICAL) ** 2
+    assert "whirl_ratio" not in run(level(0.4, solver__end=0.5)).headline, "nothing is eccentric"
 
 
 # -- either way

@@ -51,8 +51,15 @@ def result(path=None, frames=800, bodies=13, turning=False, vertical=False, lag=
     # Lumps go around in the hole, the deeper the wider; the pipe is 0.1 m thick, its lower half 0.15 m, in 0.2 m.
     wide, turn = 0.02 * share, 2 * np.pi * time / 8.0
     values["lateral"] = np.stack([np.outer(np.cos(turn), wide), np.outer(np.sin(turn), wide)], axis=-1)
+    if turning:
+        # Half as fast again as the lumps go around: a forward whirl of two thirds.
+        values["rotation_rate"] = np.full_like(depth, 2 * np.pi / 8.0 * 1.5)
+        side, along = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+        swing = 2 * np.pi / 8.0 * np.stack([-values["lateral"][..., 1], values["lateral"][..., 0]], axis=-1)
+        values["velocity"] = swing[..., :1] * side + swing[..., 1:] * np.cross(along, side)
     axes = {"lateral": ("body", "side"), "position": ("body", "axis"), "tension": ("link",), "torque": ("link",)}
     axes |= {name: ("body",) for name in ("measured_depth", "contact_force", "rotation", "rotation_rate")}
+    axes |= {"velocity": ("body", "axis")}
     units = {"hook_load": "N", "tension": "N", "contact_force": "N", "torque": "N m"}
     variables = [
         Variable(name, ("time", *axes.get(name, ())), units.get(name, "m"), name.replace("_", " ")) for name in values
@@ -68,6 +75,11 @@ def result(path=None, frames=800, bodies=13, turning=False, vertical=False, lag=
         coordinates["clearance"] = ("body", 0.5 * (0.2 - thicker), "m", "room of the lump's axis")
         coordinates["hole_diameter"] = ("station", np.full(200, 0.2), "m", "diameter of the hole")
         coordinates["well_depth"] = ("station", depths, "m", "measured depth of the well path")
+        if turning:
+            # The frame of a straight hole, whatever the course: what goes around in it is what is looked at.
+            along = np.tile([0.0, 0.0, 1.0], (200, 1))
+            coordinates["well_direction"] = (("station", "axis"), along, "", "unit vector down the hole")
+            coordinates["well_side"] = (("station", "axis"), along[:, [2, 0, 1]], "", "unit vector m1")
     described = {"scene": "title: J-well", "title": "J-well under heave", "application": "drillstring"}
     with Store(path, variables, coordinates, described) as store:
         store.append(values)

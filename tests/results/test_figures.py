@@ -11,6 +11,7 @@ from synthetic_hose import result as hose
 from synthetic_string import result
 
 from drillstring.figures import FIGURES, draw, figures
+from drillstring.whirl_figures import full_spectra
 from tautline.results.errors import ResultError
 from tautline.view.figure import save, scale
 
@@ -39,12 +40,19 @@ def test_every_figure_is_drawn_without_a_warning(tmp_path, kind):
         drawn = draw([result(None, **({"frames": 100} | kind))])
         absent = {"waterfall", "loop", "orbit", "phase"} if kind.get("frames") == 1 else set()
         absent |= set() if "drilling" in kind else set(BIT)
+        absent |= set() if kind.get("turning") else {"whirl"}
         assert drawn.keys() == FIGURES.keys() - absent
         check(drawn, tmp_path, pixels=not kind)
 
 
 @pytest.mark.parametrize(
-    ("name", "why"), [("waterfall", "one frame"), ("loop", "block that rests"), ("orbit", "no motion across the hole")]
+    ("name", "why"),
+    [
+        ("waterfall", "one frame"),
+        ("loop", "block that rests"),
+        ("orbit", "no motion across the hole"),
+        ("whirl", "no history of motion"),
+    ],
 )
 def test_a_figure_that_a_result_has_nothing_for_says_why(name, why):
     with pytest.raises(ResultError, match=why):
@@ -90,7 +98,8 @@ def test_files_are_named_after_the_result_and_the_figure(tmp_path, monkeypatch):
     one = result(tmp_path / "well.nc", frames=20)
     other = result(tmp_path / "second.nc", frames=20)
     names = [file.name for file in figures([one], tmp_path, (), ("png", "svg"))]
-    assert names == [f"well_{name}.{ending}" for name in FIGURES if name not in BIT for ending in ("png", "svg")]
+    drawn = [name for name in FIGURES if name not in {*BIT, "whirl"}]
+    assert names == [f"well_{name}.{ending}" for name in drawn for ending in ("png", "svg")]
     assert [file.name for file in figures([one], tmp_path, ("path",), ("pdf",), "mine")] == ["mine.pdf"]
     assert figures([one], tmp_path, ("waterfall:torque",))[0].name == "well_waterfall_torque.png"
     assert (
@@ -171,6 +180,42 @@ def test_orbits_are_those_of_the_lumps_that_move_most_inside_the_clearance_of_th
     np.testing.assert_allclose(way.get_xdata(), 1e3 * run["lateral"][:, 8, 1])
     np.testing.assert_allclose(way.get_ydata(), 1e3 * run["lateral"][:, 8, 0])
     assert plots[0].get_aspect() == 1.0
+
+
+def test_orbits_of_lumps_that_are_named_tell_how_they_whirl():
+    run = result(None, frames=200, turning=True)
+    plots = draw([run], ["orbit:3,bit"])["orbit_3_bit"].axes
+    assert [plot.get_title(loc="left").split(", ")[::2] for plot in plots] == [
+        ["lump 3", "whirl +0.67"],
+        ["bit", "whirl +0.67"],
+    ]
+    with pytest.raises(ResultError, match=r"there is no lump '99'.*from 0 to 12, or bit"):
+        draw([run], ["orbit:99"])
+
+
+def test_the_figure_of_whirl_shows_rate_offset_and_spectra_of_the_lump_that_moves_most():
+    run = result(None, frames=800, turning=True)
+    plots = draw([run], ["whirl"])["whirl"].axes
+    orbit, rate, offset, spectra = plots[0], plots[1], plots[2], plots[3]
+    np.testing.assert_allclose(rate.get_lines()[0].get_ydata(), 1.0 / 8.0, rtol=1e-3)
+    np.testing.assert_allclose(rate.get_lines()[1].get_ydata(), 1.5 / 8.0)
+    assert "+0.667" in rate.get_title(loc="left")
+    np.testing.assert_allclose(offset.get_lines()[0].get_ydata(), 20.0, rtol=1e-6)
+    low, high = spectra.get_ylim()
+    assert low == -high and orbit.get_aspect() == 1.0
+    other = draw([run], ["whirl:6"])["whirl_6"].axes
+    assert other[2].get_lines()[0].get_ydata().max() < 20.0
+
+
+def test_a_circle_shows_in_full_spectra_with_its_radius_on_the_side_to_which_it_goes_around():
+    time = 0.01 * np.arange(2000)
+    for turn in (3.0, -3.0):
+        middle, frequency, amplitude = full_spectra(time, 0.02 * np.exp(2j * np.pi * turn * time))
+        assert time[0] < middle[0] < middle[-1] < time[-1]
+        place = amplitude.argmax(axis=0)
+        np.testing.assert_allclose(frequency[place], turn, atol=0.5 * (frequency[1] - frequency[0]))
+        np.testing.assert_allclose(amplitude.max(axis=0), 0.02, rtol=0.05)
+    assert full_spectra(time[:20], np.ones(20))[0].size == 0
 
 
 def test_an_orbit_has_no_circle_where_the_result_knows_no_hole():

@@ -83,6 +83,23 @@ def level(case):
     return check
 
 
+def whirl(report, result):
+    # the critical speed lies between that of a span pinned and that of one clamped at the stabilisers, under 30 kN and
+    # less of compression; the unbalance leads all the way, and above it the offset falls to the order of the unbalance
+    span, od, bore, hole, mud = 18.0, 6.5 * 0.0254, 2.8125 * 0.0254, 8.5 * 0.0254, 1200.0
+    rigidity = 206e9 * np.pi / 64 * (od**4 - bore**4)
+    annular = (hole**2 + od**2) / (hole**2 - od**2)
+    mass = np.pi / 4 * (7850.0 * (od**2 - bore**2) + mud * (annular * od**2 + bore**2))
+    pinned = (np.pi / span) ** 2 * np.sqrt(rigidity / mass) * np.sqrt(1 - 30e3 / (rigidity * (np.pi / span) ** 2))
+    clamped = (4.73004 / span) ** 2 * np.sqrt(rigidity / mass)
+    offset = np.hypot(*result["lateral"][:, 8].T)
+    peak = result["rotation_rate"][offset.argmax(), 0]
+    assert pinned < peak < clamped and offset.max() > 5.0 * 1.5e-3
+    assert report["lateral_offset_max"] == pytest.approx(offset.max())
+    assert report["whirl_ratio"] == pytest.approx(1.0, abs=0.02)
+    assert offset[-100:].max() < 1.2 * 1.5e-3
+
+
 def cantilever_bar(report, result):
     # the semidiscrete bar with Green strain, integrated apart (DOP853), over the first 20 s
     exact = cables.hammer_green(np.asarray(result["time"]))
@@ -139,6 +156,7 @@ def sixteen_falls(report, result):
 
 
 CLAIMS = {"jwell": jwell, "iscwsa": iscwsa, "hanging": hanging, "field_well": field_well, "drilling": drilling}
+CLAIMS |= {"whirl": whirl}
 CLAIMS |= {f"configuration_{case.lower()}": level(case) for case in "ABC"}
 CLAIMS |= {"cantilever_bar": cantilever_bar, "reeled_span": reeled_span}
 CLAIMS |= {"hoist": hoist, "hookblock": hookblock, "landing": landing, "slewing": slewing}
