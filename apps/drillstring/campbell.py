@@ -33,7 +33,10 @@ class Critical(NamedTuple):
 
 @dataclass(frozen=True)
 class Campbell:
-    """What a Campbell diagram shows; speeds rad/s, frequencies Hz, depths m; links of the finer mesh by kind."""
+    """What a Campbell diagram shows; speeds rad/s, frequencies Hz, depths m; links of the finer mesh by kind.
+
+    ``loose`` are stabilisers that neither touch the wall nor are held.
+    """
 
     modes: list[Mode]
     supports: list[Support]
@@ -43,6 +46,7 @@ class Campbell:
     orders: tuple[float, ...]
     up_to: float
     links: dict[str, int]
+    loose: tuple[str, ...] = ()
 
     @property
     def critical(self) -> list[Critical]:
@@ -112,7 +116,10 @@ def campbell(
         if kind in kinds:
             found, links[kind] = _of_a_rod(scene, kind, highest)
             modes += found
-    return Campbell(modes, supports, upper, bottom, speeds, orders, highest, links)
+    names = [scene.string[i].name for i in bha.stabilisers_of(scene)] if supports and scene.well.wall else []
+    holding = {support.section for support in supports[1:]}
+    loose = tuple(name for name in dict.fromkeys(names) if name not in holding)
+    return Campbell(modes, supports, upper, bottom, speeds, orders, highest, links, loose)
 
 
 def _of_a_rod(scene: DrillstringScene, kind: str, highest: float) -> tuple[list[Mode], int]:

@@ -91,6 +91,9 @@ def sentences(found: Campbell, system: str = "si") -> list[tuple[str, str]]:
     said: list[tuple[str, str]] = []
     if found.supports:
         said += [(text, "") for text in _held(found, system)]
+    if found.loose:
+        text = f"{', '.join(found.loose)}: clear of the wall as the string rests, so it holds nothing"
+        said.append((f"{text}; --hold '{','.join(found.loose)}' holds it", "yellow"))
     if found.unstable:
         text = f"{len(found.unstable)} of the modes grow: the string is not stable as it rests, it buckles"
         said.append((f"{text}; take weight off the bit, or support it", "red"))

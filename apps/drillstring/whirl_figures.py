@@ -19,7 +19,7 @@ LEAST_MOTION = 1e-7
 """Motion across the hole below which there is no whirl to show, m."""
 WINDOWS, SHORTEST, LONGEST = 12, 32, 512
 """Windows that a run is cut into for its spectra, and the least and most frames of one."""
-FAINT = 1e-3
+FAINT = 4e-3
 """Share of the largest amplitude below which spectra are blank."""
 SEEN = 0.02
 """Share of the largest amplitude that frequencies must have to be within the picture."""
@@ -113,7 +113,7 @@ def _offset(plot: Axes, one: Whirl) -> None:
     plot.plot(one.time, 1e3 * np.abs(one.offset), color=COLOURS[0], lw=1.0)
     if one.room is not None:
         plot.axhline(1e3 * one.room, color="black", lw=1.0)
-    plot.set_ylim(bottom=0.0)
+    plot.set_ylim(0.0, 1.1e3 * max(float(np.abs(one.offset).max()), one.room or 0.0))
     plot.set_xlim(one.time[0], one.time[-1])
     plot.set_xlabel(label("time", "s"))
     plot.set_ylabel(label("offset from the axis", "mm"))
