@@ -15,6 +15,8 @@ DENSE = 1500
 """Unknowns up to which all modes are found by dense algebra."""
 BATCH = 40
 """Modes that are asked for at a time where there are more unknowns."""
+RIGID = 4.0 * float(np.finfo(float).eps)
+"""Share of the largest squared frequency below which one is rounding."""
 
 
 class Mode(NamedTuple):
@@ -48,7 +50,7 @@ class Mode(NamedTuple):
 
 
 def modes_below(mass: np.ndarray, stiffness: csc_array, highest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Modes of K x = omega^2 M x up to a frequency, Hz.
+    """Modes of K x = omega^2 M x up to a frequency, Hz; what moves as a whole, without a spring, is no vibration.
 
     Parameters
     ----------
@@ -79,6 +81,8 @@ def modes_below(mass: np.ndarray, stiffness: csc_array, highest: float) -> tuple
         order = np.argsort(square)
         order = order[square[order] <= limit]
         square, vectors = square[order], vectors[:, order]
+    swings = np.abs(square) > RIGID * float(np.abs(scaled.diagonal()).max(initial=0.0))
+    square, vectors = square[swings], vectors[:, swings]
     return np.sign(square) * np.sqrt(np.abs(square)) / (2.0 * pi), root[:, None] * vectors
 
 

@@ -131,6 +131,19 @@ def test_torsional_and_axial_modes_of_a_stepped_string_are_the_exact_ones():
         check(modes, exact(rods.TABLE_2_3, len(modes)), 1e-5)
 
 
+def test_what_moves_as_a_whole_is_no_mode_and_a_drives_spring_makes_it_one():
+    # pinned-free beam: 15.4182 after the rigid turn; a drive of inertia I on k_i swings against the pipe's inertia
+    free = lateral(beam(1e-6, "free"), 3.0)
+    assert free[0].frequency == pytest.approx(15.4182057 / LENGTH**2 * sqrt(RIGIDITY / MASS) / (2 * pi), rel=1e-3)
+    polar = DENSITY * pi / 32 * (COLLAR[0] ** 4 - COLLAR[1] ** 4) * LENGTH
+    for integral in (0.0, 200.0):
+        drive = {"speed": 10.0, "proportional": 300.0, "integral": integral, "inertia": 2000.0}
+        scene = beam(1e-6, "free", top={"rotation": {"controller": drive}})
+        modes = campbell(scene, FAST, kinds=("torsional",), up_to=20.0).modes
+        swing = [sqrt(integral / (2000.0 + polar)) / (2 * pi)] if integral else []
+        assert [mode.frequency for mode in modes] == pytest.approx(swing, rel=1e-4)
+
+
 def test_critical_speeds_are_where_multiples_of_the_rotary_speed_meet_a_mode():
     found = campbell(beam(1e-6), FAST, orders=(1.0, 3.0))
     first, second = (mode.frequency for mode in found.modes[:2])
@@ -174,6 +187,17 @@ def test_the_part_that_is_looked_at_ends_where_the_collars_lie_on_the_wall_above
     # statics: what the wall bears from the upper end down is the weight of it, and shear and moment of what is above
     weight = 74.0 * mass_per_length() * (1.0 - MUD / DENSITY) * GRAVITY * np.sin(np.radians(50.0))
     assert 0.2 * weight < sum(one.force for one in found.supports[1:]) < weight
+
+
+def test_a_stabiliser_that_is_clear_of_the_wall_at_rest_is_told():
+    assert campbell(packed(), FAST).loose == ()
+    string = [
+        {"name": name, "length": length, "od": COLLAR[0], "id": COLLAR[1], "tool_joint_od": wide}
+        for name, length, wide in (("pipe", 60.0, 0.17), ("stabiliser", 1.5, 0.21), ("collar", 12.0, 0.165))
+    ]
+    upright = straight_hole(0.0, 73.5, 6, 0.216, string=string, model__bending="stiff", model__elements=6)
+    assert campbell(upright, FAST, up_to=2.0).loose == ("stabiliser",)
+    assert campbell(upright, FAST, up_to=2.0, held=frozenset({"stabiliser"})).loose == ()
 
 
 def test_frequencies_of_an_assembly_on_the_wall_do_not_depend_on_the_scenes_own_mesh():
