@@ -21,8 +21,9 @@ from tautline.scene.errors import Problem, SceneError
 
 LONGEST_STABILISER = 15.0
 """Sections thicker than their neighbours count as stabilisers up to so many metres."""
-COARSE = 30.0
-"""Longest link, m, where nothing is asked for but the string's weight and place."""
+COARSE, CLOSE = 30.0, 5.0
+"""Longest link, m, where nothing is asked for but the string's weight and place, and of an assembly that is not yet cut
+for its waves."""
 PER_WAVE = 20
 """Links to a wave at the highest frequency, in the coarser of two meshes."""
 LEAST_LINKS = 2
@@ -95,11 +96,21 @@ def wave_number(tube: Tube, mass: float, tension: float, frequency: float) -> fl
     return sqrt((-tension + sqrt(tension**2 + 4.0 * rigidity * load)) / (2.0 * rigidity))
 
 
-def coarse(scene: DrillstringScene, longest: float = COARSE) -> Cut:
-    """The scene with links of at most ``longest`` m, and no fewer of them in a section than it has."""
+def coarse(scene: DrillstringScene) -> Cut:
+    """The scene cut to find where it lies on the wall: finer in the assembly than above it."""
+    assembly = assembly_of(scene)
+    return _cut(scene, [COARSE if i < assembly else CLOSE for i in range(len(scene.string))])
+
+
+def evenly(scene: DrillstringScene, longest: float) -> Cut:
+    """The scene with links of at most ``longest`` m; raises SceneError where those are more than `MOST_LINKS`."""
+    return _cut(scene, [longest] * len(scene.string))
+
+
+def _cut(scene: DrillstringScene, longest: list[float]) -> Cut:
     tubes = tubes_of(scene, well_of(scene).length)
-    counts = tuple(max(LEAST_LINKS, tube.elements or 1, ceil(tube.length / longest)) for tube in tubes)
-    _check(scene, sum(counts), "")
+    counts = tuple(max(LEAST_LINKS, ceil(tube.length / most)) for tube, most in zip(tubes, longest, strict=True))
+    _check(scene, 2 * sum(counts), "")
     return Cut(_meshed(scene, counts), counts, 0)
 
 
@@ -130,8 +141,8 @@ def fine(scene: DrillstringScene, top: float, frequency: float) -> Cut:
 
 def _check(scene: DrillstringScene, links: int, why: str) -> None:
     if links > MOST_LINKS:
-        cause = f"needs {links} links{why}, more than {MOST_LINKS}: no point of the wall bounds what is looked at"
-        cure = "give the upper end by --from DEPTH, or ask for lower frequencies by --up-to"
+        cause = f"needs {links} links{why}, more than {MOST_LINKS}"
+        cure = "bound what is looked at by --from DEPTH, or ask for lower frequencies by --up-to"
         raise SceneError([Problem("the string", None, "", f"{len(scene.string)} sections", cause, cure)])
 
 

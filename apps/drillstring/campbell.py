@@ -129,7 +129,7 @@ def _of_a_rod(scene: DrillstringScene, kind: str, highest: float) -> tuple[list[
         slowest = min(np.sqrt(tube.shear_modulus / tube.density) for tube in tubes)
     else:
         slowest = min(np.sqrt(tube.youngs_modulus * tube.area / tube.mass_per_length) for tube in tubes)
-    mesh = bha.coarse(scene, float(slowest) / highest / bha.PER_WAVE)
+    mesh = bha.evenly(scene, float(slowest) / highest / bha.PER_WAVE)
     rough, modes = (_rod_modes(StringAtRest.of(one), kind, highest) for one in (mesh, mesh.doubled()))
     return with_errors(modes, rough), 2 * sum(mesh.counts)
 
