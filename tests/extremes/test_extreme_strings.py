@@ -126,8 +126,8 @@ def test_steps_of_1_s_are_warned_of_and_keep_the_bit_within_half_a_metre(rho_inf
     assert any(caution.where == "solver.step" for caution in cautions(scene))
     try:
         result = run(scene, energy=np.inf)
-    except StoppedEarly as stop:  # without damping by the algorithm a sixth of the energy comes from nowhere
-        assert (stop.status, rho_inf) == (Status.IMBALANCE, 1.0)
+    except StoppedEarly as stop:  # without full damping by the algorithm up to a sixth of the energy comes from nowhere
+        assert stop.status == Status.IMBALANCE and rho_inf > 0.0
         result = stop.result
     history = planar.history()
     bit = result["bit_depth"] - result["bit_depth"][0]
