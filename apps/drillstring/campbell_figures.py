@@ -17,6 +17,8 @@ PLANES: dict[str, str] = {"sideways": "--", "east-west": "--", "in space": ":", 
 """Lines of lateral modes in other planes than up and down, or any."""
 MOST_SHAPES, MOST_MARKED = 4, 12
 """Shapes of a kind, and crossings that are given their speed."""
+FEW = 24
+"""Modes up to which those that are lateral are drawn thicker."""
 APART = 0.028
 """Of the height: names closer than that run into one another."""
 
@@ -69,7 +71,7 @@ def _diagram(plot: Axes, found: Campbell) -> None:
     for name, mode in zip(names_of(found.modes), found.modes, strict=True):
         if mode.frequency <= 0.0:
             continue
-        thick = 1.4 if mode.kind == "lateral" else 0.9
+        thick = 1.4 if mode.kind == "lateral" and len(found.modes) <= FEW else 0.8
         look: dict[str, Any] = {"color": INKS[mode.kind], "ls": PLANES.get(mode.plane, "-"), "lw": thick}
         plot.plot([low, high], [mode.frequency, mode.frequency], zorder=2, **look)
         if all(abs(f - mode.frequency) > APART * found.up_to for f in taken):
@@ -110,6 +112,9 @@ def _shapes(plot: Axes, found: Campbell, kind: str, system: str) -> None:
     plot.axhline(0.0, color="black", lw=0.8)
     if kind == "lateral":
         at = np.array([0.5 * (one.top + one.bottom) for one in found.supports]) / length
+        for one in found.supports:
+            ends = np.array([one.top, one.bottom]) / length
+            plot.plot(ends, [0.0, 0.0], color="black", lw=4.0, solid_capstyle="butt", zorder=4)
         plot.plot(at, np.zeros(at.size), ls="", marker="^", ms=7, color="black", clip_on=False, zorder=5)
     plot.set_title(f"{kind} modes", fontsize=10)
     plot.set_xlabel(label("measured depth", unit))
