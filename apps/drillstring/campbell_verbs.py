@@ -203,6 +203,7 @@ def report(found: Campbell) -> dict[str, Any]:
         "part": {"from": found.top, "to": found.bottom},
         "supports": [one._asdict() for one in found.supports],
         "links": found.links,
+        "loose": list(found.loose),
         "modes": [
             {
                 "kind": mode.kind,

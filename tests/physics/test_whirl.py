@@ -208,6 +208,7 @@ def test_a_lump_in_contact_rolls_backward_where_friction_exceeds_one_over_the_ro
     speed = 4 * pi
     assert climb(0.8, np.linspace(0.1, 2 * pi, 50)).min() > 0.0
     result = run(level(0.8, speed))
+    assert result.attributes["halvings"] == 0, "a contact that rolls is no contact that chatters"
     rate, r = whirl_rate(result, 2.0), rolling(speed)
     assert rate / speed == pytest.approx(-COLLAR[0] / (HOLE - COLLAR[0]), rel=1e-2), "a rigid wall"
     assert rate / speed == pytest.approx(-RADIUS / r, rel=1e-3), "the wall as soft as it is"
