@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from drillstring.break_away import break_away_figures
 from drillstring.drilling import drilling_figures, observed_at_ends
 from drillstring.end_groups import numbers_of_ends
 from drillstring.string import Lumps
@@ -215,6 +216,7 @@ def headline(result: Any, lumps: Lumps) -> dict[str, dict[str, Any]]:
     }
     if moving:
         figures["bit_stuck"] = (float((np.abs(speed) < STUCK).mean()), "", "share of the time the bit is stuck")
+    figures |= break_away_figures(result)
     if np.abs(torque).max() > TORQUE_SHOWN:
         figures["surface_torque_max"] = (np.abs(torque).max(), "N m", "largest surface torque")
         figures["surface_torque_end"] = (torque[-1], "N m", "surface torque at the end")

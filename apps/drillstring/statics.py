@@ -40,12 +40,14 @@ SMALLEST_PART = 1.0 / 256.0
 class Profile(NamedTuple):
     """The string at rest under friction in one direction.
 
-    Hook load N; surface torque N m; of the lumps measured depth (n + 1,) m and side force per length (n + 1,) N/m; of
-    the links measured depth of the middle (n,) m, effective tension (n,) N and torque (n,) N m.
+    Hook load N; surface torque N m; position of the block that puts the bit at its depth, m; of the lumps measured
+    depth (n + 1,) m and side force per length (n + 1,) N/m; of the links measured depth of the middle (n,) m, effective
+    tension (n,) N and torque (n,) N m.
     """
 
     hook_load: float
     surface_torque: float
+    block: float
     measured_depth: np.ndarray
     side_force: np.ndarray
     link_depth: np.ndarray
@@ -208,6 +210,6 @@ class Statics:
         side[springs.body] = np.maximum(0.0, springs.stiffness * depth) / self.lumps.tributary[springs.body]
         md = seen["measured_depth"]
         return Profile(
-            float(seen["hook_load"]), float(seen["surface_torque"]), md, side, 0.5 * (md[1:] + md[:-1]),
-            seen["tension"], seen["torque"],
+            float(seen["hook_load"]), float(seen["surface_torque"]), float(q[0, 0]), md, side,
+            0.5 * (md[1:] + md[:-1]), seen["tension"], seen["torque"],
         )  # fmt: skip

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drillstring.break_away import BreakAway, break_away
 from drillstring.buckling import Limits, limits
 from drillstring.build import well_of
 from drillstring.scene import DrillstringScene, check_lengths
@@ -41,7 +42,7 @@ class Point(NamedTuple):
 
     ``profiles`` and ``soft`` hold the lumped model's and the soft string's results by direction; ``profiles`` has none
     where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
-    ``overpull`` is None where no section has a yield load.
+    ``overpull`` is None where no section has a yield load, ``strokes`` where the string was not found without friction.
     """
 
     friction: float
@@ -52,6 +53,7 @@ class Point(NamedTuple):
     soft: dict[str, SoftString]
     failures: dict[str, str]
     overpull: Overpull | None
+    strokes: BreakAway | None
 
     def hook_load(self, direction: str) -> float:
         """Hook load, N; NaN where no equilibrium was found."""
@@ -201,7 +203,8 @@ def _point(statics: Statics, friction: float, scene: DrillstringScene) -> Point:
             failures[direction] = f"{stop.part}: {stop.sentence}"
     middle = statics.lumps.measured_depth[:-1] + 0.5 * statics.lumps.length
     pull = _overpull(statics, profiles["pick_up"], scene) if "pick_up" in profiles else None
-    return Point(friction, statics.depth, middle, buckling_limits(statics), profiles, soft, failures, pull)
+    strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles else None
+    return Point(friction, statics.depth, middle, buckling_limits(statics), profiles, soft, failures, pull, strokes)
 
 
 def _overpull(statics: Statics, picked: Profile, scene: DrillstringScene) -> Overpull | None:

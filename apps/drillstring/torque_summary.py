@@ -117,6 +117,7 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si") -> list
         found.append((f"and {len(warned) - MOST_SENTENCES} more of these: --json has them all", "yellow"))
     if not warned and all(point.profiles for point in points):
         found.append(("no part of the string buckles or locks up", "green"))
+    found += [(text, "green") for text in _strokes(cases, system)]
     pulls = [point for point in points if point.overpull is not None]
     if pulls:
         least = min(pulls, key=lambda point: point.overpull.margin if point.overpull is not None else 0.0)
@@ -127,6 +128,20 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si") -> list
             f"{shown(least.overpull.measured_depth, 'm', system)}"
         )
         found.append((text, "green" if least.overpull.margin > 0.0 else "red"))
+    return found
+
+
+def _strokes(cases: list[Case], system: str) -> list[str]:
+    """What the block has to do before the bit moves, at the deepest point of each friction factor."""
+    found = []
+    for point in (max(case.points, key=lambda one: one.depth) for case in cases):
+        if point.strokes is None or point.friction == 0.0 or not np.isfinite(point.strokes).all():
+            continue
+        up, down, other = (shown(way, "m", system) for way in point.strokes)
+        found.append(
+            f"friction {point.friction:.3g}, bit at {shown(point.depth, 'm', system)}: it moves after a stroke of the "
+            f"block of {up} up or {down} down from rest, {other} either way after the other"
+        )
     return found
 
 

@@ -198,6 +198,7 @@ def _report_of(case: Case) -> dict[str, Any]:
             for point in case.points
         ],
         "locked": [point.locked for point in case.points],
+        "break_away": [None if point.strokes is None else point.strokes._asdict() for point in case.points],
         "overpull": [None if point.overpull is None else point.overpull._asdict() for point in case.points],
         "profile": {
             way: {

@@ -102,6 +102,17 @@ def test_overpull_is_the_yield_load_less_the_pick_up_load(drillstring_):
     assert only_object(out)["overpull"] == [None] and "overpull" not in err
 
 
+def test_strokes_that_move_the_bit_are_told_in_words_and_in_json(drillstring_):
+    # tests/references/soft_string.py: 0.394004 m up, 0.433944 m down with friction 0.2; few elements are coarse
+    _, out, err = drillstring_("torque-drag", "jwell.yaml", "--json", "--elements", "50")
+    (strokes,) = only_object(out)["break_away"]
+    assert strokes["pick_up"] == pytest.approx(0.394, rel=1e-2)
+    assert strokes["slack_off"] == pytest.approx(0.4339, rel=1e-2)
+    assert strokes["reversing"] == pytest.approx(0.8279, rel=1e-2)
+    up, down = (f"{strokes[way]:.4g} m" for way in ("pick_up", "slack_off"))
+    assert f"stroke of the block of {up} up or {down} down from rest" in " ".join(err.split())
+
+
 # what is refused
 @pytest.mark.parametrize(
     ("options", "words"),

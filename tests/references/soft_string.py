@@ -123,6 +123,41 @@ def rotating_torque(well, string, mu, climbing=True, hole=None):
     return tension(well, string, 0.0, "rotating", mu / np.hypot(1, mu) if climbing else mu, hole)[1]
 
 
+def strokes(well, string, mu, modulus=200e9, hole=None):
+    """Strokes of the block [m] that move a stuck bit: up from rest, and down from rest.
+
+    The steel between table and bit is what it was: int b/(1 + T/EA) ds, from the top's place to the bit's, does not
+    change while the bit stays. So the top has moved by the integral's difference between friction `mu` and none.
+    """
+    bottom, state = well.length, np.zeros(6)
+    for length, od, bore in reversed(string.sections):
+        w, delta = string.weight(od, bore), 0.0 if hole is None else (hole - od) / 2
+        stiffness = modulus * np.pi / 4 * (od**2 - bore**2)
+        top = max(bottom - length, 0.0)
+        cuts = [bottom, *sorted((b for b in well.breaks if top < b < bottom), reverse=True), top]
+        for start, stop in pairwise(cuts):
+            inside = 1e-9 * (start - stop)
+
+            def rate(s, y, w=w, delta=delta, stiffness=stiffness, low=stop + inside, high=start - inside):
+                s = min(max(s, low), high)
+                t, turn = well.tangent(s), well.curvature(s)
+                across = w * (DOWN - (DOWN @ t) * t)
+                out = np.zeros(6)
+                for k, eps in enumerate((0.0, 1.0, -1.0)):
+                    b, q = 1.0, y[k] * turn + across
+                    if delta and np.linalg.norm(q):
+                        b = 1 - delta * (turn @ q) / np.linalg.norm(q)
+                        q = y[k] * turn / b + across
+                    out[k] = b * (-w * (DOWN @ t) - eps * mu * np.linalg.norm(q))
+                    out[3 + k] = -b / (1 + y[k] / stiffness)
+                return out
+
+            state = solve_ivp(rate, (start, stop), state, rtol=1e-10, atol=1e-7, max_step=10.0).y[:, -1]
+        bottom = top
+    free, up, down = state[3:]
+    return free - up, down - free
+
+
 def slant_hook_load(w, length, inc, mu, direction):
     """Straight hole at inclination inc: T = w L (cos inc + eps mu sin inc)."""
     return w * length * (np.cos(inc) + EPS[direction] * mu * np.sin(inc))
