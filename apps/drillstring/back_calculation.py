@@ -52,10 +52,11 @@ class Fit(NamedTuple):
     loads: int
 
 
-def read_measured(path: Path) -> Measured:
+def read_measured(path: Path, block: float = 0.0) -> Measured:
     """Read a CSV file with the columns depth, pick_up and slack_off; units stand in the header, or are SI.
 
-    An empty cell, or a column that is missing, is a load that was not measured.
+    An empty cell, or a column that is missing, is a load that was not measured. The weight of the ``block``, N, which
+    the rig's gauge shows with the string's, is taken off.
 
     Raises
     ------
@@ -78,8 +79,9 @@ def read_measured(path: Path) -> Measured:
         ) from None
     lines = np.array([line for line, _ in columns.rows])
     none = np.full(lines.size, np.nan)
-    measured = Measured(values["depth"], values.get("pick_up", none), values.get("slack_off", none), lines)
-    _check(path, measured)
+    up, down = (values.get(name, none) for name in LOADS)
+    measured = Measured(values["depth"], up - block, down - block, lines)
+    _check(path, measured, block)
     return measured
 
 
@@ -101,7 +103,7 @@ def _column(columns: Columns, name: str) -> np.ndarray:
     return found
 
 
-def _check(path: Path, measured: Measured) -> None:
+def _check(path: Path, measured: Measured, block: float) -> None:
     """Refuse rows that no trip has."""
     problems: list[tuple[int, str, str | None, str, str]] = []
     for line, depth, up, down in zip(measured.lines, measured.depth, measured.pick_up, measured.slack_off, strict=True):
@@ -112,6 +114,10 @@ def _check(path: Path, measured: Measured) -> None:
         if up < down:
             cause = f"smaller than slack_off = {down:g} N: friction makes it larger"
             problems.append((line, "pick_up", f"{up:g} N", cause, "swap the two, or check the columns' units"))
+        if block > 0.0 and (up < 0.0 or down < 0.0):
+            cause = f"smaller than top.weight = {block:g} N, which it holds"
+            name, load = ("pick_up", up) if up < 0.0 else ("slack_off", down)
+            problems.append((line, name, f"{load + block:g} N", cause, "remove top.weight if the loads are without it"))
     if problems:
         raise SceneError([Problem(str(path), int(line), *rest) for line, *rest in problems])
 

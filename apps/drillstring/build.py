@@ -128,7 +128,7 @@ def build(scene: DrillstringScene) -> Model:
             "units": scene.units,
         },
         observe=observer.observe,
-        headline=lambda result: headline(result, lumps),
+        headline=lambda result: headline(result, lumps, scene.top.weight),
         start="as given" if scene.start == "straight" else scene.start,
         step_limit=string.step_limit,
         own=observer.own,

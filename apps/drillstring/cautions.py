@@ -29,6 +29,8 @@ SLIP_FOR_CREEP = 1.0e-3
 """Slip velocities, m/s, of the regularised law: below one Newton's method struggles, above the other it creeps."""
 PAST_THE_END = 5.0
 """Metres that a string may hang past the hole's end, by its stretch and the heave, without a word."""
+STAND = 45.0
+"""Metres above the table to which a rig pulls the top of a string, before the stand is set back: four joints."""
 LONG_FOR_MOTION = 0.05
 """Step over the fastest axial period of interest at which amplitudes are lost."""
 
@@ -55,12 +57,35 @@ def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
     return RK4_LIMIT / float(np.sqrt((stiffness / mass)[1:].max()))
 
 
-def _past_the_end(scene: DrillstringScene, lumps: Lumps) -> float:
-    """How far the block would push the unstretched string past the end of the hole, m."""
+def _reach_of_block(scene: DrillstringScene) -> tuple[float, float]:
+    """Highest and lowest position of the block, m down from the table."""
     end = scene.solver.end
     functions = compile_functions([FunctionRequest(scene.top.block, end=end, key="top.block")])
-    lowest = float(sample(functions, 0, np.linspace(0.0, end, 2001))[:, 0].max())
-    return lowest + lumps.total - well_of(scene).length
+    positions = sample(functions, 0, np.linspace(0.0, end, 2001))[:, 0]
+    return float(positions.min()), float(positions.max())
+
+
+def _block_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
+    """Cautions of a block that takes the string out of the hole as it was drilled, at either end."""
+    highest, lowest = _reach_of_block(scene)
+    found = []
+    past = lowest + lumps.total - well_of(scene).length
+    if past > PAST_THE_END and not scene.bit.on_bottom:
+        found.append(
+            Caution(
+                "top.block",
+                f"lowers the bit {past:.3g} m past the end of the hole, where the hole is taken to go on with its last "
+                "curvature; deepen the well, or shorten the string",
+            )
+        )
+    if -highest > lumps.total:
+        cause = f"lifts the top of the string {-highest:.0f} m above the table, and all of it is {lumps.total:.0f} m"
+        found.append(Caution("top.block", f"{cause}: the string leaves the hole; give a shorter way"))
+    elif -highest > STAND:
+        cause = f"lifts the top of the string {-highest:.0f} m above the table, which few derricks can"
+        cure = "the pipe stands there in one piece, straight on from the hole: trip stand by stand, a run for each"
+        found.append(Caution("top.block", f"{cause}: {cure}, or ask torque-drag for many depths"))
+    return found
 
 
 def cautions(scene: DrillstringScene) -> list[Caution]:
@@ -115,15 +140,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
                     f"{slow:g} m/s: a stuck string creeps at up to that speed; use law: projection",
                 )
             )
-    past = _past_the_end(scene, lumps)
-    if past > PAST_THE_END and not scene.bit.on_bottom:
-        found.append(
-            Caution(
-                "top.block",
-                f"lowers the bit {past:.3g} m past the end of the hole, where the hole is taken to go on with its last "
-                "curvature; deepen the well, or shorten the string",
-            )
-        )
+    found += _block_cautions(scene, lumps)
     found += yield_cautions(scene, well_of(scene), lumps)
     found += bit_cautions(scene, well_of(scene), lumps)
     longest = float(lumps.length.max())

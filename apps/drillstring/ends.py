@@ -46,7 +46,11 @@ ROTATION = time_function("rad/s", controller=Branch(Controller))
 
 
 class Top(Model):
-    """The block's position (m, positive down the hole) and the rotary speed (rad/s), or the drive that makes it."""
+    """The block's position (m, positive down the hole) and the rotary speed (rad/s), or the drive that makes it.
+
+    `weight` (N) is that of block and drive: it moves nothing, and is added where hook loads are told with the block.
+    """
 
     block: Annotated[Position, BLOCK] = Field(Constant(value=0.0), examples=["{velocity: {ramp: {to: 0.5, over: 2}}}"])
     rotation: Annotated[FunctionOfTime | Controller, ROTATION] = Field(Constant(value=0.0), examples=["60 rpm"])
+    weight: Annotated[float, quantity("N", nonnegative=True)] = 0.0

@@ -200,8 +200,8 @@ def coordinates_of(
     return found
 
 
-def headline(result: Any, lumps: Lumps) -> dict[str, dict[str, Any]]:
-    """Figures that sum a run up."""
+def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[str, Any]]:
+    """Figures that sum a run up; ``block`` is the weight of block and drive, N, which hook loads do not hold."""
     hook, torque = result["hook_load"], result["surface_torque"]
     bit, speed = result["bit_depth"], result["bit_speed"]
     moving = np.ptp(result["block_position"]) > 0.0
@@ -214,6 +214,8 @@ def headline(result: Any, lumps: Lumps) -> dict[str, dict[str, Any]]:
         "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
         "contact_force_max": (result["contact_force"].max(), "N", "largest contact force of a lump"),
     }
+    if block > 0.0:
+        figures["hook_load_max_with_block"] = (hook.max() + block, "N", "largest hook load with the block's weight")
     if moving:
         figures["bit_stuck"] = (float((np.abs(speed) < STUCK).mean()), "", "share of the time the bit is stuck")
     figures |= break_away_figures(result)

@@ -55,8 +55,12 @@ class Profile(NamedTuple):
     torque: np.ndarray
 
 
-def shortened(scene: DrillstringScene, well_length: float, depth: float, elements: int) -> DrillstringScene:
+def shortened(
+    scene: DrillstringScene, well_length: float, depth: float, elements: int, above: float = 0.0
+) -> DrillstringScene:
     """The scene with its bit at a depth, hanging still: the ``rest`` of the string, or else its top section, is cut.
+
+    What is left of the string is longer than the depth by what stands ``above`` the table, m.
 
     Raises
     ------
@@ -64,19 +68,21 @@ def shortened(scene: DrillstringScene, well_length: float, depth: float, element
         Where the depth is outside the well, or above what the other sections take.
     """
     at = next((i for i, section in enumerate(scene.string) if section.length == "rest"), 0)
+    total = depth + above
     others = sum(float(section.length) for i, section in enumerate(scene.string) if i != at)
     if depth > well_length * (1.0 + 1e-9):
         cause = f"the bit would be at {depth:g} m, below the end of the well, {well_length:g} m"
         raise SceneError([scene.problem("well", cause, "give depths within the well, or deepen it")])
-    if depth <= others * (1.0 + 1e-9):
+    if total <= others * (1.0 + 1e-9):
         name = scene.string[at].name
         cause = f"with the bit at {depth:g} m nothing is left of {name}: the other sections are {others:g} m long"
-        raise SceneError([scene.problem(("string", at, "length"), cause, f"give depths of more than {others:g} m")])
+        cure = f"give depths of more than {others - above:g} m"
+        raise SceneError([scene.problem(("string", at, "length"), cause, cure)])
     assert scene.well.wall is not None
     free = scene.model.elements == elements
     string = tuple(
         section.model_copy(
-            update={"length": depth - others if i == at else section.length} | ({} if free else {"elements": None})
+            update={"length": total - others if i == at else section.length} | ({} if free else {"elements": None})
         )
         for i, section in enumerate(scene.string)
     )
@@ -111,6 +117,8 @@ class Statics:
         Measured depth of the bit, m.
     elements : int
         Links of the string.
+    above : float
+        Length of the string that stands above the rotary table, m: of a stand that was pulled.
 
     Raises
     ------
@@ -118,11 +126,11 @@ class Statics:
         As :func:`shortened` and the builder do.
     """
 
-    def __init__(self, scene: DrillstringScene, depth: float, elements: int) -> None:
+    def __init__(self, scene: DrillstringScene, depth: float, elements: int, above: float = 0.0) -> None:
         self.well = well_of(scene)
-        hung = shortened(scene, self.well.length, depth, elements)
-        self.depth = depth
-        self.tubes = tubes_of(hung, self.well.length)
+        hung = shortened(scene, self.well.length, depth, elements, above)
+        self.depth, self.above = depth, above
+        self.tubes = tubes_of(hung, depth + above)
         self.lumps = cut(self.tubes, elements)
         self.weight = weight_per_length(hung, self.tubes)
         self.model = build(hung)
@@ -164,6 +172,7 @@ class Statics:
         """Where every search starts."""
         if self.free is None:
             self.rows.factor = 0.0
+            self._shift(state, self.above)
             self._place(state)
             self.free = state.q.copy(), float(self.system.dofs.offset[self.block])
         state.q[:], self.system.dofs.offset[self.block] = self.free
@@ -190,15 +199,17 @@ class Statics:
 
     def _place(self, state: State) -> None:
         """Equilibrium with the bit at its depth: the block gives way by what the bit is off."""
-        offset, end = self.system.dofs.offset, -PER_BODY
         for _ in range(PLACINGS):
             find_equilibrium(self.system, state, self.model.step_limit)
-            off = float(state.full_q[end])
+            off = float(state.full_q[-PER_BODY]) + self.above
             if abs(off) < AT_DEPTH:
                 return
-            offset[self.block] -= off
-            # The string moves along as a whole: the next search is a short one.
-            state.q[np.isin(self.system.free, PER_BODY * np.arange(self.lumps.length.size + 1))] -= off
+            self._shift(state, off)
+
+    def _shift(self, state: State, up: float) -> None:
+        """Move block and string up the hole as a whole, so that the next search is a short one."""
+        self.system.dofs.offset[self.block] -= up
+        state.q[np.isin(self.system.free, PER_BODY * np.arange(self.lumps.length.size + 1))] -= up
 
     def _profile(self, state: State) -> Profile:
         frames = new_frames(1, self.system.q.size, self.model.own)

@@ -107,8 +107,11 @@ def _off(ours: float, soft: float) -> str:
     return f"{100.0 * (ours / soft - 1.0):+.2f} %"
 
 
-def sentences(cases: list[Case], fitted: Fit | None, system: str = "si") -> list[tuple[str, str]]:
-    """Sentences and their colours: fit, lock-up, buckling, overpull; the first few where there are many."""
+def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: float = 0.0) -> list[tuple[str, str]]:
+    """Sentences and their colours: fit, lock-up, buckling, overpull; the first few where there are many.
+
+    ``block`` is the weight of block and drive, N, that hook loads do not hold.
+    """
     points = [point for case in cases for point in case.points]
     found = [] if fitted is None else [(fit_in_words(fitted, system), "green")]
     warned = [(text, "yellow") for point in points for text in _warnings(point, system)]
@@ -117,6 +120,8 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si") -> list
         found.append((f"and {len(warned) - MOST_SENTENCES} more of these: --json has them all", "yellow"))
     if not warned and all(point.profiles for point in points):
         found.append(("no part of the string buckles or locks up", "green"))
+    if block > 0.0:
+        found += [(text, "green") for text in _with_block(cases, system, block)]
     found += [(text, "green") for text in _strokes(cases, system)]
     pulls = [point for point in points if point.overpull is not None]
     if pulls:
@@ -128,6 +133,20 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si") -> list
             f"{shown(least.overpull.measured_depth, 'm', system)}"
         )
         found.append((text, "green" if least.overpull.margin > 0.0 else "red"))
+    return found
+
+
+def _with_block(cases: list[Case], system: str, block: float) -> list[str]:
+    """Hook loads as the rig's gauge shows them, at the deepest point of each friction factor."""
+    found = []
+    for point in (max(case.points, key=lambda one: one.depth) for case in cases):
+        loads = [
+            f"{WORDS[way]} {shown(point.hook_load(way) + block, 'N', system)}"
+            for way in point.soft
+            if way in point.profiles
+        ]
+        head = f"friction {point.friction:.3g}, bit at {shown(point.depth, 'm', system)}"
+        found.append(f"{head}, with the block's {shown(block, 'N', system)}: {', '.join(loads)}")
     return found
 
 

@@ -86,7 +86,8 @@ def torque_drag(
         say(f"stopped, {text}", "red")
     if as_json:
         status = "stopped: no equilibrium in places" if failures else "done"
-        print_json({"scene": str(scene), "status": status, "figure": str(figure)} | report(cases, fitted, failures))
+        told = report(cases, fitted, failures, drillstring.top.weight)
+        print_json({"scene": str(scene), "status": status, "figure": str(figure)} | told)
     if failures:
         raise Ended(ExitCode.STOPPED_EARLY)
 
@@ -159,7 +160,7 @@ def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None) ->
         return None, None
     from drillstring.back_calculation import fit, read_measured
 
-    loads = read_measured(path)
+    loads = read_measured(path, scene.top.weight)
     try:
         return loads, fit(scene, loads, elements, path)
     except StoppedEarly as stop:
@@ -167,12 +168,16 @@ def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None) ->
         raise Ended(ExitCode.STOPPED_EARLY) from None
 
 
-def report(cases: list[Case], fitted: Fit | None, failures: list[str]) -> dict[str, Any]:
-    """What ``--json`` tells: the first friction factor at the top, all of them in ``cases``, SI units."""
+def report(cases: list[Case], fitted: Fit | None, failures: list[str], block: float) -> dict[str, Any]:
+    """What ``--json`` tells: the first friction factor at the top, all of them in ``cases``, SI units.
+
+    ``block`` is the weight of the block, N, which hook loads are without.
+    """
     every = [_report_of(case) for case in cases]
     return every[0] | {
         "elements": cases[0].points[0].link_depth.size,
         "cases": every,
+        "block_weight": block,
         "fit": None if fitted is None else fitted._asdict(),
         "failures": failures,
     }
@@ -224,7 +229,7 @@ def _print(scene: DrillstringScene, cases: list[Case], fitted: Fit | None) -> No
     from tautline.cli.console import console, say
 
     console().print(table(cases, scene.units))
-    for text, style in sentences(cases, fitted, scene.units):
+    for text, style in sentences(cases, fitted, scene.units, scene.top.weight):
         say(text, style)
 
 

@@ -1,5 +1,6 @@
 """The verb torque-drag: JSON, table, figure, options that are refused, measured hook loads, exit codes."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,8 @@ def folder(tmp_path, monkeypatch):
     Path("field.yaml").write_text("units: field\n" + JWELL, encoding="utf8")
     strong = JWELL.replace("name: drill pipe, ", "name: drill pipe, yield_load: 1.76 MN, ")
     Path("strong.yaml").write_text(strong, encoding="utf8")
+    block = JWELL.replace("top:\n", "top:\n  weight: 350 kN\n")
+    Path("block.yaml").write_text(block, encoding="utf8")
     wall = JWELL[JWELL.index("  wall:") : JWELL.index("string:")]
     Path("free.yaml").write_text(JWELL.replace(wall, "  wall: none\n"), encoding="utf8")
     return tmp_path
@@ -113,6 +116,14 @@ def test_strokes_that_move_the_bit_are_told_in_words_and_in_json(drillstring_):
     assert f"stroke of the block of {up} up or {down} down from rest" in " ".join(err.split())
 
 
+def test_weight_of_the_block_is_told_beside_hook_loads_that_are_without_it(drillstring_):
+    _, out, err = drillstring_("torque-drag", "block.yaml", "--json", *FEW)
+    report = only_object(out)
+    assert report["block_weight"] == 350e3 and report["pick_up"] == pytest.approx([748.588e3], rel=3e-3)
+    said = re.search(r"with the block's 350 kN: pick up ([\d.]+) MN", " ".join(err.split()))
+    assert float(said[1]) * 1e6 == pytest.approx(report["pick_up"][0] + 350e3, rel=1e-3)
+
+
 # what is refused
 @pytest.mark.parametrize(
     ("options", "words"),
@@ -187,6 +198,21 @@ def test_back_calculation_recovers_the_friction_factor_that_made_the_loads(loads
     assert report["fit"]["slack_off"] == pytest.approx(0.24, abs=1e-3)
     assert report["friction"] == report["fit"]["friction"] and report["fit"]["loads"] == 8
     assert len(report["depth"]) == 4 and "friction factor of the 8 measured hook loads: 0.2400" in err
+
+
+def test_measured_loads_are_the_gauges_where_the_block_has_a_weight(loads, drillstring_):
+    rows = [line.split(",") for line in loads.splitlines()]
+    kip = 350e3 / 4448.2216152605
+    for row in rows[1:]:
+        row[1:] = [repr(float(cell) + kip) for cell in row[1:]]
+    Path("gauge.csv").write_text("\n".join(",".join(row) for row in rows), encoding="utf8")
+    code, out, _ = drillstring_("torque-drag", "block.yaml", "--measured", "gauge.csv", "--json", *FEW)
+    assert code == 0 and only_object(out)["fit"]["friction"] == pytest.approx(0.24, abs=1e-3)
+    # loads that are less than the block alone are not the gauge's
+    rows[2][1:] = ["", "70"]
+    Path("gauge.csv").write_text("\n".join(",".join(row) for row in rows), encoding="utf8")
+    code, _, err = drillstring_("torque-drag", "block.yaml", "--measured", "gauge.csv", *FEW)
+    assert code == 2 and "gauge.csv:3" in err and "top.weight" in err
 
 
 def test_spread_of_the_factor_is_that_of_the_loads_noise(loads):

@@ -67,6 +67,22 @@ def drilling(report, result):
     assert np.ptp(result["hole_depth"]) == pytest.approx(20.0 / 3600.0 / 2.0 * turns, rel=0.03)
 
 
+def tripping(report, result):
+    # 28 m up, then 0.3 m down; the bit follows but for what the string's friction keeps stretched; the gauge shows the
+    # block's 350 kN besides
+    assert result["block_position"].min() == pytest.approx(-28.0, abs=1e-5)
+    assert result["block_position"][-1] == pytest.approx(-27.7, abs=1e-5)
+    assert report["bit_travel"] == pytest.approx(27.75, abs=0.05)
+    assert report["hook_load_max_with_block"] == pytest.approx(report["hook_load_max"] + 350e3, rel=1e-12)
+    # 2000 m of mostly drill pipe in mud: the frictionless hook load by vertical depths (22.6 and 49.3 lb/ft, collars)
+    sine, cosine = np.sin(np.radians(50.0)), np.cos(np.radians(50.0))
+    depth = 600.0 + 500.0 / np.radians(50.0) * sine + (result["bit_depth"][0] - 1100.0) * cosine
+    below = cosine * np.array([150.0, 75.0])
+    collar = 7850.0 * np.pi / 4.0 * (6.5**2 - 2.8125**2) * 0.0254**2
+    kilograms = 22.6 * 1.488164 * (depth - below.sum()) + 49.3 * 1.488164 * below[0] + collar * below[1]
+    assert report["hook_load_start"] == pytest.approx(kilograms * GRAVITY * (1.0 - 1250.0 / 7850.0), rel=3e-3)
+
+
 def hanging(report, result):
     # exact, and nothing moves
     assert report["stretch_start"] == pytest.approx(0.376529, abs=1e-6)
@@ -156,7 +172,7 @@ def sixteen_falls(report, result):
 
 
 CLAIMS = {"jwell": jwell, "iscwsa": iscwsa, "hanging": hanging, "field_well": field_well, "drilling": drilling}
-CLAIMS |= {"whirl": whirl}
+CLAIMS |= {"whirl": whirl, "tripping": tripping}
 CLAIMS |= {f"configuration_{case.lower()}": level(case) for case in "ABC"}
 CLAIMS |= {"cantilever_bar": cantilever_bar, "reeled_span": reeled_span}
 CLAIMS |= {"hoist": hoist, "hookblock": hookblock, "landing": landing, "slewing": slewing}
