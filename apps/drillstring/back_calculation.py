@@ -10,12 +10,15 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 from scipy.optimize import least_squares
 
+from drillstring.factors import Factors
 from drillstring.scene import DrillstringScene
 from drillstring.statics import Statics
-from drillstring.torque_drag import links, require_wall
+from drillstring.torque_drag import links, own_friction, require_wall
 from tautline.scene.columns import Columns
 from tautline.scene.errors import Problem, SceneError
 
+TOLD = 1.0e-6
+"""Share of the largest derivative below which loads do not depend on a factor, or on a combination of two."""
 START, MOST = 0.2, 1.0
 """Friction factor that the fit begins with, and the largest that it tries."""
 COLUMNS = {
@@ -38,10 +41,12 @@ class Measured(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Friction factor that fits best, and its spread.
+    """Friction factor that fits best, and its spread; in a cased hole both factors.
 
-    ``spread`` is the standard error of the factor, from the residuals; NaN of a single load. ``residual`` is the root
-    mean square of what the loads are off, N; ``pick_up`` and ``slack_off`` are the factors that fit each alone.
+    ``friction`` is that of the open hole. ``spread`` is the standard error of the factor, from the residuals; NaN where
+    there are no more loads than factors, infinite where the loads do not tell it. ``residual`` is the root mean square
+    of what the loads are off, N; ``pick_up`` and ``slack_off`` are the open hole's factors that fit each alone, NaN
+    where there are too few loads. ``cased`` and ``cased_spread`` are None in a hole without casing.
     """
 
     friction: float
@@ -50,6 +55,12 @@ class Fit(NamedTuple):
     pick_up: float
     slack_off: float
     loads: int
+    cased: float | None = None
+    cased_spread: float | None = None
+
+    def factors(self, shoe: float) -> Factors:
+        """Of a hole with its casing shoe at a depth, m, or 0."""
+        return Factors(self.friction, self.friction if self.cased is None else self.cased, shoe)
 
 
 def read_measured(path: Path, block: float = 0.0) -> Measured:
@@ -131,8 +142,10 @@ def fit(
 ) -> Fit:
     """Friction factor whose hook loads come nearest to those measured: least squares, over both directions.
 
-    The loads are those of the statics of the lumped model (statics.py). The spread is the standard error s/|J| with s
-    the residuals' root mean square over n - 1 and J the derivatives of the loads with respect to the factor.
+    Where the scene has a casing, its factor and that of the open hole are sought together. The loads are those of the
+    statics of the lumped model (statics.py). The spread is the standard error: the square root of the diagonal of
+    s^2 (J^T J)^-1 with s^2 the squares of the residuals over n - m, J the derivatives of the n loads with respect to
+    the m factors.
 
     Raises
     ------
@@ -158,21 +171,37 @@ def fit(
         for string, load in zip(strings, getattr(measured, direction), strict=True)
         if np.isfinite(load)
     ]
-    alone = {name: _least_squares([row for row in rows if row[1] == name])[0] for name in LOADS}
-    friction, errors, slope = _least_squares(rows)
-    n = len(rows)
-    spread = float(np.sqrt(errors @ errors / (n - 1)) / np.linalg.norm(slope)) if n > 1 else np.nan
-    return Fit(friction, spread, float(np.sqrt(errors @ errors / n)), alone["pick_up"], alone["slack_off"], n)
+    shoe = own_friction(scene).shoe
+    alone = {name: _least_squares([row for row in rows if row[1] == name], shoe)[0][0] for name in LOADS}
+    factors, errors, slopes = _least_squares(rows, shoe)
+    n, spread = len(rows), _spread(errors, slopes)
+    residual = float(np.sqrt(errors @ errors / n))
+    both = (float(factors[1]), float(spread[1])) if shoe > 0.0 else (None, None)
+    return Fit(float(factors[0]), float(spread[0]), residual, alone["pick_up"], alone["slack_off"], n, *both)
 
 
-def _least_squares(rows: list[tuple[Statics, str, float]]) -> tuple[float, np.ndarray, np.ndarray]:
-    """Factor, residuals (n,) N, and their derivatives (n,) N; NaN of no rows."""
-    if not rows:
-        return np.nan, np.zeros(0), np.zeros(0)
+def _least_squares(rows: list[tuple[Statics, str, float]], shoe: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Factors (m,), open and cased, residuals (n,) N, and derivatives (n, m) N; NaN of fewer rows than factors."""
+    count = 2 if shoe > 0.0 else 1
+    if len(rows) < count:
+        return np.full(count, np.nan), np.zeros(0), np.zeros((0, count))
     size = max(abs(load) for *_, load in rows)
 
     def errors(x: np.ndarray) -> np.ndarray:
-        return np.array([string.solve(float(x[0]), way).hook_load - load for string, way, load in rows]) / size
+        factors = Factors(float(x[0]), float(x[-1]), shoe)
+        return np.array([string.solve(factors, way).hook_load - load for string, way, load in rows]) / size
 
-    found = least_squares(errors, [START], bounds=(0.0, MOST), xtol=1e-8, ftol=1e-12, gtol=1e-12)
-    return float(found.x[0]), found.fun * size, found.jac[:, 0] * size
+    found = least_squares(errors, [START] * count, bounds=(0.0, MOST), xtol=1e-8, ftol=1e-12, gtol=1e-12)
+    return found.x, found.fun * size, found.jac * size
+
+
+def _spread(errors: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Standard errors of the factors (m,): infinite of one that the loads do not tell."""
+    n, m = slopes.shape
+    if n <= m:
+        return np.full(m, np.nan)
+    _, sizes, ways = np.linalg.svd(slopes, full_matrices=False)
+    told = sizes > TOLD * sizes[0]
+    variance = errors @ errors / (n - m) * (ways[told] ** 2 / sizes[told, None] ** 2).sum(axis=0)
+    untold = (ways[~told] ** 2).sum(axis=0) > TOLD
+    return np.where(untold, np.inf, np.sqrt(variance))

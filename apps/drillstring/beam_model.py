@@ -155,12 +155,13 @@ def _contact(
     mass = points.of(lambda tube: tube.mass_per_length)
     polar = points.of(lambda tube: tube.density * tube.polar_moment)
     lateral = points.of(lambda tube: mass_beside(fluid, tube, scene.well.diameter))
+    place = mesh.measured_depth[points.element] + points.place * mesh.length[points.element]
     # The stiffness that holds a point along the string: that of half elements up and down.
     stiffness = 4.0 * (mesh.of_links(lambda tube: tube.youngs_modulus * tube.area) / mesh.length)[points.element]
     return BeamContact(
         hole=hole_of(well, points),
         law=law_of(
-            wall.friction, law, scale.size, mass, stiffness,
+            wall, law, place - 0.5 * points.length, place + 0.5 * points.length, mass, stiffness,
             1.0 / (1.0 / (mass + lateral) + radius**2 / polar), moving,
         ),
         springs=records(

@@ -12,6 +12,7 @@ from drillstring import wellbore
 from drillstring.drilling import variables_of_ends
 from drillstring.end_groups import notes_of_ends
 from drillstring.ends import Controller
+from drillstring.factors import factors_of
 from drillstring.hole import Build, Hold
 from drillstring.lumped_model import assemble_lumps
 from drillstring.observe import COORDINATE_UNITS, headline, variables
@@ -169,7 +170,7 @@ def _law(scene: DrillstringScene) -> tuple[str, list[str]]:
         return "none", []
     law = scene.well.wall.friction.law
     if law == "projection" and scene.solver.method == "rk4":
-        if scene.well.wall.friction.static == 0.0:
+        if factors_of(scene.well.wall, "static").largest == 0.0:
             return "regularised", []
         speed = scene.well.wall.friction.slip_velocity
         return "regularised", [

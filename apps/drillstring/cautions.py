@@ -88,6 +88,29 @@ def _block_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     return found
 
 
+def _casing_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
+    """Cautions of a casing that is longer than the hole, and of a string that moves past its shoe."""
+    casing = None if scene.well.wall is None else scene.well.wall.casing
+    if casing is None:
+        return []
+    found, well = [], well_of(scene)
+    if casing.shoe > well.length:
+        cause = f"{casing.shoe:g} m is below the end of the hole at {well.length:.0f} m: all of it is taken as cased"
+        found.append(Caution("well.wall.casing.shoe", f"{cause}; give the measured depth of the shoe"))
+    highest, lowest = _reach_of_block(scene)
+    moved, longest = lowest - highest, float(lumps.length.max())
+    if moved > longest:
+        cause = f"the block moves {moved:.3g} m, more than a link of {longest:.3g} m: lumps"
+        found.append(
+            Caution(
+                "well.wall.casing",
+                f"{cause} keep the friction of where they start when they pass the shoe; torque-drag at several depths "
+                "has it right",
+            )
+        )
+    return found
+
+
 def cautions(scene: DrillstringScene) -> list[Caution]:
     """Cautions of a scene; raises SceneError where well and string do not fit."""
     lumps = _lumps(scene)
@@ -141,6 +164,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
                 )
             )
     found += _block_cautions(scene, lumps)
+    found += _casing_cautions(scene, lumps)
     found += yield_cautions(scene, well_of(scene), lumps)
     found += bit_cautions(scene, well_of(scene), lumps)
     longest = float(lumps.length.max())

@@ -75,10 +75,13 @@ class Karnopp(NamedTuple):
 
 
 class Regularised(NamedTuple):
-    """Friction as a smooth function of the slip speed: static up to ``slip_velocity``, then falling to kinetic."""
+    """Friction as a smooth function of the slip speed: static up to ``slip_velocity``, then falling to kinetic.
 
-    static: float
-    kinetic: float
+    The factors are (n,), one to a contact; the speeds m/s.
+    """
+
+    static: np.ndarray
+    kinetic: np.ndarray
     slip_velocity: float
     decay_velocity: float
 
@@ -279,13 +282,13 @@ def _force_karnopp(law, i, touch):
 @kernel
 def _act_regularised(law, i, touch):
     size = slip_speed(touch)
-    excess = law.static - law.kinetic
+    excess = law.static[i] - law.kinetic[i]
     if size < law.slip_velocity:
-        ratio = law.static / law.slip_velocity
+        ratio = law.static[i] / law.slip_velocity
         slope = 0.0
     else:
         fade = exp(-(size - law.slip_velocity) / law.decay_velocity)
-        mu = law.kinetic + excess * fade
+        mu = law.kinetic[i] + excess * fade
         ratio = mu / size
         slope = (-excess * fade / law.decay_velocity - ratio) / size**2
     x, y, n = touch.along, touch.around, touch.normal

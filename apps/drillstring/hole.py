@@ -85,21 +85,26 @@ class Survey(Model):
 LAW = word("projection", "karnopp", "regularised", aliases={"regularized": "regularised"})
 
 
-class Friction(Model):
-    """Coulomb friction of string on wall; speeds in m/s."""
+class Pair(Model):
+    """Friction factors at rest and in slip."""
 
     static: Factor
     kinetic: Factor
-    law: Annotated[Literal["projection", "karnopp", "regularised"], LAW] = "projection"
-    slip_velocity: Speed = 1.0e-5
-    decay_velocity: Speed = 1.0e-3
 
     @model_validator(mode="after")
-    def _order(self) -> Friction:
+    def _order(self) -> Self:
         if self.kinetic > self.static:
             cause = f"larger than static = {self.static:g}"
             raise fault("kinetic", cause, "friction of slip is at most that of rest: swap them, or give one number")
         return self
+
+
+class Friction(Pair):
+    """Coulomb friction of string on wall; speeds in m/s."""
+
+    law: Annotated[Literal["projection", "karnopp", "regularised"], LAW] = "projection"
+    slip_velocity: Speed = 1.0e-5
+    decay_velocity: Speed = 1.0e-3
 
 
 AnyFriction = OneOf(
@@ -109,6 +114,22 @@ AnyFriction = OneOf(
     whole=Branch(Friction),
     example="0.2 or {static: 0.3, kinetic: 0.2}",
 )
+
+
+AnyPair = OneOf(
+    "friction",
+    {},
+    plain=Branch(Factor, lambda value: Pair(static=value, kinetic=value)),
+    whole=Branch(Pair),
+    example="0.2 or {static: 0.25, kinetic: 0.2}",
+)
+
+
+class Casing(Model):
+    """The cased part of the hole: measured depth of its `shoe` (m), and friction above it; the law is the wall's."""
+
+    shoe: Length
+    friction: Annotated[Pair, AnyPair] = Field(examples=["0.2"])
 
 
 class Wall(Model):
@@ -121,6 +142,7 @@ class Wall(Model):
     damping: Annotated[float, quantity("N s/m", nonnegative=True)] = 0.0
     lumps: Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS)] = 12
     friction: Annotated[Friction, AnyFriction] = Friction(static=0.0, kinetic=0.0)
+    casing: Casing | None = None
 
 
 def _no_wall(text: str) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from drillstring.contact import SPRING, WallContact
 from drillstring.drag import Drag
+from drillstring.factors import factors_of
 from drillstring.fluid import Fluid, mass_beside, weight_in
 from drillstring.friction import BANDED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
 from drillstring.string import Lumps
@@ -124,7 +125,7 @@ def contact_of(
     return WallContact(
         curve=curve,
         law=law_of(
-            wall.friction, law, n, mass[below], stiffness[below],
+            wall, law, *(end[below] for end in lumps.reach), mass[below], stiffness[below],
             1.0 / (1.0 / (mass + lateral)[below] + radius**2 / polar[below]), moving,
         ),
         springs=records(
@@ -136,10 +137,21 @@ def contact_of(
 
 
 def law_of(
-    friction: Any, law: str, n: int, along: np.ndarray, stiffness: np.ndarray, around: np.ndarray, moving: bool
+    wall: Any,
+    law: str,
+    top: np.ndarray,
+    bottom: np.ndarray,
+    along: np.ndarray,
+    stiffness: np.ndarray,
+    around: np.ndarray,
+    moving: bool,
 ) -> Projection | Karnopp | Regularised:
-    """The law of friction of n contacts; ``moving`` says that the string starts in motion, hence slipping."""
-    static, kinetic = float(friction.static), float(friction.kinetic)
+    """The law of friction of n contacts; ``moving`` says that the string starts in motion, hence slipping.
+
+    A contact has the mean factor of its piece of the hole from ``top`` (n,) to ``bottom`` (n,) m, and keeps it.
+    """
+    n, friction = top.size, wall.friction
+    static, kinetic = (factors_of(wall, kind).over(top, bottom) for kind in ("static", "kinetic"))
     if law == "projection":
         settled = SLIP if moving else STICK
         return Projection(

@@ -5,11 +5,12 @@ load on the wall per length is
 
     q = T t' + w (e_z - (e_z.t) t),    |q|^2 = T^2 k^2 + 2 T w t'_z + w^2 (1 - t_z^2),
 
-and the tension grows on the way up by ``dT = (w t_z + eps mu |q|) ds``, with eps = 1 picked up, -1 slacked off and 0
-turning. This is the differential form of C. A. Johancsik, D. B. Friesen and R. Dawson, "Torque and drag in directional
-wells: prediction and measurement", JPT 36(6), 1984, with the exact direction of the hole instead of mean angles. A
-string that turns climbs the wall until friction carries its part of q: the normal force is |q|/sqrt(1 + mu^2), and the
-torque grows by mu N times the pipe's radius. The string's stretch is not counted.
+and the tension grows on the way up by ``dT = (w t_z + a mu N) ds`` with the normal force N. Friction acts in the
+direction (a, b) along the hole and around it, positive down and clockwise (motion.py): (1, 0) picked up, (-1, 0)
+slacked off, (0, -1) turning. This is the differential form of C. A. Johancsik, D. B. Friesen and R. Dawson, "Torque and
+drag in directional wells: prediction and measurement", JPT 36(6), 1984, with the exact direction of the hole instead of
+mean angles. A string that turns climbs the wall until friction carries its part of q, so that
+N = |q|/sqrt(1 + (b mu)^2), and the torque grows by |b| mu N times the pipe's radius. Stretch is not counted.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drillstring.factors import Factors, same
+from drillstring.motion import MOTIONS, Motion
 from drillstring.string import Tube
 from drillstring.wellbore import Wellbore
 
 STEP = 5.0
 """Longest step of the integration, m. It is of fourth order, but for the step in which the string passes from one side
 of the hole to the other and |q| has a kink: that leaves an error of a millionth of the hook load."""
-ALONG = {"pick_up": 1.0, "slack_off": -1.0, "rotating": 0.0}
-"""Directions of motion, and that of friction along the hole, positive downhole: against the motion."""
 
 
 class SoftString(NamedTuple):
@@ -65,8 +66,8 @@ def soft_string(
     well: Wellbore,
     tubes: Sequence[Tube],
     weight: Sequence[float] | np.ndarray,
-    friction: float,
-    direction: str,
+    friction: float | Factors,
+    motion: str | Motion,
     bit_force: float = 0.0,
 ) -> SoftString:
     """Integrate tension and torque from the bit up.
@@ -78,10 +79,10 @@ def soft_string(
         From the rotary table down; the bit is at the end of the last.
     weight : sequence of float
         Buoyed weight of each per length, N/m.
-    friction : float
-        Friction factor.
-    direction : str
-        ``pick_up``, ``slack_off`` or ``rotating``.
+    friction : float or Factors
+        Friction factor, or those of the cased and of the open hole.
+    motion : str or Motion
+        ``pick_up``, ``slack_off`` or ``rotating``, or speeds along the hole and about its axis.
     bit_force : float
         Tension at the bit, N.
 
@@ -89,15 +90,19 @@ def soft_string(
     -------
     SoftString
     """
-    s, tube = _mesh(well, tubes)
+    factors = same(friction)
+    s, tube = _mesh(well, tubes, factors.shoe)
     holes = _holes(well, s)
-    along = ALONG[direction] * friction
-    climbed = friction / sqrt(1.0 + friction * friction) if direction == "rotating" else 0.0
+    moved = MOTIONS[motion] if isinstance(motion, str) else motion
+    down, around = moved.friction(np.array([0.5 * tubes[k].contact_od for k in tube]))
+    mu = factors.over(s[:-1], s[1:])
+    lifted = np.sqrt(1.0 + (around * mu) ** 2)
     tension, torque, side = np.zeros(s.size), np.zeros(s.size), np.zeros(s.size)
     tension[-1] = bit_force
     for i in range(s.size - 2, -1, -1):
         k, hole, h = tube[i], holes[i], float(s[i + 1] - s[i])
-        w, radius = weight[k], 0.5 * tubes[k].contact_od
+        w, arm = weight[k], -0.5 * tubes[k].contact_od * around[i] * mu[i] / lifted[i]
+        along = float(down[i] * mu[i] / lifted[i])
         low = float(tension[i + 1])
         a = _growth(low, w, hole, 0, along)
         b = _growth(low + 0.5 * h * a, w, hole, 1, along)
@@ -106,12 +111,11 @@ def soft_string(
         high = low + h * c
         tension[i] = low + h / 6.0 * (a + 2.0 * b + 2.0 * c + _growth(high, w, hole, 2, along))
         loads = [_load(x, w, hole, j) for j, x in enumerate((low, middle, float(tension[i])))]
-        torque[i] = torque[i + 1] + climbed * radius * h / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2])
-        side[i] = loads[2]
+        torque[i] = torque[i + 1] + arm * h / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2])
+        side[i] = loads[2] / lifted[i]
         if i == s.size - 2:
-            side[-1] = loads[0]
-    lifted = sqrt(1.0 + friction * friction) if direction == "rotating" else 1.0
-    return SoftString(s, tension, torque, side / lifted)
+            side[-1] = loads[0] / lifted[i]
+    return SoftString(s, tension, torque, side)
 
 
 def _load(tension: float, weight: float, hole: _Hole, place: int) -> float:
@@ -126,10 +130,11 @@ def _growth(tension: float, weight: float, hole: _Hole, place: int, along: float
     return float(weight * hole.down[place]) + along * _load(tension, weight, hole, place)
 
 
-def _mesh(well: Wellbore, tubes: Sequence[Tube]) -> tuple[np.ndarray, np.ndarray]:
+def _mesh(well: Wellbore, tubes: Sequence[Tube], shoe: float) -> tuple[np.ndarray, np.ndarray]:
     """Depths with every joint of arcs and of sections among them (n + 1,), and the section of each step (n,)."""
     ends = np.cumsum([tube.length for tube in tubes])
-    joints = np.unique(np.concatenate([[0.0], ends, well.md[well.md < ends[-1]]]))
+    joints = np.concatenate([[0.0], ends, well.md[well.md < ends[-1]], [min(shoe, ends[-1])]])
+    joints = np.unique(joints)
     joints = joints[np.append(True, np.diff(joints) > 1e-9)]
     parts = [np.linspace(a, b, ceil((b - a) / STEP) + 1)[:-1] for a, b in pairwise(joints)]
     s = np.append(np.concatenate(parts), joints[-1])

@@ -16,11 +16,12 @@ import numpy as np
 from drillstring.build import build, tubes_of, well_of
 from drillstring.contact import WallContact
 from drillstring.ends import Bit, Top
+from drillstring.factors import Factors, same
 from drillstring.fluid import fluid_of, weight_in
 from drillstring.hole import Friction
+from drillstring.motion import MOTIONS, Motion
 from drillstring.scene import LUMPED, DrillstringScene
 from drillstring.sliding import SLIDING, Sliding
-from drillstring.soft_string import ALONG
 from drillstring.string import Tube, cut
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.march import new_frames
@@ -86,7 +87,7 @@ def shortened(
         )
         for i, section in enumerate(scene.string)
     )
-    wall = scene.well.wall.model_copy(update={"friction": Friction(static=0.0, kinetic=0.0)})
+    wall = scene.well.wall.model_copy(update={"friction": Friction(static=0.0, kinetic=0.0), "casing": None})
     return scene.model_copy(
         update={
             "string": string,
@@ -140,17 +141,18 @@ class Statics:
         groups = tuple(self.contact if isinstance(g, WallContact) else g for g in self.model.system.groups)
         self.system = replace(self.model.system, groups=groups, linked={})
         self.block = next(k for k, i in enumerate(self.system.dofs.held) if i == 0)
+        self.shoe = 0.0 if scene.well.wall is None or scene.well.wall.casing is None else scene.well.wall.casing.shoe
         self.free: tuple[np.ndarray, float] | None = None
 
-    def solve(self, friction: float, direction: str) -> Profile:
+    def solve(self, friction: float | Factors, motion: str | Motion) -> Profile:
         """Equilibrium with all of Coulomb's friction against a motion.
 
         Parameters
         ----------
-        friction : float
-            Friction factor.
-        direction : str
-            ``pick_up``, ``slack_off`` or ``rotating``.
+        friction : float or Factors
+            Friction factor, or those of the cased and of the open hole.
+        motion : str or Motion
+            ``pick_up``, ``slack_off`` or ``rotating``, or speeds along the hole and about its axis.
 
         Returns
         -------
@@ -161,11 +163,11 @@ class Statics:
         StoppedEarly
             NO_EQUILIBRIUM, naming the unknown that is worst, and the friction factor.
         """
-        self.rows.along = ALONG[direction]
-        self.rows.around = -1.0 if direction == "rotating" else 0.0
+        moved = MOTIONS[motion] if isinstance(motion, str) else motion
+        self.rows.along, self.rows.around = moved.friction(self.contact.springs.radius)
         state = new_state(self.system)
         self._without_friction(state)
-        self._approach(state, friction)
+        self._approach(state, same(friction, self.shoe))
         return self._profile(state)
 
     def _without_friction(self, state: State) -> None:
@@ -177,25 +179,24 @@ class Statics:
             self.free = state.q.copy(), float(self.system.dofs.offset[self.block])
         state.q[:], self.system.dofs.offset[self.block] = self.free
 
-    def _approach(self, state: State, friction: float) -> None:
-        """Go to a friction factor at once, or where that fails by parts."""
+    def _approach(self, state: State, factors: Factors) -> None:
+        """Go to friction factors at once, or where that fails by parts."""
+        most = factors.over(*(end[1:] - self.above for end in self.lumps.reach))
         here, part = 0.0, 1.0
-        while here != friction or friction == 0.0:
-            goal = friction if part >= 1.0 else min(friction, here + part * (friction - here))
+        while here < 1.0:
+            goal = min(1.0, here + part * (1.0 - here))
             kept, block = state.q.copy(), float(self.system.dofs.offset[self.block])
             try:
-                self.rows.factor = goal
+                self.rows.factor = goal * most
                 self._place(state)
             except StoppedEarly as stop:
                 state.q[:], self.system.dofs.offset[self.block] = kept, block
                 part *= 0.5
-                if part < SMALLEST_PART or friction == 0.0:
-                    detail = f"bit at {self.depth:g} m, friction factor {goal:g}"
+                if part < SMALLEST_PART or factors.largest == 0.0:
+                    detail = f"bit at {self.depth:g} m, friction factor {factors.times(goal):g}"
                     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, stop.part, detail) from None
                 continue
             here, part = goal, min(1.0, 2.0 * part)
-            if friction == 0.0:
-                return
 
     def _place(self, state: State) -> None:
         """Equilibrium with the bit at its depth: the block gives way by what the bit is off."""

@@ -91,6 +91,12 @@ class Lumps:
         return self.halves.sum(axis=1)
 
     @property
+    def reach(self) -> tuple[np.ndarray, np.ndarray]:
+        """Upper and lower end of the piece that belongs to each lump, (n + 1,) m of measured depth each."""
+        middle = self.measured_depth[:-1] + 0.5 * self.length
+        return np.append(0.0, middle), np.append(middle, self.measured_depth[-1])
+
+    @property
     def total(self) -> float:
         """Unstretched length of the string, m."""
         return float(self.length.sum())

@@ -14,13 +14,15 @@ import numpy as np
 from drillstring.break_away import BreakAway, break_away
 from drillstring.buckling import Limits, limits
 from drillstring.build import well_of
+from drillstring.factors import Factors, factors_of, same
+from drillstring.motion import MOTIONS, Motion
 from drillstring.scene import DrillstringScene, check_lengths
-from drillstring.soft_string import ALONG, SoftString, soft_string
+from drillstring.soft_string import SoftString, soft_string
 from drillstring.statics import Profile, Statics
 from tautline.integrators.status import StoppedEarly
 from tautline.scene.errors import SceneError
 
-DIRECTIONS = tuple(ALONG)
+DIRECTIONS = tuple(MOTIONS)
 """Picked up, slacked off, turned off bottom."""
 ELEMENTS = 100
 """Links of the string where they are not given. Hook loads of the J-well and of the ISCWSA well err by 2e-4 so; that of
@@ -38,14 +40,14 @@ class Overpull(NamedTuple):
 
 
 class Point(NamedTuple):
-    """The string with its bit at a depth, m, for one friction factor.
+    """The string with its bit at a depth, m, for one friction factor, or one pair of them.
 
     ``profiles`` and ``soft`` hold the lumped model's and the soft string's results by direction; ``profiles`` has none
     where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
     ``overpull`` is None where no section has a yield load, ``strokes`` where the string was not found without friction.
     """
 
-    friction: float
+    friction: Factors
     depth: float
     link_depth: np.ndarray
     limits: Limits
@@ -59,10 +61,9 @@ class Point(NamedTuple):
         """Hook load, N; NaN where no equilibrium was found."""
         return self.profiles[direction].hook_load if direction in self.profiles else np.nan
 
-    @property
-    def torque(self) -> float:
-        """Surface torque of the string that turns off bottom, N m; NaN where no equilibrium was found."""
-        return self.profiles["rotating"].surface_torque if "rotating" in self.profiles else np.nan
+    def torque(self, direction: str) -> float:
+        """Surface torque, N m; NaN where no equilibrium was found."""
+        return self.profiles[direction].surface_torque if direction in self.profiles else np.nan
 
     def compression(self, direction: str) -> np.ndarray:
         """Compression of each link (n,), N: positive where it is pushed."""
@@ -85,7 +86,7 @@ class Point(NamedTuple):
 class Case(NamedTuple):
     """All depths for one friction factor."""
 
-    friction: float
+    friction: Factors
     points: list[Point]
 
     def hook_loads(self, direction: str) -> np.ndarray:
@@ -96,15 +97,28 @@ class Case(NamedTuple):
         """The soft string's, against depth (m,), N."""
         return np.array([point.soft[direction].hook_load for point in self.points])
 
+    def torques_of(self, direction: str) -> np.ndarray:
+        """Surface torque against depth (m,), N m."""
+        return np.array([point.torque(direction) for point in self.points])
+
+    def soft_torques_of(self, direction: str) -> np.ndarray:
+        """The soft string's, against depth (m,), N m."""
+        return np.array([point.soft[direction].surface_torque for point in self.points])
+
     @property
     def torques(self) -> np.ndarray:
         """Surface torque of the string that turns off bottom, against depth (m,), N m."""
-        return np.array([point.torque for point in self.points])
+        return self.torques_of("rotating")
 
     @property
     def soft_torques(self) -> np.ndarray:
         """The soft string's, against depth (m,), N m."""
-        return np.array([point.soft["rotating"].surface_torque for point in self.points])
+        return self.soft_torques_of("rotating")
+
+    @property
+    def ways(self) -> tuple[str, ...]:
+        """Names of the motions."""
+        return tuple(self.points[0].soft)
 
     @property
     def failures(self) -> list[str]:
@@ -137,11 +151,11 @@ def own_depth(scene: DrillstringScene) -> float:
     return float(sum(check_lengths(scene, well_of(scene).length)))
 
 
-def own_friction(scene: DrillstringScene) -> float:
-    """The scene's kinetic friction factor."""
+def own_friction(scene: DrillstringScene) -> Factors:
+    """The scene's kinetic friction factors."""
     require_wall(scene)
     assert scene.well.wall is not None
-    return float(scene.well.wall.friction.kinetic)
+    return factors_of(scene.well.wall, "kinetic")
 
 
 def links(scene: DrillstringScene) -> int:
@@ -151,24 +165,27 @@ def links(scene: DrillstringScene) -> int:
 
 def torque_drag(
     scene: DrillstringScene,
-    frictions: Sequence[float] | None = None,
+    frictions: Sequence[float | Factors] | None = None,
     depths: Sequence[float] | None = None,
     elements: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    reamed: dict[str, Motion] | None = None,
 ) -> list[Case]:
     """Hook loads, torque, side force and buckling for friction factors and depths.
 
     Parameters
     ----------
     scene : DrillstringScene
-    frictions : sequence of float, optional
-        Friction factors; the scene's kinetic one if None.
+    frictions : sequence of float or Factors, optional
+        Friction factors, of all of the hole or of its cased and open parts; the scene's kinetic ones if None.
     depths : sequence of float, optional
         Measured depths of the bit, m; the scene's own if None.
     elements : int, optional
         Links of the string; see :func:`links`.
     progress : callable, optional
         Called with the number of depths done and that of all.
+    reamed : dict of str to Motion, optional
+        Motions beside the three, by name: see `drillstring.motion.reaming`.
 
     Returns
     -------
@@ -181,24 +198,26 @@ def torque_drag(
         For a scene without a wall, and for depths at which the string does not fit the well.
     """
     require_wall(scene)
-    frictions = [own_friction(scene)] if frictions is None else list(frictions)
+    own = own_friction(scene)
+    frictions = [own] if frictions is None else list(frictions)
     depths = [own_depth(scene)] if depths is None else list(depths)
-    cases = [Case(friction, []) for friction in frictions]
+    cases = [Case(same(friction, own.shoe), []) for friction in frictions]
+    motions = MOTIONS | (reamed or {})
     for done, depth in enumerate(depths, 1):
         statics = Statics(scene, depth, links(scene) if elements is None else elements)
         for case in cases:
-            case.points.append(_point(statics, case.friction, scene))
+            case.points.append(_point(statics, case.friction, scene, motions))
         if progress is not None:
             progress(done, len(depths))
     return cases
 
 
-def _point(statics: Statics, friction: float, scene: DrillstringScene) -> Point:
+def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions: dict[str, Motion]) -> Point:
     profiles, failures, soft = {}, {}, {}
-    for direction in DIRECTIONS:
-        soft[direction] = soft_string(statics.well, statics.tubes, statics.weight, friction, direction, scene.bit.load)
+    for direction, motion in motions.items():
+        soft[direction] = soft_string(statics.well, statics.tubes, statics.weight, friction, motion, scene.bit.load)
         try:
-            profiles[direction] = statics.solve(friction, direction)
+            profiles[direction] = statics.solve(friction, direction if direction in MOTIONS else motion)
         except StoppedEarly as stop:
             failures[direction] = f"{stop.part}: {stop.sentence}"
     middle = statics.lumps.measured_depth[:-1] + 0.5 * statics.lumps.length

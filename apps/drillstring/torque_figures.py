@@ -12,9 +12,15 @@ from drillstring.torque_drag import Case, Point
 from drillstring.torque_summary import column_unit
 from tautline.view.figure import COLOURS, QUIET, Axes, Figure, axes, colour, label, sample_line, styled
 
-LOOKS: dict[str, dict[str, Any]] = {"pick_up": {"ls": "-"}, "slack_off": {"ls": "--"}, "rotating": {"ls": ":"}}
-"""Lines of each direction."""
-NAMES = {"pick_up": "pick up", "slack_off": "slack off", "rotating": "rotating off bottom"}
+LOOKS: dict[str, dict[str, Any]] = {
+    "pick_up": {"ls": "-"}, "slack_off": {"ls": "--"}, "rotating": {"ls": ":"},
+    "reaming_up": {"ls": "-", "lw": 0.8}, "reaming_down": {"ls": "--", "lw": 0.8},
+}  # fmt: skip
+"""Lines of each motion."""
+NAMES = {
+    "pick_up": "pick up", "slack_off": "slack off", "rotating": "rotating off bottom",
+    "reaming_up": "reaming up", "reaming_down": "reaming down",
+}  # fmt: skip
 SINE, HELIX = COLOURS[4], COLOURS[3]
 SHOWN_BEYOND = 1.3
 """Limits are drawn as far as so many times the largest force of the string."""
@@ -47,7 +53,7 @@ def torque_drag_figure(
     handles = [
         sample_line(f"friction {case.friction:.3g}", color=colour(k, len(cases))) for k, case in enumerate(cases)
     ]
-    handles += [sample_line(NAMES[way], color=QUIET, **look) for way, look in LOOKS.items()]
+    handles += [sample_line(NAMES[way], color=QUIET, **LOOKS[way]) for way in cases[0].ways]
     handles += [sample_line("buckles into a sine", color=SINE, lw=3, alpha=0.6)]
     handles += [sample_line("buckles into a helix", color=HELIX, lw=3, alpha=0.6)]
     if measured is not None:
@@ -58,7 +64,7 @@ def torque_drag_figure(
 
 def _broomstick(plots: Sequence[Axes], cases: Sequence[Case], system: str, measured: Measured | None) -> None:
     """Hook loads, torque, and drag against the depth of the bit."""
-    ways = tuple(LOOKS)
+    ways = cases[0].ways
     hook = np.concatenate([case.hook_loads(way) for case in cases for way in ways])
     force, newton = column_unit("N", _largest(hook), system)
     moment, metre = column_unit("N m", _largest(np.concatenate([case.torques for case in cases])), system)
@@ -71,7 +77,8 @@ def _broomstick(plots: Sequence[Axes], cases: Sequence[Case], system: str, measu
             if way != "rotating":
                 drag = (loads - case.hook_loads("rotating")) / force
                 plots[2].plot(drag, depth, color=ink, marker="o", ms=2.5, **LOOKS[way])
-        plots[1].plot(case.torques / moment, depth, color=ink, marker="o", ms=2.5, **LOOKS["rotating"])
+        for way in ways[2:]:
+            plots[1].plot(case.torques_of(way) / moment, depth, color=ink, marker="o", ms=2.5, **LOOKS[way])
     if measured is not None:
         for loads in (measured.pick_up, measured.slack_off):
             plots[0].plot(loads / force, measured.depth / length, "o", color="black", mfc="white", ms=5)
@@ -98,7 +105,7 @@ def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, sever
         for way, one in point.profiles.items():
             plots[0].plot(one.tension / force, one.link_depth / length, color=ink, **LOOKS[way])
             plots[1].plot(one.side_force / load, one.measured_depth / length, color=ink, **LOOKS[way])
-            if way == "rotating":
+            if np.abs(one.torque).max(initial=0.0) > 0.0 and way not in ("pick_up", "slack_off"):
                 plots[2].plot(one.torque / moment, one.link_depth / length, color=ink, **LOOKS[way])
     reach = SHOWN_BEYOND * max(_largest(tension), 1.0)
     for limit, ink in ((points[0].limits.sinusoidal, SINE), (points[0].limits.helical, HELIX)):
@@ -108,7 +115,7 @@ def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, sever
     where = f", bit at {points[0].depth / length:.0f} {name}" if several else ""
     plots[0].set_xlabel(label("effective tension" + where, newton))
     plots[1].set_xlabel(label("side force", per_metre))
-    plots[2].set_xlabel(label("torque, rotating off bottom", metre))
+    plots[2].set_xlabel(label("torque, of the string that turns", metre))
     plots[0].set_ylabel(label("measured depth", name))
     _downwards(plots[0], points[0].depth / length)
 

@@ -18,7 +18,17 @@ MOST_ROWS = 24
 """Rows of the table; of more, the figure and ``--json`` tell all."""
 IN_FULL = 6
 """Points up to which every number stands beside that of the soft string."""
-WORDS = {"pick_up": "pick up", "slack_off": "slack off", "rotating": "rotating", "torque": "torque"}
+WORDS = {
+    "pick_up": "pick up", "slack_off": "slack off", "rotating": "rotating", "torque": "torque",
+    "reaming_up": "reaming up", "reaming_down": "reaming down", "torque_up": "torque up", "torque_down": "torque down",
+}  # fmt: skip
+SHORT = {
+    "pick_up": "up", "slack_off": "down", "rotating": "rotating", "reaming_up": "ream up", "reaming_down": "down",
+    "torque": "torque",
+}  # fmt: skip
+"""Heads of columns."""
+TORQUES = {"rotating": "torque", "reaming_up": "torque_up", "reaming_down": "torque_down"}
+"""What the torque of a motion is called."""
 MOST_SENTENCES = 8
 
 
@@ -42,7 +52,11 @@ def table(cases: list[Case], system: str = "si") -> Table:
 def numbers_of(point: Point) -> dict[str, tuple[float, float, str]]:
     """Statics, soft string and SI unit of a point's hook loads and torque."""
     found = {way: (point.hook_load(way), soft.hook_load, "N") for way, soft in point.soft.items()}
-    return found | {"torque": (point.torque, point.soft["rotating"].surface_torque, "N m")}
+    return found | {
+        name: (point.torque(way), point.soft[way].surface_torque, "N m")
+        for way, name in TORQUES.items()
+        if way in point.soft
+    }
 
 
 def _largest(points: list[Point], unit: str) -> float:
@@ -79,17 +93,21 @@ def _compact(cases: list[Case], system: str) -> Table:
     length, name = column_unit("m", max(point.depth for point in points), system)
     force, newton = column_unit("N", _largest(points, "N"), system)
     moment, metre = column_unit("N m", _largest(points, "N m"), system)
-    heads = ["friction", f"depth [{name}]", f"up [{newton}]", "down", "rotating", f"torque [{metre}]"]
-    made = _new_table([*heads, "soft: load", "torque"], gap=1)
+    columns = [*points[0].soft, "torque"]
+    # With more motions there is no room for the soft string beside them.
+    beside = len(columns) == len(SHORT) - 2
+    heads = ["friction", f"depth [{name}]", f"up [{newton}]", *(SHORT[way] for way in columns[1:-1])]
+    made = _new_table([*heads, f"torque [{metre}]", *(["soft: load", "torque"] if beside else [])], gap=1)
     for case in cases:
         count = len(case.points)
         kept = np.unique(np.linspace(0, count - 1, min(max(2, MOST_ROWS // len(cases)), count)).round().astype(int))
         for point in (case.points[k] for k in kept):
             rows = numbers_of(point)
             hook = max((rows[way][:2] for way in point.soft), key=lambda pair: _share(*pair))
-            values = [_cell(rows[way][0] / (moment if way == "torque" else force)) for way in rows]
+            values = [_cell(rows[way][0] / (moment if way == "torque" else force)) for way in columns]
             differences = [_off(*hook), _off(*rows["torque"][:2])]
-            made.add_row(f"{point.friction:.3g}", f"{point.depth / length:.0f}", *values, *differences)
+            cells = [f"{point.friction:.3g}", f"{point.depth / length:.0f}", *values]
+            made.add_row(*cells, *(differences if beside else []))
     return made
 
 
@@ -154,7 +172,7 @@ def _strokes(cases: list[Case], system: str) -> list[str]:
     """What the block has to do before the bit moves, at the deepest point of each friction factor."""
     found = []
     for point in (max(case.points, key=lambda one: one.depth) for case in cases):
-        if point.strokes is None or point.friction == 0.0 or not np.isfinite(point.strokes).all():
+        if point.strokes is None or point.friction.largest == 0.0 or not np.isfinite(point.strokes).all():
             continue
         up, down, other = (shown(way, "m", system) for way in point.strokes)
         found.append(
@@ -167,9 +185,19 @@ def _strokes(cases: list[Case], system: str) -> list[str]:
 def fit_in_words(fitted: Fit, system: str = "si") -> str:
     """The factor with its spread, and what each direction alone would say."""
     alone = [f"{value:.3f} by {word}" for value, word in ((fitted.pick_up, "pick-up"), (fitted.slack_off, "slack-off"))]
-    spread = f" ± {fitted.spread:.2g}" if np.isfinite(fitted.spread) else ""
-    text = f"friction factor of the {fitted.loads} measured hook loads: {fitted.friction:.4f}{spread}"
-    return f"{text} ({', '.join(alone)}; the loads are off by {shown(fitted.residual, 'N', system)} rms)"
+    off = f"the loads are off by {shown(fitted.residual, 'N', system)} rms"
+    if fitted.cased is not None and fitted.cased_spread is not None:
+        cased, opened = _factor(fitted.cased, fitted.cased_spread), _factor(fitted.friction, fitted.spread)
+        return f"friction factors of the {fitted.loads} measured hook loads: cased {cased}, open {opened} ({off})"
+    text = f"friction factor of the {fitted.loads} measured hook loads: {_factor(fitted.friction, fitted.spread)}"
+    return f"{text} ({', '.join(alone)}; {off})"
+
+
+def _factor(value: float, spread: float) -> str:
+    """A factor with its standard error; one that the loads do not tell is none."""
+    if np.isinf(spread):
+        return "not told by these loads"
+    return f"{value:.4f}" + (f" ± {spread:.2g}" if np.isfinite(spread) else "")
 
 
 def _warnings(point: Point, system: str) -> list[str]:

@@ -11,6 +11,8 @@ from tautline.cli.verbs import Json, Scene
 
 if TYPE_CHECKING:
     from drillstring.back_calculation import Fit, Measured
+    from drillstring.factors import Factors
+    from drillstring.motion import Motion
     from drillstring.scene import DrillstringScene
     from drillstring.torque_drag import Case
 
@@ -19,7 +21,11 @@ LARGEST_FACTOR = 2.0
 
 Frictions = Annotated[
     str | None,
-    typer.Option("--friction", metavar="A,B,C", help="Friction factors. [dim]\\[default: the scene's kinetic one][/]"),
+    typer.Option(
+        "--friction",
+        metavar="A,B,C",
+        help="Friction factors; 0.2/0.3 for cased and open hole. [dim]\\[default: the scene's kinetic ones][/]",
+    ),
 ]
 Depths = Annotated[
     str | None,
@@ -44,6 +50,16 @@ MeasuredFile = Annotated[
         help="CSV of measured hook loads, depth, pick_up, slack_off: fits the friction factor, which is then used.",
     ),
 ]
+Reaming = Annotated[
+    str | None,
+    typer.Option(
+        "--reaming", metavar="SPEED", help="Also up and down at this speed while turning, m/s or with a unit: 0.3 m/s."
+    ),
+]
+Rotary = Annotated[
+    str | None,
+    typer.Option("--rotary", metavar="SPEED", help="Rotary speed of reaming. [dim]\\[default: 60 rpm][/]"),
+]
 Picture = Annotated[
     Path | None,
     typer.Option(
@@ -58,6 +74,8 @@ def torque_drag(
     depth: Depths = None,
     elements: Elements = None,
     measured: MeasuredFile = None,
+    reaming: Reaming = None,
+    rotary: Rotary = None,
     output: Picture = None,
     as_json: Json = False,
 ) -> None:
@@ -69,16 +87,17 @@ def torque_drag(
     from tautline.cli.run import Ended, ExitCode
 
     drillstring = read(scene)
-    own_friction(drillstring)
+    own = own_friction(drillstring)
     figure = _target(scene, output)
-    factors = parse_frictions(friction) if friction is not None else None
+    factors = parse_frictions(friction, own.shoe) if friction is not None else None
+    reamed = parse_reaming(reaming, rotary)
     depths = parse_depths(depth) if depth is not None else None
     _check_elements(drillstring, elements)
     loads, fitted = _fitted(drillstring, measured, elements)
     if fitted is not None:
-        factors = [fitted.friction] if factors is None else factors
+        factors = [fitted.factors(own.shoe)] if factors is None else factors
         depths = sorted(set(loads.depth.tolist())) if depths is None else depths
-    cases = compute(drillstring, factors, depths, elements)
+    cases = compute(drillstring, factors, depths, elements, reamed=reamed)
     failures = [text for case in cases for text in case.failures]
     _print(drillstring, cases, fitted)
     _draw(drillstring, cases, figure, loads)
@@ -92,14 +111,21 @@ def torque_drag(
         raise Ended(ExitCode.STOPPED_EARLY)
 
 
-def parse_frictions(text: str) -> list[float]:
-    """Friction factors between commas; raises SceneError naming the option and the word that is none."""
+def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
+    """Friction factors between commas, each a number, or cased/open where the hole has a casing down to its shoe, m.
+
+    Raises
+    ------
+    SceneError
+        Naming the option and the word that is none.
+    """
     import math
 
+    from drillstring.factors import Factors
     from tautline.cli.lists import words
     from tautline.scene.errors import Problem, SceneError
 
-    def read(word: str) -> Any:
+    def factor(word: str) -> float:
         try:
             value = float(word)
         except ValueError:
@@ -108,11 +134,34 @@ def parse_frictions(text: str) -> list[float]:
             raise ValueError(f"is no friction factor: one lies between 0 and {LARGEST_FACTOR:g}")
         return value
 
+    def read(word: str) -> Any:
+        both = word.split("/")
+        if len(both) > 2:
+            raise ValueError("is no pair of friction factors: write cased/open, such as 0.2/0.3")
+        if len(both) == 2 and shoe == 0.0:
+            raise ValueError("is a pair, and the hole has no casing: give well.wall.casing its shoe, or one number")
+        values = [factor(part) for part in both]
+        return Factors(values[-1], values[0], shoe)
+
     found: list[Any] = words(text, "--friction", read)
     if len(found) > MOST_FACTORS:
         cause = f"makes {len(found)} friction factors, more than {MOST_FACTORS}"
         raise SceneError([Problem("--friction", None, "", text, cause, "give fewer")])
     return found
+
+
+def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | None:
+    """Motions of reaming up and down; None without a speed. Raises SceneError for a rotary speed alone."""
+    from drillstring.motion import reaming
+    from tautline.cli.lists import number
+    from tautline.scene.errors import Problem, SceneError
+
+    if speed is None:
+        if rotary is not None:
+            cause = "turns a string that is not moved: `rotating` is the same at any speed"
+            raise SceneError([Problem("--rotary", None, "", rotary, cause, "give --reaming a speed, or leave it out")])
+        return None
+    return reaming(number(speed, "--reaming", "m/s"), number(rotary or "60 rpm", "--rotary", "rad/s"))
 
 
 def parse_depths(text: str) -> list[float]:
@@ -190,7 +239,7 @@ def _report_of(case: Case) -> dict[str, Any]:
     soft = {way: case.soft_hook_loads(way) for way in DIRECTIONS} | {"torque": case.soft_torques}
     loads = {way: case.hook_loads(way) for way in DIRECTIONS} | {"torque": case.torques}
     return {
-        "friction": case.friction,
+        "friction": case.friction.plain(),
         "depth": [point.depth for point in case.points],
         **loads,
         "soft_string": soft,
@@ -203,6 +252,13 @@ def _report_of(case: Case) -> dict[str, Any]:
             for point in case.points
         ],
         "locked": [point.locked for point in case.points],
+        "reaming": {
+            way.removeprefix("reaming_"): {
+                "hook_load": case.hook_loads(way), "torque": case.torques_of(way),
+                "soft_string": {"hook_load": case.soft_hook_loads(way), "torque": case.soft_torques_of(way)},
+            }
+            for way in case.ways[len(DIRECTIONS):]
+        },
         "break_away": [None if point.strokes is None else point.strokes._asdict() for point in case.points],
         "overpull": [None if point.overpull is None else point.overpull._asdict() for point in case.points],
         "profile": {

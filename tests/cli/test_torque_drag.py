@@ -10,6 +10,7 @@ from cli.in_process import commands_of, only_object
 import drillstring.statics
 from drillstring.application import Drillstring
 from drillstring.back_calculation import COLUMNS, fit, read_measured
+from drillstring.factors import same
 from drillstring.scene import read
 from drillstring.torque_drag import torque_drag
 from tautline.integrators.status import Status, StoppedEarly
@@ -29,6 +30,9 @@ def folder(tmp_path, monkeypatch):
     Path("field.yaml").write_text("units: field\n" + JWELL, encoding="utf8")
     strong = JWELL.replace("name: drill pipe, ", "name: drill pipe, yield_load: 1.76 MN, ")
     Path("strong.yaml").write_text(strong, encoding="utf8")
+    casing = "    casing: {shoe: 2500 m, friction: 0.15}\n  diameter: 0.2032 m"
+    cased = JWELL.replace("  diameter: 0.2032 m", "").replace("string:    ", casing.lstrip("\n") + "\nstring:    ", 1)
+    Path("cased.yaml").write_text(cased, encoding="utf8")
     block = JWELL.replace("top:\n", "top:\n  weight: 350 kN\n")
     Path("block.yaml").write_text(block, encoding="utf8")
     wall = JWELL[JWELL.index("  wall:") : JWELL.index("string:")]
@@ -124,6 +128,33 @@ def test_weight_of_the_block_is_told_beside_hook_loads_that_are_without_it(drill
     assert float(said[1]) * 1e6 == pytest.approx(report["pick_up"][0] + 350e3, rel=1e-3)
 
 
+def test_reaming_adds_two_motions_with_less_drag_than_tripping_to_table_json_and_figure(drillstring_):
+    code, out, err = drillstring_(
+        "torque-drag", "jwell.yaml", "--reaming", "0.3 m/s", "--rotary", "90 rpm", "--json", *FEW
+    )
+    report = only_object(out)
+    up, down = (report["reaming"][way]["hook_load"][0] for way in ("up", "down"))
+    assert code == 0 and report["slack_off"][0] < down < report["rotating"][0] < up < report["pick_up"][0]
+    assert 0.0 < report["reaming"]["up"]["torque"][0] < report["torque"][0]
+    assert up == pytest.approx(report["reaming"]["up"]["soft_string"]["hook_load"][0], rel=3e-3)
+    assert "reaming up" in err and "torque down" in err and set(report["profile"]) > {"reaming_up", "reaming_down"}
+    many = ("--depth", "2400:3600:200", "-o", "ream.svg")
+    code, _, err = drillstring_("torque-drag", "jwell.yaml", "--reaming", "0.3", *many, *FEW)
+    assert code == 0 and "ream up" in err and "…" not in err and max(map(len, err.splitlines()[:8])) <= 80
+    assert "reaming down" in Path("ream.svg").read_text()
+
+
+def test_pair_of_factors_is_that_of_cased_and_open_hole(drillstring_):
+    code, out, err = drillstring_("torque-drag", "cased.yaml", "--friction", "0.1/0.3,0.2", "--json", *FEW)
+    report = only_object(out)
+    assert code == 0 and report["friction"] == {"cased": 0.1, "open": 0.3} and report["cases"][1]["friction"] == 0.2
+    assert "0.1/0.3" in err
+    code, out, _ = drillstring_("torque-drag", "cased.yaml", "--json", *FEW)
+    assert only_object(out)["friction"] == {"cased": 0.15, "open": 0.2}
+    code, _, err = drillstring_("torque-drag", "jwell.yaml", "--friction", "0.1/0.3", *FEW)
+    assert code == 2 and "has no casing" in " ".join(err.split())
+
+
 # what is refused
 @pytest.mark.parametrize(
     ("options", "words"),
@@ -132,6 +163,10 @@ def test_weight_of_the_block_is_told_beside_hook_loads_that_are_without_it(drill
         (("--friction", "-0.2"), ("--friction", "between 0 and 2")),
         (("--friction", "nan"), ("--friction", "between 0 and 2")),
         (("--friction", "0.2,,0.3"), ("--friction", "empty")),
+        (("--friction", "0.1/0.2/0.3"), ("--friction", "cased/open")),
+        (("--reaming", "fast"), ("--reaming",)),
+        (("--reaming", "-0.3"), ("--reaming",)),
+        (("--rotary", "60 rpm"), ("--rotary", "give --reaming a speed")),
         (("--depth", "500:3000"), ("--depth", "needs three numbers", "write 500:3500:250")),
         (("--depth", "3000:500:100"), ("--depth", "ends above where it begins")),
         (("--depth", "1:3000:0.001"), ("--depth", "larger step")),
@@ -161,7 +196,7 @@ def test_direction_without_an_equilibrium_is_named_the_rest_is_kept_and_the_exit
     solve = drillstring.statics.Statics.solve
 
     def fails(self, friction, direction):
-        if direction == "slack_off" and friction == 0.3:
+        if direction == "slack_off" and same(friction).open == 0.3:
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "lump 7", "friction factor 0.3")
         return solve(self, friction, direction)
 

@@ -32,15 +32,20 @@ def karnopp(rng, held):
     return Karnopp(rows, 1e-3)
 
 
+def regularised(static, kinetic, slip_velocity):
+    """The same factors at every contact."""
+    return Regularised(np.full(COUNT, static), np.full(COUNT, kinetic), slip_velocity, 2.0)
+
+
 LAWS = {
     "projection, slip": lambda rng: projection(rng, SLIP),
     "projection, stick": lambda rng: projection(rng, STICK),
     "projection, forced stick": lambda rng: projection(rng, FORCED),
     "Karnopp, slipping": lambda rng: karnopp(rng, 0),
     "Karnopp, held": lambda rng: karnopp(rng, 1),
-    "regularised, slipping": lambda rng: Regularised(0.5, 0.35, 0.01, 2.0),
-    "regularised, creeping": lambda rng: Regularised(0.5, 0.35, 50.0, 2.0),
-    "frictionless": lambda rng: Regularised(0.0, 0.0, 0.01, 2.0),
+    "regularised, slipping": lambda rng: regularised(0.5, 0.35, 0.01),
+    "regularised, creeping": lambda rng: regularised(0.5, 0.35, 50.0),
+    "frictionless": lambda rng: regularised(0.0, 0.0, 0.01),
 }
 FACTORS = {
     "projection, slip": lambda speed: 0.4,
