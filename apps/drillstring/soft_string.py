@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.factors import Factors, same
+from drillstring.helix import LOCKED_STRAIN, helix_force, limits_at
 from drillstring.motion import MOTIONS, Motion
 from drillstring.string import Tube
 from drillstring.wellbore import Wellbore
@@ -35,13 +36,15 @@ of the hole to the other and |q| has a kink: that leaves an error of a millionth
 class SoftString(NamedTuple):
     """Along the hole from the rotary table to the bit, at the ends of the steps.
 
-    Measured depth (n,) m; effective tension (n,) N; torque (n,) N m; side force per length (n,) N/m.
+    Measured depth (n,) m; effective tension (n,) N; torque (n,) N m; side force per length (n,) N/m; where it has
+    locked up, m, above which all are NaN, or None.
     """
 
     measured_depth: np.ndarray
     tension: np.ndarray
     torque: np.ndarray
     side_force: np.ndarray
+    locked: float | None = None
 
     @property
     def hook_load(self) -> float:
@@ -62,6 +65,14 @@ class _Hole(NamedTuple):
     square: float
 
 
+class _Pipe(NamedTuple):
+    """A step's pipe: weight N/m; compression N from which it is a helix, and that helix's N/m over F^2, 1/N/m."""
+
+    weight: float
+    helical: float
+    helix: float
+
+
 def soft_string(
     well: Wellbore,
     tubes: Sequence[Tube],
@@ -69,8 +80,9 @@ def soft_string(
     friction: float | Factors,
     motion: str | Motion,
     bit_force: float = 0.0,
+    hole: float | None = None,
 ) -> SoftString:
-    """Integrate tension and torque from the bit up.
+    """Integrate tension and torque from the bit up, with the wall force of a helix where the string is one (helix.py).
 
     Parameters
     ----------
@@ -85,6 +97,8 @@ def soft_string(
         ``pick_up``, ``slack_off`` or ``rotating``, or speeds along the hole and about its axis.
     bit_force : float
         Tension at the bit, N.
+    hole : float, optional
+        Diameter of the hole, m; without it the string does not buckle.
 
     Returns
     -------
@@ -97,37 +111,53 @@ def soft_string(
     down, around = moved.friction(np.array([0.5 * tubes[k].contact_od for k in tube]))
     mu = factors.over(s[:-1], s[1:])
     lifted = np.sqrt(1.0 + (around * mu) ** 2)
-    tension, torque, side = np.zeros(s.size), np.zeros(s.size), np.zeros(s.size)
-    tension[-1] = bit_force
+    pipes = _pipes(well, [tubes[k] for k in tube], np.asarray(weight)[tube], 0.5 * (s[1:] + s[:-1]), hole)
+    tension, torque, side = (np.full(s.size, np.nan) for _ in range(3))
+    tension[-1], torque[-1] = bit_force, 0.0
     for i in range(s.size - 2, -1, -1):
-        k, hole, h = tube[i], holes[i], float(s[i + 1] - s[i])
-        w, arm = weight[k], -0.5 * tubes[k].contact_od * around[i] * mu[i] / lifted[i]
-        along = float(down[i] * mu[i] / lifted[i])
-        low = float(tension[i + 1])
-        a = _growth(low, w, hole, 0, along)
-        b = _growth(low + 0.5 * h * a, w, hole, 1, along)
+        arc, pipe, h, up = holes[i], pipes[i], float(s[i + 1] - s[i]), float(lifted[i])
+        along, low = float(down[i] * mu[i]), float(tension[i + 1])
+        a = _growth(low, pipe, arc, 0, along, up)
+        b = _growth(low + 0.5 * h * a, pipe, arc, 1, along, up)
         middle = low + 0.5 * h * b
-        c = _growth(middle, w, hole, 1, along)
-        high = low + h * c
-        tension[i] = low + h / 6.0 * (a + 2.0 * b + 2.0 * c + _growth(high, w, hole, 2, along))
-        loads = [_load(x, w, hole, j) for j, x in enumerate((low, middle, float(tension[i])))]
+        c = _growth(middle, pipe, arc, 1, along, up)
+        high = low + h / 6.0 * (a + 2.0 * b + 2.0 * c + _growth(low + h * c, pipe, arc, 2, along, up))
+        if high < -LOCKED_STRAIN * tubes[tube[i]].youngs_modulus * tubes[tube[i]].area:
+            return SoftString(s, tension, torque, side, float(s[i]))
+        tension[i] = high
+        loads = [_load(x, pipe, arc, j, up) for j, x in enumerate((low, middle, high))]
+        arm = -0.5 * tubes[tube[i]].contact_od * around[i] * mu[i]
         torque[i] = torque[i + 1] + arm * h / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2])
-        side[i] = loads[2] / lifted[i]
+        side[i] = loads[2]
         if i == s.size - 2:
-            side[-1] = loads[0] / lifted[i]
+            side[-1] = loads[0]
     return SoftString(s, tension, torque, side)
 
 
-def _load(tension: float, weight: float, hole: _Hole, place: int) -> float:
-    """Side load |q| per length, N/m."""
-    down, turn = hole.down[place], hole.turn[place]
-    square = tension * tension * hole.square + 2.0 * tension * weight * turn + weight * weight * (1.0 - down * down)
-    return sqrt(max(0.0, square))
+def _pipes(
+    well: Wellbore, tubes: list[Tube], weight: np.ndarray, middle: np.ndarray, hole: float | None
+) -> list[_Pipe]:
+    """The pipe of each step; without a hole's diameter it does not buckle."""
+    if hole is None:
+        return [_Pipe(float(w), np.inf, 0.0) for w in weight]
+    clearance = np.array([0.5 * (hole - tube.contact_od) for tube in tubes])
+    helical = limits_at(well, middle, tubes, weight, clearance).helical
+    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in tubes])
+    rows = zip(weight.tolist(), helical.tolist(), helix_force(1.0, clearance, rigidity).tolist(), strict=True)
+    return [_Pipe(*row) for row in rows]
 
 
-def _growth(tension: float, weight: float, hole: _Hole, place: int, along: float) -> float:
+def _load(tension: float, pipe: _Pipe, arc: _Hole, place: int, lifted: float) -> float:
+    """Force on the wall per length, N/m: |q|, less where friction carries a part of it, or that of a helix."""
+    w, down, turn = pipe.weight, arc.down[place], arc.turn[place]
+    square = tension * tension * arc.square + 2.0 * tension * w * turn + w * w * (1.0 - down * down)
+    lying = sqrt(max(0.0, square)) / lifted
+    return max(lying, pipe.helix * tension * tension) if -tension >= pipe.helical else lying
+
+
+def _growth(tension: float, pipe: _Pipe, arc: _Hole, place: int, along: float, lifted: float) -> float:
     """Growth of the tension per metre up the hole, N/m."""
-    return float(weight * hole.down[place]) + along * _load(tension, weight, hole, place)
+    return float(pipe.weight * arc.down[place]) + along * _load(tension, pipe, arc, place, lifted)
 
 
 def _mesh(well: Wellbore, tubes: Sequence[Tube], shoe: float) -> tuple[np.ndarray, np.ndarray]:

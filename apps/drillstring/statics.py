@@ -18,11 +18,13 @@ from drillstring.contact import WallContact
 from drillstring.ends import Bit, Top
 from drillstring.factors import Factors, same
 from drillstring.fluid import fluid_of, weight_in
+from drillstring.helix import LOCKED_STRAIN, LockedUp, helix_force, limits_at
 from drillstring.hole import Friction
 from drillstring.motion import MOTIONS, Motion
 from drillstring.scene import LUMPED, DrillstringScene
 from drillstring.sliding import SLIDING, Sliding
 from drillstring.string import Tube, cut
+from tautline.elements.load import Loads
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.march import new_frames
 from tautline.integrators.state import State, new_state
@@ -34,6 +36,8 @@ AT_DEPTH = 1.0e-7
 """Distance of the bit from its depth, m, that is left."""
 PLACINGS = 8
 """Times that the block is set anew."""
+PASSES, SETTLED = 200, 1.0e-7
+"""Passes in which the friction of helices is found, and its relative change that ends them."""
 SMALLEST_PART = 1.0 / 256.0
 """Part of the way from one friction factor to the next below which the search for an equilibrium is given up."""
 
@@ -138,11 +142,20 @@ class Statics:
         (contact,) = (g for g in self.model.system.groups if isinstance(g, WallContact))
         self.rows = records(contact.springs.size, SLIDING)
         self.contact = contact._replace(law=Sliding(self.rows))
-        groups = tuple(self.contact if isinstance(g, WallContact) else g for g in self.model.system.groups)
+        own = [self.contact if isinstance(g, WallContact) else g for g in self.model.system.groups]
+        given = next((g for g in own if isinstance(g, Loads)), Loads(np.zeros(0, np.int64), np.zeros(0)))
+        helix = PER_BODY * self.contact.springs.body
+        places = np.concatenate([given.place, helix, helix + 3])
+        self.helix = Loads(places, np.append(given.value, np.zeros(2 * helix.size)))
+        groups = (*(g for g in own if not isinstance(g, Loads)), self.helix)
         self.system = replace(self.model.system, groups=groups, linked={})
         self.block = next(k for k, i in enumerate(self.system.dofs.held) if i == 0)
         self.shoe = 0.0 if scene.well.wall is None or scene.well.wall.casing is None else scene.well.wall.casing.shoe
         self.free: tuple[np.ndarray, float] | None = None
+        self.pipes = [self.tubes[k] for k in self.lumps.section]
+        self.clearance = 0.5 * (scene.well.diameter - np.array([tube.contact_od for tube in self.pipes]))
+        middle = self.lumps.measured_depth[:-1] + 0.5 * self.lumps.length - above
+        self.limits = limits_at(self.well, middle, self.pipes, self.weight[self.lumps.section], self.clearance)
 
     def solve(self, friction: float | Factors, motion: str | Motion) -> Profile:
         """Equilibrium with all of Coulomb's friction against a motion.
@@ -162,13 +175,16 @@ class Statics:
         ------
         StoppedEarly
             NO_EQUILIBRIUM, naming the unknown that is worst, and the friction factor.
+        LockedUp
+            Where the friction of a helix outgrows any force.
         """
         moved = MOTIONS[motion] if isinstance(motion, str) else motion
         self.rows.along, self.rows.around = moved.friction(self.contact.springs.radius)
         state = new_state(self.system)
+        self._press(np.zeros(self.rows.size))
         self._without_friction(state)
         self._approach(state, same(friction, self.shoe))
-        return self._profile(state)
+        return self._buckled(state)
 
     def _without_friction(self, state: State) -> None:
         """Where every search starts."""
@@ -197,6 +213,36 @@ class Statics:
                     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, stop.part, detail) from None
                 continue
             here, part = goal, min(1.0, 2.0 * part)
+
+    def _buckled(self, state: State) -> Profile:
+        """With the friction of helices, by substitution: what a helix adds changes the compression above it alone."""
+        stiffness = np.array([tube.youngs_modulus * tube.area for tube in self.pipes])
+        rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in self.pipes])
+        added = np.zeros(self.rows.size)
+        for _ in range(PASSES):
+            profile = self._profile(state)
+            pushed = np.maximum(0.0, -profile.tension)
+            gone = pushed > LOCKED_STRAIN * stiffness
+            if gone.any():
+                raise LockedUp(float(profile.link_depth[gone].max()))
+            helix = helix_force(pushed, self.clearance, rigidity) * (pushed >= self.limits.helical)
+            halves = 0.5 * helix * self.lumps.length
+            wall = np.append(halves, 0.0) + np.append(0.0, halves)
+            lying = profile.side_force * self.lumps.tributary
+            wanted = np.maximum(0.0, wall - lying)[1:]
+            if np.abs(wanted - added).max() <= SETTLED * max(1.0, float(np.abs(wanted).max())):
+                side = np.maximum(profile.side_force, wall / self.lumps.tributary)
+                return profile._replace(side_force=side)
+            added = wanted
+            self._press(added)
+            self._place(state)
+        raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "the helix", f"bit at {self.depth:g} m")
+
+    def _press(self, wall: np.ndarray) -> None:
+        """Friction of so much more wall force (n,) N at the lumps, along the hole and about its axis."""
+        size = self.rows.factor * wall
+        radius = self.contact.springs.radius
+        self.helix.value[-2 * wall.size :] = np.append(size * self.rows.along, size * self.rows.around * radius)
 
     def _place(self, state: State) -> None:
         """Equilibrium with the bit at its depth: the block gives way by what the bit is off."""

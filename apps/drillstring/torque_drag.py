@@ -12,9 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.break_away import BreakAway, break_away
-from drillstring.buckling import Limits, limits
+from drillstring.buckling import Limits
 from drillstring.build import well_of
 from drillstring.factors import Factors, factors_of, same
+from drillstring.helix import LockedUp
 from drillstring.motion import MOTIONS, Motion
 from drillstring.scene import DrillstringScene, check_lengths
 from drillstring.soft_string import SoftString, soft_string
@@ -44,7 +45,8 @@ class Point(NamedTuple):
 
     ``profiles`` and ``soft`` hold the lumped model's and the soft string's results by direction; ``profiles`` has none
     where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
-    ``overpull`` is None where no section has a yield load, ``strokes`` where the string was not found without friction.
+    ``overpull`` is None where no section has a yield load, ``strokes`` where the string was not found without friction;
+    ``locks`` says of a direction in which the string locks up where the friction of a helix outgrows the pipe, m.
     """
 
     friction: Factors
@@ -56,6 +58,7 @@ class Point(NamedTuple):
     failures: dict[str, str]
     overpull: Overpull | None
     strokes: BreakAway | None
+    locks: dict[str, float]
 
     def hook_load(self, direction: str) -> float:
         """Hook load, N; NaN where no equilibrium was found."""
@@ -77,10 +80,10 @@ class Point(NamedTuple):
 
     @property
     def locked(self) -> bool | None:
-        """Whether the string cannot be lowered by its weight, or is a helix on its way down; None if not known."""
-        if "slack_off" not in self.profiles:
-            return None
-        return self.hook_load("slack_off") <= 0.0 or bool(self.buckled("slack_off", "helical"))
+        """Whether the string cannot be lowered by its weight, or by any force; None if not known."""
+        if "slack_off" in self.locks:
+            return True
+        return None if "slack_off" not in self.profiles else self.hook_load("slack_off") <= 0.0
 
 
 class Case(NamedTuple):
@@ -213,17 +216,26 @@ def torque_drag(
 
 
 def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions: dict[str, Motion]) -> Point:
-    profiles, failures, soft = {}, {}, {}
+    profiles, failures, soft, locks = {}, {}, {}, {}
     for direction, motion in motions.items():
-        soft[direction] = soft_string(statics.well, statics.tubes, statics.weight, friction, motion, scene.bit.load)
+        string = (statics.well, statics.tubes, statics.weight)
+        soft[direction] = soft_string(*string, friction, motion, scene.bit.load, scene.well.diameter)
         try:
             profiles[direction] = statics.solve(friction, direction if direction in MOTIONS else motion)
+        except LockedUp as lock:
+            place = soft[direction].locked
+            locks[direction] = lock.measured_depth if place is None else place
         except StoppedEarly as stop:
-            failures[direction] = f"{stop.part}: {stop.sentence}"
+            # On its way to lock-up the lumped string has no equilibrium any more.
+            place = soft[direction].locked
+            if place is not None:
+                locks[direction] = place
+            else:
+                failures[direction] = f"{stop.part}: {stop.sentence}"
     middle = statics.lumps.measured_depth[:-1] + 0.5 * statics.lumps.length
     pull = _overpull(statics, profiles["pick_up"], scene) if "pick_up" in profiles else None
     strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles else None
-    return Point(friction, statics.depth, middle, buckling_limits(statics), profiles, soft, failures, pull, strokes)
+    return Point(friction, statics.depth, middle, statics.limits, profiles, soft, failures, pull, strokes, locks)
 
 
 def _overpull(statics: Statics, picked: Profile, scene: DrillstringScene) -> Overpull | None:
@@ -237,21 +249,3 @@ def _overpull(statics: Statics, picked: Profile, scene: DrillstringScene) -> Ove
         return None
     name = scene.string[statics.lumps.section[first]].name
     return Overpull(float(margins[first]), name, float(statics.lumps.measured_depth[first]))
-
-
-def buckling_limits(statics: Statics) -> Limits:
-    """Buckling limits at the middles of the unstretched links (n,)."""
-    lumps, well = statics.lumps, statics.well
-    middle = lumps.measured_depth[:-1] + 0.5 * lumps.length
-    m1, m2, t = well.frame(middle)
-    k1, k2 = well.curvature(middle)
-    contact = lumps.of_links(lambda tube: tube.contact_od)
-    room = statics.contact.springs.clearance + 0.5 * lumps.largest(lambda tube: tube.contact_od)[1:]
-    return limits(
-        lumps.of_links(lambda tube: tube.youngs_modulus * tube.second_moment),
-        room - 0.5 * contact,
-        statics.weight[lumps.section],
-        t[:, 2],
-        k1 * m1[:, 2] + k2 * m2[:, 2],
-        np.hypot(k1, k2),
-    )

@@ -116,11 +116,11 @@ def _cell(value: float, unit: str = "") -> str:
 
 
 def _share(ours: float, soft: float) -> float:
-    return abs(ours - soft) / abs(soft) if np.isfinite(ours) and soft != 0.0 else 0.0
+    return abs(ours - soft) / abs(soft) if np.isfinite([ours, soft]).all() and soft != 0.0 else 0.0
 
 
 def _off(ours: float, soft: float) -> str:
-    if not np.isfinite(ours) or abs(soft) < 1.0:
+    if not np.isfinite([ours, soft]).all() or abs(soft) < 1.0:
         return "–"
     return f"{100.0 * (ours / soft - 1.0):+.2f} %"
 
@@ -136,7 +136,7 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
     found += warned[:MOST_SENTENCES]
     if len(warned) > MOST_SENTENCES:
         found.append((f"and {len(warned) - MOST_SENTENCES} more of these: --json has them all", "yellow"))
-    if not warned and all(point.profiles for point in points):
+    if not warned and all(not point.failures for point in points):
         found.append(("no part of the string buckles or locks up", "green"))
     if block > 0.0:
         found += [(text, "green") for text in _with_block(cases, system, block)]
@@ -205,12 +205,16 @@ def _warnings(point: Point, system: str) -> list[str]:
     found = []
     if "slack_off" in point.profiles and point.hook_load("slack_off") <= 0.0:
         found.append(f"{where}: the string does not go down by its own weight: it must be pushed or turned")
+    for way, depth in point.locks.items():
+        found.append(
+            f"{where}, {WORDS[way]}: lock-up: the friction of a helix grows without end towards "
+            f"{shown(depth, 'm', system)}, and no force at the top moves the bit"
+        )
     for way in point.profiles:
         helix = point.buckled(way, "helical")
         sine = [] if helix else point.buckled(way, "sinusoidal")
         for kind, places in (("into a helix", helix), ("into a sine", sine)):
             if places:
                 spans = ", ".join(f"{shown(a, 'm', system)} to {shown(b, 'm', system)}" for a, b in places[:4])
-                lock = ": lock-up" if way == "slack_off" and kind == "into a helix" else ""
-                found.append(f"{where}, {WORDS[way]}: the string buckles {kind} from {spans}{lock}")
+                found.append(f"{where}, {WORDS[way]}: the string buckles {kind} from {spans}")
     return found

@@ -251,6 +251,7 @@ def _report_of(case: Case) -> dict[str, Any]:
             {way: {kind: point.buckled(way, kind) for kind in ("sinusoidal", "helical")} for way in DIRECTIONS}
             for point in case.points
         ],
+        "lock_up": [point.locks for point in case.points],
         "locked": [point.locked for point in case.points],
         "reaming": {
             way.removeprefix("reaming_"): {

@@ -33,6 +33,7 @@ def folder(tmp_path, monkeypatch):
     casing = "    casing: {shoe: 2500 m, friction: 0.15}\n  diameter: 0.2032 m"
     cased = JWELL.replace("  diameter: 0.2032 m", "").replace("string:    ", casing.lstrip("\n") + "\nstring:    ", 1)
     Path("cased.yaml").write_text(cased, encoding="utf8")
+    Path("pushed.yaml").write_text(JWELL.replace("{on_bottom: false}", "{force: -200 kN}"), encoding="utf8")
     block = JWELL.replace("top:\n", "top:\n  weight: 350 kN\n")
     Path("block.yaml").write_text(block, encoding="utf8")
     wall = JWELL[JWELL.index("  wall:") : JWELL.index("string:")]
@@ -93,10 +94,18 @@ def test_field_units_are_printed_where_the_scene_asks_for_them_and_json_stays_si
 def test_lock_up_and_buckled_stretches_are_said_in_words(drillstring_):
     code, out, err = drillstring_("torque-drag", "jwell.yaml", "--friction", "0.5", "--elements", "50", "--json")
     report = only_object(out)
-    assert code == 0 and report["locked"] == [True]
-    assert "buckles into a helix from" in err and "lock-up" in err
+    assert code == 0 and report["locked"] == [False] and report["lock_up"] == [{}]
+    assert "buckles into a helix from" in err and "lock-up" not in err
     ((top, bottom),) = report["buckled"][0]["slack_off"]["helical"]
     assert 1700.0 < top < bottom < 2350.0
+
+
+def test_bit_that_is_pushed_through_much_friction_locks_up_and_has_no_hook_load(drillstring_):
+    code, out, err = drillstring_("torque-drag", "pushed.yaml", "--friction", "0.4", "--elements", "50", "--json")
+    report = only_object(out)
+    assert code == 0 and report["locked"] == [True] and report["slack_off"] == [None]
+    assert 0.0 < report["lock_up"][0]["slack_off"] < 2200.0 and report["status"] == "done"
+    assert "lock-up: the friction of a helix grows without end" in " ".join(err.split()) and "nan" not in err
 
 
 def test_overpull_is_the_yield_load_less_the_pick_up_load(drillstring_):

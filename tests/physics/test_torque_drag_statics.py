@@ -204,7 +204,7 @@ def test_vertical_hole_holds_by_the_strings_own_weight():
     assert at(0.0, 0.0, 1.0) == pytest.approx((2.55 * 4104.0, 5.55 * 4104.0), rel=1e-4)
 
 
-def test_string_that_is_slid_into_a_level_well_with_much_friction_buckles_above_the_curve_and_locks_up():
+def test_string_that_is_slid_into_a_level_well_with_much_friction_buckles_above_the_curve():
     jwell = shipped("jwell")
     loose, tight = torque_drag(jwell, [0.2, 0.5], elements=50)
     assert not loose.points[0].locked and loose.points[0].buckled("slack_off", "sinusoidal") == []
@@ -214,7 +214,8 @@ def test_string_that_is_slid_into_a_level_well_with_much_friction_buckles_above_
     held = tight.points[0].limits.helical[0]
     marked = soft.measured_depth[(-soft.tension > held) & (soft.measured_depth < 2200.0)]
     assert top == pytest.approx(marked.min(), abs=80.0) and 2150.0 < bottom < 2350.0
-    assert tight.points[0].locked
+    # its weight above still lowers it: lock-up is in test_helix.py
+    assert not tight.points[0].locked and tight.points[0].hook_load("slack_off") > 0.0
 
 
 def test_stretches_join_neighbouring_links_and_reach_half_way():
