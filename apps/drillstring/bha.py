@@ -126,7 +126,7 @@ def fine(scene: DrillstringScene, top: float, frequency: float) -> Cut:
     tubes = tubes_of(scene, well_of(scene).length)
     tops = np.cumsum([0.0] + [tube.length for tube in tubes])[:-1]
     first = int(np.searchsorted(tops, top - EDGE))
-    fluid, push = fluid_of(scene.mud), min(0.0, scene.bit.force)
+    fluid, push = fluid_of(scene.mud), min(0.0, scene.bit.load)
     counts = []
     for i, tube in enumerate(tubes):
         if i < first:
