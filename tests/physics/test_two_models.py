@@ -1,10 +1,20 @@
 """The string as lumps and as an ALE-ANCF beam: each beside what is known, and beside the other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from physics.strings import COLLAR, DENSITY, Balance, E, G, area, mass_per_length, run, shipped, straight_hole
 
+from drillstring.beam_contact import BeamContact
+from drillstring.build import build
 from drillstring.form import at_rest
+from drillstring.sliding import SLIDING, Sliding
+from drillstring.statics import Statics
+from tautline.integrators.equilibrium import find_equilibrium
+from tautline.integrators.march import new_frames
+from tautline.integrators.state import new_state
+from tautline.lumped.curve import records
 
 BEAM = "ale-ancf"
 
@@ -106,6 +116,26 @@ def test_the_models_agree_on_where_the_j_well_carries_the_string(jwells):
     assert pressed(of_beam, 0.0, 4000.0) == pytest.approx(total, rel=5e-3)
     for top, bottom in REGIONS.values():
         assert pressed(of_beam, top, bottom) == pytest.approx(pressed(lumps, top, bottom), abs=1e-2 * total)
+
+
+@pytest.mark.parametrize(("direction", "along"), [("pick_up", 1.0), ("slack_off", -1.0)])
+def test_the_models_agree_on_hook_loads_under_friction_all_one_way(direction, along):
+    # Coulomb's friction 0.25 on every point of the beam that touches, as torque-drag has it on every lump.
+    model = build(beam("jwell", 48))
+    system, state = model.system, new_state(model.system)
+    contact = next(g for g in system.groups if isinstance(g, BeamContact))
+    rows = records(contact.springs.size, SLIDING, factor=0.0, along=along)
+    slides = tuple(g._replace(law=Sliding(rows)) if g is contact else g for g in system.groups)
+    sliding = replace(system, groups=slides, linked={})
+    for factor in (0.0, 0.1, 0.25):
+        rows.factor = factor
+        find_equilibrium(sliding, state, model.step_limit)
+    frames = new_frames(1, system.q.size, model.own)
+    frames.q[0], frames.residual[0] = state.full_q, state.residual
+    seen = model.observe(frames)
+    # The beam hangs by its stretch past the end of the level hole, which moves the hook load by a thousandth.
+    lumps = Statics(shipped("jwell"), 3770.7, 96).solve(0.25, direction)
+    assert seen["hook_load"][0] == pytest.approx(lumps.hook_load, rel=5e-3)
 
 
 def test_under_heave_the_bit_of_the_beam_moves_as_that_of_the_lumps():
