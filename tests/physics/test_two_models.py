@@ -150,6 +150,21 @@ def test_under_heave_the_bit_of_the_beam_moves_as_that_of_the_lumps():
     assert np.sqrt(np.mean((of_beam["hook_load"] - lumps["hook_load"]) ** 2)) < 0.02 * hook
 
 
+def test_a_bit_on_bottom_is_the_same_to_both_models():
+    changes = {"solver__end": 6.0, "solver__step": 5e-3, "output__interval": 0.1}
+    lumps, of_beam = run(shipped("drilling", **changes)), run(shipped("drilling", model__kind=BEAM, **changes))
+    for name in ("weight_on_bit", "torque_on_bit", "hook_load", "surface_torque"):
+        assert np.abs(of_beam[name] - lumps[name]).max() < 2e-3 * np.abs(lumps[name]).max(), name
+
+
+def test_an_eccentric_beam_whirls_as_eccentric_lumps_do():
+    changes = {"solver__end": 12.0, "solver__step": 4e-3, "output__interval": 0.1}
+    lumps, of_beam = run(shipped("whirl", **changes)), run(shipped("whirl", model__kind=BEAM, **changes))
+    far = np.hypot(*lumps["lateral"][-1].T)
+    assert far.max() > 1e-4
+    assert np.hypot(*of_beam["lateral"][-1].T) == pytest.approx(far, abs=0.05 * far.max())
+
+
 def test_a_stuck_beam_does_not_creep():
     result = run(beam("jwell", 24, solver__end=3.0, solver__step=5e-3))
     # The string starts with the block's 18 mm/s; friction stops the bit at once.
