@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from matplotlib.collections import LineCollection
-from matplotlib.colors import PowerNorm
 
 from drillstring.whirl import Whirl, busiest, turns, whirl_of
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.view.comparison import NothingToShow, title
-from tautline.view.figure import COLOURS, QUIET, SHADES, Axes, Figure, axes, equal_scale, label, sample_line, styled
+from tautline.view.figure import COLOURS, QUIET, Axes, Figure, axes, equal_scale, label, sample_line, styled
+from tautline.view.orbit import bar_beside, draw_amplitudes, draw_way
+from tautline.view.spectrum import full_spectra
 
 LEAST_MOTION = 1e-7
 """Motion across the hole below which there is no whirl to show, m."""
-WINDOWS, SHORTEST, LONGEST = 12, 32, 512
-"""Windows that a run is cut into for its spectra, and the least and most frames of one."""
 FAINT = 4e-3
 """Share of the largest amplitude below which spectra are blank."""
 SEEN = 0.02
@@ -74,16 +71,11 @@ def _orbit(figure: Figure, plot: Axes, one: Whirl) -> None:
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         plot.plot(1e3 * one.room * np.cos(turn), 1e3 * one.room * np.sin(turn), color="black", lw=1.0)
         across, up = (np.r_[values, -1e3 * one.room, 1e3 * one.room] for values in (east, north))
-    points = np.stack([east, north], axis=1)
-    way = LineCollection(np.stack([points[:-1], points[1:]], axis=1), cmap=SHADES, lw=0.9)
-    way.set_array(one.time[:-1])
-    plot.add_collection(way)
+    way = draw_way(plot, one.time, east, north)
     equal_scale(plot, across, up, 1e-3)
     plot.set_xlabel(label("offset along m2", "mm"))
     plot.set_ylabel(label("offset along m1", "mm"))
-    bar = figure.colorbar(way, ax=plot, aspect=30, pad=0.02)
-    bar.set_label(label("time", "s"))
-    bar.outline.set_visible(False)
+    bar_beside(figure, plot, way, label("time", "s"))
 
 
 def _rate(plot: Axes, one: Whirl, ratio: float) -> None:
@@ -130,9 +122,7 @@ def _spectra(figure: Figure, plot: Axes, one: Whirl) -> None:
         return
     largest = float(amplitude.max()) or 1.0
     shown = np.where(amplitude > FAINT * largest, 1e3 * amplitude, np.nan)
-    image = plot.pcolormesh(
-        middle, frequency, shown, cmap=SHADES.reversed(), norm=PowerNorm(0.5, 0.0, 1e3 * largest), rasterized=True
-    )
+    image = draw_amplitudes(plot, middle, frequency, shown)
     plot.plot(one.time, one.spin / HERTZ, color=COLOURS[2], ls="--", lw=1.0)
     strong = np.abs(frequency)[(amplitude > SEEN * largest).any(axis=1)]
     reach = 1.3 * max(float(strong.max()), float(np.abs(one.spin).max()) / HERTZ)
@@ -144,37 +134,4 @@ def _spectra(figure: Figure, plot: Axes, one: Whirl) -> None:
     plot.axhline(0.0, color="black", lw=0.8)
     plot.set_xlabel(label("time", "s"))
     plot.set_ylabel(label("frequency, clockwise", "Hz"))
-    bar = figure.colorbar(image, ax=plot, aspect=30, pad=0.02)
-    bar.set_label(label("amplitude", "mm"))
-    bar.outline.set_visible(False)
-
-
-def full_spectra(time: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Spectra of a way across the hole, window by window.
-
-    Parameters
-    ----------
-    time : (m,) array
-        Even, s.
-    offset : (m,) complex array
-        m1 + i m2, m.
-
-    Returns
-    -------
-    middle : (w,) array
-        Time of the windows, s; empty where there are too few frames.
-    frequency : (k,) array
-        Hz, rising from negative, anticlockwise, to positive, clockwise.
-    amplitude : (k, w) array
-        A circle shows with its radius, m; Hann windows, which overlap by three quarters.
-    """
-    count = int(np.clip(len(time) // WINDOWS, SHORTEST, LONGEST))
-    if len(time) < 2 * count:
-        nothing: Any = np.zeros(0)
-        return nothing, nothing, np.zeros((0, 0))
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
-    first = np.arange(0, len(time) - count + 1, max(1, count // 4))
-    pieces = offset[first[:, None] + np.arange(count)] * window
-    amplitude = np.abs(np.fft.fftshift(np.fft.fft(pieces, 2 * count, axis=1), axes=1)).T / window.sum()
-    step = (time[-1] - time[0]) / (len(time) - 1)
-    return time[first] + 0.5 * count * step, np.fft.fftshift(np.fft.fftfreq(2 * count, step)), amplitude
+    bar_beside(figure, plot, image, label("amplitude", "mm"))

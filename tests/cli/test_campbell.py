@@ -17,6 +17,7 @@ KEYS = {
     "part",
     "supports",
     "links",
+    "loose",
     "modes",
     "critical",
     "scene",

@@ -11,9 +11,9 @@ from synthetic_hose import result as hose
 from synthetic_string import result
 
 from drillstring.figures import FIGURES, draw, figures
-from drillstring.whirl_figures import full_spectra
 from tautline.results.errors import ResultError
 from tautline.view.figure import save, scale
+from tautline.view.spectrum import full_spectra
 
 BIT = ("drilling", "phase")
 """Figures of a bit on the bottom."""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+WINDOWS, SHORTEST, LONGEST = 12, 32, 512
+"""Windows that a run is cut into for spectra against time, and the least and most frames of one."""
+
 
 def spectrum(time: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Amplitude spectrum of a signal about its mean, with a Hann window.
@@ -47,3 +50,33 @@ def late_spectrum(time: np.ndarray, signal: np.ndarray, share: float) -> tuple[n
     if len(time) < 4:
         return np.zeros(0), np.zeros(0)
     return spectrum(time, signal - np.polynomial.Polynomial.fit(time, signal, 1)(time))
+
+
+def full_spectra(time: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Spectra of a way around something, window by window.
+
+    Parameters
+    ----------
+    time : (m,) array
+        Even, s.
+    offset : (m,) complex array
+        Its two coordinates, m.
+
+    Returns
+    -------
+    middle : (w,) array
+        Time of the windows, s; empty where there are too few frames.
+    frequency : (k,) array
+        Hz, rising; positive where the way turns from the real axis to the imaginary one.
+    amplitude : (k, w) array
+        A circle shows with its radius, m; Hann windows, which overlap by three quarters.
+    """
+    count = int(np.clip(len(time) // WINDOWS, SHORTEST, LONGEST))
+    if len(time) < 2 * count:
+        return np.zeros(0), np.zeros(0), np.zeros((0, 0))
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
+    first = np.arange(0, len(time) - count + 1, max(1, count // 4))
+    pieces = offset[first[:, None] + np.arange(count)] * window
+    amplitude = np.abs(np.fft.fftshift(np.fft.fft(pieces, 2 * count, axis=1), axes=1)).T / window.sum()
+    step = (time[-1] - time[0]) / (len(time) - 1)
+    return time[first] + 0.5 * count * step, np.fft.fftshift(np.fft.fftfreq(2 * count, step)), amplitude
