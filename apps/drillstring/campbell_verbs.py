@@ -183,7 +183,7 @@ def parse_depth(scene: DrillstringScene, text: str | None) -> float | None:
 def parse_held(scene: DrillstringScene, text: str | None) -> frozenset[str]:
     """Names of what is held sideways; by default the bit where there is weight on it."""
     if text is None:
-        return frozenset(["bit"] if scene.bit.force < 0.0 or scene.bit.on_bottom else [])
+        return frozenset(["bit"] if scene.bit.load < 0.0 or scene.bit.on_bottom else [])
     if text.strip() == "none":
         return frozenset()
     from tautline.cli.lists import one_of, words
