@@ -70,13 +70,19 @@ def stabilisers_of(scene: DrillstringScene) -> list[int]:
     return found
 
 
+def top_of_assembly(scene: DrillstringScene) -> float:
+    """Measured depth of the assembly's top, m."""
+    tubes = tubes_of(scene, well_of(scene).length)
+    return float(sum(tube.length for tube in tubes[: assembly_of(scene)]))
+
+
 def lowest_end(scene: DrillstringScene) -> float:
     """Measured depth above which the upper end is looked for, m: top of the topmost stabiliser, or of the assembly."""
     tubes = tubes_of(scene, well_of(scene).length)
     tops = np.cumsum([0.0] + [tube.length for tube in tubes])
     stabilisers = stabilisers_of(scene)
     # A stabiliser's own upper edge is no end; the assembly's is one.
-    return float(tops[stabilisers[0]]) - EDGE if stabilisers else float(tops[assembly_of(scene)]) + EDGE
+    return float(tops[stabilisers[0]]) - EDGE if stabilisers else top_of_assembly(scene) + EDGE
 
 
 def wave_number(tube: Tube, mass: float, tension: float, frequency: float) -> float:

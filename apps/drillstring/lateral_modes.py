@@ -12,6 +12,7 @@ from drillstring.scene import DrillstringScene
 from drillstring.string import Lumps
 from drillstring.string_at_rest import StringAtRest, U, V, X
 from tautline.lumped.curve import PER_BODY
+from tautline.scene.errors import SceneError
 
 SAME = 1e-5
 """Relative difference below which two frequencies are those of one mode in either plane."""
@@ -43,7 +44,14 @@ def lateral_modes(
         at = _upper_end(first, bha.lowest_end(scene))
         # One link higher: a finer string finds its place on the wall within the last coarse link.
         end = float(first.lumps.measured_depth[max(0, at - 1)])
-    mesh = bha.fine(scene, end, highest)
+    try:
+        mesh = bha.fine(scene, end, highest)
+    except SceneError:
+        if end > 0.0 or bha.assembly_of(scene) == 0:
+            raise
+        # Nothing touches and the pipe is too long to be cut so finely: the assembly alone, held at its top.
+        end = top = bha.top_of_assembly(scene)
+        mesh = bha.fine(scene, end, highest)
     both = []
     for one in (mesh, mesh.doubled()):
         linear = StringAtRest.of(one)

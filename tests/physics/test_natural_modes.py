@@ -189,6 +189,20 @@ def test_the_part_that_is_looked_at_ends_where_the_collars_lie_on_the_wall_above
     assert 0.2 * weight < sum(one.force for one in found.supports[1:]) < weight
 
 
+def test_an_assembly_below_pipe_that_is_too_long_is_held_at_its_top():
+    # clamped-free collars under 3 km of pipe in a vertical hole, without gravity: the pipe has no say
+    collar = {"od": COLLAR[0], "id": COLLAR[1]}
+    string = [
+        {"name": "pipe", "length": "rest", "od": 0.127, "id": 0.1086},
+        {"name": "collar", "length": LENGTH} | collar,
+    ]
+    scene = beam(1e-6, "free", string=string, well__sections=[{"hold": 3000.0}])
+    found = campbell(scene, FAST, up_to=8.0)
+    assert found.top == pytest.approx(3000.0 - LENGTH) and found.supports[0].how == "held"
+    exact = (np.array([1.87510407, 4.69409113]) / LENGTH) ** 2 * sqrt(RIGIDITY / MASS) / (2 * pi)
+    check(found.modes[:2], exact, 1e-3)
+
+
 def test_a_stabiliser_that_is_clear_of_the_wall_at_rest_is_told():
     assert campbell(packed(), FAST).loose == ()
     string = [
