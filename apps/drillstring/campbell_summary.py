@@ -95,10 +95,8 @@ def sentences(found: Campbell, system: str = "si") -> list[tuple[str, str]]:
         text = f"{', '.join(found.loose)}: clear of the wall as the string rests, so it holds nothing"
         said.append((f"{text}; --hold '{','.join(found.loose)}' holds it", "yellow"))
     if found.unstable:
-        text = (
-            f"{len(found.unstable)} of the modes grow: the string does not rest so, it buckles until the wall holds it"
-        )
-        said.append((f"{text}; take weight off the bit, or hold stabilisers", "red"))
+        text = f"{len(found.unstable)} of the modes grow: the string does not rest so, it buckles as far as the wall"
+        said.append((f"{text}; take weight off the bit, or --hold it", "red"))
     if not found.modes:
         said.append((f"no natural frequency is below {significant(found.up_to, 4)} Hz: see --up-to", "yellow"))
     names = names_of(found.modes)
