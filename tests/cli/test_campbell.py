@@ -106,7 +106,7 @@ def test_units_of_the_field_are_printed_where_the_scene_asks_for_them(drillstrin
         (["hanging.yaml", "--orders", "two"], "is no multiple of the rotary speed"),
         (["hanging.yaml", "--from", "1000"], "leaves nothing of the string"),
         (["hanging.yaml", "--hold", "collars"], "is not one of drill pipe"),
-        (["hanging.yaml", "--up-to", "150"], "links for bending waves of 150 Hz"),
+        (["hanging.yaml", "--from", "1", "--up-to", "150"], "links for bending waves of 150 Hz"),
         (["hanging.yaml", "--up-to", "0"], "--up-to"),
         (["hanging.yaml", "-o", "d.xyz"], "is no format of figures"),
         (["hanging.yaml", "--csv", "nowhere/t.csv"], "there is no folder nowhere"),
