@@ -289,9 +289,16 @@ FIGURES: Mapping[str, str] = {name: drawing.text for name, drawing in DRAWINGS.i
 def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Figure]:
     """Draw figures or variables; see `tautline.view.drawings.drawn`.
 
-    By default, all that one result has something for, and the overview of several.
+    By default, all that one result has something for, and the overview of several. Axes are in the units of the first
+    result's scene: SI, or oilfield units.
     """
-    return drawn(results, DRAWINGS, what, vs)
+    found = drawn(results, DRAWINGS, what, vs)
+    if results[0].attributes.get("units") == "field":
+        from tautline.view.field_axes import use_field_units
+
+        for figure in found.values():
+            use_field_units(figure)
+    return found
 
 
 figures = writing(draw)

@@ -68,8 +68,10 @@ def form(
     for path, scene in zip(scenes, read_scenes, strict=True):
         search = partial(find_form, scene, meshes, way, most or MOST_STEPS, kinds)
         found.append(_stopping(path, as_json, search))
-    _print(scenes, found)
-    _draw(scenes, found, figure)
+    # One table and one figure have one system of units: the first scene's.
+    system = read_scenes[0].units
+    _print(scenes, found, system)
+    _draw(scenes, found, figure, system)
     if table is not None:
         _write(scenes, found, table)
     if as_json:
@@ -227,7 +229,7 @@ def _largest(found: Finding, one: Form) -> float | None:
     return None if difference is None else float(difference.max())
 
 
-def _print(scenes: list[Path], found: list[Finding]) -> None:
+def _print(scenes: list[Path], found: list[Finding], system: str) -> None:
     from rich.table import Table
     from rich.text import Text
 
@@ -240,8 +242,8 @@ def _print(scenes: list[Path], found: list[Finding]) -> None:
     names = (
         "model",
         "n",
-        "end north, east, down [m]",
-        "end moved [m]",
+        f"end north, east, down [{_unit(system)[1]}]",
+        f"end moved [{_unit(system)[1]}]",
         "off axis",
         "off the rod",
         "hook load",
@@ -251,9 +253,9 @@ def _print(scenes: list[Path], found: list[Finding]) -> None:
         table.add_column(Text(name), justify="right")
     for path, one in zip(scenes, found, strict=True):
         for number, form_ in enumerate(one.forms):
-            table.add_row(path.stem if number == 0 else "", *_row(one, form_))
+            table.add_row(path.stem if number == 0 else "", *_row(one, form_, system))
         if one.reference.rod is not None:
-            table.add_row("", *_exact_row(one))
+            table.add_row("", *_exact_row(one, system))
     show(table)
     for path, one in zip(scenes, found, strict=True):
         rod = one.reference.rod
@@ -265,15 +267,22 @@ def _print(scenes: list[Path], found: list[Finding]) -> None:
             say(f"{path.stem}: {touching} of {one.finest.elements + 1} {parts} lie on the wall", "yellow")
 
 
-def _place(place: Any) -> str:
+def _unit(system: str) -> tuple[float, str]:
+    """Length in m of one unit of places, and its name."""
+    return (0.3048, "ft") if system == "field" else (1.0, "m")
+
+
+def _place(place: Any, system: str) -> str:
     # Rounding makes -0.0000 of what is nothing.
-    return ", ".join(f"{round(float(x), DECIMALS) + 0.0:.{DECIMALS}f}" for x in place)
+    length, _ = _unit(system)
+    return ", ".join(f"{round(float(x) / length, DECIMALS) + 0.0:.{DECIMALS}f}" for x in place)
 
 
-def _length(value: float) -> str:
+def _length(value: float, system: str) -> str:
     from tautline.cli.summary import significant
 
-    return f"{significant(value, 5)} m"
+    length, name = _unit(system)
+    return f"{significant(value / length, 5)} {name}"
 
 
 def _hook(load: float, tension: Any) -> float:
@@ -281,26 +290,26 @@ def _hook(load: float, tension: Any) -> float:
     return 0.0 if abs(load) < NOTHING * float(abs(tension).max()) else load
 
 
-def _row(found: Finding, one: Form) -> list[str]:
+def _row(found: Finding, one: Form, system: str) -> list[str]:
     import numpy as np
 
-    from tautline.cli.summary import quantity
+    from tautline.cli.summary import shown
 
     largest = _largest(found, one)
-    off = "–" if largest is None else quantity(largest, "m")
+    off = "–" if largest is None else shown(largest, "m", system)
     numbers = (_hook(one.hook_load, one.tension), "N"), (float(one.tension.max()), "N"), (one.stretch, "m")
-    moved = f"{float(np.linalg.norm(one.moved[-1])):.{DECIMALS}f}"
-    written = [quantity(value, unit) for value, unit in numbers]
+    moved = _place([np.linalg.norm(one.moved[-1])], system)
+    written = [shown(value, unit, system) for value, unit in numbers]
     return [
-        one.kind, str(one.elements), _place(one.position[-1]), moved, _length(float(one.offset.max())), off, *written,
-        str(one.iterations),
+        one.kind, str(one.elements), _place(one.position[-1], system), moved,
+        _length(float(one.offset.max()), system), off, *written, str(one.iterations),
     ]  # fmt: skip
 
 
-def _exact_row(found: Finding) -> list[str]:
+def _exact_row(found: Finding, system: str) -> list[str]:
     import numpy as np
 
-    from tautline.cli.summary import quantity
+    from tautline.cli.summary import shown
 
     reference, finest = found.reference, found.finest
     rod = reference.rod
@@ -308,19 +317,25 @@ def _exact_row(found: Finding) -> list[str]:
     s = np.linspace(0.0, rod.length, 2001)
     end = reference.position(s[-1:])[0]
     moved = float(np.linalg.norm(end - finest.position[-1] + finest.moved[-1]))
-    off = _length(float(np.abs(rod.locate(s)[1]).max()))
+    off = _length(float(np.abs(rod.locate(s)[1]).max()), system)
     tension = rod.tension(s)
     numbers = (_hook(rod.hook_load, tension), "N"), (float(tension.max()), "N"), (rod.stretch, "m")
-    return ["rod", "", _place(end), f"{moved:.{DECIMALS}f}", off, "", *(quantity(x, unit) for x, unit in numbers), ""]
+    written = [shown(value, unit, system) for value, unit in numbers]
+    return ["rod", "", _place(end, system), _place([moved], system), off, "", *written, ""]
 
 
-def _draw(scenes: list[Path], found: list[Finding], path: Path) -> None:
+def _draw(scenes: list[Path], found: list[Finding], path: Path, system: str) -> None:
     from drillstring.form_figures import form_figure
     from tautline.cli.console import say
     from tautline.view.figure import save
 
     titles = [one.title or scene.stem for scene, one in zip(scenes, found, strict=True)]
-    say(f"wrote {save(form_figure(titles, found), path)}", "green")
+    figure = form_figure(titles, found)
+    if system == "field":
+        from tautline.view.field_axes import use_field_units
+
+        use_field_units(figure)
+    say(f"wrote {save(figure, path)}", "green")
 
 
 def _write(scenes: list[Path], found: list[Finding], path: Path) -> None:

@@ -34,7 +34,7 @@ MOST_SENTENCES = 8
 
 def column_unit(unit: str, largest: float, system: str) -> tuple[float, str]:
     """Factor to divide SI by, and the unit to write, the same for a whole column or axis."""
-    from tautline.cli.field_units import in_field_units
+    from tautline.scene.field_units import in_field_units
 
     if system == "field":
         size = abs(largest) or 1.0

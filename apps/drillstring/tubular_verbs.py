@@ -41,7 +41,7 @@ def _table(found: tuple[Tubular, ...]) -> Any:
     from rich.text import Text
 
     from drillstring.tubulars import INCH, POUND_PER_FOOT
-    from tautline.cli.field_units import in_field_units
+    from tautline.scene.field_units import in_field_units
 
     table = Table(box=None, padding=(0, 1, 0, 0))
     table.add_column("tubular", style="cyan", no_wrap=True)

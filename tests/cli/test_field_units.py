@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from drillstring.application import Drillstring
-from tautline.cli.field_units import FIELD, in_field_units
 from tautline.cli.run import run
 from tautline.cli.summary import shown
 from tautline.cli.verbs import make_app
 from tautline.results.result import Result
+from tautline.scene.field_units import FIELD, in_field_units
 from tautline.scene.units import pint_registry
 
 FIELD_WELL = (Path(__file__).parents[2] / "data" / "field_well.yaml").read_text(encoding="utf8")

@@ -1,6 +1,7 @@
 """The verb `form`: table, figure, CSV, JSON contract, exit codes and refusals."""
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -163,3 +164,16 @@ def test_an_unknown_model_is_refused_with_those_that_there_are(drillstring):
     code, out, err = drillstring("form", "configuration_a.yaml", "--model", "lumped,fem")
     assert (code, out) == (2, "")
     assert "--model" in err and "'fem'" in err and "ale-ancf" in err
+
+
+def test_form_of_a_scene_in_oilfield_units_prints_and_draws_feet_and_kip_and_its_json_stays_si(drillstring):
+    plain = Path("hanging.yaml").read_text(encoding="utf8")
+    Path("field.yaml").write_text("units: field\n" + plain, encoding="utf8")
+    figure = ("-o", "field.svg")
+    code, out, err = drillstring("form", "field.yaml", "--elements", "10", "--json", *figure)
+    report = only_object(out)
+    assert code == 0 and "end north, east, down [ft]" in err and "kip" in err and not re.search(r"\d k?N\b|\d m\b", err)
+    end = report["meshes"][0]["end"][2]
+    assert f"{end / 0.3048:.4f}" in err and "[ft]" in Path("field.svg").read_text(encoding="utf8")
+    # 0.376529 m of stretch (DRILLSTRING.md section 10), whatever is printed
+    assert report["rod"]["stretch"] == pytest.approx(0.376529, abs=1e-6)

@@ -48,7 +48,7 @@ def quantity(value: Any, unit: str) -> str:
 def shown(value: Any, unit: str, system: str = "si") -> str:
     """Write a figure that is given in SI in the units of a `system`: ``si`` or ``field``."""
     if system == "field" and isinstance(value, (int, float)) and not isinstance(value, bool):
-        from tautline.cli.field_units import FIELD, in_field_units
+        from tautline.scene.field_units import FIELD, in_field_units
 
         if unit in FIELD:
             converted, name = in_field_units(float(value), unit)
