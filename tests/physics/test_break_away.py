@@ -21,6 +21,7 @@ import pytest
 from physics.strings import COLLAR, GRAVITY, E, area, mass_per_length, run, shipped, straight_hole
 from references import soft_string as reference
 
+from drillstring.break_away import break_away_figures
 from drillstring.statics import Statics
 from drillstring.torque_drag import torque_drag
 
@@ -159,6 +160,36 @@ def test_stroke_of_the_statics_comes_near_the_soft_strings_as_lumps_grow_in_numb
         statics = Statics(shipped("jwell", **SOFT), JWELL.length, elements)
         errors.append(abs((statics.solve(0.0, "pick_up").block - statics.solve(0.2, "pick_up").block) / up - 1.0))
     assert errors[0] < 4e-2 and errors[1] < 1e-2 and errors[2] < 2e-3
+
+
+class Frames(dict):
+    """Variables of a result that was never run: a bit that stays for four frames of ten."""
+
+    time = np.arange(10.0)
+
+    def __init__(self, **changes):
+        still, way = np.zeros((10, 2)), np.linspace(0.0, 1.0, 10)
+        bit, load = np.where(way > 0.4, way, 0.0), 1e5 + 1e3 * way
+        super().__init__(block_position=way, bit_depth=bit, axial_velocity=still, rotation_rate=still, hook_load=load)
+        self |= {"friction_force": still + 1.0, "rotation": still} | changes
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"weight_on_bit": np.full(10, 1e4)},
+        {"friction_force": np.zeros((10, 2))},
+        {"axial_velocity": np.full((10, 2), 0.1)},
+        {"rotation": np.linspace(0.0, 5.0, 20).reshape(10, 2)},
+        {"bit_depth": np.zeros(10)},
+        {"block_position": np.zeros(10)},
+    ],
+    ids=["on bottom", "no friction", "in motion", "turning", "stays", "block at rest"],
+)
+def test_break_away_is_told_only_of_a_bit_that_friction_held(changes):
+    told = break_away_figures(Frames())
+    assert told["break_away_stroke"][0] == pytest.approx(3.0 / 9.0) and told["break_away_time"][0] == 3.0
+    assert break_away_figures(Frames(**changes)) == {}
 
 
 @pytest.mark.parametrize(("share", "moves"), [(0.97, False), (1.03, True)])
