@@ -73,6 +73,14 @@ class _Pipe(NamedTuple):
     helix: float
 
 
+class _Slide(NamedTuple):
+    """Of each step: friction factor times the direction of friction along and around, and the root by which N falls."""
+
+    along: np.ndarray
+    around: np.ndarray
+    lifted: np.ndarray
+
+
 def soft_string(
     well: Wellbore,
     tubes: Sequence[Tube],
@@ -106,27 +114,43 @@ def soft_string(
     """
     factors = same(friction)
     s, tube = _mesh(well, tubes, factors.shoe)
-    holes = _holes(well, s)
+    each = [tubes[k] for k in tube]
     moved = MOTIONS[motion] if isinstance(motion, str) else motion
-    down, around = moved.friction(np.array([0.5 * tubes[k].contact_od for k in tube]))
+    down, around = moved.friction(np.array([0.5 * one.contact_od for one in each]))
     mu = factors.over(s[:-1], s[1:])
-    lifted = np.sqrt(1.0 + (around * mu) ** 2)
-    pipes = _pipes(well, [tubes[k] for k in tube], np.asarray(weight)[tube], 0.5 * (s[1:] + s[:-1]), hole)
+    slide = _Slide(down * mu, around * mu, np.sqrt(1.0 + (around * mu) ** 2))
+    holes, weights = _holes(well, s), np.asarray(weight, float)[tube]
+    lying = [_Pipe(float(w), np.inf, 0.0) for w in weights]
+    found = _integrate(s, each, holes, slide, lying, bit_force)
+    if hole is None:
+        return found
+    pushed = np.maximum(0.0, -np.minimum(found.tension[1:], found.tension[:-1]))
+    # The limits take time, and most strings are nowhere near them.
+    near, middle = pushed > 0.0, 0.5 * (s[1:] + s[:-1])
+    if not near.any() or (pushed[near] < _helical(well, each, weights, middle, hole, near)).all():
+        return found
+    return _integrate(s, each, holes, slide, _buckling(well, each, weights, middle, hole), bit_force)
+
+
+def _integrate(
+    s: np.ndarray, each: list[Tube], holes: list[_Hole], slide: _Slide, pipes: list[_Pipe], bit_force: float
+) -> SoftString:
+    """From the bit up, by Runge and Kutta's steps of fourth order."""
     tension, torque, side = (np.full(s.size, np.nan) for _ in range(3))
     tension[-1], torque[-1] = bit_force, 0.0
     for i in range(s.size - 2, -1, -1):
-        arc, pipe, h, up = holes[i], pipes[i], float(s[i + 1] - s[i]), float(lifted[i])
-        along, low = float(down[i] * mu[i]), float(tension[i + 1])
+        arc, pipe, h, up = holes[i], pipes[i], float(s[i + 1] - s[i]), float(slide.lifted[i])
+        along, low = float(slide.along[i]), float(tension[i + 1])
         a = _growth(low, pipe, arc, 0, along, up)
         b = _growth(low + 0.5 * h * a, pipe, arc, 1, along, up)
         middle = low + 0.5 * h * b
         c = _growth(middle, pipe, arc, 1, along, up)
         high = low + h / 6.0 * (a + 2.0 * b + 2.0 * c + _growth(low + h * c, pipe, arc, 2, along, up))
-        if high < -LOCKED_STRAIN * tubes[tube[i]].youngs_modulus * tubes[tube[i]].area:
+        if high < -LOCKED_STRAIN * each[i].youngs_modulus * each[i].area:
             return SoftString(s, tension, torque, side, float(s[i]))
         tension[i] = high
         loads = [_load(x, pipe, arc, j, up) for j, x in enumerate((low, middle, high))]
-        arm = -0.5 * tubes[tube[i]].contact_od * around[i] * mu[i]
+        arm = -0.5 * each[i].contact_od * slide.around[i]
         torque[i] = torque[i + 1] + arm * h / 6.0 * (loads[0] + 4.0 * loads[1] + loads[2])
         side[i] = loads[2]
         if i == s.size - 2:
@@ -134,16 +158,22 @@ def soft_string(
     return SoftString(s, tension, torque, side)
 
 
-def _pipes(
-    well: Wellbore, tubes: list[Tube], weight: np.ndarray, middle: np.ndarray, hole: float | None
-) -> list[_Pipe]:
-    """The pipe of each step; without a hole's diameter it does not buckle."""
-    if hole is None:
-        return [_Pipe(float(w), np.inf, 0.0) for w in weight]
+def _helical(
+    well: Wellbore, each: list[Tube], weights: np.ndarray, middle: np.ndarray, hole: float, some: np.ndarray
+) -> np.ndarray:
+    """Compression of some of the steps (m,) from which the string is a helix there, N."""
+    places = np.flatnonzero(some)
+    tubes = [each[k] for k in places]
     clearance = np.array([0.5 * (hole - tube.contact_od) for tube in tubes])
-    helical = limits_at(well, middle, tubes, weight, clearance).helical
-    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in tubes])
-    rows = zip(weight.tolist(), helical.tolist(), helix_force(1.0, clearance, rigidity).tolist(), strict=True)
+    return limits_at(well, middle[places], tubes, weights[places], clearance).helical
+
+
+def _buckling(well: Wellbore, each: list[Tube], weights: np.ndarray, middle: np.ndarray, hole: float) -> list[_Pipe]:
+    """The pipe of each step with its limit and its helix."""
+    helical = _helical(well, each, weights, middle, hole, np.ones(middle.size, bool))
+    clearance = np.array([0.5 * (hole - tube.contact_od) for tube in each])
+    rigidity = np.array([tube.youngs_modulus * tube.second_moment for tube in each])
+    rows = zip(weights.tolist(), helical.tolist(), helix_force(1.0, clearance, rigidity).tolist(), strict=True)
     return [_Pipe(*row) for row in rows]
 
 
