@@ -119,7 +119,7 @@ def _record(g, out, at):
     out[at[0]] = g.value[WEIGHT]
     out[at[0] + 1] = -b.force
     out[at[0] + 2] = b.drilled
-    out[at[0] + 3] = b.hole
+    out[at[0] + 3] = g.datum + b.hole
     at[0] += 4
 
 

@@ -5,7 +5,7 @@ there are (bit_numbers.py has the laws); the depth of the hole at the end of a s
 the trapezoidal rule. `BladeBit` cuts with blades, each what the one before it has left: the bottom that the last blade
 left at every angle is kept in a ring. Both write ``value``: weight on bit N, kinetic and static torque N m, rate of
 penetration m/s; and ``slope`` (3, 4), the derivatives of the first three by depth, speed along the hole, angle and
-rotary speed of the bit.
+rotary speed of the bit. Depths of bit and bottom are counted from the bit's ``datum``.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ class BladeBit(NamedTuple):
 
 @kernel
 def depth_of(g, q):
-    """Measured depth of the bit, m."""
-    depth = g.datum
+    """Measured depth of the bit below ``datum``, m: hard rock wants the digits that kilometres would take."""
+    depth = 0.0
     for k in range(g.places.size):
         depth += g.direction[k] * q[g.places[k]]
     return depth

@@ -97,7 +97,7 @@ def table(found: Map, system: str) -> Table | None:
 
     if min(len(found.speeds), len(found.weights)) > MOST_COLUMNS:
         return None
-    laid_out = Table(box=None, padding=(0, 2, 0, 0), header_style="cyan", title="severity (share of time stuck)")
+    laid_out = Table(box=None, padding=(0, 1, 0, 0), header_style="cyan", title="severity, and share of time stuck")
     speeds = [f"{significant(speed / RPM)}\u00a0rpm" for speed in found.speeds]
     weights = [shown(weight, "N", system).replace(" ", "\u00a0") for weight in found.weights]
     words = [[_word(cell) for cell in row] for row in found.cells]
@@ -113,7 +113,7 @@ def table(found: Map, system: str) -> Table | None:
 def _word(cell: Cell) -> str:
     if cell.status != "done":
         return "–" if cell.status == NOT_RUN else cell.status
-    return f"{cell.severity:.2f}" + (f" ({100.0 * cell.stuck:.0f}\u00a0%)" if cell.sticks else "")
+    return f"{cell.severity:.2f}" + (f"\u00a0{100.0 * cell.stuck:.0f}%" if cell.sticks else "")
 
 
 def sentences(found: Map, system: str) -> list[tuple[str, str]]:

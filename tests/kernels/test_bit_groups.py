@@ -52,7 +52,7 @@ def row(**changes):
 
 def rock_bit(hole=None, **changes):
     """A bit some way into its spring."""
-    return RockBit(PLACES, DIRECTION, 4.2, TURN, row(hole=3.0 if hole is None else hole, **changes), *scratch())
+    return RockBit(PLACES, DIRECTION, 4.2, TURN, row(hole=-1.2 if hole is None else hole, **changes), *scratch())
 
 
 def scratch():
@@ -61,7 +61,7 @@ def scratch():
 
 def blade_bit(state, back=0.0, lift=0.0, **changes):
     """A bit whose blades have passed over a bottom that falls as a wave does."""
-    depth = 4.2 + DIRECTION @ state.q[PLACES]
+    depth = DIRECTION @ state.q[PLACES]
     newest = state.q[TURN] - 0.35 + back
     angle = newest + np.linspace(-4.0, 0.0, 40)
     ring = np.column_stack([angle, depth - 0.6 + lift + 0.1 * angle - 0.1 * newest + 0.02 * np.sin(3.0 * angle)])
@@ -138,7 +138,7 @@ def test_the_hole_deepens_by_the_mean_of_the_rates_at_both_ends_of_a_step(case):
     """And the weight is that of the spring on the hole as deep as it then is: the local equation was solved."""
     group, state = case
     b = group.row[0]
-    before, rate = b.hole, b.drilled
+    before, rate = 4.2 + b.hole, b.drilled
     commit(group, state, 1.0)
     weight, _, now, hole = recorded(group)
     assert hole == pytest.approx(before + 0.5 * (1.0 - LAST) * (rate + now), rel=1e-13)
