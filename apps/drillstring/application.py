@@ -13,7 +13,7 @@ class Drillstring(Packaged):
 
     name = "drillstring"
     title = "Drill strings in deviated wells: hook load, torque, friction, bit motion, faster than real time."
-    starters = ("jwell", "vertical")
+    starters = ("jwell", "vertical", "drilling")
 
     @property
     def verbs(self) -> Sequence[Callable[..., None]]:

@@ -79,6 +79,11 @@ def test_what_a_driller_should_know_is_warned_of(case):
     assert any(words in caution.text for caution in told), told
 
 
+def test_a_scene_to_start_from_is_the_shipped_one(drillstring_):
+    code, _, _ = drillstring_("new", "drilling", "-o", "mine.yaml")
+    assert code == 0 and Path("mine.yaml").read_text(encoding="utf8") == DRILLING
+
+
 def test_the_shipped_scene_gives_no_warning_though_it_drills_past_the_end_of_its_well():
     assert cautions(DrillstringScene.parse(DRILLING)) == []
     deep = DRILLING.replace("to: 20 m/h", "to: 20 m/s").replace("rate: 20 m/h", "rate: 20 m/s")
