@@ -122,7 +122,7 @@ def test_a_drag_bit_that_drills_steadily_has_the_weight_and_torque_of_detournay_
     """W = a zeta eps d + W_f, T = a^2 eps d / 2 + mu gamma a W_f / 2, d = 2 pi rate / Omega, W_f = a l sigma.
 
     The specific energy E = 2 T / (a^2 d) and the drilling strength S = W / (a d) lie on their friction line
-    E = (1 - mu gamma zeta) eps + mu gamma S (Detournay and Defourny 1992, eq. 13).
+    E = (1 - mu gamma zeta) eps + mu gamma S (Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29, 1992).
     """
     a, zeta, eps, mu, gamma, flat, sigma = 0.108, 0.6, 150e6, 0.7, 0.9, 1.2e-3, 100e6
     spin, worn = 120 * RPM, 0.108 * 1.2e-3 * 100e6

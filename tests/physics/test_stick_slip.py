@@ -2,7 +2,7 @@
 
 One element is one torsional lump: the bit has half of its inertia J and hangs on its stiffness k. It is wound up at a
 steady speed, lets go at the static torque, and is caught when it comes to rest (J. P. den Hartog, Mechanical
-Vibrations, section 7.6; the formulas stand at the tests).
+Vibrations, chapter 7; the formulas stand at the tests).
 """
 
 import dataclasses
