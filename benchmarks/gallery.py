@@ -65,6 +65,13 @@ SHOTS = (
     ),
     Shot("iscwsa", "The same heave in a surveyed well.", (("--image", "last"),), ("forces",)),
     Shot(
+        "drilling",
+        "A bit that drills at 3000 m sticks and slips: the drive turns steadily, the string winds up while the bit"
+        " stands, and throws it round at twice the speed. `drillstring stick-slip` maps where that ends.",
+        (),
+        ("drilling", "phase"),
+    ),
+    Shot(
         "hose", "Thirty-five metres a second through half a metre of hose.", (("--image", "t=4"),), ("phase", "shape")
     ),
     Shot("reeled_span", "A span that is reeled in past an eyelet, with a mass on it.", (("--image", "last"),), ()),
