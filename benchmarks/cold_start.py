@@ -18,10 +18,11 @@ COMMAND = str(Path(sys.executable).parent / "drillstring")
 
 
 def seconds(cache: Path, folder: Path, *arguments: str) -> tuple[float, float]:
-    """Wall and CPU time of a command as a process of its own, s."""
+    """Wall and CPU time of a command as a process of its own, s, which may keep Python's byte code as usual."""
+    installed = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run(
-        [COMMAND, *arguments], cwd=folder, env=os.environ | {"TAUTLINE_CACHE": str(cache)}, check=True,
+        [COMMAND, *arguments], cwd=folder, env=installed | {"TAUTLINE_CACHE": str(cache)}, check=True,
         stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

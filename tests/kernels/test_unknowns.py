@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import short_string as string
 
+from tautline.cable.build import assemble_cables
+from tautline.cable.scene import parse
 from tautline.integrators.linearise import evaluate, matrices
 from tautline.integrators.state import new_state
 from tautline.kernels import groups as over
@@ -11,7 +13,7 @@ from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import new_matrix
 from tautline.scene.functions import Harmonic
-from tautline.system.system import Degrees, assemble
+from tautline.system.system import Degrees, assemble, number_by_mass
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 FULL = 4 * string.BODIES
@@ -78,7 +80,7 @@ def test_expand_multiplies_by_the_transformation_and_reduce_by_its_transpose():
 
 
 @pytest.mark.parametrize("ties", [{}, TIES], ids=["no ties", "ties"])
-def test_matrices_and_residual_of_a_tied_system_are_those_of_the_free_one_transformed(ties):
+def test_foundand_residual_of_a_tied_system_are_those_of_the_free_one_transformed(ties):
     system, _ = scene(ties)
     T, rng = transformation(system, ties), np.random.default_rng(2)
     state = new_state(system)
@@ -119,6 +121,47 @@ def test_a_mass_matrix_that_comes_out_diagonal_takes_the_blocks_of_eccentric_bod
     free = string.evaluate(system.groups[:1], state)[2]["hook"]
     T = transformation(system, {})
     assert np.allclose(np.diag(diagonal), T.T @ free @ T, rtol=0, atol=1e-12)
+
+
+def test_the_mass_matrix_in_its_own_order_is_the_same_matrix():
+    """The lumps' mass couples an axial degree with the tied ones only: another order of the unknowns is best for it."""
+    own = [np.arange(FULL).reshape(-1, 4)]
+    system, state = scene(mass_stencils=own)
+    numbering = number_by_mass(system)
+    assert numbering.bandwidth <= system.mass_bandwidth
+    full = system.size - 1
+    found = []
+    for dofs in (system.dofs, numbering.dofs):
+        bands = [new_matrix(system.size, full) for _ in range(5)]
+        string.add_parts(system.groups[:1], 0.0, *state, np.zeros(FULL), string.Parts(*bands, dofs), np.zeros(3))
+        found.append(string.dense(bands[-1]))
+    order = numbering.order
+    assert sorted(order) == list(range(system.size))
+    assert np.array_equal(found[1], found[0][np.ix_(order, order)])
+    i, j = np.nonzero(found[1])
+    assert np.abs(i - j).max() <= numbering.bandwidth
+    full_vector, reduced = np.arange(1.0, FULL + 1.0), np.zeros((2, system.size))
+    for dofs, x in zip((system.dofs, numbering.dofs), reduced, strict=True):
+        _reduce(dofs, full_vector, x)
+    assert np.array_equal(reduced[1], reduced[0][order])
+
+
+def test_the_mass_matrix_of_a_rope_takes_each_direction_for_itself():
+    """Position and slope of two nodes in one direction: three diagonals beside the main one, however many elements."""
+    nodes = "".join(
+        f"  - Node7Dof: {{id: {i}, xyz: [{i}, 0, 0], xyz_d: [1, 0, 0], BC: [{int(i == 0)}, 0, 0, 0, 0, 0, 1]}}\n"
+        for i in range(9)
+    )
+    elements = "".join(
+        f"  - CableALEelement: {{id: {i}, nodes7: [{i}, {i + 1}], EA: 1000, EJ: 0, rhoA: 1, cDamp: 0}}\n"
+        for i in range(8)
+    )
+    solver = "GeneralizedAlpha: {type: RK4, time_step: 1.0e-4, time_end: 0.1, plotpoints: 10}\n"
+    system = assemble_cables(
+        parse(f"CableModelMaterial: {{Gravity: [0, 0, -9.81]}}\nCableModel:\n{nodes}{elements}{solver}")
+    ).system
+    assert number_by_mass(system).bandwidth == 3
+    assert system.mass_bandwidth > 6
 
 
 def test_a_held_degree_starts_where_its_value_and_function_put_it():

@@ -42,25 +42,44 @@ def _write_block(mass, length, block):
 
 
 @kernel
-def _residual(g, t, q, v, a, r):
-    for n in range(g.rows.size):
-        e = g.rows[n]
-        i, j = e.a, e.b
-        h = _length(q, i, j)
-        m = e.mass * h / 420.0
-        for c in range(AXES):
-            x1, x2, x3, x4 = a[i + c], h * a[i + 3 + c], a[j + c], h * a[j + 3 + c]
-            if e.damping != 0.0:
-                x1 += e.damping * v[i + c]
-                x2 += e.damping * h * v[i + 3 + c]
-                x3 += e.damping * v[j + c]
-                x4 += e.damping * h * v[j + 3 + c]
+def _add_momentum(e, h, factor, x, r):
+    """r += factor M x, for an element of length h."""
+    i, j = e.a, e.b
+    m = factor * e.mass * h / 420.0
+    for c in range(AXES):
+        x1, x2, x3, x4 = x[i + c], h * x[i + 3 + c], x[j + c], h * x[j + 3 + c]
+        r[i + c] += m * (156.0 * x1 + 22.0 * x2 + 54.0 * x3 - 13.0 * x4)
+        r[i + 3 + c] += m * h * (22.0 * x1 + 4.0 * x2 + 13.0 * x3 - 3.0 * x4)
+        r[j + c] += m * (54.0 * x1 + 13.0 * x2 + 156.0 * x3 - 22.0 * x4)
+        r[j + 3 + c] += m * h * (-13.0 * x1 - 3.0 * x2 - 22.0 * x3 + 4.0 * x4)
+
+
+@kernel
+def _subtract_force(e, h, v, r):
+    if e.damping != 0.0:
+        _add_momentum(e, h, e.damping, v, r)
+    for c in range(AXES):
+        if e.load[c] != 0.0:
             half = 0.5 * e.load[c] * h
             sixth = half * h / 6.0
-            r[i + c] += m * (156.0 * x1 + 22.0 * x2 + 54.0 * x3 - 13.0 * x4) - half
-            r[i + 3 + c] += m * h * (22.0 * x1 + 4.0 * x2 + 13.0 * x3 - 3.0 * x4) - sixth
-            r[j + c] += m * (54.0 * x1 + 13.0 * x2 + 156.0 * x3 - 22.0 * x4) - half
-            r[j + 3 + c] += m * h * (-13.0 * x1 - 3.0 * x2 - 22.0 * x3 + 4.0 * x4) + sixth
+            r[e.a + c] -= half
+            r[e.a + 3 + c] -= sixth
+            r[e.b + c] -= half
+            r[e.b + 3 + c] += sixth
+
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    for n in range(g.rows.size):
+        h = _length(q, g.rows[n].a, g.rows[n].b)
+        _add_momentum(g.rows[n], h, 1.0, a, r)
+        _subtract_force(g.rows[n], h, v, r)
+
+
+@kernel
+def _force(g, t, q, v, a, r):
+    for n in range(g.rows.size):
+        _subtract_force(g.rows[n], _length(q, g.rows[n].a, g.rows[n].b), v, r)
 
 
 @kernel
@@ -111,6 +130,6 @@ def _dissipation(g, t, q, v, p):
 
 
 register(
-    Inertia, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    Inertia, residual=_residual, force=_force, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
     constant_mass=True,
 )  # fmt: skip

@@ -40,6 +40,19 @@ def _inertia_residual(g, t, q, v, a, r):
 
 
 @kernel
+def _inertia_force(g, t, q, v, a, r):
+    for n in range(g.rows.size):
+        e = g.rows[n]
+        i, j = e.a, e.b
+        length = q[j + MATERIAL] - q[i + MATERIAL]
+        m = e.damping * e.mass * length / 6.0
+        for c in range(AXES):
+            half = 0.5 * e.load[c] * length
+            r[i + c] += m * (2.0 * v[i + c] + v[j + c]) - half
+            r[j + c] += m * (v[i + c] + 2.0 * v[j + c]) - half
+
+
+@kernel
 def _add_mass(e, q, factor, matrix, dofs):
     m = factor * e.mass * (q[e.b + MATERIAL] - q[e.a + MATERIAL]) / 6.0
     for c in range(AXES):
@@ -87,8 +100,8 @@ def _inertia_dissipation(g, t, q, v, p):
 
 
 register(
-    LinearInertia, residual=_inertia_residual, mass=_inertia_mass, tangent=_inertia_tangent, energy=_inertia_energy,
-    dissipation=_inertia_dissipation, constant_mass=True,
+    LinearInertia, residual=_inertia_residual, force=_inertia_force, mass=_inertia_mass, tangent=_inertia_tangent,
+    energy=_inertia_energy, dissipation=_inertia_dissipation, constant_mass=True,
 )  # fmt: skip
 
 

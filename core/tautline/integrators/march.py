@@ -13,7 +13,7 @@ from tautline.integrators.newton import DONE
 from tautline.integrators.rk4 import RungeKutta4, accelerate, account, rk4_step
 from tautline.integrators.state import DISSIPATED, HALVINGS, LOSS, POWER, STEPS, TIME, WORK, supplied_power
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand
+from tautline.kernels.dofs import expand, expand_held
 from tautline.kernels.groups import hook_jobs
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.matrix import new_matrix
@@ -150,6 +150,7 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
             if status != DONE:
                 return status, k, t0 + step * h
             state.counters[STEPS] += 1
+        expand_held(dofs, state.full_a)
         status = accelerate(method, groups, dofs, ends[k], state)
         if status != DONE:
             return status, k, ends[k]
@@ -165,7 +166,7 @@ MARCHES = {
     GeneralizedAlpha: (march_implicit, lambda m: (*_ALWAYS, "switch", "smooth_tangent", "switching_tangent")),
     RungeKutta4: (
         march_explicit,
-        lambda m: (*_ALWAYS, "violation", "diagonal_mass" if isinstance(m.mass, np.ndarray) else "mass"),
+        lambda m: (*_ALWAYS, "force", "violation", "diagonal_mass" if isinstance(m.mass, np.ndarray) else "mass"),
     ),
 }
 """The compiled loop of each method and the sums that it asks of the groups: a new method is one line here."""

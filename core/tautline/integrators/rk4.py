@@ -9,14 +9,15 @@ from numba.core import types
 from numba.extending import overload
 
 from tautline.integrators.newton import DONE, SINGULAR
-from tautline.integrators.state import WORST, enter, keep, observe_motion, restore, supplied_power, watch
+from tautline.integrators.state import WORST, enter, observe_motion, restore, supplied_power, watch
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand, expand_held, prescribe, reduce
+from tautline.kernels.band import NARROW
+from tautline.kernels.dofs import Dofs, expand, expand_held, prescribe, reduce
 from tautline.kernels.groups import has_constant_mass
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix
-from tautline.system.system import System
+from tautline.system.system import System, number_by_mass
 
 UNSTABLE = int(Status.UNSTABLE)
 RK4_LIMIT = 2.8
@@ -32,9 +33,10 @@ class RungeKutta4(NamedTuple):
     """Scratch of the method. ``mass`` is (n,) where the mass matrix is diagonal, else its factors.
 
     ``constant`` says whether the mass matrix stays what it is, and ``made`` (1,) whether its factors are there;
-    ``coupled`` whether the mass couples what is moved to what is free. ``projection`` are the factors of (B, G^T; G, 0)
-    that put a step back onto the constraints ``stabilise`` times, B being the unit matrix (eq. 2.128), or empty where
-    B = M (eq. 2.127); ``algebraic`` lists the multipliers.
+    ``driven`` whether anything is moved, and ``coupled`` whether the mass couples that to what is free. The mass matrix
+    has its own order of the unknowns, ``dofs`` and ``order``: see `tautline.system.system.MassNumbering`.
+    ``projection`` are the factors of (B, G^T; G, 0) that put a step back onto the constraints ``stabilise`` times, B
+    being the unit matrix (eq. 2.128), or empty where B = M (eq. 2.127); ``algebraic`` lists the multipliers.
     """
 
     mass: np.ndarray | Factors
@@ -44,27 +46,33 @@ class RungeKutta4(NamedTuple):
     power: np.ndarray
     at: np.ndarray
     coupled: bool
+    driven: bool
     projection: Factors
     stabilise: int
     algebraic: np.ndarray
     change: np.ndarray
+    dofs: Dofs
+    order: np.ndarray
 
 
 def runge_kutta_4(system: System, projection: str = "mass", stabilise: int = 1) -> RungeKutta4:
     """Make the scratch of the method for a system."""
-    n = system.size
-    moves = (system.dofs.motion >= 0).any()
-    diagonal = system.mass_bandwidth == 0 and system.border == 0
-    size = n, system.mass_bandwidth, system.border
+    n, by_mass = system.size, number_by_mass(system)
+    driven = bool(system.dofs.driven.size)
+    diagonal = by_mass.bandwidth == 0 and by_mass.border == 0
+    # Fewer diagonals than the narrow kernel takes would only be slower.
+    size = n, max(by_mass.bandwidth, NARROW), by_mass.border
     identity = projection == "identity" and system.algebraic.size > 0 and stabilise > 0
     factors = new_factors(*size) if identity else new_factors(0, 0)
     if identity:
-        _write_projection(system.link(("constraint_mass",)), system.dofs, system.q, factors.matrix, system.algebraic)
+        algebraic = np.argsort(by_mass.order)[system.algebraic]
+        _write_projection(system.link(("constraint_mass",)), by_mass.dofs, system.q, factors.matrix, algebraic)
         factorise_matrix(factors)
     return RungeKutta4(
         np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), has_constant_mass(system.groups),
-        np.zeros((2, n)), np.zeros(3), np.zeros(2, np.int64), bool(system.mass_couples_held and moves), factors,
-        int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
+        np.zeros((2, n)), np.zeros(3), np.zeros(2, np.int64), bool(system.mass_couples_held and driven), driven,
+        factors, int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
+        by_mass.dofs, by_mass.order,
     )  # fmt: skip
 
 
@@ -90,14 +98,14 @@ def project(method, groups, dofs, order, state):
     state.residual.fill(0.0)
     over.violation(groups, order, state.full_q, state.full_v, state.residual)
     x = method.change
-    reduce(dofs, state.residual, x)
+    reduce(method.dofs, state.residual, x)
     if method.projection.pivots.size + method.projection.corner_pivots.size > 0:
         solve_matrix(method.projection, x)
     else:
         solve_with(method.mass, x)
     target = state.q if order == 0 else state.v
     for i in range(x.size):
-        target[i] -= x[i]
+        target[method.order[i]] -= x[i]
     for i in method.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0
@@ -156,22 +164,29 @@ def _make_factors(mass, groups, dofs, q):
 
 @kernel(inline="always")
 def accelerate(method, groups, dofs, t, state):
-    """Set the acceleration at time t from position and velocity, what is held being where it is then: M a = F."""
+    """Set the acceleration at time t from position and velocity, what is held being where it is then: M a = F.
+
+    The full accelerations are those of what is held, as :func:`expand_held` makes them.
+    """
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
-    expand_held(dofs, state.full_a)
-    state.residual.fill(0.0)
-    over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
-    reduce(dofs, state.residual, state.a)
+    residual, x = state.residual, method.change
+    for i in range(residual.size):
+        residual[i] = 0.0
+    if method.driven:
+        over.residual(groups, t, state.full_q, state.full_v, state.full_a, residual)
+    else:
+        over.force(groups, t, state.full_q, state.full_v, state.full_a, residual)
+    reduce(method.dofs, residual, x)
     if not (method.constant and method.made[0] == 1.0):
-        row = make_mass(method.mass, groups, dofs, state.full_q)
+        row = make_mass(method.mass, groups, method.dofs, state.full_q)
         if row != 0:
-            state.counters[WORST] = row - 1
+            state.counters[WORST] = method.order[row - 1]
             return SINGULAR
         method.made[0] = 1.0
-    solve_with(method.mass, state.a)
-    for i in range(state.a.size):
-        state.a[i] = -state.a[i]
+    solve_with(method.mass, x)
+    for i in range(x.size):
+        state.a[method.order[i]] = -x[i]
     return DONE
 
 
@@ -203,16 +218,18 @@ def _react(groups, dofs, t, state):
 def rk4_step(method, groups, dofs, functions, state, t, h):
     """Advance the state from t by h. Returns a status."""
     over.begin(groups, t, h, 0.0, 0.0, state.full_q, state.full_v, state.full_a)
-    keep(state)
     q, v = state.keep[0], state.keep[1]
     sum_v, sum_a = method.slopes[0], method.slopes[1]
-    sum_v.fill(0.0)
-    sum_a.fill(0.0)
+    for i in range(q.size):
+        q[i], v[i], state.keep[2, i], state.keep[3, i] = state.q[i], state.v[i], state.a[i], state.auxiliary[i]
+        sum_v[i] = sum_a[i] = 0.0
     for stage in range(4):
         now = t + h * (0.5 if stage == 1 or stage == 2 else BEFORE if stage == 3 else 0.0)
         if stage % 2 == 1:
             # The first stage is where the last step ended, and the middle two share their time.
             prescribe(dofs, functions, now, state.full_q, state.full_v, state.full_a)
+        if stage == 0 or method.driven:
+            expand_held(dofs, state.full_a)
         status = accelerate(method, groups, dofs, now, state)
         if status != DONE:
             restore(state)

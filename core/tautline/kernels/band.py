@@ -155,17 +155,22 @@ def _substitute_any(band, pivots, above, below, inverse, n, k, x):
 
 @kernel
 def _substitute_narrow(band, inverse, n, x):
-    """The same for three diagonals each side, as bars have: what the next rows wait for stays in registers."""
+    """The same for three diagonals each side, as bars have: what the next rows wait for stays in registers.
+
+    Each row waits for the one before it. So all that need not wait is kept out of its way: the products with the
+    inverse diagonal are made before a row's turn comes.
+    """
     y, y1, y2 = x[0], x[1] if n > 1 else 0.0, x[2] if n > 2 else 0.0
     for j in range(n):
         column = band[j]
-        x[j] = y
+        x[j] = inverse[j] * y
         y3 = x[j + 3] if j + 3 < n else 0.0
         y, y1, y2 = y1 - column[7] * y, y2 - column[8] * y, y3 - column[9] * y
     y, y1, y2 = x[n - 1], x[n - 2] if n > 1 else 0.0, x[n - 3] if n > 2 else 0.0
+    h1, h2 = inverse[n - 2] if n > 1 else 0.0, inverse[n - 3] if n > 2 else 0.0
     for j in range(n - 1, -1, -1):
         column = band[j]
-        y *= inverse[j]
         x[j] = y
-        y3 = x[j - 3] if j > 2 else 0.0
-        y, y1, y2 = y1 - column[5] * y, y2 - column[4] * y, y3 - column[3] * y
+        y3, h3 = (x[j - 3], inverse[j - 3]) if j > 2 else (0.0, 0.0)
+        y, y1, y2 = y1 - (column[5] * h1) * y, y2 - (column[4] * h2) * y, y3 - (column[3] * h3) * y
+        h1, h2 = h2, h3

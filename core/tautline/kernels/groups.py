@@ -17,6 +17,9 @@ begin          t, h, beta, gamma, q, v, a                       at the start of 
 switch         t, q, v, converged, changed                      lets a law change its status (stick, slip); counts the
                                                                 changes into ``changed[0]``
 residual       t, q, v, a, r                                    r += M a - F
+force          t, q, v, a, r                                    r -= F: the residual where a is zero, which is what an
+                                                                explicit method asks for where no acceleration is
+                                                                prescribed; a kind without it gives its residual
 mass           q, matrix, dofs                                  matrix += M, a ``Matrix`` or its diagonal
 tangent        t, q, v, a, cm, cc, ck, matrix, dofs             matrix += cm dr/da + cc dr/dv + ck dr/dq
 energy         t, q, v, e                                       e += (kinetic, strain, potential) in J
@@ -56,6 +59,7 @@ HOOKS = {
     "begin": {"t": NUMBER, "h": NUMBER, "beta": NUMBER, "gamma": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
     "switch": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "converged": types.boolean, "changed": COUNTS},
     "residual": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "r": VECTOR},
+    "force": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "r": VECTOR},
     "mass": {"q": VECTOR, "matrix": MATRIX, "dofs": DOFS},
     "tangent": {
         "t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "cm": NUMBER, "cc": NUMBER, "ck": NUMBER, "matrix": MATRIX,
@@ -114,6 +118,8 @@ SUMS = {hook: Sum(hook, arguments, _any_kind) for hook, arguments in HOOKS.items
 }
 """What an integrator may ask for."""
 ROWS = {name: row for row, name in enumerate(SUMS)}
+INSTEAD = {"force": "residual"}
+"""The sum whose hook stands in for one that a kind does not offer: both have the same arguments."""
 
 
 def register(kind: type, *, constant_mass: bool = False, friction: bool = False, **hooks: Kernel) -> None:
@@ -160,14 +166,20 @@ def has_constant_mass(groups: tuple[Any, ...]) -> bool:
     return all(type(g) in CONSTANT_MASS for g in groups)
 
 
+def _code_for(name: str, kind: type) -> str | None:
+    """The sum whose code a kind runs for a sum: its own, the one instead of it, or none."""
+    if kind not in KINDS:
+        raise TypeError(f"{kind.__name__} is no registered kind of group")
+    hooks = KINDS[kind]
+    candidates = (s for s in (name, INSTEAD.get(name)) if s is not None)
+    return next((s for s in candidates if SUMS[s].hook in hooks and SUMS[s].among(hooks)), None)
+
+
 def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
     """The kernels that :func:`link` needs for some sums, for the workshop; sums that are heavy belong at the end."""
-    return [
-        (run_hook, _signature(ROWS[name], g))
-        for name in sums
-        for g in groups
-        if SUMS[name].hook in KINDS[type(g)] and SUMS[name].among(KINDS[type(g)])
-    ]
+    used = [(_code_for(name, type(g)), g) for name in sums for g in groups]
+    jobs = {(name, type(g)): (run_hook, _signature(ROWS[name], g)) for name, g in used if name is not None}
+    return list(jobs.values())
 
 
 def _signature(row: int, group: Any) -> tuple[types.Type, ...]:
@@ -191,13 +203,10 @@ def link(groups: tuple[Any, ...], *sums: str) -> Any:
     words = [words_of(g) for g in groups]
     calls: list[list[tuple[int, int]]] = [[] for _ in SUMS]
     for name in sums:
-        row, (hook, _, among) = ROWS[name], SUMS[name]
         for i, g in enumerate(groups):
-            if type(g) not in KINDS:
-                raise TypeError(f"{type(g).__name__} is no registered kind of group")
-            hooks = KINDS[type(g)]
-            if hook in hooks and among(hooks):
-                calls[row].append((address_of(run_hook, _signature(row, g)), i))
+            code = _code_for(name, type(g))
+            if code is not None:
+                calls[ROWS[name]].append((address_of(run_hook, _signature(ROWS[code], g)), i))
     table = np.zeros(len(SUMS) + sum(1 + 2 * len(c) for c in calls) + sum(map(len, words)), dtype=np.int64)
     places = table.size - np.cumsum([len(w) for w in reversed(words)], dtype=np.int64)[::-1]
     for place, word in zip(places, words, strict=True):
@@ -228,7 +237,13 @@ def _apply(typing, row, kind, group, arguments):
         packet = builder.load(builder.inttoptr(given[3], _packet(context, given_types).as_pointer()))
         rest = [_unpacked(context, builder, builder.extract_value(packet, i), t) for i, t in enumerate(given_types)]
         context.add_linking_libs([compiled.library])
-        context.call_internal(builder, compiled.fndesc, compiled.signature, [g, *rest])
+        # Written out here: arrays of a group that are handed over one by one are half of the work of a small one.
+        callee = context.declare_function(builder.module, compiled.fndesc)
+        status, _ = context.call_conv.call_function(
+            builder, callee, types.none, compiled.signature.args, [g, *rest], attrs=("alwaysinline",)
+        )
+        with cgutils.if_unlikely(builder, status.is_error):
+            context.call_conv.return_status_propagate(builder, status)
         return context.get_dummy_value()
 
     return types.void(row, kind, group, arguments), code
@@ -304,14 +319,14 @@ def _caller(row: int, expected: tuple[types.Type, ...]) -> Any:
 
 def _over_groups(name: str) -> Kernel:
     """Make a sum over linked groups, callable from compiled code and, uncompiled, from Python."""
-    hook, arguments, among = SUMS[name]
+    arguments = SUMS[name].arguments
     names = ", ".join(arguments)
 
     def total(groups, *args):
         for g in groups:
-            hooks = KINDS[type(g)]
-            if hook in hooks and among(hooks):
-                hooks[hook](g, *args)
+            code = _code_for(name, type(g))
+            if code is not None:
+                KINDS[type(g)][SUMS[code].hook](g, *args)
 
     loop = (
         f"def {name}(groups, {names}):\n"
@@ -339,7 +354,7 @@ def _may_switch(groups):
 
 def _define(source: str, names: dict[str, Any], name: str) -> Callable[..., Any]:
     """Define a function from source text that this module wrote: numba needs fixed argument names."""
-    space = dict(names)
+    space = {"__name__": __name__, **names}
     exec(source, space)
     return space[name]
 
@@ -347,6 +362,7 @@ def _define(source: str, names: dict[str, Any], name: str) -> Callable[..., Any]
 begin = _over_groups("begin")
 switch = _over_groups("switch")
 residual = _over_groups("residual")
+force = _over_groups("force")
 mass = _over_groups("mass")
 constraint_mass = _over_groups("constraint_mass")
 diagonal_mass = _over_groups("diagonal_mass")

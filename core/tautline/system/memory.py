@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from tautline.kernels.dofs import Dofs
 from tautline.kernels.time_function import TimeFunctions
 
 
 def arrays_of(thing: Any, name: str) -> Iterator[tuple[str, np.ndarray]]:
     """All arrays of a tuple of named tuples, with a name that tells the place: ``groups.4.law.rows``."""
-    if isinstance(thing, TimeFunctions):
-        return  # they follow from the scene, and may reach further when a run is gone on with
+    if isinstance(thing, (TimeFunctions, Dofs)):
+        return  # they follow from the scene; functions may reach further when a run is gone on with
     if isinstance(thing, np.ndarray):
         yield name, thing
     elif isinstance(thing, tuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -94,6 +94,8 @@ class System:
         Reduced unknowns that stay where they are while an equilibrium is sought.
     bandwidth, mass_bandwidth : int
         Sub- and superdiagonals of the tangent and of the mass matrix; 0 is diagonal.
+    mass_pattern : (n, n) sparse array
+        Entries of the mass matrix that may differ from zero.
     border : int
         Unknowns, the last ones, that are kept out of the band because too many others depend on them.
     algebraic : (k,) int array
@@ -118,6 +120,7 @@ class System:
     at_rest: np.ndarray
     bandwidth: int
     mass_bandwidth: int
+    mass_pattern: csr_matrix
     border: int = 0
     algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     places: list[str] = field(default_factory=list)
@@ -222,10 +225,43 @@ def assemble(
         at_rest=np.array([rank[number[i]] for i in at_rest if number[i] >= 0], dtype=np.int64),
         bandwidth=_bandwidth(pattern, rank, border),
         mass_bandwidth=_bandwidth(mass_pattern, rank, border) if border == 0 else _bandwidth(pattern, rank, border),
+        mass_pattern=mass_pattern[order][:, order],
         border=border,
         algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
         places=list(degrees.names),
     )
+
+
+class MassNumbering(NamedTuple):
+    """The unknowns in the order in which the mass matrix is narrowest.
+
+    It often couples each direction only with itself, where the tangent couples all of them: their best orders differ.
+    ``dofs`` are a system's with its unknowns numbered so, ``order`` (n,) is each one's number in the system itself, and
+    ``bandwidth`` and ``border`` are those of the matrix.
+    """
+
+    dofs: Dofs
+    order: np.ndarray
+    bandwidth: int
+    border: int
+
+
+def number_by_mass(system: System) -> MassNumbering:
+    """Number a system's unknowns for the narrowest mass matrix."""
+    order, border = _narrow(system.mass_pattern)
+    rank = np.argsort(order)
+    dofs = system.dofs
+    renumbered = dofs._replace(
+        unknown=_moved(dofs.unknown, rank), number=_moved(dofs.number, rank), free=dofs.free[order],
+    )  # fmt: skip
+    return MassNumbering(renumbered, order, _bandwidth(system.mass_pattern, rank, border), border)
+
+
+def _moved(numbers: np.ndarray, rank: np.ndarray) -> np.ndarray:
+    """Unknowns under their new numbers; marks, which are negative, stay."""
+    moved = numbers.copy()
+    moved[numbers >= 0] = rank[numbers[numbers >= 0]]
+    return moved
 
 
 def _velocity(given: np.ndarray, degrees: Degrees) -> np.ndarray:
