@@ -30,8 +30,9 @@ from drillstring.sliding import (
 from tautline.kernels.dispatch import by_type
 from tautline.kernels.jit import kernel
 
-SLIP, STICK, FORCED = 0, 1, 2
-"""Statuses of a contact: FORCED is stuck and not yet tested, because no linear solve has seen it stuck."""
+SLIP, STICK, FORCED, HELD = range(4)
+"""Statuses of a contact: FORCED is stuck and not yet tested, because no linear solve has seen it stuck. HELD is stuck
+since an earlier step: its force comes from a slip so small that what is predicted for a step says nothing of it."""
 STIFFNESS = 3.0e5
 """Ratio of the projection's stiffness to the lump's own (DRILLSTRING.md section 6): stuck lumps creep by one over it,
 on the J-well at 10 ms by less than 1e-8 m/s."""
@@ -98,7 +99,7 @@ def slip_speed(touch):
 @kernel
 def _prepare_projection(law, i, h, beta, gamma, touch, along_rate, around_rate):
     f = law.rows[i]
-    f.status = f.settled
+    f.status = HELD if f.settled == STICK else SLIP
     f.factor = f.static if f.settled == STICK else f.kinetic
     f.dropped = 0
     f.reversed = 0
@@ -127,6 +128,10 @@ def _status_projection(law, i, touch, converged):
         return 1 if changed else 0
     if converged:
         return _settle_events(law, i, touch)
+    if f.status == HELD:
+        # The first test of a step sees what is predicted.
+        f.status = STICK
+        return 0
     x = f.c * touch.along - f.force_a
     y = f.c * touch.around - f.force_c
     size = sqrt(x * x + y * y)
@@ -154,9 +159,12 @@ def _status_projection(law, i, touch, converged):
 
 @kernel
 def _settle_events(law, i, touch):
-    """Changes that wait for a converged state, each once a step: the factor drops, or slip has reversed."""
+    """Changes that wait for a converged state, each once a step: the factor drops, or slip has reversed.
+
+    What sticks is tested as well: where the prediction was the solution nothing else has.
+    """
     f = law.rows[i]
-    if f.status == FORCED:
+    if f.status != SLIP:
         x = f.c * touch.along - f.force_a
         y = f.c * touch.around - f.force_c
         size = sqrt(x * x + y * y)
@@ -167,18 +175,17 @@ def _settle_events(law, i, touch):
         f.nx = x / size
         f.ny = y / size
         return 1
-    if f.status == SLIP:
-        if f.settled == STICK and f.dropped == 0:
-            f.dropped = 1
-            f.factor = f.kinetic
-            return 1 if f.kinetic != f.static else 0
-        reversed_slip = touch.along * f.slip_a + touch.around * f.slip_c < 0.0
-        if f.settled == SLIP and reversed_slip and f.reversed == 0:
-            f.reversed = 1
-            f.factor = f.static
-            f.status = FORCED
-            f.forced += 1
-            return 1
+    if f.settled == STICK and f.dropped == 0:
+        f.dropped = 1
+        f.factor = f.kinetic
+        return 1 if f.kinetic != f.static else 0
+    reversed_slip = touch.along * f.slip_a + touch.around * f.slip_c < 0.0
+    if f.settled == SLIP and reversed_slip and f.reversed == 0:
+        f.reversed = 1
+        f.factor = f.static
+        f.status = FORCED
+        f.forced += 1
+        return 1
     return 0
 
 

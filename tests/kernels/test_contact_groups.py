@@ -10,6 +10,8 @@ from drillstring.drag import Drag
 from drillstring.friction import BANDED, FORCED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
 from drillstring.top_drive import TopDrive
 from tautline.elements.load import Loads
+from tautline.kernels import groups as over
+from tautline.kernels.jit import entry
 from tautline.lumped.curve import records
 from tautline.scene.functions import Ramp
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -127,6 +129,60 @@ def test_power_of_a_contact_is_its_springs_rate_and_what_is_lost(contact):
     assert driven == 0.0
     if law in SLIPPING:
         assert lost >= 0.0
+
+
+@entry
+def _begin(groups, h, q, v, a):
+    over.begin(groups, 0.0, h, 4.0 / h**2, 2.0 / h, q, v, a)
+
+
+@entry
+def _switch(groups, q, v, converged, changed):
+    over.switch(groups, 0.0, q, v, converged, changed)
+
+
+class Attempt:
+    """A step under way, at a state where contacts that stuck slide far too fast to be held."""
+
+    def __init__(self, status):
+        law = projection(np.random.default_rng(3), status)
+        # The linked list refers to the group's arrays: they must live on.
+        self.group, self.state = touching_state(np.random.default_rng(3), "spatial", law)
+        self.rows = law.rows
+        self.rows["mass"], self.rows["links"] = 1.0, 1.0
+        offset, rate = offsets(self.state)
+        springs = self.group.springs
+        clear = springs.stiffness * (offset - CLEARANCE) + springs.damping * rate <= 0.0
+        self.rows["settled"][clear] = SLIP
+        self.linked = over.link((self.group,), "begin", "switch")
+        _begin(self.linked, 1e-3, *self.state)
+
+    def switch(self, converged=False):
+        """How many contacts change their status."""
+        changed = np.zeros(1, np.int64)
+        _switch(self.linked, self.state.q, self.state.v, converged, changed)
+        return changed[0]
+
+
+def test_a_contact_that_sticks_is_not_let_go_by_what_is_predicted_for_a_step():
+    attempt = Attempt(STICK)
+    assert attempt.switch() == 0
+    assert attempt.switch() > 0
+    assert not np.any(attempt.rows["status"] == STICK)
+
+
+def test_a_contact_that_sticks_is_tested_where_the_prediction_is_the_solution():
+    attempt = Attempt(STICK)
+    assert attempt.switch() == 0
+    assert attempt.switch(converged=True) > 0
+
+
+def test_a_contact_that_is_predicted_to_slip_back_is_stuck_at_once():
+    attempt = Attempt(SLIP)
+    attempt.state.v[:] *= -1.0
+    attempt.rows["force_a"] = attempt.rows["force_c"] = 0.0
+    assert attempt.switch() > 0
+    assert np.any(attempt.rows["status"] == FORCED)
 
 
 @pytest.mark.parametrize("law", SLIPPING)
