@@ -212,4 +212,5 @@ def _stencils(layout: Layout, contacts: list[np.ndarray]) -> tuple[list[np.ndarr
     spans = np.concatenate((stations[:-1, None] + np.arange(STATION), stations[1:, None] + np.arange(STATION)), axis=1)
     single = np.array([[place] for place in layout.rim.values()], dtype=np.int64).reshape(-1, 1)
     bodies = np.array([place + np.arange(AXES) for place in layout.body.values()], dtype=np.int64).reshape(-1, AXES)
-    return [spans, single, bodies, *contacts], [spans, single, bodies]
+    turns = np.array([place + np.arange(QUATERNION) for place in layout.turn.values()], dtype=np.int64)
+    return [spans, single, bodies, *contacts], [spans, single, bodies, turns.reshape(-1, QUATERNION)]
