@@ -178,8 +178,7 @@ def _code_for(name: str, kind: type) -> str | None:
 def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
     """The kernels that :func:`link` needs for some sums, for the workshop; sums that are heavy belong at the end."""
     used = [(_code_for(name, type(g)), g) for name in sums for g in groups]
-    jobs = {(name, type(g)): (run_hook, _signature(ROWS[name], g)) for name, g in used if name is not None}
-    return list(jobs.values())
+    return list(dict.fromkeys((run_hook, _signature(ROWS[name], g)) for name, g in used if name is not None))
 
 
 def _signature(row: int, group: Any) -> tuple[types.Type, ...]:
