@@ -30,14 +30,16 @@ def chord(first: Vector, second: Vector) -> Vector:
 def arc_length(first: Node, second: Node, length: float) -> float:
     """Arc, m, of the cubic between two nodes whose slopes are dr/dp and whose material length is `length`, m.
 
-    Gauss quadrature with 32 points: to rounding where the cubic has no cusp.
+    Gauss quadrature with 32 points: to rounding where the cubic has no cusp. Infinite where slopes are beyond numbers.
     """
     assert first.slope is not None and second.slope is not None
     x = POINTS[:, None]
-    rate = 6.0 * x * (1.0 - x) * np.array(chord(first.position, second.position))
-    rate = rate + length * (1.0 - 4.0 * x + 3.0 * x * x) * np.array(first.slope)
-    rate = rate + length * (3.0 * x * x - 2.0 * x) * np.array(second.slope)
-    return float(WEIGHTS @ np.sqrt((rate * rate).sum(axis=1)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        rate = 6.0 * x * (1.0 - x) * np.array(chord(first.position, second.position))
+        rate = rate + length * (1.0 - 4.0 * x + 3.0 * x * x) * np.array(first.slope)
+        rate = rate + length * (3.0 * x * x - 2.0 * x) * np.array(second.slope)
+        arc = float(WEIGHTS @ np.sqrt((rate * rate).sum(axis=1)))
+    return arc if math.isfinite(arc) else math.inf
 
 
 def element_length(element: Element, first: Node, second: Node) -> float | None:
