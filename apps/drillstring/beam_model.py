@@ -36,9 +36,6 @@ from tautline.system.system import Degrees, assemble
 NAMES = ("north", "east", "down", "slope north", "slope east", "slope down", "material coordinate", "rotation")
 ROUNDING = 1.0e-6
 """Share of EA that counts as a large force where a string weighs next to nothing, as in the lumped model."""
-IN_A_HOLE = 0.3
-"""Longest way of a node in one iteration of the search for an equilibrium in a hole, m: thrown further against a wall,
-an element may come to rest folded up."""
 TOUCHING = 1.0e-6
 """Side force of a soft string over the weight per metre, beyond which it is looked for at the wall."""
 WELDED = 1.0e4
@@ -67,8 +64,7 @@ def assemble_beam(
     stencils = _stencils(mesh, groups, carriers)
     driven = is_driven(scene)
     system = assemble(groups, degrees, functions, velocity, *stencils, at_rest=[TURN] if driven else [])
-    way = reach(scene, mesh) if scene.well.wall is None else min(reach(scene, mesh), IN_A_HOLE)
-    return Assembled(system, BeamObserver(scene, well, mesh, points, groups), way)
+    return Assembled(system, BeamObserver(scene, well, mesh, points, groups), reach(scene, mesh))
 
 
 def _elements(scene: DrillstringScene, mesh: Lumps) -> list:

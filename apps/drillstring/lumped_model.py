@@ -6,7 +6,7 @@ import numpy as np
 
 from drillstring.assembled import Assembled
 from drillstring.end_groups import BLOCK, ROTATION, Along, groups_at_ends, is_driven
-from drillstring.fluid import fluid_of
+from drillstring.fluid import fluid_of, weight_in
 from drillstring.lumped_string import (
     bends_of,
     bodies_of,
@@ -33,6 +33,8 @@ ROUNDING = 1.0e-6
 the rounding of its stiffness."""
 REACH = 0.3
 """Part of the shortest link by which a lump may move in one iteration of the search for an equilibrium."""
+IN_A_HOLE, GIVING = 1.0, 1.0 / 30.0
+"""That way in a hole, m; and over the stretch of the string if it hung straight down and its depth in a soft wall."""
 SAGGING = 1.0 / 300.0
 """The same over the string's length, at least, in free space: there a string may sag by as much as it is long."""
 
@@ -56,9 +58,20 @@ def assemble_lumps(
 
 
 def reach(scene: DrillstringScene, lumps: Lumps) -> float:
-    """How far a lump or a node may move in one iteration of the search for an equilibrium, m."""
+    """How far a lump or a node may move in one iteration of the search for an equilibrium, m.
+
+    In a hole it is little, but for a string that stretches by much: thrown far across the wall, a string may come to
+    rest where none would lie, folded up or pressed through, and that is an equilibrium too.
+    """
     short = REACH * float(lumps.length.min())
-    return short if scene.well.wall is not None else max(short, SAGGING * lumps.total)
+    if scene.well.wall is None:
+        return max(short, SAGGING * lumps.total)
+    weight = lumps.of_lumps(lambda tube: weight_in(fluid_of(scene.mud), tube, scene.gravity))
+    stiffness = lumps.of_links(lambda tube: tube.youngs_modulus * tube.area).min()
+    whole = float(np.abs(weight).sum())
+    stretch = (0.5 * whole + abs(scene.bit.load)) * lumps.total / float(stiffness)
+    sinking = whole / (scene.well.wall.stiffness * scene.well.wall.lumps)
+    return min(short, max(IN_A_HOLE, GIVING * (stretch + sinking)))
 
 
 def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):
