@@ -88,6 +88,51 @@ def test_code_compiled_for_a_group_of_someone_elses_does_not_stop_other_programs
     assert run(folder)[0] == -2.5
 
 
+PARTS = """
+import json, sys
+from tautline.kernels.jit import entry, kernel
+
+@kernel
+def third(x):
+    return x / 3.0
+
+@kernel(forceinline=True)
+def twice_a_third(x):
+    return 2.0 * third(x)
+
+@entry
+def whole(x):
+    return twice_a_third(x) + third(x)
+
+@entry
+def another(x):
+    return 1.0 + twice_a_third(x)
+
+called = {"whole": whole, "another": another}[sys.argv[1]]
+value = called(6.0)
+inner = twice_a_third.overloads.get((next(iter(called.signatures))[0],))
+hit = sum(twice_a_third.stats.cache_hits.values())
+engine = inner.library.codegen._engine if inner else None
+own = bool(inner) and engine.is_symbol_defined(inner.fndesc.llvm_func_name)
+print(json.dumps([value, hit, own]))
+"""
+
+
+def test_a_kernel_that_only_kernels_call_is_machine_code_within_its_callers_only_also_from_the_cache(tmp_path):
+    """What it gives is 2 x/3 + x/3 and 1 + 2 x/3; the second program finds it in the cache of the first."""
+    script = tmp_path / "parts.py"
+    script.write_text(PARTS)
+    seen = []
+    for name in ("whole", "another", "whole"):
+        done = subprocess.run(
+            [sys.executable, str(script), name], capture_output=True, text=True, cwd=tmp_path,
+            env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr[-2000:]
+        seen.append(json.loads(done.stdout))
+    assert seen == [[6.0, 0, False], [5.0, 1, False], [6.0, 0, False]]
+
+
 @pytest.fixture
 def kernels(tmp_path, monkeypatch):
     """Three kernel files, and a function that gives the cache folder for them as a new process would."""

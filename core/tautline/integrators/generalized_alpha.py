@@ -94,7 +94,7 @@ def _best_order(m, state, h, jumped):
     return 1 if linear < constant else 0
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     """Advance the state from t by h; on failure it is left as it was. Returns a status."""
     m = method

@@ -71,7 +71,7 @@ def record_frame(groups, state, t, row, at):
     over.record(groups, row, at)
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def open_run(groups, dofs, state, t, power):
     """Settle the laws at the start and open the ledger."""
     over.commit(groups, t, 0.0, state.full_q, state.full_v, state.full_a)
@@ -86,7 +86,7 @@ DOUBLED_BELOW = 1.0 / 12.0
 """Share of the tolerance below which a step's error lets the next be twice as long: the error grows by about eight."""
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def divide_and_advance(method, groups, dofs, functions, state, t, h):
     """One implicit step of length h, in halves, quarters, ... where it is not solved or not accurate. Returns a status.
 

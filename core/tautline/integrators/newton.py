@@ -84,7 +84,7 @@ def corrector(
     )  # fmt: skip
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def correct(corrector, groups, dofs, state, t, beta, gamma):
     """Iterate position, velocity and acceleration at time t until the residual vanishes.
 

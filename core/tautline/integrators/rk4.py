@@ -162,7 +162,7 @@ def _make_factors(mass, groups, dofs, q):
     return factorise_matrix(mass)
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def accelerate(method, groups, dofs, t, state):
     """Set the acceleration at time t from position and velocity, what is held being where it is then: M a = F.
 
@@ -190,7 +190,7 @@ def accelerate(method, groups, dofs, t, state):
     return DONE
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def account(method, groups, dofs, t, state):
     """Book work and losses at time t, after :func:`accelerate`.
 
@@ -214,7 +214,7 @@ def _react(groups, dofs, t, state):
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def rk4_step(method, groups, dofs, functions, state, t, h):
     """Advance the state from t by h. Returns a status."""
     over.begin(groups, t, h, 0.0, 0.0, state.full_q, state.full_v, state.full_a)

@@ -120,7 +120,7 @@ def eliminate(band, pivots, above, below, right, inverse, n, k):
     return 0, exchanged
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def substitute(band, pivots, above, below, inverse, scale, exchanged, n, k, x):
     """Solve by the factors; ``x`` (n,) holds the right side before and the solution after."""
     for j in range(n):

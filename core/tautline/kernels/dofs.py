@@ -52,7 +52,7 @@ DOFS = typeof(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.i
 """The type of :class:`Dofs` in compiled code."""
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def prescribe(dofs, functions, t, q, v, a):
     """Set the degrees of freedom that follow a function of time in the full vectors; what is fixed stays as it is."""
     for k in dofs.driven:
@@ -63,7 +63,7 @@ def prescribe(dofs, functions, t, q, v, a):
         a[i] = second
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def expand(dofs, reduced, full):
     """Write reduced unknowns into the full vector; held degrees of freedom are left as they are."""
     for i in range(dofs.free.size):
@@ -76,7 +76,7 @@ def expand(dofs, reduced, full):
         full[i] = x
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def expand_held(dofs, full):
     """Write into the full vector what it is while all reduced unknowns are zero."""
     for i in dofs.free:
@@ -100,7 +100,7 @@ def keep_flowing(dofs, v, a):
         a[i] = 0.0
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def reduce(dofs, full, reduced):
     """Sum full residuals into the reduced rows they belong to."""
     for i in range(dofs.free.size):

@@ -47,7 +47,7 @@ from numba.extending import intrinsic, overload
 from numba.np.arrayobj import make_array, populate_array
 
 from tautline.kernels.dofs import DOFS
-from tautline.kernels.jit import address_of, kernel
+from tautline.kernels.jit import address_of, addressed
 from tautline.kernels.matrix import MATRIX
 from tautline.kernels.memory import words_of
 from tautline.kernels.workshop import Job
@@ -228,7 +228,8 @@ def _apply(typing, row, kind, group, arguments):
     member, given_types = kind.instance_type, tuple(expected.values())
     function = KINDS[member.instance_class][hook]
     signature = (member, *given_types)
-    address_of(function, signature)
+    if signature not in function.overloads:
+        function.compile(signature)
     compiled = function.overloads[signature]
 
     def code(context, builder, _, given):
@@ -248,7 +249,7 @@ def _apply(typing, row, kind, group, arguments):
     return types.void(row, kind, group, arguments), code
 
 
-@kernel
+@addressed
 def run_hook(row, kind, group, arguments):
     """The function whose address stands in the list: the same signature for every hook and every kind of group."""
     _apply(row, kind, group, arguments)

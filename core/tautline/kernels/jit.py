@@ -21,7 +21,10 @@ import numba
 from filelock import FileLock
 from numba import njit, types
 from numba.core.caching import Cache, IndexDataCacheFile
+from numba.core.targetconfig import TargetConfig
 from numba.np import arrayobj
+
+from tautline.kernels.parts import PartCompiler
 
 FOLDERS_KEPT = 6
 """Cache folders kept beside the one in use: other checkouts and versions that a user may go back to."""
@@ -150,9 +153,27 @@ def _look_before_preparing() -> None:
     Cache.load_overload = load_overload
 
 
+def _compare_settings_as_they_are_set() -> None:
+    """Compare numba's settings by those that were set.
+
+    Numba asks whether two are equal at every operator that it compiles, and then reads all of them one by one, with
+    their defaults; the hash is that of their names, the same for all. It is a twelfth of the time of a first run.
+    """
+    as_written = TargetConfig.__eq__
+
+    def equal(self: TargetConfig, other: Any) -> Any:
+        if self is other or (type(self) is type(other) and self._values == other._values):
+            return True
+        return as_written(self, other)
+
+    TargetConfig.__eq__ = equal
+    TargetConfig.__hash__ = lambda self: hash(type(self))
+
+
 _trust_indices()
 _mend_index()
 _look_before_preparing()
+_compare_settings_as_they_are_set()
 numba.config.CACHE_DIR = str(cache_folder())
 
 entry = functools.partial(
@@ -165,9 +186,12 @@ that would allocate an array does not compile. The time loop allocates nothing, 
 product and a sum be one instruction with one rounding; no sum is reordered, and what is no number stays so.
 """
 
-kernel = functools.partial(entry, no_cpython_wrapper=True)
-"""Decorator of compiled code that only compiled code calls: without the wrappers that unpack a scene's many arrays,
-which would take longer to compile than the kernel."""
+addressed = functools.partial(entry, no_cpython_wrapper=True)
+"""Decorator of compiled code that is called by its address: without the wrappers that unpack a scene's many arrays,
+which would take longer to compile than the code."""
+
+kernel = functools.partial(addressed, pipeline_class=PartCompiler)
+"""Decorator of compiled code that only compiled code calls, as a part of it."""
 
 
 def is_compiled(function: Any, signature: tuple[types.Type, ...]) -> bool:

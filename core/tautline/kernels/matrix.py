@@ -113,7 +113,7 @@ def add_at(matrix, row, column, x):
         matrix.corner[column - n, row - n] += x
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def _substitute(f, n, k, x):
     """Solve by the band's factors."""
     substitute(
@@ -154,7 +154,7 @@ def solve_matrix(factors, x):
     solve_inside(factors, x)
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def solve_inside(factors, x):
     """The same, written out where it is called: for a few unknowns the call is most of the work."""
     f = factors
