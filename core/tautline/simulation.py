@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +63,7 @@ LOOKS = 200
 
 
 Look = Callable[[State, float, Any], None]
+Afterwards = Callable[[Result], tuple[dict[str, Any], list[str]]]
 
 
 def simulate(
@@ -72,6 +73,7 @@ def simulate(
     resume: Result | None = None,
     announce: Callable[[int], None] | None = None,
     look: Look | None = None,
+    afterwards: Afterwards | None = None,
 ) -> Result:
     """Run a model and store its frames.
 
@@ -90,6 +92,8 @@ def simulate(
     look : callable or None
         Called with the state, its time, s, and the method, at the start and after every so many frames, some two
         hundred times in all; it changes nothing.
+    afterwards : callable or None
+        Called with the result of a run that came to its end, for further attributes of it and further warnings.
 
     Returns
     -------
@@ -124,7 +128,9 @@ def simulate(
         except StoppedEarly as stop:
             stop.result = run.finish(store, stop.status.name.lower().replace("_", " "))
             raise
-        result = run.finish(store, "done")
+        stored = store.result
+        further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
+        result = run.finish(store, "done", *further)
     assert result is not None
     gained = run.energy_gained()
     if gained > GAINED:
@@ -284,8 +290,10 @@ class Run:
         if self.look is not None:
             self.look(self.state, self.time, self.method)
 
-    def finish(self, store: Store, status: str) -> Result | None:
-        """Close the file with what is known at the end; None where nothing was stored."""
+    def finish(
+        self, store: Store, status: str, further: dict[str, Any] | None = None, warnings: Sequence[str] = ()
+    ) -> Result | None:
+        """Close the file with what is known at the end, further attributes and warnings; None if it holds nothing."""
         result = store.result
         if result is None:
             return None
@@ -307,8 +315,9 @@ class Run:
             "numerical_dissipation": -self.balance.missing(),
             "motion_frequency": self.turns_over() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken),
-            "warnings": self.warnings(taken),
+            "warnings": [*self.warnings(taken), *warnings],
             "headline": self.model.headline(result),
+            **(further or {}),
         }
         return store.finish(attributes, restart=self.memory)
 

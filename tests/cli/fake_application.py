@@ -107,7 +107,7 @@ class FakeModel:
         return {"time": times, "angle": np.cos(times), "tension": np.outer(1e6 + times, [1.0, 2.0, 3.0])}
 
 
-def simulate(model, path=None, progress=None, resume=None, announce=None):
+def simulate(model, path=None, progress=None, resume=None, announce=None, afterwards=None):
     """Stand-in for `tautline.simulation.simulate`."""
     import numpy as np
 

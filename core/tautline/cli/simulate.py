@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from tautline.cli.application import Application
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
+    from tautline.simulation import Afterwards
 
 FIRST_RUN = "first run of this kind of scene: compiling the solver for it, once (10 to 20 s)"
 
@@ -79,6 +80,7 @@ def simulate(
     output: Path | None,
     overrides: dict[str, Any],
     resume: Path | None,
+    verify: bool | None,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -92,6 +94,8 @@ def simulate(
         ``method``, ``step``, ``end``, ``rho_inf``; None keeps what the scene says.
     resume : Path or None
         An earlier result to go on from.
+    verify : bool or None
+        Whether to run the scene once more with other steps; None does so where a run tells nothing of its steps.
 
     Raises
     ------
@@ -122,7 +126,11 @@ def simulate(
         say(f"simulating {scene}{length}")
     try:
         with Bar(end, shown=not quiet) as bar:
-            result = march(model, target, progress=bar, resume=earlier, announce=lambda _: say(FIRST_RUN, "cyan"))
+            second = _second_run(application, read, model, verify, earlier, bar, quiet)
+            result = march(
+                model, target, progress=bar, resume=earlier, announce=lambda _: say(FIRST_RUN, "cyan"),
+                afterwards=second,
+            )  # fmt: skip
     except StoppedEarly as stop:
         report = _report(scene, stop.result, end) | {
             "status": stop.status.name.lower().replace("_", " "),
@@ -137,6 +145,29 @@ def simulate(
         say(f"interrupted at t = {report['simulated_time'] or 0.0:.6g} s", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None
     _finish(catalogue, _report(scene, result, end) | {"status": "done"}, result, as_json, quiet)
+
+
+def _second_run(
+    application: Application, scene: Any, model: Any, verify: bool | None, earlier: Result | None, bar: Bar, quiet: bool
+) -> Afterwards | None:
+    """What compares a run with one of other steps; None where that was not asked for and the run itself tells."""
+    if verify is False or (verify is None and (earlier is not None or not hasattr(model, "system"))):
+        return None
+    from tautline.study.step_error import step_error, tells_nothing_itself
+    from tautline.study.trial import Subject
+
+    if verify is None and not tells_nothing_itself(model):
+        return None
+
+    def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
+        if not quiet:
+            say("once more with other steps, to see what they do; --no-verify leaves it out")
+        found = step_error(Subject(application, scene), result, progress=bar)
+        if found is None:
+            return {}, ["the run with other steps gave nothing to compare with: what the step does is not known"]
+        return {"step_error": found._asdict()}, [found.warning] if found.warning else []
+
+    return compared
 
 
 def _earlier(resume: Path | None) -> Result | None:
@@ -154,6 +185,7 @@ def _report(scene: Path, result: Result | None, end: float | None) -> dict[str, 
     stored = None if result is None else str(result.path)
     report: dict[str, Any] = {"scene": str(scene), "result": stored, "status": None}
     report |= {key: attributes.get(key) for key in COPIED}
+    report["step_error"] = result.step_error if result is not None else None
     report["warnings"] = result.warnings if result is not None else []
     report |= {"end": attributes.get("end", end), "frames": len(times)}
     report["simulated_time"] = float(times[-1] - times[0]) if len(times) else None

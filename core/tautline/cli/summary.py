@@ -113,9 +113,21 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
         rows.append(("energy lost to the method", shown(report["numerical_dissipation"], "J", system)))
     if report.get("phase_lag"):
         rows.append(("free swinging is late at the end by, about", shown(report["phase_lag"], "rad", system)))
+    if found := report.get("step_error"):
+        rows += _of_the_step(found, system)
     if headline:
         rows.append(("", ""))
     for name, figure in headline.items():
         label = str(figure.get("text") or name.replace("_", " "))
         rows.append((label, shown(figure.get("value"), str(figure.get("unit") or ""), system)))
     return two_columns(rows)
+
+
+def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:
+    """Rows of what another step has changed."""
+    way, force = (None if x is None else f"{significant(100.0 * x, 2)} %" for x in (found["position"], found["force"]))
+    moved = f"{shown(found['distance'], 'm', system)} in the {found['place']}, {way} of its way"
+    rows = [(f"a step of {quantity(found['step'], 's')} changes", moved)]
+    if force is not None:
+        rows.append(("", f"{force} in the amplitude of the {found['force_place']}"))
+    return rows

@@ -28,6 +28,14 @@ RhoInf = Annotated[
 Resume = Annotated[
     Path | None, typer.Option("--resume", help="Go on from where this earlier result of the scene ended.")
 ]
+Verify = Annotated[
+    bool | None,
+    typer.Option(
+        "--verify/--no-verify",
+        help="Run it once more, with steps twice as long (half as long for an explicit method), and tell how far apart "
+        "the two are. [dim]\\[default: where there is friction][/]",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors and warnings only.")]
 Results = Annotated[
     list[Path], typer.Argument(metavar="RESULT...", help="Results; several are compared.", show_default=False)
@@ -149,6 +157,7 @@ def simulate(
     end: End = None,
     rho_inf: RhoInf = None,
     resume: Resume = None,
+    verify: Verify = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -159,7 +168,7 @@ def simulate(
     from tautline.cli import simulate as verb
 
     overrides: dict[str, Any] = {"method": method, "step": step, "end": end, "rho_inf": rho_inf}
-    verb.simulate(context.obj, scene, output, overrides, resume, as_json, quiet)
+    verb.simulate(context.obj, scene, output, overrides, resume, verify, as_json, quiet)
 
 
 def study(

@@ -88,6 +88,12 @@ class Result:
         return json.loads(warnings) if isinstance(warnings, str) else list(warnings)
 
     @property
+    def step_error(self) -> dict[str, Any] | None:
+        """What a run with other steps has told of those of this one, see `tautline.study.step_error`; None if none."""
+        found = self.attributes.get("step_error")
+        return json.loads(found) if isinstance(found, str) else found
+
+    @property
     def headline(self) -> dict[str, dict[str, Any]]:
         """The application's figures: name -> {value, unit, text}; empty if the run did not come to its end."""
         headline = self.attributes.get("headline", "")

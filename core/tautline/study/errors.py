@@ -8,8 +8,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.optimize import minimize_scalar
 
 from tautline.study.history import History
 
@@ -53,13 +51,20 @@ def compare(run: History, reference: History, extent: float) -> Errors:
         Size of the scene, m, against which a point that rests is judged.
     """
     exact = at_times(reference, run.time)
+    _, position, force = apart(run, exact, extent)
+    norms = np.linalg.norm(run.position, axis=1) - np.linalg.norm(exact.position, axis=1)
+    return Errors(position, force, _phase(run, exact), float(np.sqrt(np.mean(norms**2))))
+
+
+def apart(run: History, exact: History, extent: float) -> tuple[float, float, float | None]:
+    """How far two histories of the same times are apart: largest distance, m, and that of position and of force.
+
+    The last two are relative, as in :class:`Errors`.
+    """
     way = np.linalg.norm(exact.position - exact.position[0], axis=1).max()
     size = max(float(way), RESTING * extent) or 1.0
-    distance = np.linalg.norm(run.position - exact.position, axis=1).max()
-    norms = np.linalg.norm(run.position, axis=1) - np.linalg.norm(exact.position, axis=1)
-    return Errors(
-        float(distance) / size, _force(run.force, exact.force), _phase(run, exact), float(np.sqrt(np.mean(norms**2)))
-    )
+    distance = float(np.linalg.norm(run.position - exact.position, axis=1).max())
+    return distance, distance / size, _force(run.force, exact.force)
 
 
 def at_times(history: History, time: np.ndarray) -> History:
@@ -70,6 +75,8 @@ def at_times(history: History, time: np.ndarray) -> History:
         force = np.interp(time, history.time, history.force) if history.force.size else history.force
         columns = [np.interp(time, history.time, column) for column in history.position.T]
         return History(time, np.stack(columns, axis=1), force)
+    from scipy.interpolate import CubicSpline
+
     force = CubicSpline(history.time, history.force)(time) if history.force.size else history.force
     return History(time, CubicSpline(history.time, history.position)(time), force)
 
@@ -111,6 +118,8 @@ def first_mode(time: np.ndarray, motion: np.ndarray) -> float | None:
     peak = int(np.where(lasting, size, 0.0).argmax())
     if size[peak] < size[max(peak - 1, 0)]:
         return None  # the flank of something slower, which does not last
+    from scipy.optimize import minimize_scalar
+
     bounds = tuple(2.0 * np.pi * frequency[np.clip([peak - 2, peak + 2], 1, frequency.size - 1)])
     best = minimize_scalar(lambda w: -abs(_part(time, motion, w)), bounds=bounds, method="bounded")
     share = 2.0 * abs(_part(time, motion, best.x)) / max(0.5 * float(np.ptp(motion)), 1e-300)

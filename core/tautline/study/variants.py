@@ -16,6 +16,7 @@ from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.study.errors import compare
 from tautline.study.history import History, Watched, watch
+from tautline.study.step_error import step_error, tells_nothing_itself
 from tautline.study.trial import Setting, Subject, Trial
 
 STIFFNESSES = (1e-3, 1e-2, 1e-1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
@@ -162,6 +163,10 @@ def _judged(
     if error is None:
         return Variant(change.name, "unjudged", None, known, told, trial.wall_time)
     outcome = "right" if error <= tolerance else "inaccurate"
+    if outcome == "inaccurate" and not told and tells_nothing_itself(subject.model(setting)):
+        # What `simulate` finds out by itself, by a second run, is asked for only where it decides.
+        found = step_error(subject, trial.result, setting)
+        told = (found.warning,) if found is not None and found.warning else ()
     own = (float(trial.attribute(name) or 0.0) for name in ("phase_lag", "energy_error"))
     return Variant(change.name, outcome, error, "done", told, trial.wall_time, *own)
 

@@ -145,6 +145,11 @@ class System:
         return self.linked[key]
 
     @property
+    def has_friction(self) -> bool:
+        """Whether anything may stick and slip."""
+        return len(without_friction(self.groups)) < len(self.groups)
+
+    @property
     def size(self) -> int:
         """Number of reduced unknowns."""
         return self.scale.size
