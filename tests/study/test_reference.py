@@ -34,7 +34,8 @@ class MadeUp:
         variables = [Variable("time", ("time",), "s", ""), Variable("position", ("time", "node", "axis"), "m", "")]
         attributes = {"step": step, "wall_time": self.wall / step, "steps": int(2.0 / step)}
         arrays = {"time": TIME, "position": position}
-        return Trial(setting, "done", "", Result(None, (variables, arrays, {}, attributes, {})), (self.wall / step,))
+        taken = (self.wall / step,)
+        return Trial(setting, "done", "", Result(None, (variables, arrays, {}, attributes, {})), taken, taken)
 
 
 def found_for(made, method="newmark", first=0.1, tolerance=0.01, budget=1e9, **more):

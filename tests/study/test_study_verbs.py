@@ -130,6 +130,7 @@ def test_a_quick_look_is_short(cable, sketched):
     assert code == 0 and all(run["repetitions"] == 1 for run in report["runs"] if run["status"] == "done")
     assert {run["method"] for run in report["runs"]} == {"rk4", "generalized-alpha"}
     assert max(run["steps"] for run in report["runs"]) <= 0.4 / 0.0025
+    assert "the first 0.4 s of 1 s" in report["left_out"] and "every other step" in report["left_out"][1]
 
 
 BAD = [
@@ -228,6 +229,25 @@ def test_stability_of_a_scene_with_ties_tells_what_multipliers_do(cable, few, sk
     report = only_object(out)
     assert code in (0, 3) and report["constraint_drift"] < 1e-12 and "constraint drift" in err
     assert "without the scaling" in err and report["conditioning"][0]["unscaled"] > report["conditioning"][0]["scaled"]
+
+
+def test_a_quick_look_at_stability_names_what_it_has_not_tried(cable, sketched, monkeypatch):
+    monkeypatch.setattr("tautline.study.critical.bisect", lambda *_: (0.28, 0.283))
+    code, out, err = cable("stability", "bar.yaml", "--quick", "--json")
+    report = only_object(out)
+    time, names, judge = report["left_out"]
+    assert code == 0 and time == "the first 0.4 s of 1 s" and "quarter" in judge
+    missing = names.removeprefix("not tried: ").split(", ")
+    assert {"stiffness x 0.001", "step x 100", "rho_inf 0.5"} <= set(missing) and "contact" not in names
+    assert not set(missing) & {variant["name"] for variant in report["variants"]}
+    assert "a quick look: the first 0.4 s of 1 s; not tried: stiffness x 0.001" in " ".join(err.split())
+
+
+def test_variants_that_nobody_could_judge_are_counted_beside_those_that_are_right(cable, few, sketched, monkeypatch):
+    monkeypatch.setattr("tautline.study.trial.Trial.cpu_time", 15.0)
+    code, out, err = cable("stability", "bar.yaml", "--json")
+    assert code == 0 and {variant["outcome"] for variant in only_object(out)["variants"]} == {"unjudged"}
+    assert "3 variants, 3 of them not judged" in err and "3 variants: none" not in err
 
 
 def test_a_variant_that_is_wrong_without_a_word_ends_with_3_and_is_shown(cable, few, sketched, monkeypatch):

@@ -5,6 +5,7 @@ import pytest
 from oscillators import OMEGA, amplification, bar, chain, lag_constant, oscillator, rk4, subject
 
 from tautline.scene.errors import Problem, SceneError
+from tautline.study import trial as trial_module
 from tautline.study import variants as module
 from tautline.study.trial import Trial, run_model
 from tautline.study.variants import Variant, changes, variants
@@ -132,8 +133,29 @@ def test_a_run_that_nothing_can_judge_is_unjudged_and_not_right(monkeypatch):
 
 def test_a_judge_that_would_take_too_long_is_not_asked(monkeypatch):
     only(monkeypatch, "as it stands")
-    found = varied(oscillator(time_end=END), budget=0.0)["as it stands"]
-    assert found.outcome == "unjudged" and "would take more than" in found.status
+    monkeypatch.setattr(Trial, "cpu_time", 6.0)
+    found = varied(oscillator(time_end=END))["as it stands"]
+    assert found.outcome == "unjudged" and "would take more than 20 s" in found.status
+
+
+@pytest.mark.parametrize(
+    ("shortest", "what"), [(1.0, "given up at t"), (0.005, "run to judge it by was given up at t")]
+)
+def test_a_run_that_takes_longer_than_it_may_is_given_up_and_unjudged(monkeypatch, shortest, what):
+    """The clock jumps by a second with every look at a run whose steps are so short: the third is one too many."""
+    only(monkeypatch, "as it stands")
+    clock, real = [0.0], trial_module.Allowance
+
+    class Slow(real):
+        def __call__(self, state, t, method):
+            clock[0] += float(method.last_step[0]) <= shortest and t > 0.0
+            super().__call__(state, t, method)
+
+    monkeypatch.setattr(trial_module, "Allowance", Slow)
+    monkeypatch.setattr(trial_module.time, "thread_time", lambda: clock[0])
+    found = varied(oscillator(time_end=END, plotpoints=20), budget=2.0)["as it stands"]
+    assert found.outcome == "unjudged" and not found.silent
+    assert what in found.status and "0.15 of 2 s" in found.status and "2 s that a run may take" in found.status
 
 
 @pytest.mark.parametrize("control", [{"time_step": "auto"}, {"control": "error", "tolerance": 1e-7}])

@@ -71,11 +71,10 @@ def _report(path: Path, stem: Path, found: Stability, as_json: bool) -> None:
         show(_table(found.variants))
     for warning in found.warnings:
         say(f"warning: {warning}", "yellow")
-    silent = sum(variant.silent for variant in found.variants)
-    if silent:
-        say(f"{silent} of {len(found.variants)} variants ended wrong and said nothing", "red")
-    elif found.variants:
-        say(f"{len(found.variants)} variants: none ended wrong without saying so", "green")
+    if found.variants:
+        _count(found.variants)
+    if found.left_out:
+        say(f"a quick look: {'; '.join(found.left_out)}")
     files = [write_csv(whole["variants"], named(stem, ".csv"))] if found.variants else []
     files.append(stability_figure(found, f"{path.stem}: stability", named(stem, ".png")))
     for file in files:
@@ -83,6 +82,18 @@ def _report(path: Path, stem: Path, found: Stability, as_json: bool) -> None:
     if as_json:
         status = "interrupted" if found.interrupted else "done"
         print_json({"scene": str(path), "status": status} | whole | {"files": [str(file) for file in files]})
+
+
+def _count(variants: Sequence[Variant]) -> None:
+    """Say how many ended wrong without a word, and of how many nobody knows."""
+    silent = sum(variant.silent for variant in variants)
+    unknown = sum(variant.outcome == "unjudged" for variant in variants)
+    whole = f"{len(variants)} variants" + (f", {unknown} of them not judged" if unknown else "")
+    if silent:
+        say(f"{silent} of {whole} ended wrong and said nothing", "red")
+    else:
+        said = "none ended wrong" if not unknown else "of the others none ended wrong"
+        say(f"{whole}: {said} without saying so", "green")
 
 
 def _rows(found: Stability) -> list[tuple[str, str]]:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from tautline.study.trial import Subject
 
 QUICK_END, QUICK_BUDGET = 0.1, 5.0
-"""Share of the simulated time that a quick look takes, and the wall time, s, that it gives one run."""
+"""Share of the simulated time that a quick look takes, and the processor time, s, that it gives one run."""
 ENDINGS = (".csv", ".nc", ".png")
 MOST_TOLERANCE = 0.5
 """Relative error that nobody can mean to ask for."""
@@ -82,11 +82,11 @@ def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject
     application = catalogue.for_scene(path)
     scene = application.read(path)
     print_cautions(application.cautions(scene))
-    end = asked["end"]
+    end, whole = asked["end"], None
     if end is None and asked["quick"]:
-        model = application.build(scene)
-        end = max(QUICK_END * model.solver.end, 20.0 * model.solver.interval, 20.0 * model.solver.step)
-        end = min(end, model.solver.end)
+        solver = application.build(scene).solver
+        whole = float(solver.end)
+        end = min(max(QUICK_END * whole, 20.0 * solver.interval, 20.0 * solver.step), whole)
     announced: list[int] = []
 
     def announce(kernels: int) -> None:
@@ -94,7 +94,7 @@ def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject
             say(FIRST_RUN, "cyan")
         announced.append(kernels)
 
-    return Subject(application, scene, end=end, announce=announce)
+    return Subject(application, scene, end=end, whole=whole, announce=announce)
 
 
 @contextmanager
@@ -189,6 +189,8 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
     show(_table(found.rows))
     if found.reference is not None:
         say(_of_reference(found))
+    if found.left_out:
+        say(f"a quick look: {'; '.join(found.left_out)}")
     say(f"position of {found.watched.point}, force of {found.watched.force or 'nothing'}; {machine(found.load)}")
     for warning in found.warnings:
         say(f"warning: {warning}", "yellow")

@@ -133,8 +133,8 @@ ReferenceStep = Annotated[
     typer.Option("--reference-step", help="Finest step of the reference, with a unit or in s."),
 ]
 Repeat = Annotated[int, typer.Option("--repeat", min=1, help="Runs of each setting, for its time.")]
-Budget = Annotated[float, typer.Option("--budget", min=0.1, help="Wall time in s that one run may take.")]
-Quick = Annotated[bool, typer.Option("--quick", help="A tenth of the time and half of the grid: a first look.")]
+Budget = Annotated[float, typer.Option("--budget", min=0.1, help="Processor time in s that one run may take.")]
+Quick = Annotated[bool, typer.Option("--quick", help="A tenth of the time, half of the grid; says what is left out.")]
 Stem = Annotated[
     Path | None,
     typer.Option("-o", "--output", metavar="STEM", help="Beginning of the names of the files that are written."),

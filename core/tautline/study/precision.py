@@ -23,6 +23,7 @@ from tautline.study.grid import Grid as Grid
 from tautline.study.grid import settings
 from tautline.study.history import Watched, watch
 from tautline.study.judge import choose_reference
+from tautline.study.omissions import of_study
 from tautline.study.reference import Reference
 from tautline.study.trial import Setting, Subject, Trial, run_model
 from tautline.system.model import Model
@@ -63,6 +64,8 @@ class Study:
         Largest relative error of the tangent along a run, of the scene or of its implicit form; None if it has none.
     load : tuple of float
         Mean number of processes that wanted a processor in the last minute, before and after.
+    left_out : tuple of str
+        What a quick look has not tried.
     """
 
     rows: tuple[Row, ...]
@@ -72,6 +75,7 @@ class Study:
     tangent: float | None
     load: tuple[float, float]
     warnings: tuple[str, ...] = field(default=())
+    left_out: tuple[str, ...] = ()
     interrupted: bool = False
 
     @property
@@ -100,7 +104,7 @@ def study(
     repetitions : int
         Of each run, for its time; long runs are not repeated.
     budget : float
-        Wall time, s, that one run may be expected to take; longer ones are left out, and said to be.
+        Processor time, s, that one run may be expected to take; longer ones are left out, and said to be.
     point : str or None
         Label of the node, lump or body to look at.
     reference : Setting or None
@@ -137,7 +141,8 @@ def study(
         found = replace(found, mesh_error=mesh_error(rows))
     load = before, os.getloadavg()[0]
     warnings = () if interrupted else tuple(_warnings(found, tangent, rows, tolerance))
-    return Study(rows, found, watched, tolerance, tangent, load, warnings, interrupted)
+    left_out = of_study(subject, grid.steps is not None) if reduced else ()
+    return Study(rows, found, watched, tolerance, tangent, load, warnings, left_out, interrupted)
 
 
 def _tried(subject: Subject, setting: Setting, trials: Sequence[Trial], repetitions: int, budget: float) -> Trial:
@@ -204,16 +209,16 @@ class TangentLook:
 
 
 def _expected(trials: Sequence[Trial], setting: Setting) -> float | None:
-    """Wall time of a setting by that of one that differs in the step alone, s."""
+    """Processor time of a setting by that of one that differs in the step alone, s."""
     for trial in reversed(trials):
         like = trial.setting
         same = (like.method, like.elements, like.constraint) == (setting.method, setting.elements, setting.constraint)
         if same and setting.step and like.step and setting.step_error is None and like.step_error is None:
-            wall = trial.wall_time
+            spent = trial.cpu_time
             if trial.status == "left out":
                 return float("inf")
-            if trial.done and wall is not None:
-                return wall * like.step / setting.step
+            if trial.done and spent is not None:
+                return spent * like.step / setting.step
     return None
 
 

@@ -75,6 +75,7 @@ def study_record(study: Study) -> dict[str, Any]:
         "tangent_error": study.tangent,
         "load": list(study.load),
         "warnings": list(study.warnings),
+        "left_out": list(study.left_out),
     }
 
 
@@ -141,6 +142,7 @@ def stability_record(found: Stability) -> dict[str, Any]:
         "tangent_error": found.tangent,
         "variants": [variant_record(variant) for variant in found.variants],
         "warnings": list(found.warnings),
+        "left_out": list(found.left_out),
     }
 
 

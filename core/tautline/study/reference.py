@@ -112,9 +112,9 @@ def find_reference(
             proved = best if best.converged else proved
             if best.converged and (finest is not None or _clear(best, judged, watched)):
                 return best
-        wall = trial.wall_time or 0.0
+        spent = trial.cpu_time or 0.0
         named = finest is not None and step <= finest * (1.0 + 1e-9) and len(runs) >= ENOUGH
-        if 2.0 * wall > budget or named:
+        if 2.0 * spent > budget or named:
             break
         step *= 0.5
     return proved or best

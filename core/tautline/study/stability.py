@@ -12,6 +12,7 @@ from tautline.simulation import simulate
 from tautline.study.conditioning import Condition, conditioning
 from tautline.study.critical import Critical, critical_steps
 from tautline.study.drift import Drift
+from tautline.study.omissions import of_stability
 from tautline.study.penalties import Stiffness, penalties
 from tautline.study.precision import WRONG_TANGENT, TangentLook
 from tautline.study.trial import Setting, Subject
@@ -38,6 +39,8 @@ class Stability:
         Largest relative error of the tangent; None where the scene has no implicit form.
     variants : list of Variant
     warnings : tuple of str
+    left_out : tuple of str
+        What a quick look has not tried.
     interrupted : bool
     """
 
@@ -49,6 +52,7 @@ class Stability:
     tangent: float | None
     variants: list[Variant]
     warnings: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
     interrupted: bool = False
 
 
@@ -67,7 +71,7 @@ def stability(
     tolerance : float
         Relative error of position up to which a variant is right.
     budget : float
-        Wall time, s, that one run may be expected to take.
+        Processor time, s, that one run of a variant may take.
     point : str or None
         Label of what to look at.
     quick : bool
@@ -92,8 +96,9 @@ def stability(
         found[2] = variants(subject, tolerance, budget, point, quick, None, progress)
     except Interrupted:
         interrupted = True
-    warnings = _warnings(critical, tangent, found[2])
-    return Stability(critical, *found[:2], energy, drift, tangent, found[2], tuple(warnings), interrupted)
+    warnings = tuple(_warnings(critical, tangent, found[2]))
+    left_out = of_stability(subject) if quick else ()
+    return Stability(critical, *found[:2], energy, drift, tangent, found[2], warnings, left_out, interrupted)
 
 
 def _as_it_stands(subject: Subject) -> tuple[float | None, float | None, float | None]:

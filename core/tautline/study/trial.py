@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from statistics import median
@@ -9,16 +10,19 @@ from typing import Any
 
 import numpy as np
 
+from tautline.integrators.state import State
 from tautline.integrators.status import StoppedEarly
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
-from tautline.simulation import simulate
+from tautline.simulation import Look, simulate
 from tautline.system.model import Model
 
 ENOUGH = 0.5
 """Wall time, s, after which a run is not repeated again: a long run's time is certain enough."""
 LAST = 1.0e-9
 """Share of a run's time by which its last frame may be early."""
+GIVEN_UP = "given up"
+"""Status of a run that took longer than it may."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ class Trial:
     ----------
     setting : Setting
     status : str
-        ``done``, ``refused``, or the name of the status that it stopped with.
+        ``done``, ``refused``, ``given up``, or the name of the status that it stopped with.
     sentence : str
         What that means, and what to do; empty if done.
     result : Result or None
@@ -116,6 +120,8 @@ class Subject:
         As it was read.
     end : float or None
         Simulated time, s, in place of the scene's.
+    whole : float or None
+        The scene's own, s, where ``end`` is less of it because only a quick look is asked for.
     interval : float or None
         Of the frames, s, in place of the scene's; a longer step takes its own.
     announce : callable or None
@@ -126,6 +132,7 @@ class Subject:
     scene: Any
     end: float | None = None
     interval: float | None = None
+    whole: float | None = None
     announce: Callable[[int], None] | None = None
     change: Callable[[Model], Model] = field(default=lambda model: model)
 
@@ -174,12 +181,53 @@ class Subject:
         return trial
 
 
-def run_model(model: Model, setting: Setting, **further: Any) -> Trial:
-    """Run a model and tell how it ended; ``further`` goes to `simulate`."""
+class OutOfTime(Exception):
+    """A run has taken longer than it may."""
+
+
+class Allowance:
+    """Looks at a run, and ends it where it takes longer than it may: a look is a two-hundredth of it at most.
+
+    It is processor time that counts, or what is given up would depend on what else the machine does. What has to be
+    compiled, and the way to the start, do not count.
+    """
+
+    def __init__(self, seconds: float, look: Look | None = None) -> None:
+        self.seconds, self.look, self.began, self.reached = seconds, look, 0.0, 0.0
+
+    def __call__(self, state: State, t: float, method: Any) -> None:
+        """Take note of a state; raises OutOfTime."""
+        now = time.thread_time()
+        if t == 0.0:
+            self.began = now
+        self.reached = t
+        if self.look is not None:
+            self.look(state, t, method)
+        if now - self.began > self.seconds:
+            raise OutOfTime
+
+
+def run_model(
+    model: Model, setting: Setting, seconds: float | None = None, look: Look | None = None, **further: Any
+) -> Trial:
+    """Run a model and tell how it ended.
+
+    Parameters
+    ----------
+    seconds : float or None
+        Processor time after which the run is given up.
+    look : callable or None
+        As `simulate` takes it, to which ``further`` goes too.
+    """
+    allowance = None if seconds is None else Allowance(seconds, look)
     try:
-        result = simulate(model, **further)
+        result = simulate(model, look=allowance or look, **further)
     except StoppedEarly as stop:
         return _ended(setting, stop.status.name, stop.sentence, stop.result)
+    except OutOfTime:
+        assert allowance is not None
+        reached = f"at t = {allowance.reached:.4g} of {model.solver.end:.4g} s"
+        return Trial(setting, GIVEN_UP, f"{reached}, after the {seconds:.3g} s that a run may take")
     status, sentence = "done", ""
     if float(result.time[-1]) < model.solver.end * (1.0 - LAST):
         status, sentence = "INCOMPLETE", "the last frame lies before the end of the run"

@@ -17,7 +17,7 @@ from tautline.scene.errors import SceneError
 from tautline.study.errors import compare
 from tautline.study.history import History, Watched, watch
 from tautline.study.step_error import step_error, tells_nothing_itself
-from tautline.study.trial import Setting, Subject, Trial
+from tautline.study.trial import GIVEN_UP, Setting, Subject, Trial
 
 STIFFNESSES = (1e-3, 1e-2, 1e-1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
 STEPS = (0.1, 10.0, 100.0)
@@ -52,8 +52,8 @@ class Variant:
     ----------
     name : str
     outcome : str
-        ``right``, ``inaccurate`` or ``stopped``; ``refused`` for a scene that cannot be, and ``unjudged`` where no run
-        with a shorter step came to its end, or it would have taken too long.
+        ``right``, ``inaccurate`` or ``stopped``; ``refused`` for a scene that cannot be, and ``unjudged`` where it was
+        given up, or no run with a shorter step came to its end, or would have in time.
     error : float or None
         Relative error of position.
     status : str
@@ -113,7 +113,7 @@ def variants(
     tolerance : float
         Relative error of position up to which a run is right.
     budget : float
-        Wall time, s, that one run may be expected to take.
+        Processor time, s, that one run may take: a longer one is given up.
     point : str or None
         Label of what to look at.
     quick : bool
@@ -152,10 +152,12 @@ def _judged(
     subject: Subject, setting: Setting, step: float, change: Change, tolerance: float, budget: float,
     watched: Watched, quick: bool,
 ) -> Variant:  # fmt: skip
-    trial = subject.run(setting)
+    trial = subject.run(setting, seconds=budget)
     told = _told(subject, setting, trial)
     if trial.status == "refused":
         return Variant(change.name, "refused", None, trial.sentence)
+    if trial.status == GIVEN_UP:
+        return Variant(change.name, "unjudged", None, f"{GIVEN_UP} {trial.sentence}", told)
     if not trial.done or trial.result is None:
         return Variant(change.name, "stopped", None, trial.status, told, trial.wall_time)
     taken = float(trial.result.time[-1]) / max(1, int(trial.attribute("steps")))
@@ -196,9 +198,11 @@ def _error(
     why = "no run with a shorter step came to its end"
     finer: Sequence[float] = DIVIDED[:1] if quick else DIVIDED
     for part in finer:
-        if (trial.wall_time or 0.0) * part > budget:
+        if (trial.cpu_time or 0.0) * part > budget:
             return error, f"a run to judge it by would take more than {budget:g} s"
-        fine = subject.run(Setting(setting.method, step / part, None, setting.rho_inf))
+        fine = subject.run(Setting(setting.method, step / part, None, setting.rho_inf), seconds=budget)
+        if fine.status == GIVEN_UP:
+            return error, f"the run to judge it by was {GIVEN_UP} {fine.sentence}"
         if not fine.done or fine.result is None:
             continue
         before, error = error, _distance(coarse, fine.result, watched)
