@@ -172,15 +172,20 @@ def fit(
         if np.isfinite(load)
     ]
     shoe = own_friction(scene).shoe
-    alone = {name: _least_squares([row for row in rows if row[1] == name], shoe)[0][0] for name in LOADS}
-    factors, errors, slopes = _least_squares(rows, shoe)
+    one_way = [_least_squares([row for row in rows if row[1] == name], shoe)[0] for name in LOADS]
+    alone = {name: found[0] for name, found in zip(LOADS, one_way, strict=True)}
+    # Where both directions lead alone is near where they lead together.
+    known = [found for found in one_way if np.isfinite(found).all()]
+    factors, errors, slopes = _least_squares(rows, shoe, np.mean(known, axis=0) if known else None)
     n, spread = len(rows), _spread(errors, slopes)
     residual = float(np.sqrt(errors @ errors / n))
     both = (float(factors[1]), float(spread[1])) if shoe > 0.0 else (None, None)
     return Fit(float(factors[0]), float(spread[0]), residual, alone["pick_up"], alone["slack_off"], n, *both)
 
 
-def _least_squares(rows: list[tuple[Statics, str, float]], shoe: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _least_squares(
+    rows: list[tuple[Statics, str, float]], shoe: float, start: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Factors (m,), open and cased, residuals (n,) N, and derivatives (n, m) N; NaN of fewer rows than factors."""
     count = 2 if shoe > 0.0 else 1
     if len(rows) < count:
@@ -191,7 +196,8 @@ def _least_squares(rows: list[tuple[Statics, str, float]], shoe: float) -> tuple
         factors = Factors(float(x[0]), float(x[-1]), shoe)
         return np.array([string.solve(factors, way).hook_load - load for string, way, load in rows]) / size
 
-    found = least_squares(errors, [START] * count, bounds=(0.0, MOST), xtol=1e-8, ftol=1e-12, gtol=1e-12)
+    begin = [START] * count if start is None else start
+    found = least_squares(errors, begin, bounds=(0.0, MOST), xtol=1e-8, ftol=1e-12, gtol=1e-12)
     return found.x, found.fun * size, found.jac * size
 
 

@@ -2,8 +2,8 @@
 
 Nothing is taken from ``tautline.lumped.derive``: the Bishop frame of one arc is written as a rotation of the earth's
 frame about a fixed axis, velocities are derivatives of positions, weights are loads along the vertical, and links and
-bends are the derivatives of the total energy of all of them. It grows beyond use with the number of bodies; two and
-three are enough to see that one body, one link and one bend, looped over, are the same equations.
+bends are the derivatives of the total energy of all of them. It grows beyond use with the number of bodies; three are
+enough to see that one body, one link and one bend, looped over, are the same equations.
 """
 
 import itertools

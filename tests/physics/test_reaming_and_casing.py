@@ -146,11 +146,12 @@ def test_run_in_a_cased_hole_has_the_drag_of_both_parts_within_half_a_percent(la
 
 def test_both_factors_are_found_again_from_hook_loads_that_were_made_with_them():
     scene = shipped("jwell", well__wall__casing={"shoe": 2400.0, "friction": 0.2}, model__bending="soft")
-    depths = np.array([2500.0, 2900.0, 3300.0, 3700.0])
+    # twice as many loads as factors; above the first depth there is nearly no open hole, above the second a third of it
+    depths = np.array([2500.0, 3700.0])
     made = Factors(0.31, 0.17, 2400.0)
-    (case,) = torque_drag(scene, [made], depths, 20)
-    measured = Measured(depths, case.hook_loads("pick_up"), case.hook_loads("slack_off"), np.arange(4) + 2)
-    found = fit(scene, measured, 20)
+    (case,) = torque_drag(scene, [made], depths, 12)
+    measured = Measured(depths, case.hook_loads("pick_up"), case.hook_loads("slack_off"), np.arange(2) + 2)
+    found = fit(scene, measured, 12)
     assert found.friction == pytest.approx(0.31, abs=1e-4) and found.cased == pytest.approx(0.17, abs=1e-4)
     assert found.spread < 1e-4 and found.cased_spread < 1e-4
 
