@@ -1,7 +1,6 @@
 """The generated kernels are those of the derivation, and looped over they are the whole string's equations."""
 
 import numpy as np
-import pytest
 from kane_of_many import Numbers, equations
 
 from drillstring import wellbore
