@@ -17,16 +17,21 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """Strings first, then what is read and not run, then all else: two workers compile different kernels.
+    """Strings first, all else after them, and what is read but not run in the middle.
 
-    With ``--dist worksteal`` they begin at the first test and at the middle one. Both would otherwise compile the same
-    at the same time: the loop over steps as they begin, and then the kinds of groups of one application.
+    With ``--dist worksteal`` two workers begin at the first test and at the middle one. They would otherwise compile
+    the same at the same time: the loop over steps as they begin, and then the kinds of groups of one application.
     """
-    items.sort(key=lambda item: _turn(item.path))
+    read = [item for item in items if _is_read(item)]
+    run = sorted((item for item in items if not _is_read(item)), key=lambda item: not _is_of_strings(item.path))
+    middle = len(items) // 2
+    items[:] = [*run[:middle], *read, *run[middle:]]
+
+
+def _is_read(item):
+    return item.path.parent == TESTS / "input"
 
 
 @cache
-def _turn(path):
-    if "drillstring" in path.read_text(encoding="utf8"):
-        return 0
-    return 1 if path.parent == TESTS / "input" else 2
+def _is_of_strings(path):
+    return "drillstring" in path.read_text(encoding="utf8")
