@@ -1,5 +1,6 @@
 """Makes the folders of tests importable, as `references.soft_string`, orders them, and has Ctrl-C heard by all."""
 
+import os
 import signal
 import sys
 from functools import cache
@@ -13,6 +14,15 @@ sys.path.insert(0, str(TESTS))
 # A shell starts what runs in the background with Ctrl-C ignored, and its children with it; tests of Ctrl-C need it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _no_helpers_beside_workers():
+    """Where there is a worker for every core each compiles alone: a helper would have to start, and to take turns."""
+    if int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")) >= (os.cpu_count() or 1):
+        from tautline.kernels import workshop
+
+        workshop.HELPERS = 0
 
 
 @pytest.hookimpl(trylast=True)

@@ -31,6 +31,10 @@ from tautline.system.system import System
 
 WRONG_TANGENT = 1.0e-2
 """Relative error of a row of a tangent that is no rounding."""
+MANY = 20_000
+"""Steps from which a run of a kind that was not run yet is first tried on a part of its time."""
+PART = 0.02
+"""That part."""
 EVERY = 16
 """Looks at a run from one at which the tangent is compared to the next."""
 
@@ -148,6 +152,8 @@ def study(
 def _tried(subject: Subject, setting: Setting, trials: Sequence[Trial], repetitions: int, budget: float) -> Trial:
     """Run a setting, if it can be expected to take no longer than the budget, s."""
     expected = _expected(trials, setting)
+    if expected is None:
+        expected = _tried_in_part(subject, setting)
     if expected is not None and expected > budget:
         about = f"about {expected:.0f} s" if np.isfinite(expected) else "longer still"
         return Trial(setting, "left out", f"would take {about}; a run may take {budget:g} s")
@@ -206,6 +212,21 @@ class TangentLook:
         other = TangentLook(model.system)
         run_model(model, Setting("generalized-alpha"), look=other)
         return max(other.errors, default=None)
+
+
+def _tried_in_part(subject: Subject, setting: Setting) -> float | None:
+    """Processor time of a setting by that of the first part of its run, s; None for few steps, and where it stops."""
+    if not setting.step or setting.step_error is not None:
+        return None
+    try:
+        solver = subject.model(setting).solver
+    except SceneError:
+        return None
+    end = max(PART * solver.end, solver.interval)
+    if solver.end / setting.step < MANY or end >= solver.end:
+        return None
+    trial = replace(subject, end=end).run(setting)
+    return trial.cpu_time * solver.end / end if trial.done and trial.cpu_time is not None else None
 
 
 def _expected(trials: Sequence[Trial], setting: Setting) -> float | None:
