@@ -187,6 +187,21 @@ def test_a_run_that_would_take_longer_than_the_budget_is_left_out_and_said_to_be
     assert found.rows[1].factor is None and found.rows[1].errors is None
 
 
+def test_a_long_run_of_a_kind_that_was_not_run_yet_is_tried_in_part_and_left_out_by_that(monkeypatch):
+    """A step is said to take a millisecond: 25000 of them take 25 s, and a fiftieth of them half a second."""
+    run_model, ran = trial_module.run_model, []
+
+    def slow(model, setting, **further):
+        done = run_model(model, setting, **further)
+        ran.append(model.solver.end / setting.step)
+        return trial_module.replace(done, cpu=(1e-3 * ran[-1],))
+
+    monkeypatch.setattr(trial_module, "run_model", slow)
+    found = studied(oscillator(time_end=1.0), ("newmark",), (4e-5,), budget=5.0)
+    assert found.rows[0].trial.status == "left out" and "about 25 s" in found.rows[0].trial.sentence
+    assert ran[0] == pytest.approx(500.0)
+
+
 def test_a_scene_that_does_not_come_to_its_end_as_it_stands_is_not_studied():
     from tautline.integrators.status import StoppedEarly
 
