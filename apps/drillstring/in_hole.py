@@ -22,8 +22,8 @@ from tautline.kernels.jit import kernel
 
 AXES, MOST = 3, 4
 """Components of a vector; vectors that a point depends on at most."""
-CENTRED = 1.0e-6
-"""Offset from the hole's axis, m, below which no direction to the wall is defined."""
+CENTRED = 1.0e-12
+"""Offset from the hole's axis, m, below which no direction to the wall is defined: that of rounding."""
 
 PIECE = np.dtype(
     [("start", "f8"), ("k1", "f8"), ("k2", "f8")] + [(name, "f8", (3,)) for name in ("origin", "m1", "m2", "t")]

@@ -1,35 +1,37 @@
-"""A string that is picked up, slacked off or turned slowly: statics of the lumped model with friction in a direction.
+"""A string that is picked up, slacked off or turned slowly: statics of either model with friction in a direction.
 
-The string is the dynamic model's, lump by lump, with its stretch, its clearance and its bending; only the law of
-friction is another (sliding.py). The block is set so that the bit is at the depth asked for: a string that hangs in a
-well is longer by its stretch. The bit carries its force along the hole and touches the wall as every lump does; the
-lump in the drive does not.
+The string is the dynamic model's, lump by lump or element by element, with its stretch, its clearance and its bending;
+only the law of friction is another (sliding.py). The block is set so that the bit is at the depth asked for: a string
+that hangs in a well is longer by its stretch. The bit carries its force along the hole and touches the wall as every
+lump does; the lump in the drive does not.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drillstring.build import build, tubes_of, well_of
-from drillstring.contact import WallContact
+from drillstring.end_groups import BLOCK
 from drillstring.ends import Bit, Top
 from drillstring.factors import Factors, same
 from drillstring.fluid import fluid_of, weight_in
 from drillstring.helix import LOCKED_STRAIN, LockedUp, helix_force, limits_at
 from drillstring.hole import Friction
 from drillstring.motion import MOTIONS, Motion
-from drillstring.scene import LUMPED, DrillstringScene
-from drillstring.sliding import SLIDING, Sliding
+from drillstring.scene import BEAM, DrillstringScene
+from drillstring.sliding import SLIDING
+from drillstring.sliding_lumps import SlidingLumps
+from drillstring.soft_string import soft_string
 from drillstring.string import Tube, cut
 from tautline.elements.load import Loads
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.march import new_frames
 from tautline.integrators.state import State, new_state
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.lumped.curve import PER_BODY, records
+from tautline.lumped.curve import records
 from tautline.scene.errors import SceneError
 
 AT_DEPTH = 1.0e-7
@@ -38,6 +40,8 @@ PLACINGS = 8
 """Times that the block is set anew."""
 PASSES, SETTLED = 200, 1.0e-7
 """Passes in which the friction of helices is found, and its relative change that ends them."""
+FOLDED = 0.02
+"""Part of a link by which it may be shorter along the hole than it is: a string that lies in a hole lacks far less."""
 SMALLEST_PART = 1.0 / 256.0
 """Part of the way from one friction factor to the next below which the search for an equilibrium is given up."""
 
@@ -45,9 +49,9 @@ SMALLEST_PART = 1.0 / 256.0
 class Profile(NamedTuple):
     """The string at rest under friction in one direction.
 
-    Hook load N; surface torque N m; position of the block that puts the bit at its depth, m; of the lumps measured
-    depth (n + 1,) m and side force per length (n + 1,) N/m; of the links measured depth of the middle (n,) m, effective
-    tension (n,) N and torque (n,) N m.
+    Hook load N; surface torque N m; position of the block that puts the bit at its depth, m; of the lumps, or of the
+    points where a beam touches, measured depth (k,) m and side force per length (k,) N/m; of the links or elements
+    measured depth of the middle (n,) m, effective tension (n,) N and torque (n,) N m.
     """
 
     hook_load: float
@@ -96,7 +100,7 @@ def shortened(
         update={
             "string": string,
             "well": scene.well.model_copy(update={"wall": wall}),
-            "model": scene.model.model_copy(update={"elements": elements, "kind": LUMPED}),
+            "model": scene.model.model_copy(update={"elements": elements}),
             "top": Top(),
             # A bit held on the axis would carry the side force of the last half link without friction.
             # A bit on bottom is its weight on bit: the string would otherwise be hung from where the rock is.
@@ -139,17 +143,15 @@ class Statics:
         self.lumps = cut(self.tubes, elements)
         self.weight = weight_per_length(hung, self.tubes)
         self.model = build(hung)
-        (contact,) = (g for g in self.model.system.groups if isinstance(g, WallContact))
+        system = self.model.system
+        self.string = _kind_of(hung)(system, self.lumps, self.well, depth, above)
+        contact = self.string.contact
+        self.radius = contact.springs.radius
         self.rows = records(contact.springs.size, SLIDING)
-        self.contact = contact._replace(law=Sliding(self.rows))
-        own = [self.contact if isinstance(g, WallContact) else g for g in self.model.system.groups]
-        given = next((g for g in own if isinstance(g, Loads)), Loads(np.zeros(0, np.int64), np.zeros(0)))
-        helix = PER_BODY * self.contact.springs.body
-        places = np.concatenate([given.place, helix, helix + 3])
-        self.helix = Loads(places, np.append(given.value, np.zeros(2 * helix.size)))
-        groups = (*(g for g in own if not isinstance(g, Loads)), self.helix)
-        self.system = replace(self.model.system, groups=groups, linked={})
-        self.block = next(k for k, i in enumerate(self.system.dofs.held) if i == 0)
+        others = (g for g in system.groups if g is not contact and not isinstance(g, Loads))
+        self.system = replace(system, groups=(*others, *self.string.slide(self.rows)), linked={})
+        self.bit_force, self.diameter = scene.bit.load, scene.well.diameter
+        self.block = int(np.flatnonzero(self.system.dofs.motion == BLOCK)[0])
         self.shoe = 0.0 if scene.well.wall is None or scene.well.wall.casing is None else scene.well.wall.casing.shoe
         self.free: tuple[np.ndarray, float] | None = None
         self.pipes = [self.tubes[k] for k in self.lumps.section]
@@ -179,12 +181,24 @@ class Statics:
             Where the friction of a helix outgrows any force.
         """
         moved = MOTIONS[motion] if isinstance(motion, str) else motion
-        self.rows.along, self.rows.around = moved.friction(self.contact.springs.radius)
+        self.rows.along, self.rows.around = moved.friction(self.radius)
         state = new_state(self.system)
-        self._press(np.zeros(self.rows.size))
+        self.string.press(np.zeros(self.rows.size), np.zeros(self.rows.size), state.full_q)
+        factors = same(friction, self.shoe)
+        if self.string.buckles:
+            self.string.brace(np.maximum(self._pushed(factors, moved), self._pushed(same(0.0), moved)))
         self._without_friction(state)
-        self._approach(state, same(friction, self.shoe))
+        self._approach(state, factors)
         return self._buckled(state)
+
+    def _pushed(self, factors: Factors, motion: Motion) -> np.ndarray:
+        """Largest compression of the soft string in each link (n,), N; raises LockedUp where it is endless."""
+        soft = soft_string(self.well, self.tubes, self.weight, factors, motion, self.bit_force, self.diameter)
+        if soft.locked is not None:
+            raise LockedUp(soft.locked)
+        pushed = np.maximum(0.0, -soft.tension)
+        at_ends = np.interp(self.lumps.measured_depth, soft.measured_depth, pushed)
+        return np.maximum(at_ends[:-1], at_ends[1:])
 
     def _without_friction(self, state: State) -> None:
         """Where every search starts."""
@@ -197,7 +211,7 @@ class Statics:
 
     def _approach(self, state: State, factors: Factors) -> None:
         """Go to friction factors at once, or where that fails by parts."""
-        most = factors.over(*(end[1:] - self.above for end in self.lumps.reach))
+        most = factors.over(*(end - self.above for end in self.string.reach))
         here, part = 0.0, 1.0
         while here < 1.0:
             goal = min(1.0, here + part * (1.0 - here))
@@ -226,48 +240,64 @@ class Statics:
             if gone.any():
                 raise LockedUp(float(profile.link_depth[gone].max()))
             helix = helix_force(pushed, self.clearance, rigidity) * (pushed >= self.limits.helical)
-            halves = 0.5 * helix * self.lumps.length
-            wall = np.append(halves, 0.0) + np.append(0.0, halves)
-            lying = profile.side_force * self.lumps.tributary
-            wanted = np.maximum(0.0, wall - lying)[1:]
+            wall, length = self.string.spread(helix), self.string.tributary
+            wanted = np.maximum(0.0, wall - profile.side_force * length)[-added.size :]
             if np.abs(wanted - added).max() <= SETTLED * max(1.0, float(np.abs(wanted).max())):
-                side = np.maximum(profile.side_force, wall / self.lumps.tributary)
-                return profile._replace(side_force=side)
+                return profile._replace(side_force=np.maximum(profile.side_force, wall / length))
             added = wanted
-            self._press(added)
+            self._press(added, state)
             self._place(state)
         raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "the helix", f"bit at {self.depth:g} m")
 
-    def _press(self, wall: np.ndarray) -> None:
-        """Friction of so much more wall force (n,) N at the lumps, along the hole and about its axis."""
+    def _press(self, wall: np.ndarray, state: State) -> None:
+        """Friction of so much more wall force (k,) N at the contacts, along the hole and about its axis."""
         size = self.rows.factor * wall
-        radius = self.contact.springs.radius
-        self.helix.value[-2 * wall.size :] = np.append(size * self.rows.along, size * self.rows.around * radius)
+        self.string.press(size * self.rows.along, size * self.rows.around * self.radius, state.full_q)
 
     def _place(self, state: State) -> None:
         """Equilibrium with the bit at its depth: the block gives way by what the bit is off."""
         for _ in range(PLACINGS):
             find_equilibrium(self.system, state, self.model.step_limit)
-            off = float(state.full_q[-PER_BODY]) + self.above
+            off = self.string.bit_depth(state.full_q) - self.depth
             if abs(off) < AT_DEPTH:
+                self._check(state)
                 return
             self._shift(state, off)
 
     def _shift(self, state: State, up: float) -> None:
         """Move block and string up the hole as a whole, so that the next search is a short one."""
         self.system.dofs.offset[self.block] -= up
-        state.q[np.isin(self.system.free, PER_BODY * np.arange(self.lumps.length.size + 1))] -= up
+        self.string.shift(state, up)
 
-    def _profile(self, state: State) -> Profile:
+    def _check(self, state: State) -> None:
+        """Refuse a string that is folded up: its links reach along the hole as far as they are long and stretched."""
+        seen = self._seen(state)
+        stiffness = np.array([tube.youngs_modulus * tube.area for tube in self.pipes])
+        lacking = 1.0 + seen["tension"] / stiffness - np.diff(seen["measured_depth"]) / self.lumps.length
+        if np.abs(lacking).max() > FOLDED:
+            at = float(self.lumps.measured_depth[int(np.abs(lacking).argmax())])
+            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, f"the string at {at:.0f} m")
+
+    def _seen(self, state: State) -> dict[str, np.ndarray]:
         frames = new_frames(1, self.system.q.size, self.model.own)
         frames.q[0], frames.residual[0] = state.full_q, state.residual
-        seen = {name: values[0] for name, values in self.model.observe(frames).items()}
-        q, springs = state.full_q.reshape(-1, PER_BODY), self.contact.springs
-        depth = np.hypot(q[springs.body, 1], q[springs.body, 2]) - springs.clearance
-        side = np.zeros(q.shape[0])
-        side[springs.body] = np.maximum(0.0, springs.stiffness * depth) / self.lumps.tributary[springs.body]
-        md = seen["measured_depth"]
+        return {name: values[0] for name, values in self.model.observe(frames).items()}
+
+    def _profile(self, state: State) -> Profile:
+        seen = self._seen(state)
+        q, md = state.full_q, seen["measured_depth"]
         return Profile(
-            float(seen["hook_load"]), float(seen["surface_torque"]), float(q[0, 0]), md, side,
+            float(seen["hook_load"]), float(seen["surface_torque"]), float(seen["block_position"]),
+            self.string.measured_depth(q), self.string.wall_force(q) / self.string.tributary,
             0.5 * (md[1:] + md[:-1]), seen["tension"], seen["torque"],
         )  # fmt: skip
+
+
+def _kind_of(scene: DrillstringScene) -> Any:
+    """What makes a string that slides, by the kind of its model."""
+    if scene.model.kind == BEAM:
+        # Only a scene of a beam needs a beam's code.
+        from drillstring.sliding_beam import SlidingBeam
+
+        return SlidingBeam
+    return SlidingLumps

@@ -1,0 +1,138 @@
+"""A beam under friction all one way: what the statics of torque and drag ask of the string's ALE-ANCF model.
+
+What buckling does to the wall force is Mitchell's helix (helix.py), here as for lumps; the shape of it is not sought,
+and where a string is pushed beyond its limit Newton's method would find one of many, or none. So a pushed beam is
+braced: springs across the hole at its points, of a foundation k = c F^2/(4 EI) per metre. A beam on it buckles at
+F = 2 sqrt(k EI) (M. Hetenyi, "Beams on Elastic Foundation", 1946, ch. 7), so c = 1 would be the limit, and then k r is
+the helix's wall force itself. They are centred on the hole's axis, and rub as the wall does: what they bear of the side
+force the wall does not, and both together are what balance asks for.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillstring.beam_contact import PAD, BeamContact
+from drillstring.beam_observe import nearest
+from drillstring.beam_points import NODE, nodes_of, points_of
+from drillstring.in_hole import AXES
+from drillstring.sliding import SLIDING, Sliding
+from drillstring.string import Lumps
+from drillstring.wellbore import Wellbore
+from tautline.elements.bending import Bending
+from tautline.elements.load import Loads
+from tautline.integrators.state import State
+from tautline.lumped.curve import records
+from tautline.system.system import System
+
+BRACED = 1.5
+"""Foundation over that on which a pushed beam would just buckle; a cubic element in its second shape needs 0.8."""
+UNBENT = 25.0
+"""The same of an element without bending, over F/L^2: in its two shapes it needs 9.5 and 23."""
+
+
+class SlidingBeam:
+    """A beam that slides; its places are its points of contact, two of each element and the bit.
+
+    Attributes
+    ----------
+    contact : BeamContact
+        The wall, whose law is to be changed.
+    tributary : (k,) array
+        Length that belongs to each place, m; all of them are contacts.
+    reach : two (k,) arrays
+        From where to where along the unstretched string the contacts reach, m.
+    braces : BeamContact
+        Springs across the hole at the same points, which have no clearance.
+    loads : Loads
+        What pulls at the bit, and what more friction there is at the contacts: see :meth:`press`.
+    """
+
+    buckles = True
+    """A pushed beam is to be braced: see :meth:`brace`."""
+
+    def __init__(self, system: System, lumps: Lumps, well: Wellbore, depth: float, above: float) -> None:
+        self.system, self.lumps, self.well = system, lumps, well
+        (self.contact,) = (g for g in system.groups if isinstance(g, BeamContact))
+        points = points_of(lumps)
+        self.points, self.tributary = points, points.length
+        ends = np.concatenate([[0.0], np.cumsum(points.length)])
+        self.reach = ends[:-1], ends[1:]
+        unstretched = lumps.measured_depth[points.element] + points.place * lumps.length[points.element]
+        self.unstretched = unstretched - above
+        self.at_nodes = np.append(lumps.measured_depth, lumps.measured_depth[nodes_of(lumps).twins[:, 1] // NODE])
+        self.at_nodes -= above
+        bends = any(isinstance(g, Bending) for g in system.groups)
+        self.rigidity = lumps.of_links(lambda tube: tube.youngs_modulus * tube.second_moment) if bends else None
+        springs = records(points.length.size, PAD, radius=self.contact.springs.radius)
+        self.braces = self.contact._replace(springs=springs, law=Sliding(records(springs.size, SLIDING)))
+        rows = self.contact.hole.points
+        given = next((g for g in system.groups if isinstance(g, Loads)), Loads(np.zeros(0, np.int64), np.zeros(0)))
+        vectors = rows.place[:, :, None] + np.arange(AXES)
+        places = np.concatenate([given.place, vectors.ravel(), rows.turn.ravel()])
+        pull = given.value
+        if pull.size:
+            # It pulls along the hole where the bit is to be, not where that of an unstretched string would be.
+            pull = (pull @ well.frame(lumps.measured_depth[-1])[2]) * well.frame(depth)[2]
+        self.loads = Loads(places, np.append(pull, np.zeros(vectors.size + rows.turn.size)))
+        self.own = given.place.size
+
+    def press(self, along: np.ndarray, about: np.ndarray, q: np.ndarray) -> None:
+        """Load the contacts along the hole (k,) N and about its axis (k,) N m, with the string as it lies."""
+        rows = self.contact.hole.points
+        tangent = self.well.frame(self._seats(q)[0])[2]
+        forces = rows.weight[:, :, None] * (along[:, None] * tangent)[:, None, :]
+        turns = rows.share * about[:, None]
+        self.loads.value[self.own :] = np.append(forces.ravel(), turns.ravel())
+
+    def slide(self, rows: np.recarray) -> tuple:
+        """The groups that slide, with rows (k,) of ``SLIDING``."""
+        law = Sliding(rows)
+        self.braces = self.braces._replace(law=law)
+        return self.contact._replace(law=law), self.braces, self.loads
+
+    def brace(self, pushed: np.ndarray) -> None:
+        """Keep elements under a compression (n,) N from buckling."""
+        if self.rigidity is None:
+            stiffness = UNBENT * pushed / self.lumps.length**2
+        else:
+            stiffness = BRACED * pushed**2 / (4.0 * self.rigidity)
+        self.braces.springs.stiffness = self.spread(stiffness)
+
+    def bit_depth(self, q: np.ndarray) -> float:
+        """Measured depth of the bit, m."""
+        return float(self._seats(q)[0][-1])
+
+    def shift(self, state: State, up: float) -> None:
+        """Move the string up the hole as a whole: each node keeps its place across the hole, and its direction in it."""
+        q = state.full_q.copy()
+        q[self.system.free] = state.q
+        nodes = q[: NODE * self.at_nodes.size].reshape(-1, NODE)
+        s, u, v = nearest(self.well, nodes[:, :AXES], self.at_nodes)
+        before, after = (np.stack(self.well.frame(x), axis=1) for x in (s, s - up))
+        slope = np.einsum("iab,ib->ia", before, nodes[:, AXES : 2 * AXES])
+        nodes[:, :AXES] = self.well.point(s - up, u, v)
+        nodes[:, AXES : 2 * AXES] = np.einsum("iab,ia->ib", after, slope)
+        state.q[:] = q[self.system.free]
+
+    def measured_depth(self, q: np.ndarray) -> np.ndarray:
+        """Of the places, (k,) m."""
+        return self._seats(q)[0]
+
+    def wall_force(self, q: np.ndarray) -> np.ndarray:
+        """Normal force of the wall and of the braces at the places, (k,) N."""
+        springs = self.contact.springs
+        _, u, v = self._seats(q)
+        offset = np.hypot(u, v)
+        wall = np.maximum(0.0, springs.stiffness * (offset - springs.clearance))
+        return wall + self.braces.springs.stiffness * offset
+
+    def spread(self, per_metre: np.ndarray) -> np.ndarray:
+        """Force at the places (k,) N of a force per metre of each element (n,) N/m."""
+        return per_metre[self.points.element] * self.tributary
+
+    def _seats(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Measured depth of the points, and their offset from the hole's axis on m1 and m2, (k,) m each."""
+        rows = self.contact.hole.points
+        at = (rows.weight[:, :, None] * q[rows.place[:, :, None] + np.arange(AXES)]).sum(axis=1)
+        return nearest(self.well, at, self.unstretched)
