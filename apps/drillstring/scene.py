@@ -127,6 +127,8 @@ class Damping(Model):
 
 LUMPED, BEAM = "lumped", "ale-ancf"
 """Kinds of model: lumps along the hole, or a beam in space of ALE-ANCF elements."""
+SOFT_BEAM = "a beam has its stiffness against every bend", "give stiff or none, or take kind: lumped"
+"""Why a beam is not soft, and the cure."""
 KIND = word(LUMPED, BEAM, aliases={"ancf": BEAM})
 
 
@@ -140,8 +142,7 @@ class StringModel(Model):
     @model_validator(mode="after")
     def _kinds(self) -> StringModel:
         if self.kind == BEAM and self.bending == "soft":
-            cause = "a beam has its stiffness against every bend"
-            raise fault("bending", cause, "give stiff or none, or take kind: lumped")
+            raise fault("bending", *SOFT_BEAM)
         return self
 
 
@@ -225,6 +226,13 @@ def read(path: str | Path) -> DrillstringScene:
         Listing every fault with its line, key and cure.
     """
     return DrillstringScene.read(path)
+
+
+def of_kind(scene: DrillstringScene, kind: str) -> DrillstringScene:
+    """The scene with its string as a model of some kind; raises SceneError where that cannot have its bending."""
+    if kind == BEAM and scene.model.bending == "soft":
+        raise SceneError([scene.problem("model.bending", *SOFT_BEAM)])
+    return scene.model_copy(update={"model": scene.model.model_copy(update={"kind": kind})})
 
 
 def check_lengths(scene: DrillstringScene, well_length: float) -> tuple[float, ...]:

@@ -40,6 +40,8 @@ PLACINGS = 8
 """Times that the block is set anew."""
 PASSES, SETTLED = 200, 1.0e-7
 """Passes in which the friction of helices is found, and its relative change that ends them."""
+BRACINGS, ENOUGH = 5, 1.2
+"""Times that braces are sought that hold, and the compression over that which they are made for up to which they do."""
 FOLDED = 0.02
 """Part of a link by which it may be shorter along the hole than it is: a string that lies in a hole lacks far less."""
 SMALLEST_PART = 1.0 / 256.0
@@ -183,10 +185,23 @@ class Statics:
         moved = MOTIONS[motion] if isinstance(motion, str) else motion
         self.rows.along, self.rows.around = moved.friction(self.radius)
         state = new_state(self.system)
-        self.string.press(np.zeros(self.rows.size), np.zeros(self.rows.size), state.full_q)
         factors = same(friction, self.shoe)
-        if self.string.buckles:
-            self.string.brace(np.maximum(self._pushed(factors, moved), self._pushed(same(0.0), moved)))
+        if not self.string.buckles:
+            return self._found(state, factors)
+        braced = np.maximum(self._pushed(factors, moved), self._pushed(same(0.0), moved))
+        for _ in range(BRACINGS):
+            self.string.brace(braced)
+            self.free = None
+            profile = self._found(state, factors)
+            pushed = np.maximum(0.0, -profile.tension)
+            if np.all(pushed <= np.maximum(ENOUGH * braced, self.limits.sinusoidal)):
+                return profile
+            # It has buckled between its braces, and what that adds in friction has pushed it beyond them.
+            braced = np.maximum(braced, pushed)
+        raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "the string that is pushed", f"bit at {self.depth:g} m")
+
+    def _found(self, state: State, factors: Factors) -> Profile:
+        self.string.press(np.zeros(self.rows.size), np.zeros(self.rows.size), state.full_q)
         self._without_friction(state)
         self._approach(state, factors)
         return self._buckled(state)

@@ -1,7 +1,7 @@
 """Torque and drag of a string: hook loads and surface torque against depth, buckling, lock-up.
 
-Every number is found twice: from the statics of the dynamic model (statics.py), and by the soft string's integral
-(soft_string.py).
+Every number is found twice: from the statics of the dynamic model, lumps or a beam (statics.py), and by the soft
+string's integral (soft_string.py).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from drillstring.build import well_of
 from drillstring.factors import Factors, factors_of, same
 from drillstring.helix import LockedUp
 from drillstring.motion import MOTIONS, Motion
-from drillstring.scene import DrillstringScene, check_lengths
+from drillstring.scene import LUMPED, DrillstringScene, check_lengths, of_kind
 from drillstring.soft_string import SoftString, soft_string
 from drillstring.statics import Profile, Statics
 from tautline.integrators.status import StoppedEarly
@@ -26,9 +26,9 @@ from tautline.scene.errors import SceneError
 DIRECTIONS = tuple(MOTIONS)
 """Picked up, slacked off, turned off bottom."""
 ELEMENTS = 100
-"""Links of the string where they are not given. Hook loads of the J-well and of the ISCWSA well err by 2e-4 so; that of
-a well in which the string passes from one side to the other at a jump of the curvature by 5e-3, for one lump lies on
-both.
+"""Links or elements of the string where they are not given. Hook loads of the J-well and of the ISCWSA well err by 2e-4
+so; that of lumps in a well in which the string passes from one side to the other at a jump of the curvature by 5e-3,
+for one lump lies on both. Those of a beam err by 2e-4 at half as many elements.
 """
 
 
@@ -43,10 +43,11 @@ class Overpull(NamedTuple):
 class Point(NamedTuple):
     """The string with its bit at a depth, m, for one friction factor, or one pair of them.
 
-    ``profiles`` and ``soft`` hold the lumped model's and the soft string's results by direction; ``profiles`` has none
+    ``profiles`` and ``soft`` hold the statics' and the soft string's results by direction; ``profiles`` has none
     where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
     ``overpull`` is None where no section has a yield load, ``strokes`` where the string was not found without friction;
-    ``locks`` says of a direction in which the string locks up where the friction of a helix outgrows the pipe, m.
+    ``locks`` says of a direction in which the string locks up where the friction of a helix outgrows the pipe, m;
+    ``model`` is the kind of model, ``lumped`` or ``ale-ancf``.
     """
 
     friction: Factors
@@ -59,6 +60,7 @@ class Point(NamedTuple):
     overpull: Overpull | None
     strokes: BreakAway | None
     locks: dict[str, float]
+    model: str = LUMPED
 
     def hook_load(self, direction: str) -> float:
         """Hook load, N; NaN where no equilibrium was found."""
@@ -87,7 +89,7 @@ class Point(NamedTuple):
 
 
 class Case(NamedTuple):
-    """All depths for one friction factor."""
+    """All depths for one friction factor, of one kind of model."""
 
     friction: Factors
     points: list[Point]
@@ -117,6 +119,11 @@ class Case(NamedTuple):
     def soft_torques(self) -> np.ndarray:
         """The soft string's, against depth (m,), N m."""
         return self.soft_torques_of("rotating")
+
+    @property
+    def model(self) -> str:
+        """Kind of model."""
+        return self.points[0].model
 
     @property
     def ways(self) -> tuple[str, ...]:
@@ -173,6 +180,7 @@ def torque_drag(
     elements: int | None = None,
     progress: Callable[[int, int], None] | None = None,
     reamed: dict[str, Motion] | None = None,
+    kinds: Sequence[str] = (),
 ) -> list[Case]:
     """Hook loads, torque, side force and buckling for friction factors and depths.
 
@@ -184,35 +192,42 @@ def torque_drag(
     depths : sequence of float, optional
         Measured depths of the bit, m; the scene's own if None.
     elements : int, optional
-        Links of the string; see :func:`links`.
+        Links or elements of the string; see :func:`links`.
     progress : callable, optional
-        Called with the number of depths done and that of all.
+        Called with the number of depths done and that of all, each once to a model.
     reamed : dict of str to Motion, optional
         Motions beside the three, by name: see `drillstring.motion.reaming`.
+    kinds : sequence of str
+        Kinds of model, ``lumped`` and ``ale-ancf``; that of the scene if empty.
 
     Returns
     -------
     list of Case
-        One to a friction factor. A direction without an equilibrium is among the ``failures`` of its point.
+        One to a kind of model and a friction factor. A direction without an equilibrium is among the ``failures`` of
+        its point.
 
     Raises
     ------
     SceneError
-        For a scene without a wall, and for depths at which the string does not fit the well.
+        For a scene without a wall, for depths at which the string does not fit the well, and for a kind of model that
+        cannot have the scene's bending.
     """
-    require_wall(scene)
     own = own_friction(scene)
     frictions = [own] if frictions is None else list(frictions)
     depths = [own_depth(scene)] if depths is None else list(depths)
-    cases = [Case(same(friction, own.shoe), []) for friction in frictions]
     motions = MOTIONS | (reamed or {})
-    for done, depth in enumerate(depths, 1):
-        statics = Statics(scene, depth, links(scene) if elements is None else elements)
-        for case in cases:
-            case.points.append(_point(statics, case.friction, scene, motions))
-        if progress is not None:
-            progress(done, len(depths))
-    return cases
+    found = []
+    models = [of_kind(scene, kind) for kind in kinds or (scene.model.kind,)]
+    for number, model in enumerate(models):
+        cases = [Case(same(friction, own.shoe), []) for friction in frictions]
+        found += cases
+        for done, depth in enumerate(depths, 1):
+            statics = Statics(model, depth, links(model) if elements is None else elements)
+            for case in cases:
+                case.points.append(_point(statics, case.friction, model, motions))
+            if progress is not None:
+                progress(number * len(depths) + done, len(models) * len(depths))
+    return found
 
 
 def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions: dict[str, Motion]) -> Point:
@@ -226,7 +241,7 @@ def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions
             place = soft[direction].locked
             locks[direction] = lock.measured_depth if place is None else place
         except StoppedEarly as stop:
-            # On its way to lock-up the lumped string has no equilibrium any more.
+            # On its way to lock-up the string has no equilibrium any more.
             place = soft[direction].locked
             if place is not None:
                 locks[direction] = place
@@ -235,7 +250,10 @@ def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions
     middle = statics.lumps.measured_depth[:-1] + 0.5 * statics.lumps.length
     pull = _overpull(statics, profiles["pick_up"], scene) if "pick_up" in profiles else None
     strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles else None
-    return Point(friction, statics.depth, middle, statics.limits, profiles, soft, failures, pull, strokes, locks)
+    return Point(
+        friction, statics.depth, middle, statics.limits, profiles, soft, failures, pull, strokes, locks,
+        scene.model.kind,
+    )  # fmt: skip
 
 
 def _overpull(statics: Statics, picked: Profile, scene: DrillstringScene) -> Overpull | None:

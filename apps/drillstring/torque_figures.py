@@ -35,7 +35,7 @@ def torque_drag_figure(
     Parameters
     ----------
     cases : sequence of Case
-        One to a friction factor, each a colour; directions are told apart by the lines.
+        One to a model and a friction factor, each a colour; directions are told apart by the lines.
     title : str
         Heading.
     system : str
@@ -50,8 +50,10 @@ def torque_drag_figure(
         _broomstick(plots[0], cases, system, measured)
     deepest = [max(case.points, key=lambda point: point.depth) for case in cases]
     _profiles(plots[-1], deepest, system, several)
+    beside = len({case.model for case in cases}) > 1
     handles = [
-        sample_line(f"friction {case.friction:.3g}", color=colour(k, len(cases))) for k, case in enumerate(cases)
+        sample_line(f"friction {case.friction:.3g}" + beside * f", {case.model}", color=colour(k, len(cases)))
+        for k, case in enumerate(cases)
     ]
     handles += [sample_line(NAMES[way], color=QUIET, **LOOKS[way]) for way in cases[0].ways]
     handles += [sample_line("buckles into a sine", color=SINE, lw=3, alpha=0.6)]

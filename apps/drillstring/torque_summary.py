@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from drillstring.scene import LUMPED
 from tautline.cli.summary import shown
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def column_unit(unit: str, largest: float, system: str) -> tuple[float, str]:
 
 
 def table(cases: list[Case], system: str = "si") -> Table:
-    """Table of the statics of the lumped model beside the soft string."""
+    """Table of the statics beside the soft string; it names the models where one of them is not lumped."""
     points = [point for case in cases for point in case.points]
     return _in_full(points, system) if len(points) <= IN_FULL else _compact(cases, system)
 
@@ -77,14 +78,21 @@ def _new_table(heads: list[str], gap: int = 2) -> Table:
 
 def _in_full(points: list[Point], system: str) -> Table:
     length, name = column_unit("m", max(point.depth for point in points), system)
-    made = _new_table(["friction", f"depth [{name}]", "", "statics", "soft string", "differs by"])
+    named = _named(points)
+    heads = ["model"] * named + ["friction", f"depth [{name}]", "", "statics", "soft string", "differs by"]
+    made = _new_table(heads, gap=1 if named else 2)
     for point in points:
-        head = [f"{point.friction:.3g}", f"{point.depth / length:.1f}"]
+        head = [point.model] * named + [f"{point.friction:.3g}", f"{point.depth / length:.1f}"]
         for what, (ours, soft, unit) in numbers_of(point).items():
             factor, word = column_unit(unit, _largest(points, unit), system)
             made.add_row(*head, WORDS[what], _cell(ours / factor, word), _cell(soft / factor, word), _off(ours, soft))
-            head = ["", ""]
+            head = [""] * len(head)
     return made
+
+
+def _named(points: list[Point]) -> bool:
+    """Whether to say which model a number is of."""
+    return any(point.model != LUMPED for point in points)
 
 
 def _compact(cases: list[Case], system: str) -> Table:
@@ -96,7 +104,13 @@ def _compact(cases: list[Case], system: str) -> Table:
     columns = [*points[0].soft, "torque"]
     # With more motions there is no room for the soft string beside them.
     beside = len(columns) == len(SHORT) - 2
-    heads = ["friction", f"depth [{name}]", f"up [{newton}]", *(SHORT[way] for way in columns[1:-1])]
+    named = _named(points)
+    heads = ["model"] * named + [
+        "friction",
+        f"depth [{name}]",
+        f"up [{newton}]",
+        *(SHORT[way] for way in columns[1:-1]),
+    ]
     made = _new_table([*heads, f"torque [{metre}]", *(["soft: load", "torque"] if beside else [])], gap=1)
     for case in cases:
         count = len(case.points)
@@ -106,7 +120,7 @@ def _compact(cases: list[Case], system: str) -> Table:
             hook = max((rows[way][:2] for way in point.soft), key=lambda pair: _share(*pair))
             values = [_cell(rows[way][0] / (moment if way == "torque" else force)) for way in columns]
             differences = [_off(*hook), _off(*rows["torque"][:2])]
-            cells = [f"{point.friction:.3g}", f"{point.depth / length:.0f}", *values]
+            cells = [point.model] * named + [f"{point.friction:.3g}", f"{point.depth / length:.0f}", *values]
             made.add_row(*cells, *(differences if beside else []))
     return made
 
@@ -132,7 +146,7 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
     """
     points = [point for case in cases for point in case.points]
     found = [] if fitted is None else [(fit_in_words(fitted, system), "green")]
-    warned = [(text, "yellow") for point in points for text in _warnings(point, system)]
+    warned = [(text, "yellow") for point in points for text in _warnings(point, points, system)]
     found += warned[:MOST_SENTENCES]
     if len(warned) > MOST_SENTENCES:
         found.append((f"and {len(warned) - MOST_SENTENCES} more of these: --json has them all", "yellow"))
@@ -146,7 +160,8 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
         least = min(pulls, key=lambda point: point.overpull.margin if point.overpull is not None else 0.0)
         assert least.overpull is not None
         text = (
-            f"margin of overpull at {shown(least.depth, 'm', system)}, friction {least.friction:.3g}: "
+            f"margin of overpull at {shown(least.depth, 'm', system)}, "
+            f"friction {least.friction:.3g}{_of(least, points)}: "
             f"{shown(least.overpull.margin, 'N', system)}, then {least.overpull.section} yields at "
             f"{shown(least.overpull.measured_depth, 'm', system)}"
         )
@@ -154,16 +169,31 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
     return found
 
 
+def _of(point: Point, points: list[Point]) -> str:
+    """Which model a number is of, where there are several."""
+    return f", {point.model}" if len({one.model for one in points}) > 1 else ""
+
+
+def _head(point: Point, points: list[Point], system: str) -> str:
+    """Of which friction, model and depth a sentence is."""
+    return f"friction {point.friction:.3g}{_of(point, points)}, bit at {shown(point.depth, 'm', system)}"
+
+
+def _deepest(cases: list[Case]) -> list[Point]:
+    return [max(case.points, key=lambda point: point.depth) for case in cases]
+
+
 def _with_block(cases: list[Case], system: str, block: float) -> list[str]:
     """Hook loads as the rig's gauge shows them, at the deepest point of each friction factor."""
     found = []
-    for point in (max(case.points, key=lambda one: one.depth) for case in cases):
+    deepest = _deepest(cases)
+    for point in deepest:
         loads = [
             f"{WORDS[way]} {shown(point.hook_load(way) + block, 'N', system)}"
             for way in point.soft
             if way in point.profiles
         ]
-        head = f"friction {point.friction:.3g}, bit at {shown(point.depth, 'm', system)}"
+        head = _head(point, deepest, system)
         found.append(f"{head}, with the block's {shown(block, 'N', system)}: {', '.join(loads)}")
     return found
 
@@ -171,12 +201,13 @@ def _with_block(cases: list[Case], system: str, block: float) -> list[str]:
 def _strokes(cases: list[Case], system: str) -> list[str]:
     """What the block has to do before the bit moves, at the deepest point of each friction factor."""
     found = []
-    for point in (max(case.points, key=lambda one: one.depth) for case in cases):
+    deepest = _deepest(cases)
+    for point in deepest:
         if point.strokes is None or point.friction.largest == 0.0 or not np.isfinite(point.strokes).all():
             continue
         up, down, other = (shown(way, "m", system) for way in point.strokes)
         found.append(
-            f"friction {point.friction:.3g}, bit at {shown(point.depth, 'm', system)}: it moves after a stroke of the "
+            f"{_head(point, deepest, system)}: it moves after a stroke of the "
             f"block of {up} up or {down} down from rest, {other} either way after the other"
         )
     return found
@@ -200,8 +231,8 @@ def _factor(value: float, spread: float) -> str:
     return f"{value:.4f}" + (f" ± {spread:.2g}" if np.isfinite(spread) else "")
 
 
-def _warnings(point: Point, system: str) -> list[str]:
-    where = f"friction {point.friction:.3g}, bit at {shown(point.depth, 'm', system)}"
+def _warnings(point: Point, points: list[Point], system: str) -> list[str]:
+    where = _head(point, points, system)
     found = []
     if "slack_off" in point.profiles and point.hook_load("slack_off") <= 0.0:
         found.append(f"{where}: the string does not go down by its own weight: it must be pushed or turned")

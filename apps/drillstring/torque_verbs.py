@@ -39,7 +39,7 @@ Elements = Annotated[
     int | None,
     typer.Option(
         "--elements", min=1, max=MOST_ELEMENTS, show_default=False,
-        help="Links of the string. [dim]\\[default: 100, or the scene's if more][/]",
+        help="Links or elements of the string. [dim]\\[default: 100, or the scene's if more][/]",
     ),
 ]  # fmt: skip
 MeasuredFile = Annotated[
@@ -60,6 +60,13 @@ Rotary = Annotated[
     str | None,
     typer.Option("--rotary", metavar="SPEED", help="Rotary speed of reaming. [dim]\\[default: 60 rpm][/]"),
 ]
+Models = Annotated[
+    str | None,
+    typer.Option(
+        "--model", metavar="A,B",
+        help="Model of the string: lumped, ale-ancf, or both. [dim]\\[default: the scene's][/]",
+    ),
+]  # fmt: skip
 Picture = Annotated[
     Path | None,
     typer.Option(
@@ -76,17 +83,22 @@ def torque_drag(
     measured: MeasuredFile = None,
     reaming: Reaming = None,
     rotary: Rotary = None,
+    model: Models = None,
     output: Picture = None,
     as_json: Json = False,
 ) -> None:
     """Find hook loads, surface torque, side force and buckling, at one depth or many, for several friction factors."""
-    from drillstring.scene import read
+    from drillstring.form_verbs import parse_models
+    from drillstring.scene import of_kind, read
     from drillstring.torque_drag import own_friction
     from drillstring.torque_drag import torque_drag as compute
     from tautline.cli.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
 
     drillstring = read(scene)
+    # The first of several models is the one that measured loads are fitted by.
+    kinds = parse_models(model) or [drillstring.model.kind]
+    drillstring = of_kind(drillstring, kinds[0])
     own = own_friction(drillstring)
     figure = _target(scene, output)
     factors = parse_frictions(friction, own.shoe) if friction is not None else None
@@ -97,7 +109,7 @@ def torque_drag(
     if fitted is not None:
         factors = [fitted.factors(own.shoe)] if factors is None else factors
         depths = sorted(set(loads.depth.tolist())) if depths is None else depths
-    cases = compute(drillstring, factors, depths, elements, reamed=reamed)
+    cases = compute(drillstring, factors, depths, elements, reamed=reamed, kinds=kinds)
     failures = [text for case in cases for text in case.failures]
     _print(drillstring, cases, fitted)
     _draw(drillstring, cases, figure, loads)
@@ -218,7 +230,7 @@ def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None) ->
 
 
 def report(cases: list[Case], fitted: Fit | None, failures: list[str], block: float) -> dict[str, Any]:
-    """What ``--json`` tells: the first friction factor at the top, all of them in ``cases``, SI units.
+    """What ``--json`` tells: the first model's first friction factor at the top, all in ``cases``, SI units.
 
     ``block`` is the weight of the block, N, which hook loads are without.
     """
@@ -239,6 +251,7 @@ def _report_of(case: Case) -> dict[str, Any]:
     soft = {way: case.soft_hook_loads(way) for way in DIRECTIONS} | {"torque": case.soft_torques}
     loads = {way: case.hook_loads(way) for way in DIRECTIONS} | {"torque": case.torques}
     return {
+        "model": case.model,
         "friction": case.friction.plain(),
         "depth": [point.depth for point in case.points],
         **loads,

@@ -114,4 +114,4 @@ def test_string_that_does_not_buckle_has_no_part_of_it():
         without = soft_string(statics.well, statics.tubes, statics.weight, 0.2, motion)
         assert with_hole.hook_load == without.hook_load and with_hole.locked is None
         statics.solve(0.2, motion)
-        assert not statics.helix.value.any()
+        assert not statics.string.loads.value.any()
