@@ -92,13 +92,15 @@ class SlidingBeam:
         self.braces = self.braces._replace(law=law)
         return self.contact._replace(law=law), self.braces, self.loads
 
-    def brace(self, pushed: np.ndarray) -> None:
-        """Keep elements under a compression (n,) N from buckling."""
+    def brace(self, pushed: np.ndarray) -> bool:
+        """Keep elements under a compression (n,) N from buckling; returns whether that changed anything."""
         if self.rigidity is None:
             stiffness = UNBENT * pushed / self.lumps.length**2
         else:
             stiffness = BRACED * pushed**2 / (4.0 * self.rigidity)
+        before = self.braces.springs.stiffness.copy()
         self.braces.springs.stiffness = self.spread(stiffness)
+        return not np.array_equal(before, self.braces.springs.stiffness)
 
     def bit_depth(self, q: np.ndarray) -> float:
         """Measured depth of the bit, m."""

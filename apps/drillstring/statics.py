@@ -190,8 +190,8 @@ class Statics:
             return self._found(state, factors)
         braced = np.maximum(self._pushed(factors, moved), self._pushed(same(0.0), moved))
         for _ in range(BRACINGS):
-            self.string.brace(braced)
-            self.free = None
+            if self.string.brace(braced):
+                self.free = None
             profile = self._found(state, factors)
             pushed = np.maximum(0.0, -profile.tension)
             if np.all(pushed <= np.maximum(ENOUGH * braced, self.limits.sinusoidal)):

@@ -164,6 +164,27 @@ def test_pair_of_factors_is_that_of_cased_and_open_hole(drillstring_):
     assert code == 2 and "has no casing" in " ".join(err.split())
 
 
+def test_both_models_stand_beside_each_other_in_table_json_and_figure(drillstring_):
+    options = ("--model", "lumped,ale-ancf", "-o", "both.svg", "--json")
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", *options, *FEW)
+    report = only_object(out)
+    assert code == 0 and [case["model"] for case in report["cases"]] == ["lumped", "ale-ancf"]
+    lumps, beam = report["cases"]
+    assert report["model"] == "lumped" and report["pick_up"] == lumps["pick_up"] != beam["pick_up"]
+    assert beam["pick_up"] == pytest.approx(lumps["pick_up"], rel=5e-3)
+    # a beam touches at two points of each element and at the bit
+    assert len(beam["profile"]["pick_up"]["side_force"]) == 41 and len(lumps["profile"]["pick_up"]["side_force"]) == 21
+    lines = err.splitlines()
+    assert lines[0].split()[0] == "model" and all(len(line.rstrip()) <= 80 for line in lines[:9]) and "…" not in err
+    assert "friction 0.2, ale-ancf, bit at" in " ".join(err.split())
+    assert "friction 0.2, ale-ancf" in Path("both.svg").read_text()
+    code, _, err = drillstring_("torque-drag", "jwell.yaml", "--model", "beam", *FEW)
+    assert code == 2 and "--model" in err and "write lumped, ale-ancf, or both" in " ".join(err.split())
+    Path("soft.yaml").write_text(JWELL.replace("bending: stiff", "bending: soft"), encoding="utf8")
+    code, _, err = drillstring_("torque-drag", "soft.yaml", "--model", "ale-ancf", *FEW)
+    assert code == 2 and "model.bending" in err and "give stiff or none" in " ".join(err.split())
+
+
 # what is refused
 @pytest.mark.parametrize(
     ("options", "words"),
