@@ -3,9 +3,10 @@
 What buckling does to the wall force is Mitchell's helix (helix.py), here as for lumps; the shape of it is not sought,
 and where a string is pushed beyond its limit Newton's method would find one of many, or none. So a pushed beam is
 braced: springs across the hole at its points, of a foundation k = c F^2/(4 EI) per metre. A beam on it buckles at
-F = 2 sqrt(k EI) (M. Hetenyi, "Beams on Elastic Foundation", 1946, ch. 7), so c = 1 would be the limit, and then k r is
-the helix's wall force itself. They are centred on the hole's axis, and rub as the wall does: what they bear of the side
-force the wall does not, and both together are what balance asks for.
+F = 2 sqrt(k EI) (M. Hetenyi, "Beams on Elastic Foundation", 1946, ch. 7), so c = 1 is the least, and then k r is the
+helix's wall force itself; elements that are long for the waves of buckling need up to 2.4. The braces are centred on
+the hole's axis, and rub as the wall does: what they bear of the side force the wall does not, and both together are
+what balance asks for.
 """
 
 from __future__ import annotations
@@ -25,11 +26,15 @@ from tautline.integrators.state import State
 from tautline.lumped.curve import records
 from tautline.system.system import System
 
-BRACED = 3.5
-"""Foundation over that on which a pushed beam would just buckle. With the quadratures of the elements, by Bloch waves
-along them, cubic ones of any length need at most 2.3 of it, short ones 1."""
-UNBENT = 85.0
-"""The same of elements without bending, over F/L^2, of which they need 57."""
+BRACED = 1.3
+"""Braces over those that a pushed beam needs: too many lift a string that still lies on the wall off it."""
+NEEDED = np.array(
+    [[0.0, 5.0, 14.0, 30.0, 34.0, 40.0, 50.0, 60.0, 100.0, 150.0, 300.0, 1000.0],
+     [1.0, 1.03, 1.57, 1.58, 1.98, 2.28, 2.37, 2.28, 1.73, 1.28, 0.70, 0.223]]
+)  # fmt: skip
+"""The c that elements of a length L need against F L^2/EI, by Bloch waves along them with the elements' quadratures."""
+UNBENT = 57.0
+"""Needed k over F/L^2 of elements without bending, which is where c F L^2/(4 EI) of very long ones ends."""
 
 
 class SlidingBeam:
@@ -94,12 +99,13 @@ class SlidingBeam:
 
     def brace(self, pushed: np.ndarray) -> bool:
         """Keep elements under a compression (n,) N from buckling; returns whether that changed anything."""
-        if self.rigidity is None:
-            stiffness = UNBENT * pushed / self.lumps.length**2
-        else:
-            stiffness = BRACED * pushed**2 / (4.0 * self.rigidity)
+        stiffness = longest = UNBENT * pushed / self.lumps.length**2
+        if self.rigidity is not None:
+            size = pushed * self.lumps.length**2 / self.rigidity
+            needed = np.interp(size, *NEEDED) * pushed**2 / (4.0 * self.rigidity)
+            stiffness = np.where(size > NEEDED[0, -1], longest, needed)
         before = self.braces.springs.stiffness.copy()
-        self.braces.springs.stiffness = self.spread(stiffness)
+        self.braces.springs.stiffness = self.spread(BRACED * stiffness)
         return not np.array_equal(before, self.braces.springs.stiffness)
 
     def bit_depth(self, q: np.ndarray) -> float:

@@ -40,7 +40,7 @@ PLACINGS = 8
 """Times that the block is set anew."""
 PASSES, SETTLED = 200, 1.0e-7
 """Passes in which the friction of helices is found, and its relative change that ends them."""
-BRACINGS, ENOUGH = 5, 1.2
+BRACINGS, ENOUGH = 5, 1.1
 """Times that braces are sought that hold, and the compression over that which they are made for up to which they do."""
 FOLDED = 0.02
 """Part of a link by which it may be shorter along the hole than it is: a string that lies in a hole lacks far less."""
