@@ -15,7 +15,7 @@ import numpy as np
 
 from drillstring.build import tubes_of, well_of
 from drillstring.fluid import fluid_of, mass_beside
-from drillstring.scene import LUMPED, DrillstringScene
+from drillstring.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.string import Tube
 from tautline.scene.errors import Problem, SceneError
 
@@ -24,8 +24,8 @@ LONGEST_STABILISER = 15.0
 COARSE, CLOSE = 30.0, 5.0
 """Longest link, m, where nothing is asked for but the string's weight and place, and of an assembly that is not yet cut
 for its waves."""
-PER_WAVE = 20
-"""Links to a wave at the highest frequency, in the coarser of two meshes."""
+PER_WAVE = {LUMPED: 20, BEAM: 8}
+"""Links or elements to a wave at the highest frequency, in the coarser of two meshes."""
 LEAST_LINKS = 2
 """Of a section, in the coarser of two meshes."""
 EDGE = 1e-6
@@ -140,7 +140,7 @@ def fine(scene: DrillstringScene, top: float, frequency: float) -> Cut:
             continue
         mass = tube.mass_per_length + mass_beside(fluid, tube, scene.well.diameter)
         wave = 2.0 * pi / wave_number(tube, mass, push, frequency)
-        counts.append(max(LEAST_LINKS, ceil(PER_WAVE * tube.length / wave)))
+        counts.append(max(LEAST_LINKS, ceil(PER_WAVE[scene.model.kind] * tube.length / wave)))
     _check(scene, 2 * sum(counts[first:]) + sum(counts[:first]), f" for bending waves of {frequency:.3g} Hz")
     return Cut(_meshed(scene, tuple(counts)), tuple(counts), first)
 
@@ -168,5 +168,5 @@ def _parted(scene: DrillstringScene, depth: float) -> DrillstringScene:
 def _meshed(scene: DrillstringScene, counts: tuple[int, ...]) -> DrillstringScene:
     pairs = zip(scene.string, counts, strict=True)
     string = tuple(section.model_copy(update={"elements": count}) for section, count in pairs)
-    model = scene.model.model_copy(update={"elements": sum(counts), "kind": LUMPED})
+    model = scene.model.model_copy(update={"elements": sum(counts)})
     return scene.model_copy(update={"string": string, "model": model})

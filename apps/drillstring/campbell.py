@@ -17,10 +17,9 @@ import numpy as np
 from drillstring import bha
 from drillstring.build import tubes_of, well_of
 from drillstring.lateral_modes import Support, lateral_modes
-from drillstring.natural_modes import Mode, modes_below, with_errors
-from drillstring.scene import DrillstringScene
-from drillstring.string_at_rest import TURN, StringAtRest, X
-from tautline.lumped.curve import PER_BODY
+from drillstring.natural_modes import Mode, with_errors
+from drillstring.rest import Rest, rest_of
+from drillstring.scene import LUMPED, DrillstringScene
 
 
 class Critical(NamedTuple):
@@ -129,17 +128,15 @@ def _of_a_rod(scene: DrillstringScene, kind: str, highest: float) -> tuple[list[
         slowest = min(np.sqrt(tube.shear_modulus / tube.density) for tube in tubes)
     else:
         slowest = min(np.sqrt(tube.youngs_modulus * tube.area / tube.mass_per_length) for tube in tubes)
-    mesh = bha.evenly(scene, float(slowest) / highest / bha.PER_WAVE)
-    rough, modes = (_rod_modes(StringAtRest.of(one), kind, highest) for one in (mesh, mesh.doubled()))
+    # In torsion the elements of a beam are no better than links.
+    model = LUMPED if kind == "torsional" else scene.model.kind
+    mesh = bha.evenly(scene, float(slowest) / highest / bha.PER_WAVE[model])
+    rough, modes = (_rod_modes(rest_of(one), kind, highest) for one in (mesh, mesh.doubled()))
     return with_errors(modes, rough), 2 * sum(mesh.counts)
 
 
-def _rod_modes(linear: StringAtRest, kind: str, highest: float) -> list[Mode]:
-    direction = TURN if kind == "torsional" else X
-    rows = linear.free(np.arange(linear.lumps.length.size + 1), (direction,))
-    frequency, vectors = modes_below(*linear.matrices(rows), highest)
-    shapes = np.zeros((linear.lumps.length.size + 1, frequency.size))
-    shapes[rows // PER_BODY] = vectors
+def _rod_modes(linear: Rest, kind: str, highest: float) -> list[Mode]:
+    frequency, shapes = linear.along(kind, highest)
     depth = linear.lumps.measured_depth
     return [
         Mode(kind, "", float(f), np.nan, depth, (shape / shape[np.abs(shape).argmax()])[:, None], 0.0)

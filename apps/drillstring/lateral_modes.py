@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring import bha
-from drillstring.natural_modes import Mode, modes_below, with_errors
+from drillstring.natural_modes import Mode, with_errors
+from drillstring.rest import Rest, rest_of
 from drillstring.scene import DrillstringScene
 from drillstring.string import Lumps
-from drillstring.string_at_rest import StringAtRest, U, V, X
-from tautline.lumped.curve import PER_BODY
+from drillstring.string_at_rest import U, V, X
 from tautline.scene.errors import SceneError
 
 SAME = 1e-5
@@ -40,7 +40,7 @@ def lateral_modes(
     if top is not None:
         end = top
     elif scene.well.wall is not None:
-        first = StringAtRest.of(bha.coarse(scene))
+        first = rest_of(bha.coarse(scene))
         at = _upper_end(first, bha.lowest_end(scene))
         # One link higher: a finer string finds its place on the wall within the last coarse link.
         end = float(first.lumps.measured_depth[max(0, at - 1)])
@@ -54,7 +54,7 @@ def lateral_modes(
         mesh = bha.fine(scene, end, highest)
     both = []
     for one in (mesh, mesh.doubled()):
-        linear = StringAtRest.of(one)
+        linear = rest_of(one)
         depth = linear.lumps.measured_depth
         at = int(np.argmin(np.abs(depth - top))) if top is not None else 0
         if top is None and scene.well.wall is not None:
@@ -65,25 +65,17 @@ def lateral_modes(
     return with_errors(modes, rough), _supports(linear, at, held), float(linear.lumps.measured_depth[at]), links
 
 
-def _upper_end(linear: StringAtRest, lowest: float) -> int:
+def _upper_end(linear: Rest, lowest: float) -> int:
     """Deepest lump on the wall above a measured depth; 0, the drive, where there is none."""
     touching = np.flatnonzero((linear.normal > 0.0) & (linear.lumps.measured_depth <= lowest))
     return int(touching[-1]) if touching.size else 0
 
 
-def _lateral_modes(linear: StringAtRest, at: int, highest: float, held: frozenset[str]) -> list[Mode]:
+def _lateral_modes(linear: Rest, at: int, highest: float, held: frozenset[str]) -> list[Mode]:
     """Modes below a lump, which is held with all above it; motion along the hole goes with them."""
-    lumps = np.arange(at + 1, linear.lumps.length.size + 1)
     every = np.arange(linear.lumps.length.size + 1)
     fixed = np.array([i <= at or bool(_sections_of(linear.lumps, int(i)) & held) for i in every])
-    along, across = linear.free(lumps, (X,)), linear.free(every[~fixed], (U, V))
-    rows = np.sort(np.concatenate([along, across]))
-    mass, stiffness = linear.matrices(rows, fixed)
-    frequency, vectors = modes_below(mass, stiffness, highest)
-    full = np.zeros((linear.lumps.length.size + 1, PER_BODY, frequency.size))
-    full.reshape(-1, frequency.size)[rows] = vectors
-    weights = np.zeros((linear.lumps.length.size + 1, PER_BODY))
-    weights.reshape(-1)[rows] = mass
+    frequency, full, weights = linear.lateral(at, fixed, highest)
     shares = np.einsum("ik,ikm->km", weights, full**2)
     bending = np.flatnonzero(shares[U] + shares[V] > shares[X])
     up, right, names = _planes(linear)
@@ -101,7 +93,7 @@ def _lateral_modes(linear: StringAtRest, at: int, highest: float, held: frozense
     return found
 
 
-def _planes(linear: StringAtRest) -> tuple[np.ndarray, np.ndarray, tuple[str, str]]:
+def _planes(linear: Rest) -> tuple[np.ndarray, np.ndarray, tuple[str, str]]:
     """Unit vectors (n + 1, 2) on m1, m2 of two directions across the hole at each lump, and what they are called.
 
     Up and sideways, where the hole is inclined from top to bottom; else the two of the frame.
@@ -117,7 +109,7 @@ def _planes(linear: StringAtRest) -> tuple[np.ndarray, np.ndarray, tuple[str, st
 
 
 def _mode(
-    linear: StringAtRest,
+    linear: Rest,
     at: int,
     frequency: float,
     shape: np.ndarray,
@@ -148,7 +140,7 @@ def _sections_of(lumps: Lumps, i: int) -> set[str]:
     return {tube.name for tube, length in zip(lumps.tubes, lumps.halves[i], strict=True) if length > 0.0}
 
 
-def _supports(linear: StringAtRest, at: int, held: frozenset[str]) -> list[Support]:
+def _supports(linear: Rest, at: int, held: frozenset[str]) -> list[Support]:
     """What holds the part that is looked at, from the top down; neighbours on the wall are told as one."""
     lumps, normal = linear.lumps, linear.normal
     depth, last = lumps.measured_depth, lumps.length.size
@@ -167,11 +159,11 @@ def _supports(linear: StringAtRest, at: int, held: frozenset[str]) -> list[Suppo
             force = 0.0 if named else float(normal[i:j].sum())
             found.append(Support(float(depth[i]), float(depth[j - 1]), section, how, force))
         i = max(j, i + 1)
-    if linear.system.dofs.number[PER_BODY * last + U] < 0:
+    if linear.pinned:
         found.append(Support(float(depth[-1]), float(depth[-1]), "bit", "held on the axis", 0.0))
     return found
 
 
-def _rests(linear: StringAtRest, i: int, held: frozenset[str]) -> bool:
+def _rests(linear: Rest, i: int, held: frozenset[str]) -> bool:
     """Whether a lump lies on the wall and is not held otherwise."""
     return bool(linear.normal[i] > 0.0) and not _sections_of(linear.lumps, i) & held

@@ -49,13 +49,13 @@ class Mode(NamedTuple):
         return 0.25 * self.turning
 
 
-def modes_below(mass: np.ndarray, stiffness: csc_array, highest: float) -> tuple[np.ndarray, np.ndarray]:
+def modes_below(mass: np.ndarray | csc_array, stiffness: csc_array, highest: float) -> tuple[np.ndarray, np.ndarray]:
     """Modes of K x = omega^2 M x up to a frequency, Hz; what moves as a whole, without a spring, is no vibration.
 
     Parameters
     ----------
-    mass : (n,) array
-        Diagonal of M.
+    mass : (n,) array, or (n, n) sparse array
+        Diagonal of M, or all of it.
     stiffness : (n, n) sparse array
         Symmetric.
 
@@ -66,15 +66,19 @@ def modes_below(mass: np.ndarray, stiffness: csc_array, highest: float) -> tuple
     vectors : (n, k) array
         Of unit mass.
     """
-    root = 1.0 / np.sqrt(mass)
-    scaled = csc_array(diags_array(root) @ stiffness @ diags_array(root))
-    limit, n = (2.0 * pi * highest) ** 2, mass.size
+    whole = None if isinstance(mass, np.ndarray) else mass
+    root = 1.0 / np.sqrt(mass if isinstance(mass, np.ndarray) else mass.diagonal())
+    scale = diags_array(root)
+    scaled = csc_array(scale @ stiffness @ scale)
+    inertia = None if whole is None else csc_array(scale @ whole @ scale)
+    limit, n = (2.0 * pi * highest) ** 2, root.size
     if n <= DENSE:
-        square, vectors = eigh(scaled.toarray(), subset_by_value=(-np.inf, limit))
+        dense = None if inertia is None else inertia.toarray()
+        square, vectors = eigh(scaled.toarray(), dense, subset_by_value=(-np.inf, limit))
     else:
         count = BATCH
         while True:
-            square, vectors = eigsh(scaled, min(count, n - 2), sigma=-1e-3 * limit)
+            square, vectors = eigsh(scaled, min(count, n - 2), inertia, sigma=-1e-3 * limit)
             if square.max() > limit or count >= n - 2:
                 break
             count *= 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -10,6 +11,8 @@ from scipy.sparse import csc_array
 from drillstring import bha
 from drillstring.build import build, tubes_of, well_of
 from drillstring.contact import WallContact
+from drillstring.natural_modes import modes_below
+from drillstring.scene import DrillstringScene
 from drillstring.string import Lumps, cut
 from drillstring.wellbore import Wellbore
 from tautline.integrators.equilibrium import find_equilibrium
@@ -18,9 +21,38 @@ from tautline.integrators.state import State, new_state
 from tautline.kernels.matrix import new_matrix, sparse
 from tautline.lumped.bend import Bends
 from tautline.lumped.curve import PER_BODY
+from tautline.system.model import Model
 from tautline.system.system import System
 
 X, U, V, TURN = range(PER_BODY)
+
+
+def at_rest(scene: DrillstringScene) -> tuple[Model, State]:
+    """A scene's model, and its state in static equilibrium; raises as `StringAtRest.of` does."""
+    model = build(scene)
+    state = new_state(model.system)
+    find_equilibrium(model.system, state, model.step_limit)
+    return model, state
+
+
+def mass_and_stiffness(system: System, state: State) -> list[csc_array]:
+    """Sparse mass and stiffness (n, n) of a system's free unknowns at a state of rest."""
+    parts = []
+    for part in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)):
+        matrix = new_matrix(system.size, system.bandwidth, system.border)
+        evaluate(system, state, 0.0, 1.0, True, *part, matrix, np.zeros(system.size))
+        parts.append(csc_array(sparse(matrix)))
+    return parts
+
+
+class Vibrations(NamedTuple):
+    """Modes between supports: frequencies (k,) Hz; moves of the lumps or nodes along the hole, on m1 and on m2,
+    (n + 1, 3, k); and what of their mass moves so, (n + 1, 3) kg, 0 where it is held.
+    """
+
+    frequency: np.ndarray
+    moves: np.ndarray
+    mass: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -37,9 +69,7 @@ class StringAtRest:
     @classmethod
     def of(cls, mesh: bha.Cut) -> StringAtRest:
         """Find the rest of a cut string; raises SceneError, and StoppedEarly where it finds none."""
-        model = build(mesh.scene)
-        state = new_state(model.system)
-        find_equilibrium(model.system, state, model.step_limit)
+        model, state = at_rest(mesh.scene)
         well = well_of(mesh.scene)
         lumps = cut(tubes_of(mesh.scene, well.length), sum(mesh.counts))
         q, normal = state.full_q.reshape(-1, PER_BODY), np.zeros(lumps.length.size + 1)
@@ -57,17 +87,37 @@ class StringAtRest:
         """
         system = self.system if fixed is None else _clamped(self.system, self.lumps, fixed)
         number = system.dofs.number[rows]
-        parts = []
-        for part in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)):
-            matrix = new_matrix(system.size, system.bandwidth, system.border)
-            evaluate(system, self.state, 0.0, 1.0, True, *part, matrix, np.zeros(system.size))
-            parts.append(csc_array(sparse(matrix))[number][:, number])
-        return parts[0].diagonal(), csc_array(0.5 * (parts[1] + parts[1].T))
+        mass, stiffness = (part[number][:, number] for part in mass_and_stiffness(system, self.state))
+        return mass.diagonal(), csc_array(0.5 * (stiffness + stiffness.T))
 
     def free(self, lumps: np.ndarray, directions: tuple[int, ...]) -> np.ndarray:
         """Full degrees of freedom of some lumps that are free."""
         rows = (PER_BODY * lumps[:, None] + np.array(directions)).ravel()
         return rows[self.system.dofs.number[rows] >= 0]
+
+    def lateral(self, at: int, fixed: np.ndarray, highest: float) -> Vibrations:
+        """Modes below a lump up to a frequency, Hz; ``fixed`` (n + 1,) lumps are held sideways, those above wholly."""
+        every = np.arange(self.lumps.length.size + 1)
+        rows = np.sort(np.append(self.free(every[at + 1 :], (X,)), self.free(every[~fixed], (U, V))))
+        mass, stiffness = self.matrices(rows, fixed)
+        frequency, vectors = modes_below(mass, stiffness, highest)
+        full, weights = np.zeros((every.size * PER_BODY, frequency.size)), np.zeros(every.size * PER_BODY)
+        full[rows], weights[rows] = vectors, mass
+        moves = full.reshape(every.size, PER_BODY, -1)[:, : V + 1]
+        return Vibrations(frequency, moves, weights.reshape(-1, PER_BODY)[:, : V + 1])
+
+    def along(self, kind: str, highest: float) -> tuple[np.ndarray, np.ndarray]:
+        """Torsional or axial modes up to a frequency: frequencies (k,) Hz, and shapes at the lumps (n + 1, k)."""
+        rows = self.free(np.arange(self.lumps.length.size + 1), (TURN if kind == "torsional" else X,))
+        frequency, vectors = modes_below(*self.matrices(rows), highest)
+        shapes = np.zeros((self.lumps.length.size + 1, frequency.size))
+        shapes[rows // PER_BODY] = vectors
+        return frequency, shapes
+
+    @property
+    def pinned(self) -> bool:
+        """Whether the bit is held on the axis."""
+        return bool(self.system.dofs.number[PER_BODY * self.lumps.length.size + U] < 0)
 
 
 def _clamped(system: System, lumps: Lumps, fixed: np.ndarray) -> System:
