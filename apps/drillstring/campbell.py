@@ -1,9 +1,10 @@
 """Natural frequencies of a string against rotary speed: lateral ones of the assembly, torsional and axial of the whole.
 
-They are those of small vibrations about the static equilibrium of the scene, undamped, as the lumped model has them:
-tension and weight on bit, buoyed weight, added mass and mud inside; a contact that bears load is a spring across the
-hole, and by its normal force one around it; friction does not hold. The model has no gyroscopic and no rotatory inertia
-of bending, so that frequencies do not depend on rotary speed; `Mode.turning` tells what these would do.
+They are those of small vibrations about the static equilibrium of the scene, undamped, as its model has them, lumps or
+a beam: tension and weight on bit, buoyed weight, added mass and mud inside; a contact that bears load is a spring
+across the hole, and by its normal force one around it; friction does not hold. The models have no gyroscopic and no
+rotatory inertia of bending, so that frequencies do not depend on rotary speed; `Mode.turning` tells what these would
+do.
 """
 
 from __future__ import annotations
@@ -32,9 +33,9 @@ class Critical(NamedTuple):
 
 @dataclass(frozen=True)
 class Campbell:
-    """What a Campbell diagram shows; speeds rad/s, frequencies Hz, depths m; links of the finer mesh by kind.
+    """What a Campbell diagram shows; speeds rad/s, frequencies Hz, depths m; links or elements of the finer mesh.
 
-    ``loose`` are stabilisers that neither touch the wall nor are held.
+    ``loose`` are stabilisers that neither touch the wall nor are held; ``model`` is ``lumped`` or ``ale-ancf``.
     """
 
     modes: list[Mode]
@@ -46,6 +47,7 @@ class Campbell:
     up_to: float
     links: dict[str, int]
     loose: tuple[str, ...] = ()
+    model: str = LUMPED
 
     @property
     def critical(self) -> list[Critical]:
@@ -118,7 +120,7 @@ def campbell(
     names = [scene.string[i].name for i in bha.stabilisers_of(scene)] if supports and scene.well.wall else []
     holding = {support.section for support in supports[1:]}
     loose = tuple(name for name in dict.fromkeys(names) if name not in holding)
-    return Campbell(modes, supports, upper, bottom, speeds, orders, highest, links, loose)
+    return Campbell(modes, supports, upper, bottom, speeds, orders, highest, links, loose, scene.model.kind)
 
 
 def _of_a_rod(scene: DrillstringScene, kind: str, highest: float) -> tuple[list[Mode], int]:

@@ -59,6 +59,12 @@ Hold = Annotated[
         help="Held sideways: names of sections, bit, or none. [dim]\\[default: bit, if weight is on it][/]",
     ),
 ]  # fmt: skip
+Model = Annotated[
+    str | None,
+    typer.Option(
+        "--model", metavar="KIND", help="Model of the string: lumped or ale-ancf. [dim]\\[default: the scene's][/]"
+    ),
+]
 Picture = Annotated[
     Path | None,
     typer.Option(
@@ -77,6 +83,7 @@ def campbell(
     up_to: UpTo = None,
     top: From = None,
     hold: Hold = None,
+    model: Model = None,
     output: Picture = None,
     csv: Csv = None,
     as_json: Json = False,
@@ -84,10 +91,11 @@ def campbell(
     """Find natural frequencies of the assembly between its contact points, and the rotary speeds that excite them."""
     from drillstring.campbell import campbell as compute
     from drillstring.natural_modes import KINDS
-    from drillstring.scene import read
+    from drillstring.scene import of_kind, read
     from tautline.cli.lists import number, one_of, words
 
     drillstring = read(scene)
+    drillstring = of_kind(drillstring, parse_model(model) or drillstring.model.kind)
     speeds = parse_speeds(speed)
     kinds = tuple(words(modes, "--modes", one_of(KINDS))) or ("lateral",)
     lines = parse_orders(orders, blades)
@@ -105,6 +113,16 @@ def campbell(
 
         said = {"scene": str(scene), "status": "done", "figure": str(figure), "csv": None if csv is None else str(csv)}
         print_json(said | report(found))
+
+
+def parse_model(text: str | None) -> str | None:
+    """The one kind of model that is asked for; raises SceneError with the cure."""
+    from drillstring.form_verbs import parse_models
+
+    kinds = parse_models(text)
+    if len(kinds) > 1:
+        raise _refused("--model", str(text), "are two models, and one diagram shows one", "ask for one after the other")
+    return kinds[0] if kinds else None
 
 
 def parse_speeds(text: str | None) -> tuple[float, float]:
@@ -202,6 +220,7 @@ def report(found: Campbell) -> dict[str, Any]:
         "up_to": found.up_to,
         "part": {"from": found.top, "to": found.bottom},
         "supports": [one._asdict() for one in found.supports],
+        "model": found.model,
         "links": found.links,
         "loose": list(found.loose),
         "modes": [
