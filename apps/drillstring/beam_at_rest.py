@@ -3,7 +3,8 @@
 The matrices are those of the run, consistent mass and tangent, so that vibrations are of higher order in the elements'
 length than those of lumps; torsion alone has linear elements with half of the inertia at each end, as lumps have.
 The run's unknowns are P z, with the columns of P for what may move: a node wholly, along the hole only, or not at all.
-A node that moves along the hole by z has the slope change z' t + z K with the curvature K of the hole.
+A node that moves along the hole by z has the slope change z' t + z K with the curvature K of the hole. The springs that
+keep the slopes of two sections in one direction count as rigid: their own frequencies would drown slow vibrations.
 """
 
 from __future__ import annotations
@@ -79,10 +80,9 @@ class BeamAtRest:
                 columns.add_guide(self.guide, [], self.bend[i])
             else:
                 columns.add(NODE * i, self.frame[i, :1] if fixed[i] else self.frame[i])
-            for place in self._slopes(i):
-                columns.add(place, self.frame[i, :1] if clamped else self.frame[i])
+            self._turn(columns, i, not clamped)
         if at == 0:
-            columns.add(self._slopes(0)[0], self.frame[0])
+            self._turn(columns, 0, True)
         frequency, full = self._modes(columns, highest)
         moves = np.einsum("iab,ibk->iak", self.frame, full)
         fluid, hole = fluid_of(self.cut.scene.mud), self.cut.scene.well.diameter
@@ -120,6 +120,14 @@ class BeamAtRest:
     def _guided(self, i: int) -> bool:
         return self.pinned and i == self.lumps.length.size
 
+    def _turn(self, columns: _Columns, i: int, free: bool) -> None:
+        """Let the slopes of a node change in size, each by itself, and if they are free in direction, together."""
+        slopes = self._slopes(i)
+        for place in slopes:
+            columns.add(place, self.frame[i, :1])
+        for way in self.frame[i, 1:] if free else ():
+            columns.add_along(slopes[0], way, slopes[1:], way)
+
     def _slopes(self, i: int) -> list[int]:
         """Where the slopes of a node begin; at a change of section there are two."""
         twins = nodes_of(self.lumps).twins
@@ -153,7 +161,7 @@ class _Columns:
             self._close()
 
     def add_along(self, place: int, way: np.ndarray, slopes: list[int], turn: np.ndarray) -> None:
-        """Let a node move in one way, and its slopes turn with it."""
+        """Let a node, or a slope, move in one way, and other slopes turn with it."""
         self._put(place, way)
         for slope in slopes:
             self._put(slope, turn)

@@ -31,7 +31,7 @@ LEAST_LINKS = 2
 EDGE = 1e-6
 """Two depths that differ by less are one, m."""
 MOST_LINKS = 4000
-"""Of the finer mesh."""
+"""Of the finer mesh; elements of a beam are fewer, as those to a wave are."""
 
 
 class Cut(NamedTuple):
@@ -146,8 +146,10 @@ def fine(scene: DrillstringScene, top: float, frequency: float) -> Cut:
 
 
 def _check(scene: DrillstringScene, links: int, why: str) -> None:
-    if links > MOST_LINKS:
-        cause = f"needs {links} links{why}, more than {MOST_LINKS}"
+    most = MOST_LINKS * PER_WAVE[scene.model.kind] // PER_WAVE[LUMPED]
+    if links > most:
+        name = "links" if scene.model.kind == LUMPED else "elements"
+        cause = f"needs {links} {name}{why}, more than {most}"
         cure = "bound what is looked at by --from DEPTH, or ask for lower frequencies by --up-to"
         raise SceneError([Problem("the string", None, "", f"{len(scene.string)} sections", cause, cure)])
 

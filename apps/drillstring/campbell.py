@@ -22,6 +22,10 @@ from drillstring.natural_modes import Mode, with_errors
 from drillstring.rest import Rest, rest_of
 from drillstring.scene import LUMPED, DrillstringScene
 
+IN_A_BEND = 15.0
+"""Longest element of a beam for axial modes in a curved hole, m, in the coarser of two meshes: longer ones leave the
+hole's curve between their points of contact, and what then moves along it they resist by bending."""
+
 
 class Critical(NamedTuple):
     """Rotary speed (rad/s) at which ``order`` times it meets the frequency of a mode, by its number."""
@@ -125,14 +129,18 @@ def campbell(
 
 def _of_a_rod(scene: DrillstringScene, kind: str, highest: float) -> tuple[list[Mode], int]:
     """Torsional or axial modes of the whole string, with all that hangs on its ends, and links of the finer mesh."""
-    tubes = tubes_of(scene, well_of(scene).length)
+    well = well_of(scene)
+    tubes = tubes_of(scene, well.length)
     if kind == "torsional":
         slowest = min(np.sqrt(tube.shear_modulus / tube.density) for tube in tubes)
     else:
         slowest = min(np.sqrt(tube.youngs_modulus * tube.area / tube.mass_per_length) for tube in tubes)
     # In torsion the elements of a beam are no better than links.
     model = LUMPED if kind == "torsional" else scene.model.kind
-    mesh = bha.evenly(scene, float(slowest) / highest / bha.PER_WAVE[model])
+    longest = float(slowest) / highest / bha.PER_WAVE[model]
+    if model != LUMPED and np.hypot(well.k1, well.k2).any():
+        longest = min(longest, IN_A_BEND)
+    mesh = bha.evenly(scene, longest)
     rough, modes = (_rod_modes(rest_of(one), kind, highest) for one in (mesh, mesh.doubled()))
     return with_errors(modes, rough), 2 * sum(mesh.counts)
 

@@ -17,7 +17,7 @@ from drillstring.build import well_of
 from drillstring.factors import Factors, factors_of, same
 from drillstring.helix import LockedUp
 from drillstring.motion import MOTIONS, Motion
-from drillstring.scene import LUMPED, DrillstringScene, check_lengths, of_kind
+from drillstring.scene import BEAM, LUMPED, DrillstringScene, check_lengths, of_kind
 from drillstring.soft_string import SoftString, soft_string
 from drillstring.statics import Profile, Statics
 from tautline.integrators.status import StoppedEarly
@@ -246,7 +246,8 @@ def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions
             if place is not None:
                 locks[direction] = place
             else:
-                failures[direction] = f"{stop.part}: {stop.sentence}"
+                hint = "; more elements may find one" if scene.model.kind == BEAM else ""
+                failures[direction] = f"{stop.part}: {stop.sentence}{hint}"
     middle = statics.lumps.measured_depth[:-1] + 0.5 * statics.lumps.length
     pull = _overpull(statics, profiles["pick_up"], scene) if "pick_up" in profiles else None
     strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles else None

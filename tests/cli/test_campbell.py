@@ -16,6 +16,7 @@ KEYS = {
     "up_to",
     "part",
     "supports",
+    "model",
     "links",
     "loose",
     "modes",
@@ -39,6 +40,19 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture
 def drillstring(folder, capsys):
     return commands_of(Drillstring(), capsys)
+
+
+def test_campbell_takes_one_model_the_scenes_or_that_which_is_asked_for(drillstring):
+    options = ("campbell", "field_well.yaml", "--modes", "axial", "--up-to", "2", "--json", "-o", "c.svg")
+    code, out, _ = drillstring(*options)
+    lumps = only_object(out)
+    code, out, _ = drillstring(*options, "--model", "ale-ancf")
+    beam = only_object(out)
+    assert code == 0 and (lumps["model"], beam["model"]) == ("lumped", "ale-ancf")
+    first, other = (report["modes"][0]["frequency"] for report in (lumps, beam))
+    assert first == pytest.approx(other, rel=2e-3) and first != other
+    code, _, err = drillstring(*options, "--model", "lumped,ale-ancf")
+    assert code == 2 and "--model" in err and "one diagram shows one" in " ".join(err.split())
 
 
 def test_campbell_with_json_is_one_object_of_the_contract_in_si(drillstring):
