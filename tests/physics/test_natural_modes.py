@@ -73,13 +73,14 @@ def test_a_beam_that_is_held_at_its_upper_end_is_clamped_there(end, roots):
     check(found.modes[:3], exact)
 
 
-def test_sections_that_are_held_clamp_what_is_between_them():
+@pytest.mark.parametrize("kind", ["lumped", "ale-ancf"])
+def test_sections_that_are_held_clamp_what_is_between_them(kind):
     # clamped-clamped, 4.73004074: between two stabilisers that are held for a metre each
     string = [
         {"name": name, "length": length, "od": COLLAR[0], "id": COLLAR[1]}
         for name, length in (("upper", 1.0), ("span", 20.0), ("lower", 1.0))
     ]
-    scene = beam(1e-6, "free", string=string, well__sections=[{"hold": 22.0}])
+    scene = beam(1e-6, "free", string=string, well__sections=[{"hold": 22.0}], model__kind=kind)
     found = campbell(scene, FAST, up_to=10.0, held=frozenset({"upper", "lower"}))
     exact = (np.array([4.73004074, 7.85320462]) / 20.0) ** 2 * sqrt(RIGIDITY / MASS) / (2 * pi)
     check(found.modes[:2], exact)
