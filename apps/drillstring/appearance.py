@@ -14,6 +14,7 @@ import numpy as np
 from drillstring.course import ROOM, Course, course_of
 from drillstring.drawn import Blend, Drawn
 from drillstring.lettering import ARROW, depth_scale, words
+from drillstring.parts import part_of
 from drillstring.rig import bit, block, derrick
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -214,7 +215,7 @@ def _pushes(result: Result, drawn: Drawn, size: float) -> tuple[Arrows, ...]:
     def vectors(frame: int) -> np.ndarray:
         return -force[frame][:, None] * outwards(frame)[0]
 
-    return (Arrows("contact_force", "contact force of a lump", "N", points, vectors, longest, LOAD),)
+    return (Arrows("contact_force", f"contact force of a {part_of(result)}", "N", points, vectors, longest, LOAD),)
 
 
 def _size(course: Course, unrolled: bool) -> float:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from drillstring import parts
 from drillstring.beam_contact import BeamContact
 from drillstring.beam_points import NODE, TURN, Points, nodes_of
 from drillstring.drilling import observed_at_ends
@@ -98,7 +99,7 @@ class BeamObserver:
             # A node has the room of the element above it, that in the drive of the one below.
             inside = self.contact.springs.clearance[:-1:2]
             room = np.append(inside[:1], inside)
-        return coordinates_of(self.well, self.mesh, self.weight, room, self.diameter)
+        return coordinates_of(self.well, self.mesh, self.weight, room, self.diameter, parts.NODE)
 
     def observe(self, frames: Any) -> dict[str, np.ndarray]:
         """Variables of a batch of frames, leading axis time."""

@@ -53,9 +53,10 @@ def observed_at_ends(frames: Any, groups: Sequence[Any]) -> dict[str, np.ndarray
     return found
 
 
-def _per_hour(rate: float) -> str:
-    """A rate of penetration in both units that drillers use."""
-    return f"{3600.0 * rate:.3g} m/h, {3600.0 * rate / 0.3048:.3g} ft/h"
+def _per_hour(rate: float, result: Any) -> str:
+    """A rate of penetration as drillers write it, in feet where the result is told in oilfield units."""
+    field = getattr(result, "attributes", {}).get("units") == "field"
+    return f"{3600.0 * rate / 0.3048:.3g} ft/h" if field else f"{3600.0 * rate:.3g} m/h"
 
 
 def last_part(time: np.ndarray) -> np.ndarray:
@@ -95,10 +96,14 @@ def drilling_figures(result: Mapping[str, Any] | Any) -> dict[str, tuple[float, 
     if drilled > 0.0:
         mean = np.ptp(result["hole_depth"][last]) / max(np.ptp(time[last]), 1e-300)
         figures["drilled"] = (drilled, "m", "depth drilled")
-        figures["rate_of_penetration_mean"] = (mean, "m/s", f"mean rate of penetration, last half ({_per_hour(mean)})")
+        figures["rate_of_penetration_mean"] = (
+            mean,
+            "m/s",
+            f"rate of penetration, last half ({_per_hour(mean, result)})",
+        )
     found = stick_slip(time, spin)
     if found["largest"] > SLOWEST:
         figures["bit_rotation_mean"] = (found["mean"], "rad/s", "mean rotary speed of the bit, last half")
         figures["stick_slip_severity"] = (found["severity"], "", "stick-slip severity of the bit, last half")
-        figures["rotation_stuck"] = (found["stuck"], "", "share of the last half the bit does not turn")
+        figures["rotation_stuck"] = (found["stuck"], "", "share of the last half the bit is at rest")
     return figures

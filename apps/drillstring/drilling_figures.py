@@ -71,7 +71,7 @@ def drilling(results: Sequence[Result]) -> Figure:
     moment.set_ylabel(label("torque", torque_unit))
     weight.set_ylabel(label("weight on bit", force_unit))
     if drills:
-        plots[3, 0].set_ylabel(label("rate of penetration", "m/h", 14))
+        plots[3, 0].set_ylabel(label("penetration", "m/h"))
     for plot, least in zip(plots[:, 0], (0.1, 1.0 / torque_by, 1e3 / force_by, 0.1), strict=False):
         widen(plot, np.concatenate(shown[plot]), least)
     legend_above(speed)
@@ -96,7 +96,8 @@ def phase(results: Sequence[Result]) -> Figure:
         twist = (result["rotation"][:, 0] - result["rotation"][:, -1]) / (2.0 * pi)
         spin = result["rotation_rate"][:, -1] / RPM
         last = last_part(result.time)
-        plot.plot(twist, spin, color=QUIET if len(results) == 1 else ink, lw=0.6, alpha=0.5)
+        first = "before" if len(results) == 1 else None
+        plot.plot(twist, spin, color=QUIET if len(results) == 1 else ink, lw=0.6, alpha=0.5, label=first)
         severity = stick_slip(result.time, result["rotation_rate"][:, -1])["severity"]
         words = "last half" if len(results) == 1 else called[number]
         plot.plot(twist[last], spin[last], color=ink, lw=1.3, label=f"{words}, severity {severity:.2f}")
@@ -114,5 +115,5 @@ def phase(results: Sequence[Result]) -> Figure:
     plot.set_xlabel(label("twist of the string", "turns"))
     plot.set_ylabel(label("rotary speed of the bit", "rpm"))
     widen(plot, np.concatenate(shown), 0.1)
-    figure.legend(*plot.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    figure.legend(*plot.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

@@ -12,6 +12,7 @@ import numpy as np
 
 from drillstring.drilling_figures import drilling, phase
 from drillstring.observe import STUCK
+from drillstring.parts import part_of
 from drillstring.whirl import turns, whirl_of
 from drillstring.whirl_figures import lump_of, whirl
 from tautline.results.errors import ResultError
@@ -42,7 +43,7 @@ MOST_ORBITS = 6
 """Lumps whose ways across the hole are drawn."""
 LEAST_ORBIT, LEAST_SHARE = 1e-7, 0.05
 """Motion across the hole below which a lump rests: m, and as a share of the largest."""
-SIDE_FORCE = "side force on the wall, per lump"
+SIDE_FORCE = "side force on the wall, per {part}"
 
 
 @styled
@@ -96,7 +97,7 @@ def forces(results: Sequence[Result]) -> Figure:
     Of one result the start is drawn too; of several the ends are told apart by colour.
     """
     turning = any(np.abs(result["torque"]).max() > NO_TORQUE for result in results)
-    panels = [("tension", "N", "tension"), ("contact_force", "N", SIDE_FORCE)]
+    panels = [("tension", "N", "tension"), ("contact_force", "N", SIDE_FORCE.format(part=part_of(results[0])))]
     panels += [("torque", "N m", "torque")] if turning else []
     depths = [result["measured_depth"].mean(axis=0) for result in results]
     called = names(results) if len(results) > 1 else [None]
@@ -140,6 +141,7 @@ def _profile(
 def path(results: Sequence[Result]) -> Figure:
     """Vertical section and plan of the string at the end of the run, and of the well where the result has it."""
     (result,) = results
+    part = part_of(result)
     position = result["position"][-1]
     touching = result["contact_force"][-1] > 0.0
     well = result["well_position"] if "well_position" in result else None
@@ -159,8 +161,8 @@ def path(results: Sequence[Result]) -> Figure:
         across, up = flatten(position)
         plot.plot(across, up, color=COLOURS[0], lw=1.2, label="string" if well is not None else None)
         dots = {"ls": "", "marker": "o", "ms": 5, "mec": COLOURS[1], "mew": 1.2}
-        plot.plot(across[touching], up[touching], mfc=COLOURS[1], label="lump on the wall", **dots)
-        plot.plot(across[~touching], up[~touching], mfc="white", label="lump off the wall", **dots)
+        plot.plot(across[touching], up[touching], mfc=COLOURS[1], label=f"{part} on the wall", **dots)
+        plot.plot(across[~touching], up[~touching], mfc="white", label=f"{part} off the wall", **dots)
         plot.set_aspect("equal", adjustable="box")
         plot.locator_params(axis="x", nbins=5 if span[0] > 0.6 * span[1] else 3)
         for set_limits, values, size in zip((plot.set_xlim, plot.set_ylim), flatten(course), span, strict=True):
@@ -211,6 +213,7 @@ def orbit(results: Sequence[Result], named: str = "") -> Figure:
     Or those that are named, between commas.
     """
     (result,) = results
+    part = part_of(result)
     offset = result["lateral"] if "lateral" in result else np.zeros((1, 1, 2))
     motion = np.ptp(offset, axis=0).max(axis=-1)
     if motion.max() < LEAST_ORBIT:
@@ -232,11 +235,11 @@ def orbit(results: Sequence[Result], named: str = "") -> Figure:
             wall = 1e3 * room[k] * np.array([-1.0, 1.0])
             across, up = np.r_[east, wall], np.r_[north, wall]
             plot.plot(1e3 * room[k] * np.cos(turn), 1e3 * room[k] * np.sin(turn), color="black", lw=1.0, label="wall")
-        plot.plot(east, north, color=COLOURS[0], lw=0.9, label="way of the lump's axis")
+        plot.plot(east, north, color=COLOURS[0], lw=0.9, label=f"way of the {part}'s axis")
         plot.plot(east[0], north[0], color=COLOURS[0], marker="o", ms=5, mfc="white", ls="", label="start")
         plot.plot(east[-1], north[-1], color=COLOURS[1], marker="o", ms=5, ls="", label="end")
         equal_scale(plot, across, up, 1e-3)
-        words = "bit" if k == offset.shape[1] - 1 else f"lump {k}"
+        words = "bit" if k == offset.shape[1] - 1 else f"{part} {k}"
         plot.set_title(f"{words}, {depth[k]:.0f} m{_whirls(result, k)}", fontsize=10)
         plot.set_xlabel(label("offset along m2", "mm"))
         if number % 3 == 0:
@@ -252,7 +255,7 @@ def _whirls(result: Result, lump: int) -> str:
     if not {"rotation_rate", "velocity"} <= result.variables.keys() or not turns(result):
         return ""
     ratio = whirl_of(result, lump).ratio()
-    return f", whirl {ratio:+.2g}" if np.isfinite(ratio) else ""
+    return f", whirl ratio {ratio:+.2f}" if np.isfinite(ratio) else ""
 
 
 def waterfall(results: Sequence[Result], name: str = "tension") -> Figure:

@@ -9,6 +9,7 @@ import numpy as np
 from drillstring.break_away import break_away_figures
 from drillstring.drilling import drilling_figures, observed_at_ends
 from drillstring.end_groups import numbers_of_ends
+from drillstring.parts import LUMP, part_of
 from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
 from drillstring.whirl import whirl_figures
@@ -159,7 +160,12 @@ class Observer:
 
 
 def coordinates_of(
-    well: Wellbore, lumps: Lumps, weight: np.ndarray, room: np.ndarray | None, diameter: float | None
+    well: Wellbore,
+    lumps: Lumps,
+    weight: np.ndarray,
+    room: np.ndarray | None,
+    diameter: float | None,
+    part: str = LUMP,
 ) -> dict[str, tuple[Any, np.ndarray, str, str]]:
     """What does not change with time of a string, whichever its model.
 
@@ -172,11 +178,13 @@ def coordinates_of(
         Buoyed weight of each lump N, and how far it can be from the hole's axis, m; None for a string in free space.
     diameter : float or None
         Of the hole, m.
+    part : str
+        What its places are called: lump, or node.
     """
     stations = np.unique(np.concatenate([well.md, np.linspace(0.0, well.length, 201)]))
     side, _, direction = well.frame(stations)
     found = {
-        "body": ("body", np.arange(lumps.length.size + 1), "", "lump, from the top drive down"),
+        "body": ("body", np.arange(lumps.length.size + 1), "", f"{part}, from the top drive down"),
         "link": ("link", np.arange(lumps.length.size), "", "element, from the top drive down"),
         "axis": ("axis", np.array(["x", "y", "z"]), "", "north, east, down"),
         "side": ("side", np.array(["m1", "m2"]), "", "across the hole, in the Bishop frame"),
@@ -184,7 +192,7 @@ def coordinates_of(
         "link_length": ("link", lumps.length, "m", "unstretched length of the element"),
         "section": ("link", np.array([lumps.tubes[k].name for k in lumps.section]), "", "section of the string"),
         "outer_diameter": ("link", lumps.of_links(lambda tube: tube.od), "m", "outer diameter of the string"),
-        "buoyed_weight": ("body", weight, "N", "weight of the lump in the mud"),
+        "buoyed_weight": ("body", weight, "N", f"weight of the {part} in the mud"),
         "well_depth": ("station", stations, "m", "measured depth of the well path"),
         "well_position": (("station", "axis"), well.position(stations), "m", "well path north, east, down"),
         "well_direction": (("station", "axis"), direction, "", "unit vector down the hole"),
@@ -196,7 +204,7 @@ def coordinates_of(
     }  # fmt: skip
     if room is not None and diameter is not None:
         found["hole_diameter"] = ("station", np.full(stations.size, diameter), "m", "diameter of the hole")
-        found["clearance"] = ("body", room, "m", "how far the lump's axis can be from the hole's")
+        found["clearance"] = ("body", room, "m", f"how far the {part}'s axis can be from the hole's")
     return found
 
 
@@ -212,17 +220,19 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
         "stretch_start": (bit[0] - lumps.total - result["block_position"][0], "m", "stretch at the start"),
         "bit_travel": (np.ptp(bit), "m", "travel of the bit"),
         "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
-        "contact_force_max": (result["contact_force"].max(), "N", "largest contact force of a lump"),
+        "contact_force_max": (result["contact_force"].max(), "N", f"largest contact force of a {part_of(result)}"),
     }
     if block > 0.0:
-        figures["hook_load_max_with_block"] = (hook.max() + block, "N", "largest hook load with the block's weight")
-    if moving:
+        figures["hook_load_max_with_block"] = (hook.max() + block, "N", "largest hook load, with the block")
+    drills = "weight_on_bit" in result
+    if moving and not drills:
+        # A bit that drills is told to be at rest by its rotation.
         figures["bit_stuck"] = (float((np.abs(speed) < STUCK).mean()), "", "share of the time the bit is stuck")
     figures |= break_away_figures(result)
     if np.abs(torque).max() > TORQUE_SHOWN:
         figures["surface_torque_max"] = (np.abs(torque).max(), "N m", "largest surface torque")
         figures["surface_torque_end"] = (torque[-1], "N m", "surface torque at the end")
-    if "weight_on_bit" in result:
+    if drills:
         figures |= drilling_figures(result)
     if any(tube.eccentricity != (0.0, 0.0) for tube in lumps.tubes):
         figures |= whirl_figures(result)

@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from drillstring.parts import part_of
+
 LATE = 0.2
 """Share of a run, at its end, of which figures of a steady whirl are told."""
 TURNS = 1.0
@@ -115,15 +117,15 @@ def whirl_figures(result: Any) -> dict[str, tuple[float, str, str]]:
     """
     if not turns(result) or len(result.time) < 2:
         return {}
-    lump = busiest(result)
+    lump, part = busiest(result), part_of(result)
     one = whirl_of(result, lump)
     if np.ptp(np.abs(one.offset)) <= STILL:
         return {}
-    where = f"lump {lump} at {one.depth:.0f} m"
-    figures = {"lateral_offset_max": (float(np.abs(one.offset).max()), "m", f"largest offset, {where}")}
+    figures = {"lateral_offset_max": (float(np.abs(one.offset).max()), "m", f"largest offset, of {part} {lump}")}
+    figures["lateral_offset_depth"] = (one.depth, "m", f"measured depth of {part} {lump}")
     ratio = one.ratio()
     if np.isfinite(ratio):
-        figures["whirl_ratio"] = (ratio, "", f"whirl over rotary speed at the end, lump {lump}")
+        figures["whirl_ratio"] = (ratio, "", "whirl over rotary speed at the end")
     gained = np.diff(lateral_velocity(result), axis=0) / np.diff(result.time)[:, None, None]
     largest = float(np.linalg.norm(gained, axis=-1).max())
     figures["lateral_acceleration_max"] = (largest, "m/s^2", "largest lateral acceleration")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drillstring.parts import part_of
 from drillstring.whirl import Whirl, busiest, turns, whirl_of
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -32,7 +33,7 @@ def lump_of(result: Result, name: str) -> int:
         return last
     if name.strip().isascii() and name.strip().isdigit() and int(name) <= last:
         return int(name)
-    raise ResultError("--what", f"there is no lump '{name}'", f"name one from 0 to {last}, or bit")
+    raise ResultError("--what", f"there is no {part_of(result)} '{name}'", f"name one from 0 to {last}, or bit")
 
 
 @styled
@@ -46,8 +47,8 @@ def whirl(results: Sequence[Result], name: str = "") -> Figure:
         raise NothingToShow(result, "a string that does not turn: there is no whirl")
     one = whirl_of(result, lump)
     if np.ptp(result["lateral"][:, lump], axis=0).max() < LEAST_MOTION:
-        raise NothingToShow(result, f"no motion of lump {lump} across the hole")
-    words = "the bit" if lump == result["lateral"].shape[1] - 1 else f"lump {lump}"
+        raise NothingToShow(result, f"no motion of {part_of(result)} {lump} across the hole")
+    words = "the bit" if lump == result["lateral"].shape[1] - 1 else f"{part_of(result)} {lump}"
     heading = f"{title(results)}: whirl of {words}, {one.depth:.0f} m"
     figure, plots = axes(2, 2, 10.5, 8.2, heading, width_ratios=[1.0, 1.35], height_ratios=[1.2, 1.0])
     ratio = one.ratio()
@@ -55,11 +56,12 @@ def whirl(results: Sequence[Result], name: str = "") -> Figure:
     _rate(plots[0, 1], one, ratio)
     _offset(plots[1, 0], one)
     _spectra(figure, plots[1, 1], one)
-    handles = [sample_line("rotary speed: forward whirl", color=COLOURS[2], ls="--")]
+    handles = [sample_line("whirl", color=COLOURS[0])]
+    handles += [sample_line("rotary speed: forward whirl", color=COLOURS[2], ls="--")]
     if one.rolling is not None:
         handles += [sample_line("rolling backward on the wall", color=COLOURS[1], ls="--")]
         handles += [sample_line("wall", color="black")]
-    figure.legend(handles=handles, loc="outside lower center", ncols=3)
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
 
@@ -81,7 +83,7 @@ def _orbit(figure: Figure, plot: Axes, one: Whirl) -> None:
 def _rate(plot: Axes, one: Whirl, ratio: float) -> None:
     """Whirl rate against time, beside that of forward whirl and that of rolling."""
     rate = one.rate() / HERTZ
-    plot.plot(one.time, rate, color=COLOURS[0])
+    plot.plot(one.time, rate, color=COLOURS[0], lw=1.0)
     plot.plot(one.time, one.spin / HERTZ, color=COLOURS[2], ls="--", lw=1.0)
     low, high = np.nanmin(rate, initial=0.0), np.nanmax(rate, initial=0.0)
     if one.rolling is not None:
@@ -97,7 +99,7 @@ def _rate(plot: Axes, one: Whirl, ratio: float) -> None:
     plot.set_xlabel(label("time", "s"))
     plot.set_ylabel(label("whirl rate, clockwise", "Hz"))
     if np.isfinite(ratio):
-        plot.set_title(f"whirl ratio at the end: {ratio:+.3g}", fontsize=10)
+        plot.set_title(f"whirl ratio at the end: {ratio:+.2f}", fontsize=10)
 
 
 def _offset(plot: Axes, one: Whirl) -> None:

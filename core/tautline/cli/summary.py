@@ -72,8 +72,9 @@ def two_columns(rows: Iterable[tuple[str, str]]) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    laid_out = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    laid_out.add_column(style="cyan")
+    laid_out = Table(show_header=False, box=None, padding=(0, 2, 0, 0), pad_edge=False)
+    # What a row is about stays on one line, however long the value beside it.
+    laid_out.add_column(style="cyan", no_wrap=True)
     laid_out.add_column()
     for what, value in rows:
         laid_out.add_row(Text(what), Text(value))
@@ -112,7 +113,7 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
         # What nobody can account for is what the method has damped, as far as the ledger of power is exact.
         rows.append(("energy lost to the method", shown(report["numerical_dissipation"], "J", system)))
     if report.get("phase_lag"):
-        rows.append(("free swinging is late at the end by, about", shown(report["phase_lag"], "rad", system)))
+        rows.append(("free swinging late at the end by about", shown(report["phase_lag"], "rad", system)))
     if found := report.get("step_error"):
         rows += _of_the_step(found, system)
     if headline:
