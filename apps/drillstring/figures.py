@@ -255,7 +255,7 @@ def _whirls(result: Result, lump: int) -> str:
     if not {"rotation_rate", "velocity"} <= result.variables.keys() or not turns(result):
         return ""
     ratio = whirl_of(result, lump).ratio()
-    return f", whirl ratio {ratio:+.2f}" if np.isfinite(ratio) else ""
+    return f", whirl ratio {round(ratio, 2) + 0.0:+.2f}" if np.isfinite(ratio) else ""
 
 
 def waterfall(results: Sequence[Result], name: str = "tension") -> Figure:

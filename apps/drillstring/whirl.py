@@ -105,6 +105,13 @@ def busiest(result: Any) -> int:
     return int(np.ptp(result["lateral"], axis=0).max(axis=-1).argmax())
 
 
+def goes_around(result: Any, lump: int) -> bool:
+    """Whether a lump goes once around the hole's axis, by the area that it sweeps: one that crosses over does not."""
+    offset = result["lateral"][:, lump, 0] + 1j * result["lateral"][:, lump, 1]
+    swept = np.append(0.0, np.cumsum(np.imag(np.conj(offset[:-1]) * offset[1:])))
+    return bool(np.ptp(swept) >= 2.0 * np.pi * np.mean(np.abs(offset) ** 2) > 0.0)
+
+
 def turns(result: Any) -> bool:
     """Whether the string turns at all."""
     return float(np.abs(result["rotation_rate"]).max()) > SLOWEST

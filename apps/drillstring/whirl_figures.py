@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drillstring.parts import part_of
-from drillstring.whirl import Whirl, busiest, turns, whirl_of
+from drillstring.whirl import Whirl, busiest, goes_around, turns, whirl_of
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.view.comparison import NothingToShow, title
@@ -42,17 +42,22 @@ def whirl(results: Sequence[Result], name: str = "") -> Figure:
     (result,) = results
     if not {"lateral", "rotation_rate", "velocity"} <= result.variables.keys() or len(result.time) < 2:
         raise NothingToShow(result, "no history of motion across the hole")
-    lump = lump_of(result, name) if name else busiest(result)
+    lump, part = lump_of(result, name) if name else busiest(result), part_of(result)
     if not turns(result):
         raise NothingToShow(result, "a string that does not turn: there is no whirl")
+    if not name and not goes_around(result, lump):
+        cause = f"no whirl: {part} {lump} moves most, and does not go around the hole"
+        raise NothingToShow(result, cause, f"ask for whirl:{lump} to see it all the same")
     one = whirl_of(result, lump)
     if np.ptp(result["lateral"][:, lump], axis=0).max() < LEAST_MOTION:
-        raise NothingToShow(result, f"no motion of {part_of(result)} {lump} across the hole")
-    words = "the bit" if lump == result["lateral"].shape[1] - 1 else f"{part_of(result)} {lump}"
-    heading = f"{title(results)}: whirl of {words}, {one.depth:.0f} m"
+        raise NothingToShow(result, f"no motion of {part} {lump} across the hole")
+    words = "the bit" if lump == result["lateral"].shape[1] - 1 else f"{part} {lump}"
+    heading = f"{title(results)}: whirl of {words}"
     figure, plots = axes(2, 2, 10.5, 8.2, heading, width_ratios=[1.0, 1.35], height_ratios=[1.2, 1.0])
     ratio = one.ratio()
     _orbit(figure, plots[0, 0], one)
+    # Here, and not in the heading: what a scene calls itself is not put into other units.
+    plots[0, 0].set_title(f"{words}, {one.depth:.0f} m", fontsize=10)
     _rate(plots[0, 1], one, ratio)
     _offset(plots[1, 0], one)
     _spectra(figure, plots[1, 1], one)
@@ -99,7 +104,7 @@ def _rate(plot: Axes, one: Whirl, ratio: float) -> None:
     plot.set_xlabel(label("time", "s"))
     plot.set_ylabel(label("whirl rate, clockwise", "Hz"))
     if np.isfinite(ratio):
-        plot.set_title(f"whirl ratio at the end: {ratio:+.2f}", fontsize=10)
+        plot.set_title(f"whirl ratio at the end: {round(ratio, 2) + 0.0:+.2f}", fontsize=10)
 
 
 def _offset(plot: Axes, one: Whirl) -> None:

@@ -7,6 +7,7 @@ from synthetic_string import result
 
 from drillstring.figures import draw
 from tautline.view.field_axes import FieldLocator, converted, in_words, use_field_units
+from tautline.view.orbit import bar_beside, draw_amplitudes
 
 FOOT, KIP, POUND_FOOT = 0.3048, 4448.2216152605, 1.3558179483
 
@@ -36,8 +37,7 @@ SI = {"m", "mm", "m/s", *(prefix + unit for prefix in ("", "k", "M") for unit in
 def test_every_axis_of_every_figure_is_in_oilfield_units_or_in_none():
     for name, figure in draw([field(turning=True)]).items():
         every = [axis for plot in figure.axes for axis in (plot.xaxis, plot.yaxis)]
-        # A logarithmic axis stays as it is, with its unit.
-        texts = [axis.get_label_text() for axis in every if axis.get_scale() == "linear"]
+        texts = [axis.get_label_text() for axis in every]
         units = {text[text.rindex("[") + 1 : -1] for text in texts if "[" in text}
         assert not units & SI, name
         assert units & {"ft", "in", "kip", "ft/s", "kft-lbf"}, name
@@ -97,16 +97,38 @@ def test_a_scene_in_si_is_drawn_as_before():
     assert not isinstance(figure.axes[0].yaxis.get_major_locator(), FieldLocator)
 
 
-def test_what_is_in_oilfield_units_or_logarithmic_is_left_alone():
-    figure, (one, two, three) = plt.subplots(1, 3)
+def test_what_is_in_oilfield_units_is_left_alone():
+    figure, (one, two) = plt.subplots(1, 2)
     one.set_xlabel("hook load [kip]")
     two.set_xlabel("time [s]")
-    three.set_ylabel("tension [N]")
-    three.set_yscale("log")
     one.plot([0, 10], [0, 1])
     use_field_units(use_field_units(figure))
     assert one.get_xlabel() == "hook load [kip]" and two.get_xlabel() == "time [s]"
-    assert three.get_ylabel() == "tension [N]"
+    plt.close(figure)
+
+
+def test_a_logarithmic_axis_has_powers_of_ten_of_the_oilfields_unit():
+    figure, plot = plt.subplots()
+    plot.plot([0.0, 1.0], [1e-4, 3.0])
+    plot.set_yscale("log")
+    plot.set_ylabel("distance from the rod [m]")
+    use_field_units(figure)
+    figure.canvas.draw()
+    assert plot.get_ylabel() == "distance from the rod [ft]"
+    places = plot.yaxis.get_majorticklocs() / FOOT
+    texts = [label.get_text() for label in plot.yaxis.get_ticklabels()]
+    written = [float(10.0 ** int(text.split("{")[-1].split("}")[0])) for text in texts if text]
+    assert len(written) >= 4 and places[: len(written)] == pytest.approx(written, rel=1e-9)
+    plt.close(figure)
+
+
+def test_a_bar_of_colours_that_lifts_what_is_weak_is_in_inches():
+    figure, plot = plt.subplots()
+    bar_beside(figure, plot, draw_amplitudes(plot, np.arange(3.0), np.arange(2.0), np.full((2, 3), 25.4)), "way [mm]")
+    use_field_units(figure)
+    axis = figure.axes[1].yaxis
+    places, numbers = ticks(axis)
+    assert axis.get_label_text() == "way [in]" and numbers == pytest.approx(places / 25.4, abs=1e-9)
     plt.close(figure)
 
 

@@ -24,6 +24,7 @@ BIT = ("drilling", "phase")
     [
         {},
         {"turning": True},
+        {"turning": True, "frames": 200},
         {"frames": 1},
         {"frames": 2},
         {"bodies": 1},
@@ -40,7 +41,8 @@ def test_every_figure_is_drawn_without_a_warning(tmp_path, kind):
         drawn = draw([result(None, **({"frames": 100} | kind))])
         absent = {"waterfall", "loop", "orbit", "phase"} if kind.get("frames") == 1 else set()
         absent |= set() if "drilling" in kind else set(BIT)
-        absent |= set() if kind.get("turning") else {"whirl"}
+        # Lumps go around in 8 s: in 100 frames, of 5 s, none does.
+        absent |= set() if kind.get("turning") and kind.get("frames") == 200 else {"whirl"}
         assert drawn.keys() == FIGURES.keys() - absent
         check(drawn, tmp_path, pixels=not kind)
 
@@ -186,11 +188,19 @@ def test_orbits_of_lumps_that_are_named_tell_how_they_whirl():
     run = result(None, frames=200, turning=True)
     plots = draw([run], ["orbit:3,bit"])["orbit_3_bit"].axes
     assert [plot.get_title(loc="left").split(", ")[::2] for plot in plots] == [
-        ["lump 3", "whirl +0.67"],
-        ["bit", "whirl +0.67"],
+        ["lump 3", "whirl ratio +0.67"],
+        ["bit", "whirl ratio +0.67"],
     ]
     with pytest.raises(ResultError, match=r"there is no lump '99'.*from 0 to 12, or bit"):
         draw([run], ["orbit:99"])
+
+
+def test_whirl_of_a_lump_that_does_not_go_around_is_drawn_where_it_is_named():
+    run = result(None, turning=True, frames=100)
+    with pytest.raises(ResultError, match="does not go around the hole") as refused:
+        draw([run], ["whirl"])
+    assert "whirl:12" in refused.value.cure
+    assert draw([run], ["whirl:12"])["whirl_12"].axes
 
 
 def test_the_figure_of_whirl_shows_rate_offset_and_spectra_of_the_lump_that_moves_most():
@@ -199,7 +209,7 @@ def test_the_figure_of_whirl_shows_rate_offset_and_spectra_of_the_lump_that_move
     orbit, rate, offset, spectra = plots[0], plots[1], plots[2], plots[3]
     np.testing.assert_allclose(rate.get_lines()[0].get_ydata(), 1.0 / 8.0, rtol=1e-3)
     np.testing.assert_allclose(rate.get_lines()[1].get_ydata(), 1.5 / 8.0)
-    assert "+0.667" in rate.get_title(loc="left")
+    assert "+0.67" in rate.get_title(loc="left")
     np.testing.assert_allclose(offset.get_lines()[0].get_ydata(), 20.0, rtol=1e-6)
     low, high = spectra.get_ylim()
     assert low == -high and orbit.get_aspect() == 1.0

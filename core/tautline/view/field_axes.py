@@ -12,7 +12,7 @@ from typing import Any
 
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator
+from matplotlib.ticker import FuncFormatter, Locator, LogFormatterMathtext, LogLocator, MaxNLocator, NullFormatter
 
 from tautline.scene.field_units import FIELD, in_field_units
 
@@ -25,7 +25,7 @@ INCH = 0.0254
 class FieldLocator(Locator):
     """Places, in SI, where another unit, ``factor`` of which make one of SI, has round numbers."""
 
-    def __init__(self, rounds: MaxNLocator, factor: float) -> None:
+    def __init__(self, rounds: MaxNLocator | LogLocator, factor: float) -> None:
         self.rounds, self.factor = copy.copy(rounds), factor
 
     def set_axis(self, axis: Any) -> None:
@@ -96,7 +96,8 @@ def _convert(axis: Axis, usual: str) -> None:
     found = UNIT.search(text)
     if isinstance(axis.get_major_locator(), FieldLocator) or (text and not found) or not (found or usual):
         return
-    if axis.get_scale() != "linear":
+    # A bar of colours that lifts what is weak has a function for a scale.
+    if axis.get_scale() not in ("linear", "function", "log"):
         return
     low, high = axis.get_view_interval()
     size = max(abs(low), abs(high)) or 1.0
@@ -105,6 +106,13 @@ def _convert(axis: Axis, usual: str) -> None:
         axis.set_label_text(in_words(text[: found.start()]) + f"[{name}]")
     factor = value / size
     if factor == 1.0:
+        return
+    if axis.get_scale() == "log":
+        axis.set_major_locator(FieldLocator(LogLocator(), factor))
+        axis.set_minor_locator(FieldLocator(LogLocator(subs="auto"), factor))
+        powers = LogFormatterMathtext()
+        axis.set_major_formatter(FuncFormatter(lambda place, _: powers(float(f"{place * factor:.9g}"))))
+        axis.set_minor_formatter(NullFormatter())
         return
     rounds = axis.get_major_locator()
     axis.set_major_locator(FieldLocator(rounds if isinstance(rounds, MaxNLocator) else MaxNLocator("auto"), factor))
