@@ -89,9 +89,10 @@ def appearance(result: Result, look: Look) -> Appearance:
         solids=_solids(result, drawn, size),
         arrows=_pushes(result, drawn, size),
         labels=words(drawn, size, low),
-        rulers=(depth_scale(drawn, size),),
+        rulers=(depth_scale(drawn, size, look.units),),
         eye=drawn.eye,
         notes=_notes(course, factor, unrolled),
+        units=look.units,
     )
 
 

@@ -16,7 +16,7 @@ from tautline.scene.refusal import fault
 class Controller(Model):
     """A top drive under control: speed wanted, gains (N m s/rad, N m/rad), largest torque N m, inertia kg m^2.
 
-    `kind` is ``pi`` with the gains that are given; ``soft_torque`` with gains that let no torsional wave come back from
+    `kind` is ``pi`` with the gains that are given; ``soft-torque`` with gains that let no torsional wave come back from
     the drive, found from the string where they are not given; or ``stiff``, which holds the speed exactly.
     """
 

@@ -9,6 +9,7 @@ import numpy as np
 from drillstring.drawn import Drawn, turned_over
 from tautline.view.appearance import Label, Line, Ruler, still
 
+FOOT = 0.3048
 TICKS = 9
 """Of a ruler, at most."""
 ARROW = 0.1
@@ -44,27 +45,30 @@ def words(drawn: Drawn, size: float, low: list[Line]) -> tuple[Label, ...]:
     return tuple(said)
 
 
-def depth_scale(drawn: Drawn, size: float) -> Ruler:
-    """Depth at the left of the picture: along an unrolled hole, else true vertical depth."""
+def depth_scale(drawn: Drawn, size: float, units: str = "si") -> Ruler:
+    """Depth at the left: along an unrolled hole, else true vertical depth; in ft with units ``field``."""
+    unit, metres = ("ft", FOOT) if units == "field" else ("m", 1.0)
     course = drawn.course
     right = drawn.right
     if drawn.unrolled:
-        numbers = _round(0.0, course.deepest, TICKS)
+        numbers = metres * _round(0.0, course.deepest / metres, TICKS)
         aside = drawn.factor * course.widest + 0.14 * size
-        return Ruler("measured depth", "m", -aside * right - np.outer(numbers, [0.0, 0.0, 1.0]), numbers)
+        points = -aside * right - np.outer(numbers, [0.0, 0.0, 1.0])
+        return Ruler("measured depth", unit, points, (numbers / metres).round(9))
     axis = turned_over(course.well.position(course.path))
     low, high = float(-axis[:, 2].max()), float(-axis[:, 2].min())
     if high - low > 0.02 * size:
-        numbers = _round(min(low, 0.0), high, TICKS)
+        numbers = metres * _round(min(low, 0.0) / metres, high / metres, TICKS)
         text, aside, heights = "true vertical depth", 0.24, -numbers
     else:
         # Of a level string depth is offset, and drawn as such.
         string = course.well.point(course.depth, course.lateral[..., 0], course.lateral[..., 1])
         high = max(float(string[..., 2].max()), course.widest)
-        numbers = _round(0.0, high, max(3, min(TICKS, int(drawn.factor * high / (LINE * size)))))
+        numbers = metres * _round(0.0, high / metres, max(3, min(TICKS, int(drawn.factor * high / (LINE * size)))))
         text, aside, heights = "depth", 0.1, -drawn.factor * numbers
     beside = (axis[0] - aside * size * right)[:2]
-    return Ruler(text, "m", np.column_stack([np.broadcast_to(beside, (numbers.size, 2)), heights]), numbers)
+    points = np.column_stack([np.broadcast_to(beside, (numbers.size, 2)), heights])
+    return Ruler(text, unit, points, (numbers / metres).round(9))
 
 
 def _apart(depths: np.ndarray, gap: float, last: float) -> np.ndarray:

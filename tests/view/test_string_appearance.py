@@ -15,6 +15,7 @@ from tautline.results.store import Store
 from tautline.results.variable import Variable
 from tautline.simulation import simulate
 from tautline.view.appearance import Look, placed
+from tautline.view.colours import shading
 
 TRUE, HOLE = Look("true", 1.0), 0.2032
 SHORT = {"jwell": 0.2, "iscwsa": 0.1, "hanging": 0.1, **{f"configuration_{k}": 0.002 for k in "abc"}}
@@ -213,6 +214,19 @@ def test_a_string_in_free_space_has_no_hole_and_its_ruler_measures_the_sag(name,
     rate = (numbers[-1] - numbers[0]) / (heights[0] - heights[-1])
     assert rate * -string.points(0)[:, 2].min() == pytest.approx(sag, rel=2e-3)
     assert len(numbers) >= 2 and picture.eye[2] == 0.0
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_in_oilfield_units_scales_and_legends_are_in_feet_and_kip_and_what_is_drawn_is_the_same(view):
+    _, result = ran("jwell")
+    si, field = (appearance(result, Look(view, units=units)) for units in ("si", "field"))
+    (ruler,) = field.rulers
+    assert ruler.unit == "ft" and np.all(ruler.numbers % 500.0 == 0.0) and len(ruler.numbers) >= 4
+    assert ruler.points[:, 2] == pytest.approx(-0.3048 * ruler.numbers)
+    metric, shade = shading(si, None), shading(field, None)
+    assert (metric.unit, shade.title) == ("kN", "tension [kip]")
+    assert shade.factor == pytest.approx(4448.2216152605) and shade.high * shade.factor == metric.high * metric.factor
+    np.testing.assert_array_equal(parts(field)["string"].points(0), parts(si)["string"].points(0))
 
 
 def test_rulers_show_true_vertical_depth_and_measured_depth():

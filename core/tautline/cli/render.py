@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,7 +36,7 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     from tautline.results.result import Result
 
     result = Result.read(path)
-    look = look_of(asked["view"], asked["exaggerate"])
+    look = _in_units_of(result, look_of(asked["view"], asked["exaggerate"]))
     appearance = catalogue.for_result(result).appearance(result, look)
     written: list[Path] = []
     if asked["html"] is not None:
@@ -99,10 +100,15 @@ def in_space(
     from tautline.view.stage import Stage
     from tautline.view.still import frame_of
 
-    appearance = Installed().for_result(result).appearance(result, look_of(view, exaggerate))
+    appearance = Installed().for_result(result).appearance(result, _in_units_of(result, look_of(view, exaggerate)))
     stage = Stage(appearance, colour, radius, camera, size, window)
     stage.show(frame_of(str(time), appearance.time))
     return stage.plotter
+
+
+def _in_units_of(result: Result, look: Look) -> Look:
+    """A look whose legends have the units that the scene asks for."""
+    return replace(look, units=str(result.attributes.get("units") or "si"))
 
 
 def _stage(appearance: Appearance, asked: dict[str, Any], **more: Any) -> Any:

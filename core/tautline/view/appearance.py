@@ -36,10 +36,13 @@ class Look:
     exaggerate : float or None
         Factor on what lies across a slender thing: sag, offset in a hole. None for what the application finds
         readable, which the picture then says.
+    units : str
+        Of legends and scales: ``si``, or ``field`` for the oilfield's, where the application knows them.
     """
 
     view: str = ""
     exaggerate: float | None = None
+    units: str = "si"
 
 
 @dataclass(frozen=True)
@@ -211,6 +214,8 @@ class Appearance:
         What a reader of the picture must know: that offsets are drawn twenty times larger.
     source : (frames,) array of int or None
         Frames of the result that these are; None for all of them.
+    units : str
+        Of what legends say, ``si`` or ``field``; quantities themselves are in SI.
 
     Names of lines, solids and arrows differ; those that differ by a number at the end are of one kind.
     """
@@ -226,6 +231,7 @@ class Appearance:
     eye: tuple[float, float, float] = (0.9, -1.0, 0.5)
     notes: tuple[str, ...] = ()
     source: np.ndarray | None = None
+    units: str = "si"
 
     @functools.cached_property
     def quantities(self) -> dict[str, list[Quantity]]:

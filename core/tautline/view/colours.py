@@ -9,7 +9,7 @@ from matplotlib.colors import LinearSegmentedColormap
 
 from tautline.results.errors import ResultError
 from tautline.view.appearance import Appearance
-from tautline.view.figure import SHADES, scale
+from tautline.view.figure import SHADES, scale_in
 
 SHADE_COUNT = 256
 
@@ -26,6 +26,8 @@ class Shading(NamedTuple):
         Of the quantity.
     title : str
         Of the legend: ``tension [kN]``.
+    unit : str
+        In the title.
     factor : float
         What SI values are divided by for the legend's unit.
     low, high : float
@@ -36,6 +38,7 @@ class Shading(NamedTuple):
 
     name: str
     title: str
+    unit: str
     factor: float
     low: float
     high: float
@@ -72,10 +75,10 @@ def shading(appearance: Appearance, asked: str | None) -> Shading | None:
     found = known[name]
     low, high = min(one.low for one in found), max(one.high for one in found)
     signed = any(one.signed for one in found)
-    factor, unit = scale([np.array([low, high])], found[0].unit)
+    factor, unit = scale_in(appearance.units, [np.array([low, high])], found[0].unit)
     low, high = low / factor, high / factor
     if high - low <= 1e-9 * max(abs(low), abs(high)):
         room = 0.01 * abs(low) or 1.0
         low, high = low - room, high + room
     text = f"{found[0].text} [{unit}]" if unit else found[0].text
-    return Shading(name, text, factor, low, high, table(low, high, signed))
+    return Shading(name, text, unit, factor, low, high, table(low, high, signed))

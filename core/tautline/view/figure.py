@@ -165,6 +165,17 @@ def scale(values: Sequence[np.ndarray], unit: str) -> tuple[float, str]:
     return 1.0, unit
 
 
+def scale_in(system: str, values: Sequence[np.ndarray], unit: str) -> tuple[float, str]:
+    """Choose factor and unit as `scale` does; with the system ``field`` those of the oilfield, where it has one."""
+    if system != "field":
+        return scale(values, unit)
+    from tautline.scene.field_units import in_field_units
+
+    size = max((float(np.max(np.abs(array))) for array in values if array.size), default=0.0) or 1.0
+    value, name = in_field_units(size, unit)
+    return size / value, name
+
+
 def label(text: str, unit: str, letters: int = 0) -> str:
     """Axis label: ``hook load [MN]``; in lines of at most so many letters, if that is said."""
     whole = f"{text} [{unit}]" if unit else text

@@ -19,7 +19,7 @@ from tautline.results.errors import ResultError
 from tautline.view.appearance import Appearance, Line, Quantity, Solid, Values
 from tautline.view.camera import ANGLE
 from tautline.view.colours import shading
-from tautline.view.figure import round_numbers, scale
+from tautline.view.figure import round_numbers, scale_in
 
 WEB = resources.files("tautline.view") / "web"
 
@@ -178,7 +178,7 @@ def describe(appearance: Appearance, pack: Pack, colour: str | None, radius: flo
         "arrows": [
             {
                 "name": one.name, "text": one.text, "colour": one.colour, "longest": float(one.longest),
-                "said": _number(one.longest, one.unit),
+                "said": _number(one.longest, one.unit, appearance.units),
                 "points": pack.track(one.points, middle), "vectors": pack.track(one.vectors),
             }
             for one in appearance.arrows
@@ -244,7 +244,7 @@ def _quantity(appearance: Appearance, name: str, found: Sequence[Quantity]) -> d
     ticks = round_numbers(shade.low, shade.high, 5)
     return {
         "name": name, "text": found[0].text, "title": shade.title, "factor": shade.factor,
-        "unit": scale([np.array([low, high])], found[0].unit)[1],
+        "unit": shade.unit,
         "low": shade.low, "high": shade.high, "table": shade.table.tobytes().hex(),
         "ticks": [[tick, _tidy(tick)] for tick in ticks],
         "range": [_tidy(low / shade.factor, 4), _tidy(high / shade.factor, 4)],
@@ -256,8 +256,8 @@ def _tidy(number: float, digits: int = 10) -> str:
     return f"{number + 0.0:.{digits}g}".replace("-", "−")
 
 
-def _number(value: float, unit: str) -> str:
-    factor, letters = scale([np.array([value])], unit)
+def _number(value: float, unit: str, system: str) -> str:
+    factor, letters = scale_in(system, [np.array([value])], unit)
     return f"{_tidy(value / factor, 3)} {letters}".strip()
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from tautline.view.appearance import Appearance, Arrows, Line, Solid
 from tautline.view.camera import ANGLE, CLOSE, Aim, aim, fitted
 from tautline.view.colours import Shading, shading
-from tautline.view.figure import round_numbers, scale
+from tautline.view.figure import round_numbers, scale_in
 from tautline.view.graphics import graphics
 from tautline.view.mesh import turned_about
 from tautline.view.tube import rings, skin
@@ -332,7 +332,7 @@ class Stage:
         """What the longest arrow of each kind stands for."""
         said = []
         for arrows in self.appearance.arrows:
-            factor, unit = scale([np.array([arrows.longest])], arrows.unit)
+            factor, unit = scale_in(self.appearance.units, [np.array([arrows.longest])], arrows.unit)
             if arrows.longest > 0.0:
                 said.append(f"{arrows.text}: longest arrow {arrows.longest / factor:.3g} {unit}".rstrip())
         return said
