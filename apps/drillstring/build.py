@@ -43,6 +43,9 @@ def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
     if well.survey is not None:
         assert scene.document is not None
         path = Path(scene.document.folder) / well.survey.file
+        if not path.is_file():
+            cause = "is a folder, not a file" if path.is_dir() else f"there is no file {path}"
+            raise SceneError([scene.problem("well.survey", cause, "give its path relative to the scene's folder")])
         survey = read_survey(path, well.survey.units, max_gap=well.survey.max_gap)
         try:
             return wellbore.from_survey(survey.md, survey.inc, survey.azi)

@@ -5,6 +5,7 @@ The models below hold what the file says, in SI, validated; `Wellbore` and the b
 
 from __future__ import annotations
 
+from math import hypot
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -82,6 +83,9 @@ class Section(Model):
             raise fault("od", f"{relation} id = {self.id:g}", "the outside is larger than the bore: swap od and id?")
         if self.tool_joint_od is not None and self.tool_joint_od < self.od:
             raise fault("tool_joint_od", f"smaller than od = {self.od:g}", "give at least od, or remove it")
+        if hypot(*self.eccentricity) >= 0.5 * self.contact_diameter:
+            cause = f"the centre of gravity is {hypot(*self.eccentricity):g} m off the axis, outside of the pipe"
+            raise fault("eccentricity", cause, "give some millimetres, such as [0, 2 mm]")
         return self
 
 

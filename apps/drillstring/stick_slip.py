@@ -104,7 +104,7 @@ class Map:
 def require_bit(scene: DrillstringScene) -> None:
     """Raise SceneError where the scene has no bit whose torque could make it stick."""
     if not scene.bit.on_bottom:
-        cause = "is false: a bit that hangs has no torque"
+        cause = "a bit that hangs has no torque"
         raise SceneError([scene.problem("bit.on_bottom", cause, "set it to true, with weight and torque")])
     if scene.bit.torque is None and scene.bit.cutting is None:
         cause = "gives no torque, without which nothing sticks"

@@ -45,7 +45,7 @@ class Point(NamedTuple):
 
     ``profiles`` and ``soft`` hold the statics' and the soft string's results by direction; ``profiles`` has none
     where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
-    ``overpull`` is None where no section has a yield load, ``strokes`` where the string was not found without friction;
+    ``overpull`` is None where no section has a yield load, ``strokes`` where nothing was found and of a bit on bottom;
     ``locks`` says of a direction in which the string locks up where the friction of a helix outgrows the pipe, m;
     ``model`` is the kind of model, ``lumped`` or ``ale-ancf``.
     """
@@ -152,7 +152,7 @@ def stretches(marked: np.ndarray, middle: np.ndarray, end: float) -> list[tuple[
 def require_wall(scene: DrillstringScene) -> None:
     """Raise SceneError where the scene has no wall: without contact there is no friction."""
     if scene.well.wall is None:
-        cause = "is none: without contact the string has no friction"
+        cause = "without contact the string has no friction"
         raise SceneError([scene.problem("well.wall", cause, "give {stiffness: 1.0e9, friction: 0.2}")])
 
 
@@ -250,7 +250,7 @@ def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions
                 failures[direction] = f"{stop.part}: {stop.sentence}{hint}"
     middle = statics.lumps.measured_depth[:-1] + 0.5 * statics.lumps.length
     pull = _overpull(statics, profiles["pick_up"], scene) if "pick_up" in profiles else None
-    strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles else None
+    strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles and not scene.bit.on_bottom else None
     return Point(
         friction, statics.depth, middle, statics.limits, profiles, soft, failures, pull, strokes, locks,
         scene.model.kind,

@@ -31,6 +31,8 @@ SHORT = {
 TORQUES = {"rotating": "torque", "reaming_up": "torque_up", "reaming_down": "torque_down"}
 """What the torque of a motion is called."""
 MOST_SENTENCES = 8
+NO_STROKE = 1e-6
+"""Stroke, m, below which no friction holds the bit."""
 
 
 def column_unit(unit: str, largest: float, system: str) -> tuple[float, str]:
@@ -126,7 +128,7 @@ def _compact(cases: list[Case], system: str) -> Table:
 
 
 def _cell(value: float, unit: str = "") -> str:
-    return f"{value:.2f} {unit}".strip() if np.isfinite(value) else "–"
+    return f"{round(value, 2) + 0.0:.2f} {unit}".strip() if np.isfinite(value) else "–"
 
 
 def _share(ours: float, soft: float) -> float:
@@ -136,7 +138,9 @@ def _share(ours: float, soft: float) -> float:
 def _off(ours: float, soft: float) -> str:
     if not np.isfinite([ours, soft]).all() or abs(soft) < 1.0:
         return "–"
-    return f"{100.0 * (ours / soft - 1.0):+.2f} %"
+    # Without a sign before what is zero as written.
+    share = round(100.0 * (ours / soft - 1.0), 2)
+    return f"{share:+.2f} %" if share != 0.0 else "0.00 %"
 
 
 def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: float = 0.0) -> list[tuple[str, str]]:
@@ -205,6 +209,8 @@ def _strokes(cases: list[Case], system: str) -> list[str]:
     for point in deepest:
         if point.strokes is None or point.friction.largest == 0.0 or not np.isfinite(point.strokes).all():
             continue
+        if max(point.strokes) < NO_STROKE:
+            continue
         up, down, other = (shown(way, "m", system) for way in point.strokes)
         found.append(
             f"{_head(point, deepest, system)}: it moves after a stroke of the "
@@ -241,11 +247,13 @@ def _warnings(point: Point, points: list[Point], system: str) -> list[str]:
             f"{where}, {WORDS[way]}: lock-up: the friction of a helix grows without end towards "
             f"{shown(depth, 'm', system)}, and no force at the top moves the bit"
         )
+    # Of several motions that buckle the string at the same places there is one sentence.
+    buckled: dict[str, list[str]] = {}
     for way in point.profiles:
         helix = point.buckled(way, "helical")
         sine = [] if helix else point.buckled(way, "sinusoidal")
         for kind, places in (("into a helix", helix), ("into a sine", sine)):
             if places:
                 spans = ", ".join(f"{shown(a, 'm', system)} to {shown(b, 'm', system)}" for a, b in places[:4])
-                found.append(f"{where}, {WORDS[way]}: the string buckles {kind} from {spans}")
-    return found
+                buckled.setdefault(f"the string buckles {kind} from {spans}", []).append(WORDS[way])
+    return found + [f"{where}, {', '.join(ways)}: {text}" for text, ways in buckled.items()]

@@ -296,9 +296,15 @@ def _target(scene: Path, output: Path | None) -> Path:
 
 def _print(scene: DrillstringScene, cases: list[Case], fitted: Fit | None) -> None:
     from drillstring.torque_summary import sentences, table
-    from tautline.cli.console import console, say
+    from tautline.cli.console import say
+    from tautline.cli.study import show
+    from tautline.cli.summary import shown
 
-    console().print(table(cases, scene.units))
+    show(table(cases, scene.units))
+    if scene.bit.on_bottom:
+        weight = shown(scene.bit.weight, "N", scene.units)
+        text = f"the bit is on bottom: all of this is with {weight} on it, and without its torque"
+        say(f"{text}; `bit: {{on_bottom: false}}` tells the loads off bottom", "yellow")
     for text, style in sentences(cases, fitted, scene.units, scene.top.weight):
         say(text, style)
 

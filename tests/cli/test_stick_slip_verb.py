@@ -93,7 +93,7 @@ def test_each_run_begins_at_rest_with_the_weight_and_the_laws_of_the_scene(folde
 @pytest.mark.parametrize(
     ("scene", "options", "said"),
     [
-        ("off.yaml", (), "bit.on_bottom = false: is false: a bit that hangs has no torque"),
+        ("off.yaml", (), "bit.on_bottom = false: a bit that hangs has no torque"),
         ("smooth.yaml", (), "gives no torque"),
         ("drilling.yaml", ("--speed", "40:160"), "needs three numbers"),
         ("drilling.yaml", ("--speed", "160:40:20"), "ends below where it begins"),

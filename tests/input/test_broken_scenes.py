@@ -94,6 +94,14 @@ EDITS = {
         "string[0].eccentricity",
         "a list",
     ),
+    "an eccentricity outside of the pipe": (
+        "id: 0.1086",
+        "id: 0.1086, eccentricity: [0, 64 mm]",
+        14,
+        "string[0].eccentricity",
+        "outside of the pipe",
+    ),
+    "a number of elements with an exponent": ("elements: 12", "elements: 1e3", 23, "model.elements", "write 1000"),
     "an eccentricity of three": (
         "id: 0.1086",
         "id: 0.1, eccentricity: [0, 0, 0]",

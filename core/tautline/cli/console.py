@@ -18,7 +18,8 @@ def console() -> Console:
     """Return the console on standard error."""
     from rich.console import Console
 
-    return Console(stderr=True, highlight=False, soft_wrap=True)
+    # What stands between two colons, as in 60:100:20, is no emoji.
+    return Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
 
 
 def say(text: str, style: str = "") -> None:

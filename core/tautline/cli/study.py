@@ -149,7 +149,7 @@ def show(table: Table) -> None:
     """Print a table in full: on a narrow terminal its lines run on, and nothing is cut off."""
     from rich.console import Console
 
-    Console(stderr=True, highlight=False, width=max(console().width, WIDTH)).print(table)
+    Console(stderr=True, highlight=False, emoji=False, width=max(console().width, WIDTH)).print(table)
 
 
 def percentage(text: str, option: str) -> float:

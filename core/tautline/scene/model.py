@@ -168,6 +168,8 @@ def _plain(error: Any) -> tuple[str, str]:
         return "is empty", "give a value, or remove the key"
     names = {"int": ("a whole number", "12"), "bool": ("true or false", "true"), "string": ("a text", "drill pipe")}
     names |= {"tuple": ("a list", "[0, 1]"), "list": ("a list", "[0, 1]")}
+    if kind.startswith("int_") and isinstance(given, float) and given.is_integer():
+        return "must be a whole number, written without a point or an exponent", f"write {given:.0f}"
     for name, (what, example) in names.items():
         if kind.startswith(f"{name}_"):
             return f"must be {what}", f"give {what} such as {example}"
