@@ -70,6 +70,13 @@ def quick_asked(text: str) -> bool:
     return parser.parse_args().quick
 
 
+def between(text: str, part: str, begin: str, end: str) -> str:
+    """A text with a part, which has both marks, in the place of what stood between them."""
+    before, _, rest = text.partition(begin)
+    _, _, after = rest.partition(end)
+    return before + part + after
+
+
 def show(measure: Callable[[bool], Section], text: str) -> None:
     """Run one benchmark and print its section."""
     quick, before = quick_asked(text), load()

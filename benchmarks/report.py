@@ -11,7 +11,7 @@ import jwell
 import real_time
 import scaling
 import table_2_5
-from page import Section, load, machine, quick_asked, table
+from page import Section, between, load, machine, quick_asked, table
 
 PAGE = jwell.ROOT / "docs" / "performance.md"
 README = jwell.ROOT / "README.md"
@@ -33,13 +33,6 @@ def headline(sections: list[Section], measured: str) -> str:
     return f"{BEGIN}\n{table(('figure', 'measured', 'beside it'), rows)}\n{measured}.\n{END}"
 
 
-def replace(text: str, part: str) -> str:
-    """Put a part between the marks of a text."""
-    before, _, rest = text.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    return before + part + after
-
-
 def main() -> None:
     quick = quick_asked(__doc__)
     before = load()
@@ -50,7 +43,7 @@ def main() -> None:
     print(f"{text}\n{part}")
     if not quick:
         PAGE.write_text(text, encoding="utf8")
-        README.write_text(replace(README.read_text(encoding="utf8"), part), encoding="utf8")
+        README.write_text(between(README.read_text(encoding="utf8"), part, BEGIN, END), encoding="utf8")
 
 
 if __name__ == "__main__":

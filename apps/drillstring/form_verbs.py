@@ -247,7 +247,7 @@ def _print(scenes: list[Path], found: list[Finding], system: str) -> None:
         "off axis",
         "off the rod",
         "hook load",
-        "tension",
+        "largest tension",
     )
     for name in (*names, "stretch", spent):
         table.add_column(Text(name), justify="right")
@@ -264,7 +264,7 @@ def _print(scenes: list[Path], found: list[Finding], system: str) -> None:
         say(f"{path.stem}: {one.reference.said}{error}", "yellow" if doubtful else "")
         if touching := one.finest.touching:
             parts = "lumps" if one.finest.kind == "lumped" else "nodes"
-            say(f"{path.stem}: {touching} of {one.finest.elements + 1} {parts} lie on the wall", "yellow")
+            say(f"{path.stem}: {touching} of the {one.finest.elements + 1} {parts} lie on the wall", "yellow")
 
 
 def _unit(system: str) -> tuple[float, str]:

@@ -27,8 +27,8 @@ QUICK_END, QUICK_BUDGET = 0.1, 5.0
 ENDINGS = (".csv", ".nc", ".png")
 MOST_TOLERANCE = 0.5
 """Relative error that nobody can mean to ask for."""
-WIDTH = 150
-"""Characters that a table of runs may take."""
+WIDEST = 400
+"""Letters of a line of a table, at most."""
 METHODS = ("rk4", "generalized-alpha", "newmark")
 ALIASES = {"G-alpha": "generalized-alpha", "generalised-alpha": "generalized-alpha", "RK4": "rk4"}
 
@@ -149,7 +149,9 @@ def show(table: Table) -> None:
     """Print a table in full: on a narrow terminal its lines run on, and nothing is cut off."""
     from rich.console import Console
 
-    Console(stderr=True, highlight=False, emoji=False, width=max(console().width, WIDTH)).print(table)
+    wide = Console(stderr=True, highlight=False, emoji=False, width=WIDEST)
+    needed = wide.measure(table).maximum
+    Console(stderr=True, highlight=False, emoji=False, width=max(console().width, needed)).print(table)
 
 
 def percentage(text: str, option: str) -> float:
