@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import degrees, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -212,7 +212,7 @@ def describe(figures: dict[str, Any]) -> list[tuple[str, str]]:
     rows = [
         ("measured depth of the well", well["length"], "m"),
         ("true vertical depth", well["vertical_depth"], "m"),
-        ("largest inclination", well["largest_inclination"], "rad"),
+        ("largest inclination", degrees(well["largest_inclination"]), "deg"),
         ("length of the string", string["length"], "m"),
         ("mass of the string", string["mass"], "kg"),
         ("displacement of its tubes", string["displacement"], "m^3"),

@@ -12,7 +12,7 @@ import numpy as np
 
 from drillstring.drilling_figures import drilling, phase
 from drillstring.observe import STUCK
-from drillstring.parts import part_of
+from drillstring.parts import depth_said, part_of
 from drillstring.whirl import turns, whirl_of
 from drillstring.whirl_figures import lump_of, whirl
 from tautline.results.errors import ResultError
@@ -240,7 +240,7 @@ def orbit(results: Sequence[Result], named: str = "") -> Figure:
         plot.plot(east[-1], north[-1], color=COLOURS[1], marker="o", ms=5, ls="", label="end")
         equal_scale(plot, across, up, 1e-3)
         words = "bit" if k == offset.shape[1] - 1 else f"{part} {k}"
-        plot.set_title(f"{words}, {depth[k]:.0f} m{_whirls(result, k)}", fontsize=10)
+        plot.set_title(f"{words}, {depth_said(depth[k])}{_whirls(result, k)}", fontsize=10)
         plot.set_xlabel(label("offset along m2", "mm"))
         if number % 3 == 0:
             plot.set_ylabel(label("offset along m1", "mm"))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drillstring.parts import part_of
+from drillstring.parts import depth_said, part_of
 from drillstring.whirl import Whirl, busiest, goes_around, turns, whirl_of
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -57,7 +57,7 @@ def whirl(results: Sequence[Result], name: str = "") -> Figure:
     ratio = one.ratio()
     _orbit(figure, plots[0, 0], one)
     # Here, and not in the heading: what a scene calls itself is not put into other units.
-    plots[0, 0].set_title(f"{words}, {one.depth:.0f} m", fontsize=10)
+    plots[0, 0].set_title(f"{words}, {depth_said(one.depth)}", fontsize=10)
     _rate(plots[0, 1], one, ratio)
     _offset(plots[1, 0], one)
     _spectra(figure, plots[1, 1], one)

@@ -134,6 +134,7 @@ def test_a_bar_of_colours_that_lifts_what_is_weak_is_in_inches():
 
 def test_figures_in_headings_are_converted_with_their_prefixes_and_other_words_are_kept():
     assert in_words("lump 3, 1240 m") == "lump 3, 4068 ft"
+    assert in_words("bit, 3773 m") == "bit, 12379 ft"
     assert in_words("tension, at most 1.5 MN") == "tension, at most 337.2 kip"
     assert (
         in_words("side force, at most 3.2 kN/m of 40 mesh lumps") == "side force, at most 219.3 lbf/ft of 40 mesh lumps"

@@ -68,7 +68,8 @@ def in_words(text: str) -> str:
 
     def put(found: re.Match[str]) -> str:
         value, unit = converted(float(found[1]), found[2])
-        return f"{value:.4g} {unit}"
+        # Depths of ten thousand feet and more are written out.
+        return f"{value:.0f} {unit}" if abs(value) >= 1000.0 else f"{value:.4g} {unit}"
 
     return re.sub(rf"(?<![\w.])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?) ({units})(?![\w/²³^])", put, text)
 
