@@ -107,12 +107,16 @@ def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, sever
         for way, one in point.profiles.items():
             plots[0].plot(one.tension / force, one.link_depth / length, color=ink, **LOOKS[way])
             plots[1].plot(one.side_force / load, one.measured_depth / length, color=ink, **LOOKS[way])
-            if np.abs(one.torque).max(initial=0.0) > 0.0 and way not in ("pick_up", "slack_off"):
+            if way not in ("pick_up", "slack_off"):
                 plots[2].plot(one.torque / moment, one.link_depth / length, color=ink, **LOOKS[way])
     reach = SHOWN_BEYOND * max(_largest(tension), 1.0)
     for limit, ink in ((points[0].limits.sinusoidal, SINE), (points[0].limits.helical, HELIX)):
         drawn = np.where(limit <= reach, -limit / force, np.nan)
         plots[0].plot(drawn, points[0].link_depth / length, color=ink, lw=3, alpha=0.6, zorder=1)
+    for plot, values in ((plots[1], side), (plots[2], twist)):
+        if _largest(values) == 0.0:
+            # A string that touches nothing: its line stands off the edge.
+            plot.set_xlim(-0.05, 1.0)
     plots[0].axvline(0.0, color="black", lw=0.8)
     where = f", bit at {points[0].depth / length:.0f} {name}" if several else ""
     plots[0].set_xlabel(label("effective tension" + where, newton))
