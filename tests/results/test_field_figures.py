@@ -142,4 +142,5 @@ def test_figures_in_headings_are_converted_with_their_prefixes_and_other_words_a
     assert in_words("after 12 s, at 30 deg, in 5 mud") == "after 12 s, at 30 deg, in 5 mud"
     assert converted(25.4, "mm") == (pytest.approx(1.0), "in")
     assert converted(2.0, "kN m") == (pytest.approx(2000.0 / POUND_FOOT / 1000.0), "kft-lbf")
+    assert converted(30.48, "m/h") == (pytest.approx(100.0), "ft/h")
     assert converted(2.0, "Hz") == (2.0, "Hz")

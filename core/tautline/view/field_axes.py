@@ -56,6 +56,8 @@ def converted(value: float, word: str) -> tuple[float, str]:
     """A figure in a unit with its prefix in oilfield units; both as they were where it has none."""
     if word == "mm":
         return value * 1e-3 / INCH, "in"
+    if word == "m/h":
+        return value / 0.3048, "ft/h"
     known = read(word)
     return in_field_units(value * known[0], known[1]) if known else (value, word)
 
