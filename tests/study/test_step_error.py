@@ -94,7 +94,7 @@ def test_simulate_tells_it_where_it_is_asked_to_and_the_result_keeps_it(cable):
     code, out, err = cable("simulate", "bar.yaml", "--verify", "--json")
     report = only_object(out)
     assert code == 0 and report["step_error"]["step"] == pytest.approx(0.04)
-    assert "a step of 0.04 s changes" in err and any("steps of 0.04 s" in warning for warning in report["warnings"])
+    assert "change by steps of 0.04 s" in err and any("steps of 0.04 s" in warning for warning in report["warnings"])
     kept = Result.read("bar.nc")
     assert kept.step_error == report["step_error"] and kept.warnings == report["warnings"]
     code, out, err = cable("simulate", "bar.yaml", "--json")

@@ -127,8 +127,8 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
 def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:
     """Rows of what another step has changed."""
     way, force = (None if x is None else f"{significant(100.0 * x, 2)} %" for x in (found["position"], found["force"]))
-    moved = f"{shown(found['distance'], 'm', system)} in the {found['place']}, {way} of its way"
-    rows = [(f"a step of {quantity(found['step'], 's')} changes", moved)]
+    moved = f"{shown(found['distance'], 'm', system)} ({way}), {found['place']}"
+    rows = [(f"change by steps of {quantity(found['step'], 's')}", moved)]
     if force is not None:
-        rows.append(("", f"{force} in the amplitude of the {found['force_place']}"))
+        rows.append(("", f"{force}, amplitude of {found['force_place']}"))
     return rows
