@@ -27,9 +27,7 @@ RINGS = 0.95
 
 
 def bit_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
-    """Cautions of a bit on bottom; none of one that hangs."""
-    if not scene.bit.on_bottom:
-        return []
+    """Cautions of a bit on bottom."""
     return [
         *_of_weight(scene, well, lumps), *_of_drilling(scene, lumps), *_of_method(scene), *_of_chatter(scene, lumps),
     ]  # fmt: skip

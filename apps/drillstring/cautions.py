@@ -7,9 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.beam_frequency import contact_frequency
-from drillstring.beam_points import points_of
-from drillstring.bit_cautions import bit_cautions
 from drillstring.build import tubes_of, well_of
 from drillstring.fluid import fluid_of
 from drillstring.lumped_string import lateral_mass
@@ -48,6 +45,9 @@ def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
     if wall is None:
         return float("inf")
     if scene.model.kind == BEAM:
+        from drillstring.beam_frequency import contact_frequency
+        from drillstring.beam_points import points_of
+
         rattling = contact_frequency(points_of(lumps), wall, fluid_of(scene.mud), scene.well.diameter)
         return RK4_LIMIT / max(rattling, *(bar.fastest for bar in bars(scene)))
     mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
@@ -166,7 +166,10 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
     found += _block_cautions(scene, lumps)
     found += _casing_cautions(scene, lumps)
     found += yield_cautions(scene, well_of(scene), lumps)
-    found += bit_cautions(scene, well_of(scene), lumps)
+    if scene.bit.on_bottom:
+        from drillstring.bit_cautions import bit_cautions
+
+        found += bit_cautions(scene, well_of(scene), lumps)
     longest = float(lumps.length.max())
     if longest > 0.25 * lumps.total and lumps.total > 500.0:
         found.append(

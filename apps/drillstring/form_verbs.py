@@ -31,7 +31,9 @@ Elements = Annotated[
 ]
 Models = Annotated[
     str | None,
-    typer.Option("--model", metavar="KIND,KIND", help="lumped, ale-ancf, or both. [dim]\\[default: the scene's][/]"),
+    typer.Option(
+        "--model", metavar="KIND,KIND", help="lumped, ale-ancf, or lumped,ale-ancf. [dim]\\[default: the scene's][/]"
+    ),
 ]
 Most = Annotated[
     int | None,
@@ -164,7 +166,9 @@ def parse_models(text: str | None) -> list[str]:
     words = [word.strip().lower().replace("_", "-") for word in text.split(",")]
     for word in words:
         if word not in meant:
-            raise _refused("--model", text, f"'{word}' is no kind of model", f"write {LUMPED}, {BEAM}, or both")
+            raise _refused(
+                "--model", text, f"'{word}' is no kind of model", f"write {LUMPED}, {BEAM} or {LUMPED},{BEAM}"
+            )
     return list(dict.fromkeys(meant[word] for word in words))
 
 

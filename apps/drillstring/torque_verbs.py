@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drillstring.form_verbs import Models, parse_models
 from tautline.cli.verbs import Json, Scene
 
 if TYPE_CHECKING:
@@ -60,13 +61,6 @@ Rotary = Annotated[
     str | None,
     typer.Option("--rotary", metavar="SPEED", help="Rotary speed of reaming. [dim]\\[default: 60 rpm][/]"),
 ]
-Models = Annotated[
-    str | None,
-    typer.Option(
-        "--model", metavar="A,B",
-        help="Model of the string: lumped, ale-ancf, or both. [dim]\\[default: the scene's][/]",
-    ),
-]  # fmt: skip
 Picture = Annotated[
     Path | None,
     typer.Option(
@@ -88,7 +82,6 @@ def torque_drag(
     as_json: Json = False,
 ) -> None:
     """Find hook loads, surface torque, side force and buckling, at one depth or many, for several friction factors."""
-    from drillstring.form_verbs import parse_models
     from drillstring.scene import of_kind, read
     from drillstring.torque_drag import own_friction
     from drillstring.torque_drag import torque_drag as compute

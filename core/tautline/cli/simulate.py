@@ -151,7 +151,8 @@ def _second_run(
     application: Application, scene: Any, model: Any, verify: bool | None, earlier: Result | None, bar: Bar, quiet: bool
 ) -> Afterwards | None:
     """What compares a run with one of other steps; None where that was not asked for and the run itself tells."""
-    if verify is False or (verify is None and (earlier is not None or not hasattr(model, "system"))):
+    rubs = getattr(getattr(model, "system", None), "has_friction", False)
+    if verify is False or (verify is None and (earlier is not None or not rubs)):
         return None
     from tautline.study.step_error import step_error, tells_nothing_itself
     from tautline.study.trial import Subject
