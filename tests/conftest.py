@@ -1,5 +1,6 @@
 """Makes the folders of tests importable, as `references.soft_string`, orders them, and has Ctrl-C heard by all."""
 
+import gc
 import os
 import signal
 import sys
@@ -8,8 +9,13 @@ from pathlib import Path
 
 import pytest
 
+from tautline.kernels.garbage import RARELY
+
 TESTS = Path(__file__).parent
 sys.path.insert(0, str(TESTS))
+
+# Tests compile much of the time.
+gc.set_threshold(*RARELY)
 
 # A shell starts what runs in the background with Ctrl-C ignored, and its children with it; tests of Ctrl-C need it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

@@ -17,7 +17,7 @@ from crane.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.span import MATERIAL, STATION
 from crane.summary import headline
 from crane.supply import check_supply
-from tautline.kernels.time_function import evaluate
+from tautline.kernels.time_function import value_at
 from tautline.scene.errors import SceneError
 from tautline.scene.solver import error_of_steps, longest_step
 from tautline.system.model import Model, SolverSettings
@@ -105,7 +105,7 @@ def assembled(scene: CraneScene) -> Assembly:
     system = assemble(groups, layout.degrees, functions, velocity, *_stencils(layout, contacts), at_rest=at_rest)
     for k, place in enumerate(system.dofs.held):
         if system.dofs.motion[k] >= 0:
-            system.q[place] = system.dofs.offset[k] + evaluate(functions, system.dofs.motion[k], 0.0)[0]
+            system.q[place] = system.dofs.offset[k] + value_at(functions, system.dofs.motion[k], 0.0)[0]
     return Assembly(layout, system, compensation, [*layout.path.warnings])
 
 

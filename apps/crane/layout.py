@@ -19,7 +19,7 @@ from crane.rigid import QUATERNION, quaternion_of, rotation_of
 from crane.scene import Anchor, Body, CraneScene, End, Sheave
 from crane.span import MATERIAL, STATION
 from crane.vessel import frames_of
-from tautline.kernels.time_function import evaluate
+from tautline.kernels.time_function import value_at
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant
 from tautline.system.system import Degrees
@@ -151,7 +151,7 @@ def lay_out(scene: CraneScene) -> Layout:
     """
     frames, places, requests = _compiled_frames(scene)
     functions = compile_functions(requests)
-    entries = np.array([evaluate(functions, i, 0.0)[0] for i in range(len(requests))]).reshape(-1, ENTRIES)
+    entries = np.array([value_at(functions, i, 0.0)[0] for i in range(len(requests))]).reshape(-1, ENTRIES)
     on = [_frame_number(scene, item, places) for item in scene.path]
     wheels = [
         _wheel(scene, item, entries[k] if k != GROUND else IDENTITY) for item, k in zip(scene.path, on, strict=True)

@@ -15,7 +15,7 @@ from crane.winch import Drums, Supplies
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.state import State
 from tautline.integrators.status import StoppedEarly
-from tautline.kernels.time_function import evaluate
+from tautline.kernels.time_function import value_at
 from tautline.system.system import System
 
 ITERATIONS = 40
@@ -75,7 +75,7 @@ def _hold(layout: Layout, system: System, state: State) -> None:
         lacking = -float(state.residual[place])
         for k, row in enumerate(slips.rows):
             if row.kind == TORQUE and row.p == place:
-                limit = row.coefficient * max(0.0, evaluate(slips.functions, row.function, 0.0)[0])
+                limit = row.coefficient * max(0.0, value_at(slips.functions, row.function, 0.0)[0])
                 slips.force[k] = min(max(lacking / row.by_p, -limit), limit)
                 lacking -= row.by_p * slips.force[k]
 

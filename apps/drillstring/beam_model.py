@@ -29,7 +29,7 @@ from tautline.elements.tension import TENSION, Tension
 from tautline.elements.twist import TWISTED, Twist
 from tautline.elements.weld import Welds
 from tautline.kernels.hermite import gauss, lobatto, table
-from tautline.kernels.time_function import TimeFunctions, evaluate
+from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.lumped.curve import records
 from tautline.system.system import Degrees, assemble
 
@@ -48,7 +48,7 @@ def assemble_beam(
     scene: DrillstringScene, well: Wellbore, mesh: Lumps, functions: TimeFunctions, law: str
 ) -> Assembled:
     """The ALE-ANCF model of a string in its hole; ``law`` is the friction law that the method can take."""
-    start = [evaluate(functions, k, 0.0) for k in (BLOCK, ROTATION)]
+    start = [value_at(functions, k, 0.0) for k in (BLOCK, ROTATION)]
     moving = any(rate != 0.0 for _, rate, _ in start)
     points = points_of(mesh)
     elements = _elements(scene, mesh)

@@ -13,7 +13,7 @@ from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
 from tautline.cli.summary import shown
 from tautline.integrators.rk4 import RK4_LIMIT
-from tautline.kernels.time_function import evaluate
+from tautline.kernels.time_function import value_at
 from tautline.scene.errors import Caution
 from tautline.scene.solver import longest_step
 from tautline.system.time_functions import compile_functions
@@ -55,8 +55,8 @@ def _of_weight(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Ca
 def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     """Where the block is not lowered as fast as the bit drills."""
     functions = compile_functions(requests(scene))
-    feed = evaluate(functions, BLOCK, scene.solver.end)[1]
-    spin = evaluate(functions, ROTATION, scene.solver.end)[1]
+    feed = value_at(functions, BLOCK, scene.solver.end)[1]
+    spin = value_at(functions, ROTATION, scene.solver.end)[1]
     if scene.bit.penetration is None and scene.bit.cutting is None:
         if feed <= 0.0:
             return []

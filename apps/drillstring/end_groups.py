@@ -15,7 +15,7 @@ from drillstring.impedance import gains, note_of_drive
 from drillstring.string import Tube
 from drillstring.top_drive import TopDrive
 from tautline.elements.load import Loads
-from tautline.kernels.time_function import TimeFunctions, evaluate
+from tautline.kernels.time_function import TimeFunctions, value_at
 
 if TYPE_CHECKING:
     from drillstring.scene import DrillstringScene
@@ -68,7 +68,7 @@ def groups_at_ends(
         groups.append(Loads(bit.places, scene.bit.force * bit.direction))
     wound = 0.0
     if scene.bit.on_bottom:
-        spin = evaluate(functions, ROTATION, 0.0)[1]
+        spin = value_at(functions, ROTATION, 0.0)[1]
         group = _bit(scene, bit, bit_turn, tubes, spin)
         # A string that turns at the start is wound up by the torque that its bit then has; `straight` is as it says.
         if spin != 0.0 and scene.start != "straight":

@@ -21,7 +21,7 @@ from drillstring.observe import Observer
 from drillstring.scene import DrillstringScene
 from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
-from tautline.kernels.time_function import TimeFunctions, evaluate
+from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.lumped.bend import Bends
 from tautline.lumped.body import EccentricBodies
 from tautline.lumped.curve import PER_BODY
@@ -43,7 +43,7 @@ def assemble_lumps(
     scene: DrillstringScene, well: Wellbore, lumps: Lumps, functions: TimeFunctions, law: str
 ) -> Assembled:
     """The lumped model of a string in its hole; ``law`` is the friction law that the method can take."""
-    start = [evaluate(functions, k, 0.0) for k in (BLOCK, ROTATION)]
+    start = [value_at(functions, k, 0.0) for k in (BLOCK, ROTATION)]
     moving = any(rate != 0.0 for _, rate, _ in start)
     driven = is_driven(scene)
     groups, weight = _groups(scene, well, lumps, functions, law, moving)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter
 from scipy.integrate import quad
 
-from tautline.kernels.time_function import evaluate, sample
+from tautline.kernels.time_function import MANY, sample, value_at
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Chirp, Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity, time_function
 from tautline.system.time_functions import FunctionRequest, compile_functions, jonswap
@@ -39,7 +39,15 @@ def compiled(model, integrate=False, end=20.0):
 
 
 def value(functions, t):
-    return evaluate(functions, 0, t)[0]
+    return value_at(functions, 0, t)[0]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_many_samples_which_are_compiled_equal_single_values_which_are_not(name):
+    functions = compiled(FUNCTIONS[name])
+    times = np.linspace(-1.0, 13.0, MANY)
+    values = np.array([value_at(functions, 0, t) for t in times[::100]])
+    assert sample(functions, 0, times)[::100] == pytest.approx(values, rel=1e-12, abs=1e-13)
 
 
 @pytest.mark.parametrize("integrate", [False, True])
@@ -86,7 +94,7 @@ def test_the_chirp_is_equation_2_171_of_the_thesis_less_its_start():
     for t in (0.0, 1.0, 12.3, 39.9):
         expected = math.sin(2 * math.pi * (t - 5) / 20 + (t - 5) ** 2 / 400) - start
         assert value(functions, t) == pytest.approx(expected, abs=1e-13)
-    assert evaluate(functions, 0, 0.0)[1] == pytest.approx(0.0181, abs=5e-5)
+    assert value_at(functions, 0, 0.0)[1] == pytest.approx(0.0181, abs=5e-5)
 
 
 def test_a_ramp_starts_and_ends_without_rate_or_acceleration_and_is_held():
@@ -94,13 +102,13 @@ def test_a_ramp_starts_and_ends_without_rate_or_acceleration_and_is_held():
     for t, f in ((-1.0, 0.0), (0.5, 0.0), (1.0, 0.0), (2.5, 1.0), (4.0, 2.0), (100.0, 2.0)):
         assert value(functions, t) == pytest.approx(f, abs=1e-14)
     for t in (1.0, 1.0 + 1e-9, 4.0 - 1e-9, 4.0):
-        assert evaluate(functions, 0, t)[1:] == pytest.approx((0.0, 0.0), abs=1e-7)
+        assert value_at(functions, 0, t)[1:] == pytest.approx((0.0, 0.0), abs=1e-7)
 
 
 def test_a_ramped_rate_grows_on_at_that_rate():
     functions = compiled(Ramp(rate=0.25, over=2.0))
-    assert evaluate(functions, 0, 2.0) == pytest.approx((0.25, 0.25, 0.0), abs=1e-14)
-    assert evaluate(functions, 0, 12.0) == pytest.approx((2.75, 0.25, 0.0), abs=1e-13)
+    assert value_at(functions, 0, 2.0) == pytest.approx((0.25, 0.25, 0.0), abs=1e-14)
+    assert value_at(functions, 0, 12.0) == pytest.approx((2.75, 0.25, 0.0), abs=1e-13)
 
 
 def test_a_linear_table_integrates_to_the_trapezoids_and_goes_on_at_the_last_speed():
@@ -112,8 +120,8 @@ def test_a_linear_table_integrates_to_the_trapezoids_and_goes_on_at_the_last_spe
 def test_a_table_is_held_outside():
     for interpolation in ("linear", "cubic"):
         functions = compiled(Table(time=(1.0, 2.0, 4.0), value=(3.0, 1.0, 5.0), interpolation=interpolation))
-        assert evaluate(functions, 0, 0.5) == (3.0, 0.0, 0.0)
-        assert evaluate(functions, 0, 9.0) == (5.0, 0.0, 0.0)
+        assert value_at(functions, 0, 0.5) == (3.0, 0.0, 0.0)
+        assert value_at(functions, 0, 9.0) == (5.0, 0.0, 0.0)
         assert value(functions, 2.0) == pytest.approx(1.0, abs=1e-13)
 
 
@@ -132,7 +140,7 @@ def test_a_cubic_table_has_a_continuous_second_derivative():
     t = np.array([0.0, 0.3, 1.0, 1.1, 2.0, 4.0])
     functions = compiled(Table(time=tuple(t), value=(0.0, 0.0, 1.0, 5.0, 5.0, 2.0)))
     for knot in t[1:-1]:
-        before, after = evaluate(functions, 0, knot - 1e-10), evaluate(functions, 0, knot + 1e-10)
+        before, after = value_at(functions, 0, knot - 1e-10), value_at(functions, 0, knot + 1e-10)
         assert after == pytest.approx(before, abs=1e-4)
 
 
@@ -169,7 +177,7 @@ def test_functions_of_a_scene_do_not_mix():
     models = list(FUNCTIONS.values())
     together = compile_functions([FunctionRequest(model) for model in models])
     for i, model in enumerate(models):
-        assert evaluate(together, i, 3.21) == evaluate(compiled(model), 0, 3.21)
+        assert value_at(together, i, 3.21) == value_at(compiled(model), 0, 3.21)
 
 
 def test_no_functions_make_empty_arrays():
@@ -189,7 +197,7 @@ def test_a_table_of_a_hundred_thousand_rows_is_good_everywhere():
 
 def test_an_integral_in_numbers_goes_on_straight_after_its_end():
     functions = compiled(FUNCTIONS["chirp"], integrate=True, end=5.0)
-    at_end, after = evaluate(functions, 0, 5.0), evaluate(functions, 0, 7.0)
+    at_end, after = value_at(functions, 0, 5.0), value_at(functions, 0, 7.0)
     assert after[0] == pytest.approx(at_end[0] + 2.0 * at_end[1], abs=1e-12)
 
 

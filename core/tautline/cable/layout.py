@@ -6,7 +6,7 @@ import numpy as np
 
 from tautline.cable.parts import Node
 from tautline.cable.scene import CableScene
-from tautline.kernels.time_function import TimeFunctions, evaluate
+from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.scene.document import join_key
 from tautline.scene.functions import Table
 from tautline.system.system import Degrees
@@ -98,12 +98,12 @@ class Layout:
                     self.degrees.prescribe(place, index[function])
                     # A rate goes on from pos0, a function is the value itself.
                     self.degrees.value[place] = motion.pos0 if motion.function is None else 0.0
-                    self.velocity[place] = evaluate(functions, index[function], 0.0)[1]
+                    self.velocity[place] = value_at(functions, index[function], 0.0)[1]
                 elif held:
                     self.degrees.fix(place)
         for stream, place in self.flow.items():
             self.degrees.prescribe(place, index[stream])
-            self.velocity[place] = evaluate(functions, index[stream], 0.0)[1]
+            self.velocity[place] = value_at(functions, index[stream], 0.0)[1]
         return functions
 
     def _settle(self) -> None:
@@ -113,7 +113,7 @@ class Layout:
         value = self.degrees.value.copy()
         for place, function in self.degrees.motion.items():
             if function >= 0:
-                value[place] += evaluate(self.functions, function, 0.0)[0]
+                value[place] += value_at(self.functions, function, 0.0)[0]
         for place in self.degrees.masters:
             masters = self.degrees.resolved(place)
             self.degrees.value[place] = sum(f * value[i] for i, f in masters)

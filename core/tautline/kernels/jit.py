@@ -21,9 +21,9 @@ import numba
 from filelock import FileLock
 from numba import njit, types
 from numba.core.caching import Cache, IndexDataCacheFile
-from numba.core.targetconfig import TargetConfig
 from numba.np import arrayobj
 
+from tautline.kernels import compiler as _quicker  # noqa: F401  what it replaces in numba is all that it does
 from tautline.kernels.parts import PartCompiler
 
 FOLDERS_KEPT = 6
@@ -153,27 +153,9 @@ def _look_before_preparing() -> None:
     Cache.load_overload = load_overload
 
 
-def _compare_settings_as_they_are_set() -> None:
-    """Compare numba's settings by those that were set.
-
-    Numba asks whether two are equal at every operator that it compiles, and then reads all of them one by one, with
-    their defaults; the hash is that of their names, the same for all. It is a twelfth of the time of a first run.
-    """
-    as_written = TargetConfig.__eq__
-
-    def equal(self: TargetConfig, other: Any) -> Any:
-        if self is other or (type(self) is type(other) and self._values == other._values):
-            return True
-        return as_written(self, other)
-
-    TargetConfig.__eq__ = equal
-    TargetConfig.__hash__ = lambda self: hash(type(self))
-
-
 _trust_indices()
 _mend_index()
 _look_before_preparing()
-_compare_settings_as_they_are_set()
 numba.config.CACHE_DIR = str(cache_folder())
 
 entry = functools.partial(

@@ -10,10 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.kernels.jit import entry
+from tautline.kernels.jit import entry, kernel
 
 DEGREES = 8
 """Coefficients kept of a polynomial: up to degree 7, the integral of a ramp's rate."""
+MANY = 10_000
+"""Polynomials and sines from which sampling is compiled, which may take a second; so many take Python a tenth."""
 
 
 class TimeFunctions(NamedTuple):
@@ -46,7 +48,7 @@ class TimeFunctions(NamedTuple):
     waves: np.ndarray
 
 
-@entry
+@kernel
 def evaluate(functions, i, t):
     """Return ``(f, df, ddf)`` of function `i` at time `t`: its value, rate and second rate."""
     f, df, ddf = 0.0, 0.0, 0.0
@@ -92,10 +94,24 @@ def evaluate(functions, i, t):
     return f, df, ddf
 
 
+_interpreted = getattr(evaluate, "py_func", evaluate)
+
+
+def value_at(functions, i, t):
+    """``(f, df, ddf)`` of function `i` at time `t`, s: what :func:`evaluate` computes, for callers in Python."""
+    f, df, ddf = _interpreted(functions, i, t)
+    return float(f), float(df), float(ddf)
+
+
 def sample(functions, i, times):
     """Value, rate and second rate of function `i` at many times (m,) s, as an array (m, 3)."""
     out = np.empty((times.size, 3))
-    _sample(functions, i, times, out)
+    terms = functions.track_from[i + 1] - functions.track_from[i] + functions.wave_from[i + 1] - functions.wave_from[i]
+    if times.size * terms < MANY:
+        for k, t in enumerate(times.tolist()):
+            out[k] = _interpreted(functions, i, t)
+    else:
+        _sample(functions, i, times, out)
     return out
 
 

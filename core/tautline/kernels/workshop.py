@@ -21,6 +21,7 @@ from typing import IO, Any
 from numba import config
 from numba.core import types
 
+from tautline.kernels.garbage import collected_rarely
 from tautline.kernels.jit import is_compiled
 
 Job = tuple[Any, tuple[types.Type, ...]]
@@ -52,15 +53,16 @@ def compile_all(jobs: list[Job], announce: Callable[[int], None] | None = None) 
     threads = [threading.Thread(target=_employ, args=(waiting,), daemon=True) for _ in range(helpers)]
     for thread in threads:
         thread.start()
-    while waiting:
-        with contextlib.suppress(IndexError):
-            function, signature = waiting.popleft()
-            function.compile(signature)
-    for thread in threads:
-        thread.join()
-    for function, signature in jobs:
-        if signature not in function.overloads:
-            function.compile(signature)
+    with collected_rarely():
+        while waiting:
+            with contextlib.suppress(IndexError):
+                function, signature = waiting.popleft()
+                function.compile(signature)
+        for thread in threads:
+            thread.join()
+        for function, signature in jobs:
+            if signature not in function.overloads:
+                function.compile(signature)
 
 
 def _employ(waiting: deque[Job]) -> None:
@@ -85,12 +87,13 @@ def help_out() -> None:
     """Be a helper: say that there is nothing to do, read a job, compile it, until the other side is gone."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    while True:
-        answers.write(b".")
-        answers.flush()
-        size = int.from_bytes(sys.stdin.buffer.read(8), "little")
-        if size == 0:
-            return
-        with contextlib.suppress(Exception):
-            module, name, signature = pickle.loads(sys.stdin.buffer.read(size))
-            getattr(importlib.import_module(module), name).compile(signature)
+    with collected_rarely():
+        while True:
+            answers.write(b".")
+            answers.flush()
+            size = int.from_bytes(sys.stdin.buffer.read(8), "little")
+            if size == 0:
+                return
+            with contextlib.suppress(Exception):
+                module, name, signature = pickle.loads(sys.stdin.buffer.read(size))
+                getattr(importlib.import_module(module), name).compile(signature)
