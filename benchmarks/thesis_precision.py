@@ -5,10 +5,14 @@ from __future__ import annotations
 import thesis_precision_curves
 import thesis_precision_hanging
 import thesis_precision_hose
+import thesis_precision_steps
 import thesis_precision_times
 from page import Section, load, show
 
-PARTS = (thesis_precision_times, thesis_precision_hose, thesis_precision_hanging, thesis_precision_curves)
+PARTS = (
+    thesis_precision_times, thesis_precision_hose, thesis_precision_steps, thesis_precision_hanging,
+    thesis_precision_curves,
+)  # fmt: skip
 
 
 def measure(quick: bool) -> Section:

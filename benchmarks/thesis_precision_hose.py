@@ -110,7 +110,8 @@ def _claims(found: dict[str, dict[str, Coupled]]) -> list[tuple[str, ...]]:
          "at the thesis' 0.000245 s RK4 cannot stand with it"),
         ("a step of generalized-α over one of RK4, at RK4's step", number(_step_ratio(free)), "“about 3”",
          "RK4 evaluates bending and flow four times a step; generalized-α needs "
-         f"{_iterations(free.runs[RUNS[1]])} iterations"),
+         f"{_iterations(free.runs[RUNS[1]])} iterations with kept factors; without that see [what one step "
+         "costs](#what-one-step-costs)"),
     ]  # fmt: skip
     if "lagrange" in found[UNDAMPED]:
         tied = found[UNDAMPED]["lagrange"]

@@ -157,7 +157,7 @@ def _claims(found: dict[int, Timed]) -> list[tuple[str, ...]]:
     return [
         ("a step of generalized-α over one of RK4", f"{min(ratios):.1f} to {max(ratios):.1f}", f"“about {EQUAL}”",
          "factors are kept over iterations and steps: an iteration is one residual and one solution, of which RK4 "
-         "takes four a step"),
+         "takes four a step; without that see [what one step costs](#what-one-step-costs)"),
         ("generalized-α is quicker with ten steps to mode 1", _counts(quicker(found, "mode 1")),
          "n = 4, 8 (“more than 2”)", why),
         ("the same with ten steps to mode 2", _counts(quicker(found, "mode 2")), "n = 8", why),

@@ -57,7 +57,7 @@ def build(scene: CraneScene) -> Model:
         solver=SolverSettings(
             solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
             alpha_m, alpha_f, solver.tolerance or TOLERANCE, solver.criterion or "force", solver.max_iterations,
-            solver.max_halvings, step_error=error, automatic=solver.step == "auto",
+            solver.max_halvings, step_error=error, automatic=solver.step == "auto", newton=solver.newton,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),

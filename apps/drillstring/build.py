@@ -120,6 +120,7 @@ def build(scene: DrillstringScene) -> Model:
             solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
             alpha_m, alpha_f, solver.tolerance or TOLERANCE, criterion, solver.max_iterations,
             solver.max_halvings, step_error=error_of_steps(solver, STEP_ERROR), automatic=solver.step == "auto",
+            newton=solver.newton,
         ),
         variables=variables() + variables_of_ends(system.groups),
         coordinates=observer.coordinates(),

@@ -61,6 +61,7 @@ def build(scene: HoseScene) -> Model:
             alpha_m, alpha_f, solver.tolerance or tolerance_of(scene), solver.criterion or "energy",
             solver.max_iterations, solver.max_halvings, projection="identity", stabilise=2,
             energy_unit=energy_of(scene), step_error=error, automatic=solver.step == "auto", contraction=CONTRACTION,
+            newton=solver.newton,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),

@@ -137,6 +137,7 @@ BAD = [
     (("--steps", "soon"), "--steps", "soon"), (("--methods", "euler"), "--methods", "euler"),
     (("--elements", "0"), "--elements", "0"), (("--tolerance", "1,5 %"), "--tolerance", "1,5 %"),
     (("--tolerance", "90 %"), "--tolerance", "90 %"), (("--constraints", "glue"), "--constraints", "glue"),
+    (("--newton", "half"), "--newton", "half"),
     (("--reference", "rk4,newmark"), "--reference", "rk4"), (("--reference-step", "-1"), "--reference-step", "-1"),
     (("--point", "hook"), "--point", "hook"), (("--repeat", "0"), "--repeat", ""), (("--budget", "0"), "--budget", ""),
     (("--end", "-1"), "--end", "-1"), (("--end", "0.001"), "--end", "0.001"), (("--end", "nan"), "--end", "nan"),

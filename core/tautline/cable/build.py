@@ -107,7 +107,7 @@ def build(scene: CableScene) -> Model:
             solver.method, longest_step(solver, solver.interval), solver.end, solver.interval,
             alpha_m, alpha_f, solver.tolerance, "energy",
             solver.max_iterations, projection=solver.projection, stabilise=solver.stabilise, energy_unit=1.0,
-            step_error=error, automatic=solver.step == "auto",
+            step_error=error, automatic=solver.step == "auto", newton=solver.newton,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),

@@ -14,6 +14,7 @@ from tautline.scene.solver import (
     MOST_FRAMES,
     MOST_STEPS,
     Control,
+    Newton,
     Step,
     Time,
     alphas_of,
@@ -36,7 +37,8 @@ class CableSolver(Model):
     back to the constraints after each step by ``stabilise`` projections (two in the thesis, eqs 2.124-2.125), in the
     metric of the ``mass`` (eq. 2.127) or of ``identity`` (eq. 2.128). ``control: error`` halves and doubles the step
     to keep the local error below ``tolerance``, m; ``time_step: auto`` chooses the longest step as well.
-    ``frequency``, Hz, is the highest that the answer is to show: a step that is too long for it is warned of.
+    ``newton: full`` makes a new tangent in every iteration, as the thesis does; ``modified`` keeps the factors of an
+    old one. ``frequency``, Hz, is the highest that the answer is to show: a step that is too long for it is warned of.
     """
 
     method: Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS] = Field(
@@ -57,6 +59,7 @@ class CableSolver(Model):
     stabilise: Annotated[Whole, Field(ge=0, le=2)] = 2
     control: Control = "fixed"
     step_error: Annotated[float, quantity("m", positive=True)] | None = Field(None, alias="tolerance")
+    newton: Newton = "modified"
     frequency: Annotated[float, quantity("Hz", positive=True)] | None = None
 
     @model_validator(mode="after")

@@ -29,6 +29,7 @@ MOST_TOLERANCE = 0.5
 """Relative error that nobody can mean to ask for."""
 WIDEST = 400
 """Letters of a line of a table, at most."""
+NEWTON = ("modified", "full")
 METHODS = ("rk4", "generalized-alpha", "newmark")
 ALIASES = {"G-alpha": "generalized-alpha", "generalised-alpha": "generalized-alpha", "RK4": "rk4"}
 
@@ -41,7 +42,7 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
     output : Path or None
         Beginning of the names of the files that are written; by default the scene's with ``_study``.
     asked : dict
-        What the command line gave: methods, steps, elements, constraints, tolerance, end, point, reference,
+        What the command line gave: methods, steps, elements, constraints, newton, tolerance, end, point, reference,
         reference_step, repeat, budget, quick.
 
     Raises
@@ -167,6 +168,7 @@ def _grid(asked: dict[str, Any]) -> Grid:
     return Grid(
         methods or None, steps or None, numbers(asked["elements"], "--elements", "") or [1.0],
         words(asked["constraints"], "--constraints", str),
+        words(asked["newton"], "--newton", one_of(NEWTON, {})),
     )  # fmt: skip
 
 
@@ -233,12 +235,12 @@ def _table(rows: Sequence[Row]) -> Table:
 
     records = [run_record(row) for row in rows]
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="cyan")
-    further = [key for key in ("step_error", "elements", "constraint") if len({r[key] for r in records}) > 1]
+    further = [key for key in ("step_error", "elements", "constraint", "newton") if len({r[key] for r in records}) > 1]
     heads = {"step_error": "step error", "elements": "elements x"}
     columns = ["method", "step, s", *(heads.get(key, key) for key in further)]
     columns += ["position", "force", "phase, rad", "RMSE, m", "CPU, s", "wall, s", "spread", "real time", "steps"]
     for name in [*columns, "iterations", "status"]:
-        table.add_column(name, justify="left" if name in ("method", "status", "constraint") else "right")
+        table.add_column(name, justify="left" if name in ("method", "status", "constraint", "newton") else "right")
     for r in records:
         table.add_row(
             str(r["method"] or "–"), _number(r["step"], 4), *(_number(r[key]) for key in further),

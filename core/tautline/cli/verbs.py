@@ -125,6 +125,10 @@ Meshes = Annotated[
 Constraints = Annotated[
     str | None, typer.Option("--constraints", help="Ways to impose constraints, between commas, or all.")
 ]
+Newton = Annotated[
+    str | None,
+    typer.Option("--newton", help="How implicit methods iterate, between commas: modified (factors are kept), full."),
+]
 Tolerance = Annotated[str, typer.Option("--tolerance", help="Relative error of position that is asked for.")]
 Point = Annotated[str | None, typer.Option("--point", help="Node, lump or body to look at.")]
 ReferenceMethod = Annotated[str | None, typer.Option("--reference", help="Method of the reference.")]
@@ -179,6 +183,7 @@ def study(
     steps: Steps = None,
     elements: Meshes = None,
     constraints: Constraints = None,
+    newton: Newton = None,
     tolerance: Tolerance = "1 %",
     end: End = None,
     point: Point = None,
@@ -193,9 +198,9 @@ def study(
     from tautline.cli import study as verb
 
     asked = {
-        "methods": methods, "steps": steps, "elements": elements, "constraints": constraints, "tolerance": tolerance,
-        "end": end, "point": point, "reference": reference, "reference_step": reference_step, "repeat": repeat,
-        "budget": budget, "quick": quick,
+        "methods": methods, "steps": steps, "elements": elements, "constraints": constraints, "newton": newton,
+        "tolerance": tolerance, "end": end, "point": point, "reference": reference,
+        "reference_step": reference_step, "repeat": repeat, "budget": budget, "quick": quick,
     }  # fmt: skip
     verb.study(context.obj, scene, output, asked, as_json)
 

@@ -31,7 +31,13 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
     halvings = max(settings.max_halvings, HALVINGS_OF_AUTO) if settings.automatic else settings.max_halvings
     by_energy = settings.criterion == "energy"
     iteration = corrector(
-        system, settings.tolerance, by_energy, settings.max_iterations, settings.energy_unit, settings.contraction
+        system,
+        settings.tolerance,
+        by_energy,
+        settings.max_iterations,
+        settings.energy_unit,
+        settings.contraction,
+        full=settings.newton == "full",
     )
     # A row's moment over the force that counts as large is the length by which its unknown counts.
     length = system.scale / (system.force or system.scale.max(initial=1.0))

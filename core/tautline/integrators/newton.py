@@ -42,8 +42,9 @@ class Corrector(NamedTuple):
     """Settings and scratch of the iteration.
 
     Old factors are kept while an iteration shrinks the residual to the part ``contraction``, else the tangent is made
-    anew. ``tolerance``: with the energy criterion the bound of eq. 2.78 with the energy over ``unit``; with the force
-    criterion that of the largest residual over ``scale``. ``smooth`` is the tangent of the groups that do not switch,
+    anew; where the iteration is ``full`` it is made anew each time, as eq. 2.87 says. ``tolerance``: with the energy
+    criterion the bound of eq. 2.78 with the energy over ``unit``; with the force criterion that of the largest residual
+    over ``scale``. ``smooth`` is the tangent of the groups that do not switch,
     kept where others do, and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and
     gamma' that they belong to, zeros where they are out of date. ``rounded`` (1,) is 1 after an increment that rounding
     has made.
@@ -51,6 +52,7 @@ class Corrector(NamedTuple):
 
     tolerance: float
     contraction: float
+    full: bool
     unit: float
     by_energy: bool
     max_iterations: int
@@ -72,12 +74,14 @@ def corrector(
     max_iterations: int,
     unit: float | None = None,
     contraction: float = 0.1,
+    full: bool = False,
 ) -> Corrector:
     """Make the scratch of the iteration for a system; the unit of energy is that of its largest force by default."""
     n = system.size
     unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
     return Corrector(
-        float(tolerance), float(contraction), float(unit), bool(by_energy), int(max_iterations), system.scale,
+        float(tolerance), float(contraction), bool(full), float(unit), bool(by_energy), int(max_iterations),
+        system.scale,
         new_matrix(n, system.bandwidth, system.border), new_factors(n, system.bandwidth, system.border),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
         np.zeros(2, np.int64), np.zeros(1, np.int64),
@@ -137,7 +141,7 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
             continue
         if iteration == c.max_iterations:
             break
-        if size > c.contraction * previous:
+        if c.full or size > c.contraction * previous:
             c.factored_for[0] = 0.0
             c.made_for[0] = 0.0
         if c.factored_for[0] == 0.0:

@@ -22,6 +22,7 @@ METHODS = word(
 Method = Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS]
 Time = Annotated[float, quantity("s", positive=True)]
 Step = Annotated[float | Literal["auto"], quantity("s", positive=True, words=("auto",))]
+Newton = Annotated[Literal["modified", "full"], word("modified", "full")]
 Control = Annotated[Literal["fixed", "error"], word("fixed", "error")]
 
 
@@ -98,6 +99,9 @@ class Solver(Model):
     With `control: error` an implicit method halves and doubles the step to keep the error of one below `step_error`, m.
     `step: auto` chooses the longest step as well: the output's interval, and for rk4 what is stable.
 
+    `newton: full` makes a new tangent in every iteration of an implicit method, as the thesis does; `modified` keeps
+    the factors of an old one, also across steps, while they still contract.
+
     `frequency`, Hz, is the highest that the answer is to show: `check` and `simulate` warn of a step that is too long
     for it, as they do for the functions of time in the scene.
     """
@@ -114,6 +118,7 @@ class Solver(Model):
     frequency: Annotated[float, quantity("Hz", positive=True)] | None = None
     max_iterations: Annotated[Whole, Field(ge=1, le=1000)] = 20
     max_halvings: Annotated[Whole, Field(ge=0, le=40)] = 10
+    newton: Newton = "modified"
     criterion: Annotated[Literal["energy", "force"], word("energy", "force")] | None = None
 
     @model_validator(mode="after")

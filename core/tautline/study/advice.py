@@ -64,8 +64,7 @@ def _cure(study: Study, best: Row) -> str:
 def _like(row: Row, best: Row) -> bool:
     """Whether a run differs from the best by a larger step alone."""
     one, two = row.trial.setting, best.trial.setting
-    same = (one.method, one.elements, one.constraint) == (two.method, two.elements, two.constraint)
-    return same and one.step is not None and two.step is not None and one.step > 1.01 * two.step
+    return one.kind == two.kind and one.step is not None and two.step is not None and one.step > 1.01 * two.step
 
 
 def _told(row: Row) -> str:

@@ -66,6 +66,8 @@ def _curves(rows: Sequence[Row]) -> dict[str, list[Row]]:
             name += ", error controlled"
         if setting.constraint is not None:
             name += f", {setting.constraint}"
+        if setting.newton is not None:
+            name += f", {setting.newton} Newton"
         if several:
             name += f", elements x {setting.elements:g}"
         found.setdefault(name, []).append(row)
@@ -88,8 +90,8 @@ def _kind(row: Row) -> tuple[float, str | None]:
     return row.trial.setting.elements, row.trial.setting.constraint
 
 
-def _method(row: Row) -> tuple[str | None, bool]:
-    return row.trial.setting.method, row.trial.setting.step_error is not None
+def _method(row: Row) -> tuple[str | None, str | None, bool]:
+    return row.trial.setting.method, row.trial.setting.newton, row.trial.setting.step_error is not None
 
 
 def _curve(plot: Axes, rows: Sequence[Row], kind: str, name: str, look: dict[str, Any]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,12 +34,15 @@ class Grid:
         Number of elements over the scene's own.
     constraints : sequence of str
         Ways to impose constraints; ``all`` for those that the scene has.
+    newton : sequence of str
+        ``modified``, ``full``: whether implicit methods keep old factors.
     """
 
     methods: Sequence[str] | None = None
     steps: Sequence[float] | None = None
     elements: Sequence[float] = (1.0,)
     constraints: Sequence[str] = ()
+    newton: Sequence[str] = ()
 
 
 def settings(subject: Subject, grid: Grid, step: float, shrinks: float, reduced: bool) -> list[Setting]:
@@ -66,15 +69,20 @@ def settings(subject: Subject, grid: Grid, step: float, shrinks: float, reduced:
         for elements in sorted(set(grid.elements)):
             if elements != 1.0 and subject.varied("elements", elements) is None:
                 continue
-            for method in methods:
-                steps = _steps(subject, grid, Setting(method, None, None, None, elements, constraint), step, shrinks)
+            for method, newton in _iterated(methods, grid.newton):
+                kind = Setting(method, None, None, None, elements, constraint, newton)
+                steps = _steps(subject, grid, kind, step, shrinks)
                 steps = sorted({_divided(h, own.interval) for h in steps}, reverse=True)
-                for h in steps[::2] if reduced and grid.steps is None else steps:
-                    found.append(Setting(method, h, None, None, elements, constraint))
+                found += [replace(kind, step=h) for h in (steps[::2] if reduced and grid.steps is None else steps)]
                 if own.step_error > 0.0 and method != "rk4" and grid.steps is None:
                     errors = [own.step_error * factor for factor in (LOOSER[2:3] if reduced else LOOSER)]
-                    found += [Setting(method, own.interval, e, None, elements, constraint) for e in errors]
+                    found += [replace(kind, step=own.interval, step_error=error) for error in errors]
     return found
+
+
+def _iterated(methods: Sequence[str], newton: Sequence[str]) -> list[tuple[str, str | None]]:
+    """Each method, the implicit ones with each way to iterate that is asked for."""
+    return [(method, each) for method in methods for each in (newton if newton and method != "rk4" else (None,))]
 
 
 def _divided(step: float, interval: float) -> float:

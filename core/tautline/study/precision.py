@@ -233,8 +233,8 @@ def _expected(trials: Sequence[Trial], setting: Setting) -> float | None:
     """Processor time of a setting by that of one that differs in the step alone, s."""
     for trial in reversed(trials):
         like = trial.setting
-        same = (like.method, like.elements, like.constraint) == (setting.method, setting.elements, setting.constraint)
-        if same and setting.step and like.step and setting.step_error is None and like.step_error is None:
+        fixed = setting.step_error is None and like.step_error is None
+        if like.kind == setting.kind and setting.step and like.step and fixed:
             spent = trial.cpu_time
             if trial.status == "left out":
                 return float("inf")

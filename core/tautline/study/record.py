@@ -33,6 +33,7 @@ def run_record(row: Row) -> dict[str, Any]:
         "step_error": setting.step_error,
         "elements": setting.elements,
         "constraint": setting.constraint,
+        "newton": setting.newton,
         "position_error": errors and errors.position,
         "force_error": errors and errors.force,
         "phase_error": errors and errors.phase,

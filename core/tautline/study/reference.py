@@ -127,7 +127,7 @@ def _clear(reference: Reference, judged: Sequence[History], watched: Watched) ->
 
 
 def _with_step(setting: Setting, step: float) -> Setting:
-    return Setting(setting.method, step, None, setting.rho_inf, setting.elements, setting.constraint)
+    return Setting(setting.method, step, None, setting.rho_inf, setting.elements, setting.constraint, setting.newton)
 
 
 def _order(coarse: tuple[float, float], fine: tuple[float, float]) -> float | None:

@@ -41,6 +41,8 @@ class Setting:
         Number of elements over the scene's own.
     constraint : str or None
         How constraints are imposed.
+    newton : str or None
+        ``modified`` or ``full``: whether an implicit method keeps old factors.
     """
 
     method: str | None = None
@@ -49,6 +51,12 @@ class Setting:
     rho_inf: float | None = None
     elements: float = 1.0
     constraint: str | None = None
+    newton: str | None = None
+
+    @property
+    def kind(self) -> tuple[str | None, float, str | None, str | None]:
+        """What settings share that differ in their step alone."""
+        return self.method, self.elements, self.constraint, self.newton
 
     def __str__(self) -> str:
         parts = [self.method or "the scene's method"]
@@ -62,6 +70,8 @@ class Setting:
             parts.append(f"{self.elements:g} x the elements")
         if self.constraint is not None:
             parts.append(self.constraint)
+        if self.newton is not None:
+            parts.append(f"{self.newton} Newton")
         return ", ".join(parts)
 
 
@@ -151,6 +161,7 @@ class Subject:
         return self.application.with_overrides(
             scene, method=given.method, step=given.step, end=self.end, rho_inf=given.rho_inf, control=control,
             step_error=given.step_error, interval=self._interval(given.step),
+            newton=given.newton,
         )  # fmt: skip
 
     def _interval(self, step: float | None) -> float | None:

@@ -21,7 +21,8 @@ class SolverSettings:
     the energy over ``energy_unit`` J, by default that of the largest force through one metre); limits;
     ``step_error`` m, above which the error of an implicit step halves it, or 0; ``automatic``: ``step`` is the longest,
     an explicit method takes what is stable; ``contraction``: the part of a residual that an iteration with old
-    factors may leave before they are made anew; ``guarded``: an explicit run stops where its step is beyond the
+    factors may leave before they are made anew; ``newton``: ``modified``, or ``full`` for new factors in every
+    iteration; ``guarded``: an explicit run stops where its step is beyond the
     critical one, even where nothing has grown yet.
     """
 
@@ -41,6 +42,7 @@ class SolverSettings:
     step_error: float = 0.0
     automatic: bool = False
     contraction: float = 0.1
+    newton: str = "modified"
     guarded: bool = True
 
 
