@@ -108,9 +108,10 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         l1, l2 = g.length[i] + a1, g.length[i + 1] + a2
         _, d = generated.bend_gradient(l1, u1, v1, l2, u2, v2, h1, h2)
         _write_slopes(g, i, above, below)
-        pull_back(generated.bend_hessian(l1, u1, v1, l2, u2, v2, h1, h2), g.slopes, hessian)
-        add_chord_hessian(g.curve, i, q, d[0], 0, hessian)
-        add_chord_hessian(g.curve, i + 1, q, d[3], 3, hessian)
+        generated.bend_hessian(l1, u1, v1, l2, u2, v2, h1, h2, g.slopes.inner)
+        pull_back(g.slopes, hessian)
+        add_chord_hessian(g.curve, i, q, d[0], 0, g.slopes.chord, hessian)
+        add_chord_hessian(g.curve, i + 1, q, d[3], 3, g.slopes.chord, hessian)
         factor = ck * g.stiffness[i]
         for k in range(THREE):
             for l in range(THREE):

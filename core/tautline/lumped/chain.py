@@ -33,24 +33,26 @@ def chord_of(curve, i, q):
 
 
 @kernel
-def add_chord_hessian(curve, i, q, factor, corner, hessian):
-    """Add factor times the Hessian (6, 6) of the chord of link i to ``hessian`` from row and column ``corner`` on."""
+def add_chord_hessian(curve, i, q, factor, corner, chord, hessian):
+    """Add factor times the Hessian (6, 6) of the chord of link i to ``hessian`` from row and column ``corner`` on.
+
+    ``chord`` (6, 6) is scratch.
+    """
     o, p = PER_BODY * i, PER_BODY * (i + 1)
     above, below = curve.seats[i], curve.seats[i + 1]
-    triangle = generated.chord_hessian(
+    generated.chord_hessian(
         q[o], q[o + 1], q[o + 2], q[p], q[p + 1], q[p + 2],
         above.turn1 + above.k1 * q[o], above.turn2 + above.k2 * q[o], above.k1, above.k2,
         below.turn1 + below.k1 * q[p], below.turn2 + below.k2 * q[p], below.k1, below.k2,
+        chord,
     )  # fmt: skip
     # Only a body's x with a body's offset have a second derivative: the turning is linear in x.
-    at = 0
     for row in range(BOTH):
-        for column in range(row, BOTH):
+        for column in range(row + 1, BOTH):
             if (row % 3 == 0) != (column % 3 == 0):
-                x = factor * triangle[at]
+                x = factor * chord[row, column]
                 hessian[corner + row, corner + column] += x
                 hessian[corner + column, corner + row] += x
-            at += 1
 
 
 @kernel
@@ -63,7 +65,8 @@ def across(i, q):
 class Slopes(NamedTuple):
     """How m inner quantities move with n coordinates: a sparse matrix by columns, its pattern fixed.
 
-    ``start`` (n + 1,), ``row`` (nnz,), ``value`` (nnz,); ``inner`` (m, m) and ``half`` (m, n) are scratch.
+    ``start`` (n + 1,), ``row`` (nnz,), ``value`` (nnz,); ``inner`` (m, m), ``half`` (m, n) and ``chord`` (6, 6) are
+    scratch.
     """
 
     start: np.ndarray
@@ -71,6 +74,7 @@ class Slopes(NamedTuple):
     value: np.ndarray
     inner: np.ndarray
     half: np.ndarray
+    chord: np.ndarray
 
 
 def slopes(inner: int, columns: list[list[tuple[int, float]]]) -> Slopes:
@@ -81,20 +85,18 @@ def slopes(inner: int, columns: list[list[tuple[int, float]]]) -> Slopes:
         np.array([value for c in columns for _, value in c], dtype=float),
         np.zeros((inner, inner)),
         np.zeros((inner, len(columns))),
+        np.zeros((BOTH, BOTH)),
     )
 
 
 @kernel
-def pull_back(triangle, slopes, hessian):
-    """hessian (n, n) = S^T H S, with H (m, m) given by its upper triangle and S the slopes."""
+def pull_back(slopes, hessian):
+    """hessian (n, n) = S^T H S, with S the slopes and H (m, m) the upper triangle of ``slopes.inner``."""
     s = slopes
     m, n = s.half.shape
-    at = 0
     for i in range(m):
-        for j in range(i, m):
-            s.inner[i, j] = triangle[at]
-            s.inner[j, i] = triangle[at]
-            at += 1
+        for j in range(i):
+            s.inner[i, j] = s.inner[j, i]
     for k in range(n):
         for i in range(m):
             x = 0.0

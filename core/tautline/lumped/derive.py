@@ -221,7 +221,7 @@ def _body_kernels(prefix: str, eccentric: bool) -> list[str]:
 def _gradient_kernels(
     name: str, what: str, arguments: str, value: sp.Expr, coordinates: list[sp.Symbol], held: dict[sp.Symbol, sp.Expr]
 ) -> list[str]:
-    """Two kernels: value with gradient, and the upper triangle of the Hessian row by row."""
+    """Two kernels: value with gradient, and what is not always zero of the upper triangle of the Hessian."""
 
     def code(e: sp.Expr) -> sp.Expr:
         return e.subs(held, simultaneous=True)
@@ -231,15 +231,15 @@ def _gradient_kernels(
     outputs = [("value", code(value))] + [(f"d{i}", code(g)) for i, g in enumerate(gradient)]
     slopes = ", ".join(f"d{i}" for i in range(n))
     pairs = [(i, j) for i in range(n) for j in range(i, n)]
-    curvatures = [(f"d{i}{j}", code(sp.diff(gradient[i], coordinates[j]))) for i, j in pairs]
-    rows = ", ".join(f"d{i}{j}" for i, j in pairs)
+    curvatures = [(f"hessian[{i}, {j}]", code(sp.diff(gradient[i], coordinates[j]))) for i, j in pairs]
     return [
         _function(
             f"{name}_gradient", arguments, f"Return {what}, and its gradient ({n},).", outputs, f"value, ({slopes})"
         ),
         _function(
-            f"{name}_hessian", arguments, f"Upper triangle, row by row, of the Hessian ({n}, {n}) of {what}.",
-            curvatures, f"({rows})",
+            f"{name}_hessian", f"{arguments}, hessian",
+            f"Upper triangle of the Hessian ({n}, {n}) of {what}, where it is not always zero.",
+            [(place, curvature) for place, curvature in curvatures if curvature != 0],
         ),
     ]  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation b58c0d6b66b60773."""
+"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation 7c221ef0fed6d1a6."""
 
 from math import cos, sin, sqrt
 
@@ -419,34 +419,20 @@ def chord_gradient(x1, u1, v1, x2, u2, v2, f11, f21, k11, k21, f12, f22, k12, k2
 
 
 @kernel
-def chord_hessian(x1, u1, v1, x2, u2, v2, f11, f21, k11, k21, f12, f22, k12, k22):
-    """Upper triangle, row by row, of the Hessian (6, 6) of the chord beyond the unstretched length, m."""
+def chord_hessian(x1, u1, v1, x2, u2, v2, f11, f21, k11, k21, f12, f22, k12, k22, hessian):
+    """Upper triangle of the Hessian (6, 6) of the chord beyond the unstretched length, m, where it is not always zero."""
     c0 = (1.0/2.0)*k11
     c1 = (1.0/2.0)*k21
     c2 = -1.0/2.0*k12
     c3 = -1.0/2.0*k22
-    d00 = 0.0
-    d01 = c0
-    d02 = c1
-    d03 = 0.0
-    d04 = c0
-    d05 = c1
-    d11 = 0.0
-    d12 = 0.0
-    d13 = c2
-    d14 = 0.0
-    d15 = 0.0
-    d22 = 0.0
-    d23 = c3
-    d24 = 0.0
-    d25 = 0.0
-    d33 = 0.0
-    d34 = c2
-    d35 = c3
-    d44 = 0.0
-    d45 = 0.0
-    d55 = 0.0
-    return (d00, d01, d02, d03, d04, d05, d11, d12, d13, d14, d15, d22, d23, d24, d25, d33, d34, d35, d44, d45, d55)
+    hessian[0, 1] = c0
+    hessian[0, 2] = c1
+    hessian[0, 4] = c0
+    hessian[0, 5] = c1
+    hessian[1, 3] = c2
+    hessian[2, 3] = c3
+    hessian[3, 4] = c2
+    hessian[3, 5] = c3
 
 
 @kernel
@@ -466,8 +452,8 @@ def link_stretch_gradient(l0, a, du, dv):
 
 
 @kernel
-def link_stretch_hessian(l0, a, du, dv):
-    """Upper triangle, row by row, of the Hessian (3, 3) of the stretch of a link, m."""
+def link_stretch_hessian(l0, a, du, dv, hessian):
+    """Upper triangle of the Hessian (3, 3) of the stretch of a link, m, where it is not always zero."""
     c0 = a + l0
     c1 = (c0*c0)
     c2 = (du*du)
@@ -491,13 +477,12 @@ def link_stretch_hessian(l0, a, du, dv):
     c19 = c0*c13*c18
     c20 = c2*c7
     c21 = c3*c7
-    d00 = c7*(c1*c15 + c10*c12 - c10*c9 + c17)
-    d01 = c19*du
-    d02 = c19*dv
-    d11 = c7*(c12*c20 + c15*c2 + c17 - c20*c9)
-    d12 = c13*c18*du*dv
-    d22 = c7*(c12*c21 + c15*c3 + c17 - c21*c9)
-    return (d00, d01, d02, d11, d12, d22)
+    hessian[0, 0] = c7*(c1*c15 + c10*c12 - c10*c9 + c17)
+    hessian[0, 1] = c19*du
+    hessian[0, 2] = c19*dv
+    hessian[1, 1] = c7*(c12*c20 + c15*c2 + c17 - c20*c9)
+    hessian[1, 2] = c13*c18*du*dv
+    hessian[2, 2] = c7*(c12*c21 + c15*c3 + c17 - c21*c9)
 
 
 @kernel
@@ -537,8 +522,8 @@ def bend_gradient(w1, w2, w3, w4, w5, w6, w7, w8):
 
 
 @kernel
-def bend_hessian(w1, w2, w3, w4, w5, w6, w7, w8):
-    """Upper triangle, row by row, of the Hessian (8, 8) of the bending energy over EI / lb."""
+def bend_hessian(w1, w2, w3, w4, w5, w6, w7, w8, hessian):
+    """Upper triangle of the Hessian (8, 8) of the bending energy over EI / lb, where it is not always zero."""
     c0 = (w1*w1)
     c1 = (w2*w2)
     c2 = (w3*w3)
@@ -632,40 +617,38 @@ def bend_hessian(w1, w2, w3, w4, w5, w6, w7, w8):
     c88 = c5*c6*c75 - c69
     c89 = c57*c83
     c90 = -c57*c67
-    d00 = (c10*c10)*c8 + 3.0*c10*c22 - c12*c16 - c12*c18 + c26 + c28
-    d01 = -c10*c31 + c15*c20*w1 - c15*c36 + c19*c20*c34*w2 + c2*c24*w1*w2 - c30*c37 - c31*c33
-    d02 = c1*c24*w1*w3 - c10*c39 - c15*c42 + c17*c20*w1 + c19*c20*c34*w3 - c35*c41 - c39*c40
-    d03 = -c53*(c10*c45 + c49 + c52)
-    d04 = c53*(c46*c55 - c50*c58 + c56*w5)
-    d05 = c53*(c38*c60 - c46*c58 + c56*w6)
-    d06 = c21*w2
-    d07 = c21*w3
-    d11 = -c1*c37 - c19*c36 + c26 + 3.0*c27*c33 + (c33*c33)*c8 + c61
-    d12 = c0*c24*w2*w3 - c11*c41*w2 + c15*c20*w3*(1.0 - 3.0*c32) + c17*c20*w2 - c19*c42 - c33*c63 - c40*c63
-    d13 = c53*(c33*c48 + c45*c46 - c51*c64)
-    d14 = -c53*(c33*c55 + c49 + c65)
-    d15 = c53*(c33*c58 - c46*c51 + c60*c62)
-    d16 = -c14*c33
-    d17 = c66
-    d22 = -c11*c16*c2 - c19*c2*c35 + 3.0*c23*c40 + c28 + (c40*c40)*c8 + c61
-    d23 = c53*(c40*c51 + c45*c50 - c48*c64)
-    d24 = c53*(c40*c58 - c48*c50 + c55*c64)
-    d25 = -c53*(c40*c59 + c52 + c65)
-    d26 = c66
-    d27 = -c14*c40
-    d33 = c43*(c45*c45) - 3.0*c45*c69 + c72*c73 + c72*c74 + c79 + c82
-    d34 = 3.0*c15*c5*c70*w4 + 3.0*c17*c70*w4*w5*w6 - c45*c84 - c55*c84 + c6*c75*w4*w5 - c80*w4 - c85*w5
-    d35 = 3.0*c15*c70*w4*w5*w6 + 3.0*c17*c6*c70*w4 - c45*c86 + c5*c75*w4*w6 - c59*c86 - c77*w4 - c85*w6
-    d36 = -c68*w5
-    d37 = -c68*w6
-    d44 = c19*c5*c87 + c43*(c55*c55) + c5*c71*c74 - 3.0*c55*c81 + c79 + c88
-    d45 = 3.0*c17*c6*c70*w5 + 3.0*c19*c70*w4*w5*w6 + c4*c75*w5*w6 - c55*c89 - c59*c89 - c77*w5 - c80*w6*(1.0 - 3.0*c54)
-    d46 = c13*c55
-    d47 = c90
-    d55 = c19*c6*c87 + c43*(c59*c59) - 3.0*c59*c78 + c6*c71*c73 + c82 + c88
-    d56 = c90
-    d57 = c13*c59
-    d66 = 1.0
-    d67 = 0.0
-    d77 = 1.0
-    return (d00, d01, d02, d03, d04, d05, d06, d07, d11, d12, d13, d14, d15, d16, d17, d22, d23, d24, d25, d26, d27, d33, d34, d35, d36, d37, d44, d45, d46, d47, d55, d56, d57, d66, d67, d77)
+    hessian[0, 0] = (c10*c10)*c8 + 3.0*c10*c22 - c12*c16 - c12*c18 + c26 + c28
+    hessian[0, 1] = -c10*c31 + c15*c20*w1 - c15*c36 + c19*c20*c34*w2 + c2*c24*w1*w2 - c30*c37 - c31*c33
+    hessian[0, 2] = c1*c24*w1*w3 - c10*c39 - c15*c42 + c17*c20*w1 + c19*c20*c34*w3 - c35*c41 - c39*c40
+    hessian[0, 3] = -c53*(c10*c45 + c49 + c52)
+    hessian[0, 4] = c53*(c46*c55 - c50*c58 + c56*w5)
+    hessian[0, 5] = c53*(c38*c60 - c46*c58 + c56*w6)
+    hessian[0, 6] = c21*w2
+    hessian[0, 7] = c21*w3
+    hessian[1, 1] = -c1*c37 - c19*c36 + c26 + 3.0*c27*c33 + (c33*c33)*c8 + c61
+    hessian[1, 2] = c0*c24*w2*w3 - c11*c41*w2 + c15*c20*w3*(1.0 - 3.0*c32) + c17*c20*w2 - c19*c42 - c33*c63 - c40*c63
+    hessian[1, 3] = c53*(c33*c48 + c45*c46 - c51*c64)
+    hessian[1, 4] = -c53*(c33*c55 + c49 + c65)
+    hessian[1, 5] = c53*(c33*c58 - c46*c51 + c60*c62)
+    hessian[1, 6] = -c14*c33
+    hessian[1, 7] = c66
+    hessian[2, 2] = -c11*c16*c2 - c19*c2*c35 + 3.0*c23*c40 + c28 + (c40*c40)*c8 + c61
+    hessian[2, 3] = c53*(c40*c51 + c45*c50 - c48*c64)
+    hessian[2, 4] = c53*(c40*c58 - c48*c50 + c55*c64)
+    hessian[2, 5] = -c53*(c40*c59 + c52 + c65)
+    hessian[2, 6] = c66
+    hessian[2, 7] = -c14*c40
+    hessian[3, 3] = c43*(c45*c45) - 3.0*c45*c69 + c72*c73 + c72*c74 + c79 + c82
+    hessian[3, 4] = 3.0*c15*c5*c70*w4 + 3.0*c17*c70*w4*w5*w6 - c45*c84 - c55*c84 + c6*c75*w4*w5 - c80*w4 - c85*w5
+    hessian[3, 5] = 3.0*c15*c70*w4*w5*w6 + 3.0*c17*c6*c70*w4 - c45*c86 + c5*c75*w4*w6 - c59*c86 - c77*w4 - c85*w6
+    hessian[3, 6] = -c68*w5
+    hessian[3, 7] = -c68*w6
+    hessian[4, 4] = c19*c5*c87 + c43*(c55*c55) + c5*c71*c74 - 3.0*c55*c81 + c79 + c88
+    hessian[4, 5] = 3.0*c17*c6*c70*w5 + 3.0*c19*c70*w4*w5*w6 + c4*c75*w5*w6 - c55*c89 - c59*c89 - c77*w5 - c80*w6*(1.0 - 3.0*c54)
+    hessian[4, 6] = c13*c55
+    hessian[4, 7] = c90
+    hessian[5, 5] = c19*c6*c87 + c43*(c59*c59) - 3.0*c59*c78 + c6*c71*c73 + c82 + c88
+    hessian[5, 6] = c90
+    hessian[5, 7] = c13*c59
+    hessian[6, 6] = 1.0
+    hessian[7, 7] = 1.0

@@ -80,8 +80,9 @@ def _stretch_hessian(g, i, q, hessian):
     _, d = generated.link_stretch_gradient(g.springs[i].length, a, du, dv)
     for k in range(BOTH):
         g.slopes.value[g.slopes.start[k]] = slope[k]
-    pull_back(generated.link_stretch_hessian(g.springs[i].length, a, du, dv), g.slopes, hessian)
-    add_chord_hessian(g.curve, i, q, d[0], 0, hessian)
+    generated.link_stretch_hessian(g.springs[i].length, a, du, dv, g.slopes.inner)
+    pull_back(g.slopes, hessian)
+    add_chord_hessian(g.curve, i, q, d[0], 0, g.slopes.chord, hessian)
 
 
 @kernel

@@ -1,0 +1,61 @@
+"""Numba's shorter ways come to the answers of the long ones."""
+
+import gc
+
+import numpy as np
+import pytest
+from numba import config, njit
+from numba.core.compiler import Flags
+
+from tautline.kernels.garbage import RARELY, collected_rarely
+from tautline.kernels.jit import entry, kernel
+
+compiled = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="is about what is compiled")
+
+
+@kernel
+def scaled(k, x):
+    return (k + 1) * x
+
+
+@entry
+def sum_of_three(x):
+    return scaled(0, x) + scaled(1, x) + scaled(7, x)
+
+
+@compiled
+def test_a_kernel_called_with_several_whole_numbers_is_compiled_once():
+    assert sum_of_three(2.0) == 2.0 * (1 + 2 + 8)
+    assert len(scaled.overloads) == 1
+
+
+@compiled
+def test_arithmetic_of_arrays_and_of_numbers_in_code_of_others_is_what_it_was():
+    both = njit(lambda a, b: (a + b) * 2 - a[0] / b[0])
+    a, b = np.array([1.0, 2.0]), np.array([4.0, 5.0])
+    assert both(a, b).tolist() == ((a + b) * 2 - a[0] / b[0]).tolist()
+
+
+def test_settings_of_the_compiler_are_equal_where_all_values_are_set_or_not():
+    plain, said, other = Flags(), Flags(), Flags()
+    said.nrt = plain.nrt
+    other.nrt = not plain.nrt
+    assert plain == said and hash(plain) == hash(said)
+    assert plain != other and said != other and plain != 1
+    assert [one.values() == plain.values() for one in (said, other)] == [True, False]
+
+
+def test_garbage_is_searched_for_as_before_once_a_command_has_ended():
+    before = gc.get_threshold()
+    gc.set_threshold(500, 5, 5)
+    try:
+        with pytest.raises(ZeroDivisionError), collected_rarely():
+            assert gc.get_threshold() == RARELY
+            raise ZeroDivisionError
+        assert gc.get_threshold() == (500, 5, 5)
+        gc.disable()
+        with collected_rarely():
+            assert not gc.isenabled()
+    finally:
+        gc.enable()
+        gc.set_threshold(*before)
