@@ -30,6 +30,13 @@ def test_a_kernel_called_with_several_whole_numbers_is_compiled_once():
 
 
 @compiled
+def test_a_kernel_that_is_called_from_python_says_so_instead_of_ending_the_process():
+    with pytest.raises(TypeError, match="scaled can be called by compiled code only"):
+        scaled(1, 2.0)
+    assert scaled.py_func(1, 2.0) == 4.0
+
+
+@compiled
 def test_arithmetic_of_arrays_and_of_numbers_in_code_of_others_is_what_it_was():
     both = njit(lambda a, b: (a + b) * 2 - a[0] / b[0])
     a, b = np.array([1.0, 2.0]), np.array([4.0, 5.0])

@@ -21,6 +21,7 @@ import numba
 from filelock import FileLock
 from numba import njit, types
 from numba.core.caching import Cache, IndexDataCacheFile
+from numba.core.registry import CPUDispatcher
 from numba.np import arrayobj
 
 from tautline.kernels import compiler as _quicker  # noqa: F401  what it replaces in numba is all that it does
@@ -168,9 +169,27 @@ that would allocate an array does not compile. The time loop allocates nothing, 
 product and a sum be one instruction with one rounding; no sum is reordered, and what is no number stays so.
 """
 
-addressed = functools.partial(entry, no_cpython_wrapper=True)
-"""Decorator of compiled code that is called by its address: without the wrappers that unpack a scene's many arrays,
-which would take longer to compile than the code."""
+
+class Inner(CPUDispatcher):
+    """Compiled code that only compiled code can call."""
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """Refuse; without this the process would end, for there is nothing that could take Python's objects."""
+        raise TypeError(f"{self.py_func.__qualname__} can be called by compiled code only; its .py_func by Python")
+
+
+def addressed(function: Any = None, **options: Any) -> Any:
+    """Decorator of compiled code that is called by its address.
+
+    It goes without the wrappers that unpack a scene's many arrays, which would take longer to compile than the code.
+    """
+    if function is None:
+        return functools.partial(addressed, **options)
+    compiled = entry(no_cpython_wrapper=True, **options)(function)
+    if isinstance(compiled, CPUDispatcher):
+        compiled.__class__ = Inner
+    return compiled
+
 
 kernel = functools.partial(addressed, pipeline_class=PartCompiler)
 """Decorator of compiled code that only compiled code calls, as a part of it."""
