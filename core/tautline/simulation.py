@@ -13,7 +13,7 @@ import numpy as np
 from tautline.integrators.critical_step import CriticalStep
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.linearise import start_moving
-from tautline.integrators.march import Frames, compile_for, march, new_frames
+from tautline.integrators.march import PART, STEP, WORK_LIMIT, Frames, compile_for, march, new_frames, new_pause
 from tautline.integrators.method import method_for
 from tautline.integrators.period import STEPS_PER_PERIOD, lag_of_step
 from tautline.integrators.relaxation import relax
@@ -40,6 +40,11 @@ from tautline.version import __version__
 
 BATCH = 0.25
 """Wall time, s, after which frames are stored, progress is shown and Ctrl-C is heard."""
+PATIENCE = 2.0
+"""Times that long, by the work of steps so far, after which Ctrl-C is heard in the middle of a frame that takes more
+work than those before."""
+FIRST_WORK, MORE_WORK = 64, 8
+"""Steps, iterations and factorisations of the first batch, and the most that one may do of the last."""
 BATCH_NUMBERS = 4_000_000
 """Numbers that a batch of frames may hold in memory."""
 
@@ -122,9 +127,9 @@ def simulate(
             while run.done < run.ends.size:
                 run.advance(store)
                 if progress is not None:
-                    progress(run.time, run.wall)
+                    progress(run.reached, run.wall)
         except KeyboardInterrupt:
-            raise Interrupted(run.time, run.finish(store, "interrupted")) from None
+            raise Interrupted(run.reached, run.finish(store, "interrupted")) from None
         except StoppedEarly as stop:
             stop.result = run.finish(store, stop.status.name.lower().replace("_", " "))
             raise
@@ -161,6 +166,8 @@ class Run:
         self.ends, self.steps = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self.step = float(self.ends[0] / self.steps[0])
         self.time, self.wall, self.cpu, self.done, self.batch = 0.0, 0.0, 0.0, 0, 1
+        self.reached, self.waiting, self.spent = 0.0, 0, 0.0
+        self.pause, self.work = new_pause(), FIRST_WORK
         self.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
         self.memory: dict[str, np.ndarray] = {}
         self.frames = self._room(1)
@@ -184,7 +191,7 @@ class Run:
         if wrong := recall(earlier.restart, *self._parts()):
             raise ResultError(place, f"belongs to another scene: {wrong[0]} does not fit", cure)
         frames = {name: np.array(earlier[name]) for name in (*(v.name for v in self.model.variables), "time")}
-        self.time = float(frames["time"][-1])
+        self.time = self.reached = float(frames["time"][-1])
         self.wall = float(earlier.attributes.get("wall_time", 0.0))
         self.cpu = float(earlier.attributes.get("cpu_time", 0.0))
         later = self.ends > self.time * (1.0 + 1e-12)
@@ -227,30 +234,63 @@ class Run:
         self._store(store, self.frames, 1)
 
     def advance(self, store: Store) -> None:
-        """Run one batch of frames; the next one is as long as fits into ``BATCH``."""
-        rows = min(self.batch, self.ends.size - self.done)
+        """Run one batch of frames, or a part of a frame that takes long; the next is as long as fits into ``BATCH``."""
+        under_way, first = self._under_way(), self.done + self.waiting
+        rows = 1 if under_way else min(self.batch, self.ends.size - first)
         if self.frames.time.size < rows:
             self.frames = self._room(rows)
-        system, some = self.model.system, slice(self.done, self.done + rows)
+        system, some = self.model.system, slice(first, first + rows)
         before, used = time.perf_counter(), time.thread_time()
-        self._check_step()
+        if not under_way:
+            self._check_step()
         checked = time.perf_counter() - before
+        at_first = self._work()
+        self.pause[WORK_LIMIT] = at_first + self.work
         status, filled, reached = march(
             self.method, system, self.state,
-            self.ends[some], self.steps[some], self.time, self.frames,
+            self.ends[some], self.steps[some], self.time, self._from(self.waiting), self.pause,
         )  # fmt: skip
         spent = time.perf_counter() - before
         self.wall += spent
         self.cpu += time.thread_time() - used
-        self.done += filled
+        self.reached, self.waiting = reached, self.waiting + filled
         if filled:
-            self.time = float(self.ends[self.done - 1])
-            self._store(store, self.frames, filled)
-        if status != Status.DONE:
+            self.time = float(self.ends[first + filled - 1])
+        self._allow(self._work() - at_first, spent - checked)
+        self.spent += spent - checked
+        stopped = status != Status.DONE
+        if self.waiting and (stopped or not self._under_way()):
+            stored, self.waiting = self.waiting, 0
+            self.done += stored
+            self._store(store, self.frames, stored)
+            self._size_batch(stored, checked)
+        if stopped:
             worst = int(self.state.counters[WORST])
             raise StoppedEarly(Status(status), reached, system.name_of(worst))
-        limit = max(1, BATCH_NUMBERS // (4 * system.q.size + self.model.own + 6))
-        per_frame = max(spent - checked, 1e-9) / rows
+
+    def _under_way(self) -> bool:
+        """Whether the state is in the middle of a frame.
+
+        No state can be gone on with but one at a frame's end: frames wait to be stored until the one after them is
+        full, where the run has paused in that.
+        """
+        return bool(self.pause[STEP] or self.pause[PART])
+
+    def _work(self) -> int:
+        return int(self.state.counters[[STEPS, ITERATIONS, FACTORISATIONS]].sum())
+
+    def _from(self, row: int) -> Frames:
+        return Frames(*(array[row:] for array in self.frames))
+
+    def _allow(self, work: int, spent: float) -> None:
+        """Set the work that the next batch may do from that of the last one and its wall time, s."""
+        if work > 0:
+            self.work = max(1, int(min(MORE_WORK * work, PATIENCE * BATCH * work / max(spent, 1e-9))))
+
+    def _size_batch(self, rows: int, checked: float) -> None:
+        """Set the length of the next batch from frames stored and from the time, s, that a look at the step took."""
+        limit = max(1, BATCH_NUMBERS // (4 * self.model.system.q.size + self.model.own + 6))
+        per_frame, self.spent = max(self.spent, 1e-9) / rows, 0.0
         if isinstance(self.method, RungeKutta4):
             # A look at the step takes a millisecond, which is hundreds of steps of a small scene.
             limit = min(limit, max(self.unchecked, math.ceil(CHECKED * checked / per_frame)))
@@ -298,7 +338,7 @@ class Run:
         if result is None:
             return None
         counters, solver = self.state.counters, self.model.solver
-        taken = self.time / counters[STEPS] if counters[STEPS] else self.step
+        taken = self.reached / counters[STEPS] if counters[STEPS] else self.step
         attributes: dict[str, Any] = {
             "status": status,
             "method": solver.method,
@@ -306,7 +346,7 @@ class Run:
             "end": float(solver.end),
             "wall_time": self.wall,
             "cpu_time": self.cpu,
-            "real_time_factor": self.wall / self.time if self.time > 0.0 else 0.0,
+            "real_time_factor": self.wall / self.reached if self.reached > 0.0 else 0.0,
             "steps": int(counters[STEPS]),
             "newton_iterations": int(counters[ITERATIONS]),
             "factorisations": int(counters[FACTORISATIONS]),

@@ -11,7 +11,18 @@ from tautline.integrators.generalized_alpha import GeneralizedAlpha, generalized
 from tautline.integrators.linearise import SUMS, evaluate_scene
 from tautline.integrators.newton import DONE
 from tautline.integrators.rk4 import RungeKutta4, accelerate, account, rk4_step
-from tautline.integrators.state import DISSIPATED, HALVINGS, LOSS, POWER, STEPS, TIME, WORK, supplied_power
+from tautline.integrators.state import (
+    DISSIPATED,
+    FACTORISATIONS,
+    HALVINGS,
+    ITERATIONS,
+    LOSS,
+    POWER,
+    STEPS,
+    TIME,
+    WORK,
+    supplied_power,
+)
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held
 from tautline.kernels.groups import hook_jobs
@@ -21,6 +32,10 @@ from tautline.kernels.workshop import compile_all
 
 ENERGIES = 5
 """Numbers of a frame that are energies."""
+WORK_LIMIT, STEP, PART = range(3)
+"""Places in ``pause``, see :func:`new_pause`."""
+PAUSED = -1
+"""In place of a status: the loop goes back to Python in the middle of a frame, and can be called again."""
 
 
 class Frames(NamedTuple):
@@ -50,6 +65,21 @@ def frames_of(rows: np.ndarray, full: int) -> Frames:
     cuts = 1 + full * np.arange(5)
     parts = [rows[:, cuts[k] : cuts[k + 1]] for k in range(4)]
     return Frames(rows, rows[:, 0], *parts, rows[:, cuts[4] : cuts[4] + ENERGIES], rows[:, cuts[4] + ENERGIES :])
+
+
+def new_pause() -> np.ndarray:
+    """Where the loop stands between two calls (3,) int, at the start of a frame and without a limit.
+
+    The work (:func:`work_done`) at which it goes back to Python before the next part of a step, whether a frame is full
+    or not; the steps of the frame under way that are done; and of the step under way the parts of the finest size.
+    """
+    return np.array([np.iinfo(np.int64).max, 0, 0])
+
+
+@kernel(forceinline=True)
+def work_done(counters):
+    """Steps, iterations and factorisations of a run so far: what its time goes into, whatever its steps do."""
+    return counters[STEPS] + counters[ITERATIONS] + counters[FACTORISATIONS]
 
 
 @kernel
@@ -87,17 +117,22 @@ DOUBLED_BELOW = 1.0 / 12.0
 
 
 @kernel(forceinline=True)
-def divide_and_advance(method, groups, dofs, functions, state, t, h):
-    """One implicit step of length h, in halves, quarters, ... where it is not solved or not accurate. Returns a status.
+def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
+    """One implicit step of length h, in halves, quarters, ... where it is not solved or not accurate.
 
-    The next step goes on in parts of the size that this one ended with, or twice that: a step much longer than the last
-    would carry what is left of a disturbance too far.
+    Returns a status, or PAUSED. The next step goes on in parts of the size that this one ended with, or twice that: a
+    step much longer than the last would carry what is left of a disturbance too far.
     """
     finest = 2**method.max_halvings
     controlled = method.tolerance > 0.0
     size = max(1, int(method.control[1] * finest))
-    at = 0
+    at = pause[PART]
+    pause[PART] = 0
     while at < finest:
+        if work_done(state.counters) >= pause[WORK_LIMIT]:
+            pause[PART] = at
+            method.control[1] = size / finest
+            return PAUSED
         status = generalized_alpha_step(
             method, groups, dofs, functions, state, t + h * (at / finest), h * (size / finest)
         )
@@ -117,7 +152,7 @@ def divide_and_advance(method, groups, dofs, functions, state, t, h):
 
 
 @entry
-def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, rows):
+def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, rows, pause):
     """Go through output frames with an implicit method; see :func:`march`."""
     t0 = begin
     at = method.corrector.changed
@@ -125,8 +160,13 @@ def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, r
         if steps[k] == 0:
             open_run(groups, dofs, state, t0, method.power)
         h = (ends[k] - t0) / max(steps[k], 1)
-        for step in range(steps[k]):
-            status = divide_and_advance(method, groups, dofs, functions, state, t0 + step * h, h)
+        done = pause[STEP]
+        pause[STEP] = 0
+        for step in range(done, steps[k]):
+            status = divide_and_advance(method, groups, dofs, functions, state, t0 + step * h, h, pause)
+            if status == PAUSED:
+                pause[STEP] = step
+                return DONE, k, t0 + step * h
             if status != DONE:
                 return status, k, t0 + step * h
         record_frame(groups, state, ends[k], rows[k], at)
@@ -135,7 +175,7 @@ def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, r
 
 
 @entry
-def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, rows):
+def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, rows, pause):
     """Go through output frames with an explicit method; see :func:`march`.
 
     Such a method knows acceleration and reactions at the start of its steps only: they are made anew for a frame.
@@ -145,7 +185,12 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
         if steps[k] == 0:
             open_run(groups, dofs, state, t0, method.power)
         h = (ends[k] - t0) / max(steps[k], 1)
-        for step in range(steps[k]):
+        done = pause[STEP]
+        pause[STEP] = 0
+        for step in range(done, steps[k]):
+            if work_done(state.counters) >= pause[WORK_LIMIT]:
+                pause[STEP] = step
+                return DONE, k, t0 + step * h
             status = rk4_step(method, groups, dofs, functions, state, t0 + step * h, h)
             if status != DONE:
                 return status, k, t0 + step * h
@@ -178,14 +223,14 @@ def compile_for(method, system, state, announce=None):
     groups, scene = np.zeros(0, np.int64), (system.dofs, system.functions, state)
     none, rows = np.zeros(0), np.zeros((0, 0))
     calls = [
-        (loop, (method, groups, *scene, none, groups, 0.0, rows)),
+        (loop, (method, groups, *scene, none, groups, 0.0, rows, groups)),
         (evaluate_scene, (groups, *scene, 0.0, 0.0, False, 0.0, 0.0, 0.0, new_matrix(0, 0), none)),
     ]
     jobs = [(function, tuple(typeof(x) for x in given)) for function, given in calls]
     compile_all(jobs + hook_jobs(system.groups, *dict.fromkeys((*sums(method), *SUMS))), announce)
 
 
-def march(method, system, state, ends, steps, begin, frames):
+def march(method, system, state, ends, steps, begin, frames, pause=None):
     """Go through output frames and record each, in compiled code.
 
     Parameters
@@ -202,12 +247,16 @@ def march(method, system, state, ends, steps, begin, frames):
         Time of the frame before the first, s.
     frames : Frames
         Filled row by row from the first.
+    pause : (3,) int array, optional
+        From :func:`new_pause`, with a limit of work; it keeps what is needed to go on. The results are the same to the
+        bit wherever a run is paused.
 
     Returns
     -------
     (int, int, float)
-        Status, frames filled, time reached.
+        Status, frames filled, time reached. Fewer frames than were asked for, with DONE, are those of a run that was
+        paused: the next call has to begin with the frame under way.
     """
     loop, sums = MARCHES[type(method)]
-    groups = system.link(sums(method))
-    return loop(method, groups, system.dofs, system.functions, state, ends, steps, begin, frames.rows)
+    groups, pause = system.link(sums(method)), new_pause() if pause is None else pause
+    return loop(method, groups, system.dofs, system.functions, state, ends, steps, begin, frames.rows, pause)

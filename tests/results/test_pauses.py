@@ -1,0 +1,88 @@
+"""Ctrl-C is heard however much work a frame is, and nothing but the waiting depends on where a run pauses."""
+
+import numpy as np
+import pytest
+
+from tautline import simulation
+from tautline.cable.build import build
+from tautline.cable.scene import parse
+from tautline.integrators.status import Interrupted
+from tautline.simulation import Run, simulate
+
+SCENE = """
+CableModelMaterial: {{Gravity: [0, 0, -9.81]}}
+CableModel:
+  - Node4Dof: {{id: 0, xyz: [0, 0, 0], BC: [1, 1, 1, 1]}}
+  - Node4Dof: {{id: 1, xyz: [1, 0, 0], BC: [0, 0, 0, 1]}}
+  - CableALEelementLin: {{id: 0, nodes4: [0, 1], EA: 2.0e3, EJ: 0, rhoA: 1.0e-3, cDamp: 0, compression: false}}
+  - PointMass: {{id: 0, nodes4: [1], mass: 1.0}}
+GeneralizedAlpha: {{{method}, time_step: {step}, time_end: 1.0, plotpoints: {frames}}}
+"""
+METHODS = {
+    "explicit": "type: RK4",
+    "implicit": "type: G-alpha, rho_inf: 0.9, eps_energy: 1.0e-10",
+    "divided": "type: G-alpha, rho_inf: 0.9, eps_energy: 1.0e-10, control: error, tolerance: 1.0e-9",
+}
+
+
+def model(method, step=2e-3, frames=10):
+    return build(parse(SCENE.format(method=METHODS[method], step=step, frames=frames)))
+
+
+def assert_equal(one, other):
+    for variable in one.data.data_vars:
+        np.testing.assert_array_equal(one[variable], other[variable], err_msg=variable)
+    assert all(one.attributes[k] == other.attributes[k] for k in ("steps", "newton_iterations", "energy_error"))
+
+
+def pausing(monkeypatch, work):
+    """Let batches do so much work and no more."""
+    monkeypatch.setattr(simulation, "FIRST_WORK", work)
+    monkeypatch.setattr(Run, "_allow", lambda run, done, spent: None)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_run_is_the_same_to_the_bit_wherever_it_pauses(monkeypatch, method):
+    whole, paused, heard = simulate(model(method)), [], []
+    if method == "divided":
+        assert whole.attributes["halvings"] > 0
+    for work in (1, 7, 200):
+        pausing(monkeypatch, work)
+        heard.append(0)
+        paused.append(simulate(model(method), progress=lambda *_: heard.__setitem__(-1, heard[-1] + 1)))
+    assert heard[0] > heard[1] > heard[2] and heard[0] >= whole.attributes["steps"]
+    for result in paused:
+        assert_equal(result, whole)
+
+
+@pytest.mark.parametrize("work", [7, 130, 220], ids="pauses in {} steps' work".format)
+@pytest.mark.parametrize("method", METHODS)
+def test_ctrl_c_in_the_middle_of_a_frame_keeps_what_can_be_gone_on_with(monkeypatch, method, work):
+    whole = simulate(model(method))
+    pausing(monkeypatch, work)
+
+    def pressed(simulated, wall):
+        if simulated > 0.25 and simulated not in whole.time:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted) as stop:
+        simulate(model(method), progress=pressed)
+    kept = stop.value.result
+    assert 1 < len(kept.time) < len(whole.time) and kept.time[-1] < stop.value.time
+    np.testing.assert_array_equal(kept.time, whole.time[: len(kept.time)])
+    assert_equal(simulate(model(method), resume=kept), whole)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_frame_of_a_hundred_thousand_steps_lets_ctrl_c_through(method):
+    """Batches begin small and grow by what the last one took: no frame has to be full before Python is asked."""
+    heard = []
+
+    def pressed(simulated, wall):
+        heard.append(simulated)
+        if len(heard) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted):
+        simulate(model(method, 1e-5, 1), progress=pressed)
+    assert 0.0 < heard[0] < heard[-1] < 0.1
