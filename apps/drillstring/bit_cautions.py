@@ -1,4 +1,4 @@
-"""What to tell a user about a bit on bottom before the run: too heavy, drilled away from, pushed, badly damped."""
+"""What to tell a user about a bit on bottom before the run: too heavy, without torque, drilled away from, undamped."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
 from tautline.cli.summary import shown
 from tautline.integrators.rk4 import RK4_LIMIT
-from tautline.kernels.time_function import value_at
+from tautline.kernels.time_function import sample, value_at
 from tautline.scene.errors import Caution
 from tautline.scene.solver import longest_step
 from tautline.system.time_functions import compile_functions
@@ -29,7 +29,8 @@ RINGS = 0.95
 def bit_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
     """Cautions of a bit on bottom."""
     return [
-        *_of_weight(scene, well, lumps), *_of_drilling(scene, lumps), *_of_method(scene), *_of_chatter(scene, lumps),
+        *_of_weight(scene, well, lumps), *_of_torque(scene), *_of_drilling(scene, lumps), *_of_method(scene),
+        *_of_chatter(scene, lumps),
     ]  # fmt: skip
 
 
@@ -37,8 +38,13 @@ def _of_weight(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Ca
     tension = np.append(tension_at_rest(scene, well, lumps), scene.bit.load)
     weight, hook = (shown(force, "N", scene.units) for force in (scene.bit.weight or 0.0, float(tension[0])))
     if tension[0] < 0.0:
+        # No refusal: rigs with pull-down push strings so, and the model computes what they do.
         cause = f"{weight} is more than the string weighs along the hole: the hook load is {hook} at rest"
-        return [Caution("bit.weight", f"{cause}; take less, or a heavier string")]
+        if scene.top.weight + tension[0] < 0.0:
+            cause += ", and a hoist cannot push"
+        else:
+            cause += ", which the top drive's weight gives"
+        return [Caution("bit.weight", f"{cause}; take less, or a heavier string, unless the rig has a pull-down")]
     end = lumps.tubes[0].length
     if len(lumps.tubes) > 1 and tension[1] < 0.0 and float(well.inclination(np.array([end]))[0]) < UPRIGHT:
         name, pressed = lumps.tubes[0].name, shown(-float(tension[1]), "N", scene.units)
@@ -50,6 +56,18 @@ def _of_weight(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Ca
             )
         ]
     return []
+
+
+def _of_torque(scene: DrillstringScene) -> list[Caution]:
+    """Where a bit is turned that has no law of torque."""
+    if scene.bit.torque is not None or scene.bit.cutting is not None:
+        return []
+    functions = compile_functions(requests(scene))
+    if not np.any(sample(functions, ROTATION, np.linspace(0.0, scene.solver.end, 201))[:, 1]):
+        return []
+    cause = "is not given: the rock is taken to resist the turning bit with no torque at all, whatever its weight"
+    cure = "give bit.torque, such as {static: 8 kN m, kinetic: 4 kN m}, or bit.cutting"
+    return [Caution("bit.torque", f"{cause}; {cure}")]
 
 
 def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:

@@ -111,6 +111,25 @@ def _casing_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     return found
 
 
+def _mesh_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
+    """Cautions of elements that are too long."""
+    if scene.model.kind == BEAM:
+        from drillstring.beam_cautions import mesh_cautions
+
+        if found := mesh_cautions(scene, well_of(scene), lumps):
+            return found
+    longest = float(lumps.length.max())
+    if longest <= 0.25 * lumps.total or lumps.total <= 500.0:
+        return []
+    return [
+        Caution(
+            "model.elements",
+            f"an element is {longest:.0f} m long, {100 * longest / lumps.total:.0f} % of the string: friction and "
+            "curvature are coarse; take more elements",
+        )
+    ]
+
+
 def cautions(scene: DrillstringScene) -> list[Caution]:
     """Cautions of a scene; raises SceneError where well and string do not fit."""
     lumps = _lumps(scene)
@@ -170,16 +189,11 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
         from drillstring.bit_cautions import bit_cautions
 
         found += bit_cautions(scene, well_of(scene), lumps)
-    longest = float(lumps.length.max())
-    if longest > 0.25 * lumps.total and lumps.total > 500.0:
-        found.append(
-            Caution(
-                "model.elements",
-                f"an element is {longest:.0f} m long, {100 * longest / lumps.total:.0f} % of the string: friction and "
-                "curvature are coarse; take more elements",
-            )
-        )
-    return found
+    if scene.bit.load < 0.0:
+        from drillstring.compression_cautions import buckling_cautions
+
+        found += buckling_cautions(scene, well_of(scene), lumps)
+    return found + _mesh_cautions(scene, lumps)
 
 
 def figures(scene: DrillstringScene) -> dict[str, Any]:

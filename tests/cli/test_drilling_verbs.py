@@ -7,11 +7,13 @@ import pytest
 from cli.in_process import commands_of, only_object
 
 from drillstring.application import Drillstring
+from drillstring.build import build
 from drillstring.cautions import cautions
 from drillstring.figures import draw
 from drillstring.scene import DrillstringScene, read
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
+from tautline.simulation import simulate
 
 DATA = Path(__file__).parents[2] / "data"
 DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8")
@@ -59,6 +61,15 @@ def test_form_finds_the_string_pressed_by_its_weight_on_bit_as_by_a_force(drills
 WARNED = {
     "more than the string weighs": (with_bit(None, "on_bottom: true, weight: 2 MN"), "bit.weight", "hook load is"),
     "more than the collars weigh": (with_bit(None, "on_bottom: true, weight: 400 kN"), "bit.weight", "may buckle"),
+    "a straight hole": (DRILLING, "bit.weight", "hole is perfectly straight, and nothing pushes the string out of it"),
+    "long elements": (DRILLING, "bit.weight", "give string[2] `elements: 17` and model `elements: 39`"),
+    "a push without a rock": (with_bit(None, "force: -100 kN"), "bit.force", "buckles it beyond 53.7 kN"),
+    "a bit without torque": (with_bit(None, "on_bottom: true, weight: 1 kN"), "bit.torque", "no torque at all"),
+    "more than a hoist can give": (with_bit(None, "on_bottom: true, weight: 2 MN"), "bit.weight", "hoist cannot push"),
+    "a heavy top drive": (
+        with_bit(None, "on_bottom: true, weight: 1100 kN").replace("top:\n", "top:\n  weight: 350 kN\n"),
+        "bit.weight", "which the top drive's weight gives",
+    ),
     "nothing is drilled": (with_bit(None, "on_bottom: true, weight: 1 kN"), "top.block", "not drilled; give bit.pen"),
     "the block is too fast": (DRILLING.replace("to: 20 m/h", "to: 30 m/h"), "top.block", "goes to 150 kN"),
     "the block rests": (DRILLING.replace("to: 20 m/h", "to: 0 m/h"), "top.block", "goes to 0 N"),
@@ -84,10 +95,42 @@ def test_a_scene_to_start_from_is_the_shipped_one(drillstring_):
     assert code == 0 and Path("mine.yaml").read_text(encoding="utf8") == DRILLING
 
 
-def test_the_shipped_scene_gives_no_warning_though_it_drills_past_the_end_of_its_well():
-    assert cautions(DrillstringScene.parse(DRILLING)) == []
+def told_of(text):
+    return {caution.where for caution in cautions(DrillstringScene.parse(text))}
+
+
+def test_the_shipped_scene_is_warned_of_nothing_but_that_it_hides_its_buckling_though_it_drills_past_its_well():
+    assert told_of(DRILLING) == {"bit.weight"}
     deep = DRILLING.replace("to: 20 m/h", "to: 20 m/s").replace("rate: 20 m/h", "rate: 20 m/s")
-    assert cautions(DrillstringScene.parse(deep)) == []
+    assert told_of(deep) == {"bit.weight"}
+
+
+def test_what_the_caution_of_buckling_says_makes_the_collars_buckle_onto_the_wall():
+    """As it stands nothing ever touches; eccentric collars of short elements bow as soon as they turn."""
+    long, bowed = "drill collar 6 1/2 x 2 13/16, length: 160 m", "elements: 17, eccentricity: [0, 2 mm]"
+    cured = DRILLING.replace(long, f"{long}, {bowed}").replace("elements: 24", "elements: 39")
+    assert told_of(cured) == set()
+    short = cured.replace("end: 60 s", "end: 8 s").replace("hold: 3000 m", "hold: 400 m")
+    assert told_of(short) == set()
+    assert simulate(build(DrillstringScene.parse(short)))["contact_force"].max() > 1e3
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("weight: 100 kN", "weight: 50 kN"),  # below 2.55 (EI w^2)^(1/3) = 53.7 kN
+        ("model: {kind: lumped, ", "model: {kind: lumped, bending: none, "),
+        ("on_bottom: true", "on_bottom: false"),
+    ],
+)
+def test_nothing_is_told_of_buckling_where_nothing_buckles(change):
+    assert not told_of(DRILLING.replace(*change)) & {"bit.weight", "bit.force"}
+
+
+def test_a_bit_that_cuts_or_does_not_turn_needs_no_torque():
+    still = with_bit(None, "on_bottom: true, weight: 1 kN").replace("to: 120 rpm", "to: 0 rpm")
+    cuts = with_bit(None, "on_bottom: true, weight: 1 kN, cutting: {specific_energy: 120 MPa}")
+    assert "bit.torque" not in told_of(still) | told_of(cuts)
 
 
 def test_plot_draws_drilling_and_phase_of_one_result_and_of_several(drillstring_):
