@@ -17,6 +17,7 @@ from drillstring.variations import bars
 from tautline.cli.summary import shown
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.kernels.time_function import sample
+from tautline.results.rounding import unrounded
 from tautline.scene.errors import Caution
 from tautline.scene.solver import longest_step
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -206,8 +207,7 @@ def figures(scene: DrillstringScene) -> dict[str, Any]:
     return {
         "well": {
             "length": well.length,
-            "north": float(end[0]),
-            "east": float(end[1]),
+            **{name: unrounded(float(x), well.length) for name, x in zip(("north", "east"), end[:2], strict=True)},
             "vertical_depth": float(end[2]),
             "largest_inclination": float(well.inclination(stations).max()),
             "largest_curvature": float(np.hypot(k1, k2).max()),

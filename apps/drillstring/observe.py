@@ -227,7 +227,8 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
     drills = "weight_on_bit" in result
     if moving and not drills:
         # A bit that drills is told to be at rest by its rotation.
-        figures["bit_stuck"] = (float((np.abs(speed) < STUCK).mean()), "", "share of the time the bit is stuck")
+        text = f"share of the time the bit is stuck, below {STUCK:g} m/s"
+        figures["bit_stuck"] = (float((np.abs(speed) < STUCK).mean()), "", text)
     figures |= break_away_figures(result)
     if np.abs(torque).max() > TORQUE_SHOWN:
         figures["surface_torque_max"] = (np.abs(torque).max(), "N m", "largest surface torque")

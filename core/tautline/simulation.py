@@ -33,6 +33,7 @@ from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.results.balance import ENERGIES, Balance
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
+from tautline.results.rounding import without_rounding
 from tautline.results.store import Store
 from tautline.system.memory import recall, remember
 from tautline.system.model import Model
@@ -269,11 +270,7 @@ class Run:
             raise StoppedEarly(Status(status), reached, system.name_of(worst))
 
     def _under_way(self) -> bool:
-        """Whether the state is in the middle of a frame.
-
-        No state can be gone on with but one at a frame's end: frames wait to be stored until the one after them is
-        full, where the run has paused in that.
-        """
+        """Whether the state is in the middle of a frame: none can go on from there, and frames before it wait."""
         return bool(self.pause[STEP] or self.pause[PART])
 
     def _work(self) -> int:
@@ -352,11 +349,11 @@ class Run:
             "factorisations": int(counters[FACTORISATIONS]),
             "halvings": int(counters[HALVINGS]),
             "energy_error": abs(self.energy_gained()),
-            "numerical_dissipation": -self.balance.missing(),
+            "numerical_dissipation": -self.balance.missing(int(counters[STEPS])),
             "motion_frequency": self.turns_over() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken),
             "warnings": [*self.warnings(taken), *warnings],
-            "headline": self.model.headline(result),
+            "headline": without_rounding(self.model.headline(result), result, taken),
             **(further or {}),
         }
         return store.finish(attributes, restart=self.memory)

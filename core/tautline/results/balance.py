@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from tautline.results.rounding import unrounded
+
 ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
 """Variables that every application stores, J."""
 STORED_SHARE = 1.0e-6
@@ -37,15 +39,17 @@ class Balance:
         """Take note of frames (m, 5), J, in the order of `ENERGIES`."""
         self._rows.append(energies)
 
-    def missing(self) -> float:
+    def missing(self, steps: int = 0) -> float:
         """Energy that has come from nowhere since the start, J; negative where it is lost without account.
 
-        A method that damps what its step cannot follow loses energy so: its numerical dissipation.
+        A method that damps what its step cannot follow loses energy so: its numerical dissipation. Of a run of so many
+        `steps` it is 0 where it is no more than the rounding of as many sums of the energy that is stored.
         """
         if not self._rows:
             return 0.0
         first, last = self._rows[0][0], self._rows[-1][-1]
-        return float(last[:3].sum() - first[:3].sum() - (last[3] - last[4]))
+        stored = max(np.abs(first[:3]).max(), np.abs(last[:3]).max())
+        return unrounded(float(last[:3].sum() - first[:3].sum() - (last[3] - last[4])), steps * float(stored))
 
     @property
     def moves(self) -> bool:
