@@ -66,12 +66,12 @@ class Cutting(Model):
     """
 
     specific_energy: Annotated[float, quantity("Pa", positive=True)] = Field(examples=["120 MPa"])
-    contact_strength: Annotated[float, quantity("Pa", nonnegative=True)] = 0.0
-    wear_flat: Annotated[float, quantity("m", nonnegative=True)] = 0.0
+    contact_strength: Annotated[float, quantity("Pa", nonnegative=True)] = Field(0.0, examples=["60 MPa"])
+    wear_flat: Annotated[float, quantity("m", nonnegative=True)] = Field(0.0, examples=["1.2 mm"])
     friction: Annotated[float, quantity("", nonnegative=True)] = 0.6
     bit_constant: Annotated[float, quantity("", positive=True)] = 1.0
     inclination: Annotated[float, quantity("", positive=True)] = 0.6
-    radius: Annotated[float, quantity("m", positive=True)] | None = None
+    radius: Annotated[float, quantity("m", positive=True)] | None = Field(None, examples=["4.25 in"])
     blades: Annotated[Whole, Field(ge=1, le=MOST_BLADES)] | None = None
 
 
@@ -84,7 +84,7 @@ class Bit(Model):
     on_bottom: Switch = False
     lateral: Annotated[Literal["free", "pinned"], word("free", "pinned")] = "free"
     force: Annotated[float, quantity("N")] = 0.0
-    weight: NeverLess | None = None
+    weight: NeverLess | None = Field(None, examples=["100 kN"])
     rock: Rock = Rock()
     torque: Torque | None = Field(None, examples=["{static: 6 kN m, kinetic: 4 kN m}"])
     penetration: Penetration | None = Field(None, examples=["{rate: 15 m/h, speed: 120 rpm}"])

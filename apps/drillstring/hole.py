@@ -29,7 +29,7 @@ class Hold(Model):
 class _Arc(Model):
     """A piece of the well of constant curvature: `radius`, or `rate` in rad/m (``3 deg/30m``)."""
 
-    radius: Length | None = None
+    radius: Length | None = Field(None, examples=["1000 m"])
     rate: Annotated[float, quantity("rad/m", positive=True)] | None = None
 
     @model_validator(mode="after")
@@ -74,7 +74,7 @@ class Survey(Model):
     md: str | None = None
     inc: str | None = None
     azi: str | None = None
-    max_gap: Length = 500.0
+    max_gap: Length = Field(500.0, examples=["800 m"])
 
     @property
     def units(self) -> dict[str, str]:
@@ -103,8 +103,8 @@ class Friction(Pair):
     """Coulomb friction of string on wall; speeds in m/s."""
 
     law: Annotated[Literal["projection", "karnopp", "regularised"], LAW] = "projection"
-    slip_velocity: Speed = 1.0e-5
-    decay_velocity: Speed = 1.0e-3
+    slip_velocity: Speed = Field(1.0e-5, examples=["1.0e-5"])
+    decay_velocity: Speed = Field(1.0e-3, examples=["1 mm/s"])
 
 
 AnyFriction = OneOf(
@@ -128,7 +128,7 @@ AnyPair = OneOf(
 class Casing(Model):
     """The cased part of the hole: measured depth of its `shoe` (m), and friction above it; the law is the wall's."""
 
-    shoe: Length
+    shoe: Length = Field(examples=["1200 m"])
     friction: Annotated[Pair, AnyPair] = Field(examples=["0.2"])
 
 
@@ -170,7 +170,7 @@ class Well(Model):
     azimuth: Angle = 0.0
     sections: Annotated[tuple[Annotated[Hold | Build | Turn, AnySection], ...], Field(min_length=1)] | None = None
     survey: Annotated[Survey | None, AnySurvey] = None
-    diameter: Length
+    diameter: Length = Field(examples=["8.5 in"])
     wall: Annotated[Wall | None, AnyWall] = Field(examples=["none, or {stiffness: 1.0e9, friction: 0.2}"])
 
     @model_validator(mode="after")

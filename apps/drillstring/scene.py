@@ -43,14 +43,18 @@ class Section(Model):
 
     tubular: str | None = Field(None, examples=["5 in 19.50 lb/ft S135"])
     name: str = Field(examples=["drill pipe"])
-    length: Annotated[float | Literal["rest"], quantity("m", positive=True, words=("rest",))]
-    od: Length
-    id: Distance
+    length: Annotated[float | Literal["rest"], quantity("m", positive=True, words=("rest",))] = Field(
+        examples=["270 m"]
+    )
+    od: Length = Field(examples=["5 in"])
+    id: Distance = Field(examples=["4.276 in"])
     tool_joint_od: Length | None = None
     second_moment: Annotated[float, quantity("m^4", positive=True)] | None = None
     mass_per_length: Annotated[float, quantity("kg/m", positive=True)] | None = None
     yield_load: Annotated[float, quantity("N", positive=True)] | None = None
-    eccentricity: tuple[Annotated[float, quantity("m")], Annotated[float, quantity("m")]] = (0.0, 0.0)
+    eccentricity: tuple[Annotated[float, quantity("m")], Annotated[float, quantity("m")]] = Field(
+        (0.0, 0.0), examples=["[0, 1.5 mm]"], description="both components, in the frame that turns with the pipe"
+    )
     youngs_modulus: Modulus | None = None
     shear_modulus: Modulus | None = None
     density: Density | None = None

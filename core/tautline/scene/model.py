@@ -13,7 +13,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from tautline.scene.document import Document
 from tautline.scene.errors import LONGEST, Problem, SceneError
-from tautline.scene.quantity import Quantity
+from tautline.scene.quantity import Quantity, suited
 from tautline.scene.refusal import KIND, nearest, refusal
 
 MARK = "|"
@@ -52,11 +52,15 @@ class Model(pydantic.BaseModel):
     @classmethod
     def _example(cls, key: str) -> str:
         for name, info in cls.model_fields.items():
-            if key in (name, info.alias):
-                if info.examples:
-                    return str(info.examples[0])
+            if key in (name, info.alias) and not info.examples:
                 return next((m.example for m in info.metadata if isinstance(m, Quantity)), "")
-        return ""
+        return cls._stated(key)
+
+    @classmethod
+    def _stated(cls, key: str) -> str:
+        """The example that a field states for itself, if any."""
+        fields = (info for name, info in cls.model_fields.items() if key in (name, info.alias))
+        return next((str(info.examples[0]) for info in fields if info.examples), "")
 
 
 def _detail(model: type[Model], error: Any) -> InitErrorDetails:
@@ -70,9 +74,15 @@ def _detail(model: type[Model], error: Any) -> InitErrorDetails:
         comma = "is it a decimal comma? Write 0.127 with a point" if str(place[0]).isdigit() else ""
         known = refusal("unknown key", comma or nearest(str(place[0]), model._keys()))
     elif kind == KIND or "error" in context:
-        known = PydanticCustomError(
-            KIND, "{cause}", {"cause": error["msg"]} | {k: v for k, v in context.items() if k != "error"}
+        words = {"cause": error["msg"]} | {k: v for k, v in context.items() if k != "error"}
+        if len(place) == 1 and "cure" in words and (stated := model._stated(str(place[0]))):
+            words["cure"] = suited(words["cure"], error["input"], stated)
+        known = PydanticCustomError(KIND, "{cause}", words)
+    elif len(place) == 1 and kind in ("tuple_type", "list_type") and (stated := model._stated(str(place[0]))):
+        told = next(
+            (f": {f.description}" for n, f in model.model_fields.items() if n == place[0] and f.description), ""
         )
+        known = refusal("must be a list", f"give a list such as {stated}{told}")
     return InitErrorDetails(type=known, loc=place, input=error["input"], ctx=context)
 
 
@@ -146,7 +156,7 @@ def _problem(error: Any, document: Document) -> Problem:
     path = tuple(part for part in error["loc"] if not (isinstance(part, str) and part.startswith(MARK)))
     context = error.get("ctx") or {}
     if error["type"] == KIND:
-        cause, cure = str(context.get("cause", "")), str(context.get("cure", ""))
+        cause, cure = str(context.get("cause", "")), suited(str(context.get("cure", "")), error["input"])
         if "file" in context:
             return Problem(str(context["file"]), context.get("line"), "", None, cause, cure)
     else:

@@ -201,3 +201,41 @@ def quantity(
         Words allowed in place of a number.
     """
     return Quantity(unit, 0.0 if positive else None, 0.0 if nonnegative else None, below, at_most, words)
+
+
+def suited(cure: str, written: Any, example: str | None = None) -> str:
+    """A cure whose example is of the size of its field, and in the unit of what was written.
+
+    Parameters
+    ----------
+    cure : str
+        That of a :class:`Quantity`; any other stays as it is.
+    written : any
+        What was refused.
+    example : str, optional
+        A value of the field, such as ``15 m/h``; else it is that of all quantities of the unit.
+    """
+    for unit, (meaning, general) in MEANINGS.items():
+        usual = f"{meaning} such as {general}"
+        if usual in cure:
+            first = example or re.split(" or |, ", general)[0]
+            return cure.replace(usual, f"{meaning} such as {_like(written, first, unit) or example or general}")
+    return cure
+
+
+def _like(written: Any, example: str, unit: str) -> str | None:
+    """An example in the unit that was written, to two digits; None where that is no unit of it."""
+    match, given = (NUMBER.fullmatch(text) if isinstance(text, str) else None for text in (written, example))
+    if match is None or given is None or not match["unit"]:
+        return None
+    if match["unit"].endswith("Hz") and unit.startswith("rad"):
+        return None  # it is the unit that was refused
+    try:
+        own, other, si = read_unit(match["unit"]), read_unit(given["unit"] or unit or "%"), read_unit(unit or "%")
+    except UnknownUnit:
+        return None
+    if own.dimension != si.dimension or other.dimension != si.dimension:
+        return None
+    value = Fraction(given["number"]) if not given["unit"] else Fraction(other.si(Fraction(given["number"])))
+    size = float(value) / own.si(Fraction(1))
+    return f"{float(f'{size:.2g}'):g} {match['unit']}"
