@@ -12,7 +12,7 @@ CASES = (
     ("generalized-alpha", 1e-2, 3.06, 0.0026),
     ("rk4", 1e-3, 2.29, 0.0083),
 )
-"""Method, step s, and the real-time factors of the thesis' Table 2.5 and of the trial in DRILLSTRING.md section 10."""
+"""Method, step s, and the real-time factors of the thesis' Table 2.5 and of a planar trial."""
 
 
 def measure(quick: bool) -> Section:

@@ -21,7 +21,7 @@ THESIS = {
 EVERY = 2
 """Frames of the converged run between two of these: 0.1 s, which every step divides."""
 EARLY = 15.0
-"""Time, s, until which two exact codes agree with 0.3/0.2 too (DRILLSTRING.md section 6)."""
+"""Time, s, until which two exact codes agree with 0.3/0.2 too (docs/lumped_string.md)."""
 HEADER = (
     "method", "law", "step, s", "real-time factor", "RMSE, m", "RMSE of the distance, m",
     "RMSE against the first row, m", "thesis: real-time factor", "thesis: RMSE, m",

@@ -119,7 +119,7 @@ class Observer:
         } | observed_at_ends(frames, self.groups)
 
     def _tension(self, q, v, s, k1, k2) -> np.ndarray:
-        """Effective tension of each link, from its chord (DRILLSTRING.md section 3) and Kelvin-Voigt damping."""
+        """Effective tension of each link, from its chord (docs/lumped_string.md) and Kelvin-Voigt damping."""
         springs = self.links.springs
         turn = np.diff(np.stack(self.well.turning(s)), axis=2)
         inside = turn[0] * (q[:, 1:, 1] + q[:, :-1, 1]) + turn[1] * (q[:, 1:, 2] + q[:, :-1, 2])

@@ -1,7 +1,7 @@
 """The exact extensible rod: a string's shape at rest in free space, without lumps and without elements.
 
 The rod is the geometrically exact planar extensible elastica (Antman, Nonlinear Problems of Elasticity, 2nd ed. 2005,
-ch. 4; DRILLSTRING.md section 10): cross-sections stay plane and at right angles to the axis, the strain e of the axis
+ch. 4): cross-sections stay plane and at right angles to the axis, the strain e of the axis
 is T / EA and the curvature per unstretched length M / EJ. With S the unstretched length from the top, x along the
 straight hole and y across it on its high side, theta the slope against the hole, and (H, V) the force along x and y
 that the part below exerts on the part above, at an inclination phi of the hole from the downward vertical:

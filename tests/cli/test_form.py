@@ -12,7 +12,7 @@ from drillstring.application import Drillstring
 
 DATA = Path(__file__).parents[2] / "data"
 KEYS = {"node", "measured_depth", "position", "reference", "difference"}
-"""DESIGN.md section 4."""
+"""Keys that other programs read: part of the contract of `--json`."""
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def test_form_with_json_is_one_object_of_the_contract_for_the_finest_mesh(drills
     # in a straight level hole northwards the measured depth is how far north a lump is
     assert report["measured_depth"] == pytest.approx(position[:, 0])
     assert report["difference"] == pytest.approx(np.linalg.norm(position - reference, axis=1))
-    # DRILLSTRING.md section 10
+    # by tests/references/extensible_rod.py
     assert reference[-1, 0] - 1000.0 == pytest.approx(-149.31423, abs=1e-5)
     assert position[:, 2].max() == pytest.approx(233.5539, rel=1e-3)
     assert [one["elements"] for one in report["meshes"]] == [10, 50]
@@ -175,5 +175,5 @@ def test_form_of_a_scene_in_oilfield_units_prints_and_draws_feet_and_kip_and_its
     assert code == 0 and "end north, east, down [ft]" in err and "kip" in err and not re.search(r"\d k?N\b|\d m\b", err)
     end = report["meshes"][0]["end"][2]
     assert f"{end / 0.3048:.4f}" in err and "[ft]" in Path("field.svg").read_text(encoding="utf8")
-    # 0.376529 m of stretch (DRILLSTRING.md section 10), whatever is printed
+    # 0.376529 m of stretch (docs/lumped_string.md), whatever is printed
     assert report["rod"]["stretch"] == pytest.approx(0.376529, abs=1e-6)

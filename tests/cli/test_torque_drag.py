@@ -19,7 +19,7 @@ from tautline.scene.errors import SceneError
 DATA = Path(__file__).parents[2] / "data"
 JWELL = (DATA / "jwell.yaml").read_text(encoding="utf8")
 KEYS = {"friction", "depth", "pick_up", "slack_off", "rotating", "torque", "buckling"}
-"""Of the contract (DESIGN.md, section 4)."""
+"""Keys that other programs read: part of the contract of `--json`."""
 FEW = ("--elements", "20")
 
 

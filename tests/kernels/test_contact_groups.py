@@ -56,7 +56,7 @@ FACTORS = {
     "regularised, creeping": lambda speed: 0.5 * speed / 50.0,
     "frictionless": lambda speed: 0.0,
 }
-"""Factor of friction while slipping at a speed, by DRILLSTRING.md section 6."""
+"""Factor of friction while slipping at a speed, by docs/lumped_string.md."""
 SLIPPING = list(FACTORS)
 
 
@@ -231,7 +231,7 @@ def test_a_lump_clear_of_the_wall_or_on_the_axis_feels_nothing(law):
 
 
 def test_the_normal_force_has_no_jump_where_contact_begins():
-    """N = max(0, k pen + d pen'): no gate on the penetration (DRILLSTRING.md section 6)."""
+    """N = max(0, k pen + d pen'): no gate on the penetration (docs/lumped_string.md)."""
     rng = np.random.default_rng(5)
     state = string.random_state(rng, offset=0.0)
     group = wall(string.curve(WELLS["vertical"], state), LAWS["frictionless"](rng), rng, viscous=0.0)

@@ -133,7 +133,7 @@ def test_a_string_at_its_places_on_the_axis_is_unstretched_and_a_soft_one_unbent
 
 @pytest.mark.parametrize("well", WELLS)
 def test_a_stiff_string_on_the_axis_is_bent_as_the_hole_turns(well):
-    """DRILLSTRING.md section 4: U = EI / (2 lb) (D1^2 + D2^2), D_a half the turning from link to link."""
+    """docs/lumped_string.md: U = EI / (2 lb) (D1^2 + D2^2), D_a half the turning from link to link."""
     rest = string.State(*np.zeros((3, PLACES.size * PER_BODY)))
     group = string.bends(string.curve(WELLS[well], rest), np.random.default_rng(6))
     turns = [0.5 * (phi[2:] - phi[:-2]) for phi in WELLS[well].turning(PLACES)]
@@ -142,7 +142,7 @@ def test_a_stiff_string_on_the_axis_is_bent_as_the_hole_turns(well):
 
 
 def test_a_stretched_link_on_an_arc_pulls_its_ends_inwards_with_half_its_tension_times_the_turning_each():
-    """The soft string's side force T k (DRILLSTRING.md section 3)."""
+    """The soft string's side force T k (docs/lumped_string.md)."""
     well = WELLS["spatial one arc"]
     q = np.zeros((2, PER_BODY))
     q[1, 0] = 0.2

@@ -129,7 +129,7 @@ def eyelet(EJ, method, h, end, EA=2e3, damping=0.0, n=(2, 2), reverse=False, mir
 @pytest.mark.parametrize(("EJ", "end"), [(0.0, 0.2), (1.0, 0.1)])
 def test_rope_over_an_eyelet_keeps_its_energy(EJ, end):
     # RK4's own loss falls with h^5: measured 1.2e-10 and 9.3e-10 of the energy exchanged at 2.5e-5 s. (2.48) as
-    # printed, without the jump of bending energy at the eyelet, is off by 2 % at any step (CABLE.md section 1)
+    # printed, without the jump of bending energy at the eyelet, is off by 2 % at any step (docs/cables.md)
     result = eyelet(EJ, "RK4", 2.5e-5, end, plotpoints=100)
     kinetic, strain, potential, work, lost = energies(result)
     exchanged = max(np.ptp(kinetic), np.ptp(strain), np.ptp(potential))
@@ -261,7 +261,7 @@ def test_forces_turn_with_the_rope(bent):
 
 
 def test_mesh_that_moves_along_a_resting_rope_meets_no_damping():
-    # dp = c, dr = c r', dr' = c r'' at the two ends of one bent element: no particle moves (CABLE.md section 2).
+    # dp = c, dr = c r', dr' = c r'' at the two ends of one bent element: no particle moves (docs/cables.md).
     # Measured 4e-14 N; the same motion of the nodes with p at rest is damped by 300 N
     xyz, p = np.array([[0.0, 0, 0], [0.9, 0.3, 0.1]]), np.array([0.0, 1.0])
     slopes = np.array([[1.0, 0.1, 0.2], [0.7, 0.8, -0.1]])

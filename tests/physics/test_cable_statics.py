@@ -152,7 +152,7 @@ def test_rope_through_an_open_end_slides_until_nothing_pulls_there(strain, n, li
 def test_ropes_on_a_differential_drum_pull_with_stretch_times_force_at_their_open_ends(strain):
     # two weightless ropes of unlike stiffness between fixed points, drawn through their first ends by one drum of two
     # radii: p_2 = f0 - k p_1. Virtual work of the material that leaves (dr/ds dp against N): lambda N is in balance,
-    # and not lambda N - Psi as at an end that belongs to the rope (CABLE.md section 1), which would be 6e-5 m away
+    # and not lambda N - Psi as at an end that belongs to the rope (docs/cables.md), which would be 6e-5 m away
     height, ratio, f0 = 1.0, 2.0, 0.13
     stiff = (1e3, 400.0)
 
@@ -219,12 +219,12 @@ def tip_error(still, exact):
 
 @pytest.mark.parametrize(("n", "limit"), [(4, 3.0e-3), (8, 1.5 * 1.8e-4), (16, 2.5e-5)])
 def test_thin_cantilever_does_not_lock(n, limit):
-    # EA L^2/EI = 1e7 and P L^2/EI = 10; measured 2.34e-3, 1.83e-4, 1.10e-5, the figures of CABLE.md section 4
+    # EA L^2/EI = 1e7 and P L^2/EI = 10; measured 2.34e-3, 1.83e-4, 1.10e-5 (docs/cables.md)
     assert tip_error(cantilever(n, 10.0, 1e7, SOFT), elastica(10.0, 1.0, 1.0)) < limit
 
 
 def test_cantilever_of_any_thinness_errs_alike():
-    # locking would grow with EA: 5 Gauss points err by 1.3e-2 at 1e5 and 5.4e-2 at 1e7 (CABLE.md section 4)
+    # locking would grow with EA: 5 Gauss points err by 1.3e-2 at 1e5 and 5.4e-2 at 1e7 (docs/cables.md)
     exact = elastica(10.0, 1.0, 1.0)
     errors = [tip_error(cantilever(8, 10.0, EA, SOFT), exact) for EA in (1e7, 1e8, 1e9)]
     assert max(errors) / min(errors) < 1.05

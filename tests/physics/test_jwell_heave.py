@@ -107,7 +107,7 @@ def test_karnopp_law_agrees_with_the_projection_within_3_mm_at_1_ms(heave, histo
 
 
 def test_rk4_with_the_regularised_law_finishes_at_1_ms_within_3_mm(heave, history):
-    # measured rms 0.58 mm, largest 1.4 mm; it chatters where it should stick (DRILLSTRING.md section 6)
+    # measured rms 0.58 mm, largest 1.4 mm; it chatters where it should stick (docs/lumped_string.md)
     result = heave(solver__method="rk4")
     assert result.attributes["steps"] == 40000
     assert np.abs(error(result, history)).max() < 3e-3
@@ -130,13 +130,13 @@ def test_rk4_runs_on_below_the_critical_step(heave, history):
 
 
 def test_two_friction_factors_make_the_stuck_share_larger(heave):
-    # DRILLSTRING.md section 6: 0.3/0.2 is judged by the statistics of sticking, not by its history
+    # docs/lumped_string.md: 0.3/0.2 is judged by the statistics of sticking, not by its history
     share = {mu: np.mean(np.abs(heave(well__wall__friction__static=mu)["bit_speed"]) < STUCK) for mu in (0.2, 0.3)}
     assert share[0.2] < share[0.3] < 0.75
 
 
 def test_energy_of_the_jwell_without_losses_is_conserved():
-    # rho_inf 1: the work of the block is the change of energy; DRILLSTRING.md section 10 gives 1 J of 35 kJ
+    # rho_inf 1: the work of the block is the change of energy; a planar trial of the equations lost 1 J of 35 kJ
     losses = {"damping": {}, "well__wall__damping": 0.0, "well__wall__friction": 0.0, "mud__drag": 1e-9}
     result = run(shipped("jwell", solver__rho_inf=1.0, solver__end=10.0, **losses), energy=1e-4)
     total = result["kinetic_energy"] + result["strain_energy"] + result["potential_energy"] - result["external_work"]

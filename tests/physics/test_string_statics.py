@@ -1,4 +1,4 @@
-"""The string at rest against exact solutions (DRILLSTRING.md section 10; tests/references/extensible_rod.py)."""
+"""The string at rest against exact solutions (tests/references/extensible_rod.py)."""
 
 import numpy as np
 import pytest
@@ -85,7 +85,7 @@ def test_jwell_string_rests_where_an_independent_solution_has_every_lump():
 
 
 def test_jwell_bit_hangs_1_64_m_past_the_end_of_the_hole():
-    # DRILLSTRING.md section 11: elastic stretch
+    # elastic stretch (docs/lumped_string.md)
     assert Balance(shipped("jwell"))["bit_depth"] - 3770.796327 == pytest.approx(1.64, abs=0.005)
 
 

@@ -25,7 +25,7 @@ def beam(name, elements, **changes):
 
 @pytest.mark.parametrize("elements", [2, 5, 12])
 def test_a_hanging_beam_is_as_long_as_the_closed_form_says_for_any_number_of_elements(elements):
-    # DRILLSTRING.md section 10: 0.376529 m, two sections of two cross-sections.
+    # the closed form of stretch: 0.376529 m, two sections of two cross-sections.
     form = at_rest(beam("hanging", elements))
     assert form.stretch == pytest.approx(0.376529, abs=5e-7)
     assert form.position[-1, 2] - form.unstretched[-1] == pytest.approx(0.376529, abs=5e-7)
@@ -37,7 +37,7 @@ SAGS = {
     "configuration_b": (233.5539, 506.0),
     "configuration_c": (24.735459, 532.0),
 }
-"""Largest sag m of the exact extensible rod and where, in unstretched length (DRILLSTRING.md section 10)."""
+"""Largest sag m of the exact extensible rod and where, in unstretched length (docs/lumped_string.md)."""
 ENDS = {"configuration_b": (-149.31423, 2e-5), "configuration_c": (0.108223, 1e-5)}
 """How far the guided end goes along the hole, m, and how near the beam of 50 elements comes to it."""
 

@@ -1,7 +1,7 @@
 """A planar lumped drill string in the J-well under the heave chirp: event-accurate Coulomb friction.
 
 Coordinates per body i = 1..n: measured depth s_i and lateral offset u_i along m1 (towards the centre of the arc, so
-u > 0 is the high side).  Body 0: s_0(t) prescribed, u_0 = 0.  SI units.  Source: DRILLSTRING.md sections 1-4, 6-8.
+u > 0 is the high side).  Body 0: s_0(t) prescribed, u_0 = 0.  SI units.  Equations: docs/lumped_string.md.
 
     m beta^2 s'' = -dU/ds + W g3 beta + 2 m beta k u' s' - c s' + beta_c lambda              beta = 1 - k u
     (m + m_a) u'' = -dU/du + W g1 - m k beta s'^2 - c u' - rho_m C_d (d l)/2 |u'| u' - sgn(u) N
@@ -350,7 +350,7 @@ def main(path=CSV, h=1e-4):
         f"Change from a step of {2 * h:g} s: {step_error:.1e} m. First-order Moreau stepping, another method,",
         f"at {h / 4:g} s differs by at most {method_error:.1e} m.",
         "Model: no axial damping of links, mud inside, added mass lateral only, buoyed weight, drag and damping on.",
-        "bit_displacement has no rotary inertia k^2 m l^2/12 in the axial mass (DRILLSTRING.md section 2);",
+        "bit_displacement has no rotary inertia k^2 m l^2/12 in the axial mass (docs/lumped_string.md);",
         f"bit_displacement_rotary has it, l the tributary length: it differs by up to "
         f"{np.abs(rotary[:, bit] - fine[:, bit]).max():.1e} m.",
         f"Static frictionless start at t = 0 (largest residual {residual:.1e} N); then every s' = "

@@ -1,7 +1,7 @@
 """Slack and snap of a weightless rope: a payload dropped on it, and a crane tip that heaves so that it goes slack.
 
 Tip at the depth u(t), payload at x below it by x - u, rope of unstretched length L:
-N = EA lambda max(0, eps + c eps_t), lambda = (x - u)/L, eps = (lambda^2 - 1)/2 (CRANE.md 5; Green), or linear
+N = EA lambda max(0, eps + c eps_t), lambda = (x - u)/L, eps = (lambda^2 - 1)/2 (docs/crane.md; Green), or linear
 N = EA max(0, eps + c eps_t), eps = lambda - 1.  M x'' = M g - N.  Depths downwards [m].  With damping the force
 begins a little before the rope is straight, where eps + c eps_t = 0, and ends before it is unstretched.
 Accuracy: closed forms to rounding; motion with its events to 1e-10 while it is not chaotic.

@@ -1,4 +1,4 @@
-"""Self-tests of the reference solutions: closed forms, other methods, and the numbers of DRILLSTRING.md."""
+"""Self-tests of the reference solutions: closed forms, other methods, and the numbers of docs/lumped_string.md."""
 
 import itertools
 

@@ -22,7 +22,7 @@ SCENES = [path for path, root in FILES.items() if {"well", "string", "CableModel
 
 
 def jwell(report, result):
-    # 1.64 m of stretch (DRILLSTRING.md section 11); frictionless soft string within 0.5 % at 12 lumps
+    # 1.64 m of stretch (docs/lumped_string.md); frictionless soft string within 0.5 % at 12 lumps
     well, string = soft.jwell()
     assert report["stretch_start"] == pytest.approx(1.6379, abs=1e-3)
     assert report["hook_load_start"] == pytest.approx(soft.hook_load(well, string, 0.0, "rotating"), rel=5e-3)

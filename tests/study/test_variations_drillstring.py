@@ -146,7 +146,7 @@ def test_more_links_than_a_string_may_have_are_refused_by_name():
 
 
 def test_the_stretch_of_a_hanging_string_is_exact_on_every_mesh_of_it():
-    # Table 2.3's string stretches by 0.376529 m whatever the number of elements (DRILLSTRING.md section 11)
+    # Table 2.3's string stretches by 0.376529 m whatever the number of elements (docs/lumped_string.md)
     scene = shipped("hanging")
     for factor in (0.5, 2, 4):
         balance = Balance(vary.elements(scene, factor))

@@ -204,7 +204,7 @@ def test_a_hole_is_drawn_about_a_hundredth_of_the_picture_wide_and_says_so():
 
 @pytest.mark.parametrize(("name", "sag"), [("a", 3.278958), ("b", 233.5539), ("c", 24.735459)])
 def test_a_string_in_free_space_has_no_hole_and_its_ruler_measures_the_sag(name, sag):
-    # sag of the exact extensible rods, DRILLSTRING.md section 10
+    # sag of the exact extensible rods, docs/lumped_string.md
     _, result = ran(f"configuration_{name}")
     picture = appearance(result, Look())
     assert not picture.arrows and {part.name for part in picture.lines} == {"string"}

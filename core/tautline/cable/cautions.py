@@ -20,7 +20,7 @@ from tautline.scene.solver import longest_step
 RK4_LIMIT = 2.8
 """omega h on the imaginary axis beyond which RK4 is unstable, eq. 2.137."""
 STIFF_PENALTY = 1.0e6
-"""Penalty over the stiffest element, EA/L, from which rounding eats the forces (CABLE.md section 3, point 11)."""
+"""Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
 PRESTRETCHED = 0.05
 """Strain at the start that is more likely a slip of the pen than meant."""
 APART = 1.0e-9
