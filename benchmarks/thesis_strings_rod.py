@@ -1,6 +1,7 @@
 """The string of the thesis' Table 2.3 without any mesh: the exact extensible rod, the linear beam, the hanging bar.
 
-The rod is the extensible Euler-Bernoulli elastica (Antman, Nonlinear Problems of Elasticity, ch. 4) in the unstretched arc length s from the pinned end, x along the string, y up, all SI:
+The rod is the extensible Euler-Bernoulli elastica (Antman, Nonlinear Problems of Elasticity, ch. 4) in the unstretched
+arc length s from the pinned end, x along the string, y up, all SI:
 
     x' = (1 + e) cos(theta),  y' = (1 + e) sin(theta),  theta' = M/EI,
     M' = (1 + e) (H sin(theta) - V cos(theta)),  V' = rho A g,  e = (H cos(theta) + V sin(theta))/EA.
