@@ -12,15 +12,14 @@ Only wrapped sheaves bend: while nothing of the rope lies on a sheave, rope that
 from __future__ import annotations
 
 import math
-from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from crane.events import checked
+from crane.passages import Arc, most_worked_places, passages, reversals, staircase, while_below, without_ripple
 
 RESOLUTION = 1.0
 """Travel of a contact's end, in rope diameters, below which a turn to and fro is ripple. The rope takes its curvature
@@ -28,8 +27,6 @@ over about such a length, not at a point; without this a load that trembles work
 REACH = 200.0
 """Rope between two sheaves, in diameters, within which bending the other way counts as reversed: our choice, as the
 rules of lifts, cranes and ropeways differ."""
-SLIVER = 1.0e-6
-"""Share of a bin that is too narrow to stand for it: the gap that rounding leaves between equal positions."""
 OVERLAP = 1.0e-6
 """Rope that two contacts may share, m, before they are refused."""
 PAIRS = 1_000_000
@@ -162,18 +159,17 @@ def bending_cycles(
     arcs = [_arc(time, contact) for contact in contacts]
     _in_order(time, contacts, arcs)
     smooth = [
-        arc._replace(low=_without_ripple(arc.low, resolution), high=_without_ripple(arc.high, resolution))
-        for arc in arcs
+        arc._replace(low=without_ripple(arc.low, resolution), high=without_ripple(arc.high, resolution)) for arc in arcs
     ]
     smooth = [arc._replace(high=np.maximum(arc.low, arc.high)) for arc in smooth]
-    stairs = [_staircase(_passages(arc)) for arc in smooth]
-    place, total, mean = _most_worked_places(stairs, edges)
+    stairs = [staircase(passages(arc)) for arc in smooth]
+    place, total, mean = most_worked_places(stairs, edges)
     by_contact = np.array([0.5 * stair.at(place) for stair in stairs]).reshape(len(contacts), len(place)).T
     turned = [
         stretch
         for k in range(len(contacts) - 1)
         if contacts[k].side * contacts[k + 1].side < 0.0
-        for stretch in _reversals(smooth[k], smooth[k + 1], reach)
+        for stretch in reversals(smooth[k], smooth[k + 1], reach)
     ]
     tension, ratio = np.zeros(len(place)), np.full(len(place), np.inf)
     for contact, arc in zip(contacts, arcs, strict=True):
@@ -187,36 +183,10 @@ def bending_cycles(
         by_contact=by_contact,
         worst=np.where(total > 0.0, by_contact.argmax(axis=1) if contacts else -1, -1),
         mean=0.5 * mean,
-        reversals=_most_worked_places([_staircase(turned)], edges)[1],
+        reversals=most_worked_places([staircase(turned)], edges)[1],
         tension=tension,
         ratio=ratio if diameter else None,
     )
-
-
-Stretch = tuple[float, float]
-
-
-class _Arc(NamedTuple):
-    """Rope on a contact: (m,) each, low <= high."""
-
-    low: np.ndarray
-    high: np.ndarray
-    tension: np.ndarray
-    bends: np.ndarray
-    """(m - 1,), whether rope lies on the contact in each step; as it was before ripple was taken out."""
-
-
-class _Staircase(NamedTuple):
-    """A function of p, constant between breaks and 0 outside."""
-
-    breaks: np.ndarray
-    heights: np.ndarray
-    """Of the stretch that begins at each break."""
-
-    def at(self, p: np.ndarray) -> np.ndarray:
-        """Values at places that are no breaks."""
-        k = np.searchsorted(self.breaks, p) - 1
-        return np.where(k >= 0, self.heights[np.maximum(k, 0)], 0.0) if self.breaks.size else np.zeros(len(p))
 
 
 def _edges(edges: np.ndarray) -> np.ndarray:
@@ -226,7 +196,7 @@ def _edges(edges: np.ndarray) -> np.ndarray:
     return edges
 
 
-def _arc(time: np.ndarray, contact: Contact) -> _Arc:
+def _arc(time: np.ndarray, contact: Contact) -> Arc:
     """Check a contact and put its ends in order."""
     if not (np.isfinite(contact.radius) and contact.radius > 0.0):
         raise ValueError(f"{contact.name}: radius = {contact.radius}: must be finite and above 0")
@@ -241,10 +211,10 @@ def _arc(time: np.ndarray, contact: Contact) -> _Arc:
     if any(array.ndim != 1 for array in (*ends, tension)):
         raise ValueError(f"{contact.name}: ends of the arc and tension are histories, (m,)")
     wrapped = ends[0] != ends[1]
-    return _Arc(np.minimum(*ends), np.maximum(*ends), tension, wrapped[:-1] | wrapped[1:])
+    return Arc(np.minimum(*ends), np.maximum(*ends), tension, wrapped[:-1] | wrapped[1:])
 
 
-def _in_order(time: np.ndarray, contacts: Sequence[Contact], arcs: Sequence[_Arc]) -> None:
+def _in_order(time: np.ndarray, contacts: Sequence[Contact], arcs: Sequence[Arc]) -> None:
     for k in range(len(arcs) - 1):
         beyond = arcs[k].high - arcs[k + 1].low
         if (beyond > OVERLAP).any():
@@ -255,134 +225,14 @@ def _in_order(time: np.ndarray, contacts: Sequence[Contact], arcs: Sequence[_Arc
             )
 
 
-def _turns(value: np.ndarray, least: float) -> list[int]:
-    """Indices of the extremes between which a history moves by at least so much; none, or at least two."""
-    history = value.tolist()
-    turns: list[int] = []
-    low = high = 0
-    rising: bool | None = None
-    for k, here in enumerate(history):
-        low, high = k if here < history[low] else low, k if here > history[high] else high
-        if rising is not True and here - history[low] >= least:
-            turns.append(low)
-            rising, high = True, k
-        elif rising is not False and history[high] - here >= least:
-            turns.append(high)
-            rising, low = False, k
-    return [*turns, high if rising else low] if turns else []
-
-
-def _without_ripple(value: np.ndarray, least: float) -> np.ndarray:
-    """A history, (m,), without its turns to and fro of less than so much; extremes that stay keep their values."""
-    if least <= 0.0 or not np.isfinite(value).all():
-        return value
-    turns = _turns(value, least)
-    smooth = np.full(value.shape, value[turns[0] if turns else 0])
-    for a, b in pairwise(turns):
-        further = np.maximum if value[b] > value[a] else np.minimum
-        smooth[a : b + 1] = further.accumulate(value[a : b + 1])
-        smooth[b:] = value[b]
-    return smooth
-
-
-def _passages(arc: _Arc) -> list[Stretch]:
-    """Stretches that an end of the arc passes, a step each, while rope lies on the contact."""
-    passed: list[Stretch] = []
-    for end in (arc.low, arc.high):
-        if np.isfinite(end).all():
-            moves = arc.bends & (end[:-1] != end[1:])
-            low, high = np.minimum(end[:-1], end[1:])[moves], np.maximum(end[:-1], end[1:])[moves]
-            passed += zip(low.tolist(), high.tolist(), strict=True)
-    return passed
-
-
-def _staircase(stretches: Sequence[Stretch]) -> _Staircase:
-    """How many of the stretches hold p, as a function of p."""
-    breaks, where = np.unique(np.array(stretches, float).reshape(-1, 2), return_inverse=True)
-    begins, ends = (np.bincount(side, minlength=breaks.size) for side in where.reshape(-1, 2).T)
-    steps = (begins - ends).astype(float)
-    # Where one step of a steady motion ends and the next begins there is no stair.
-    stair = steps != 0.0
-    return _Staircase(breaks[stair], np.cumsum(steps)[stair])
-
-
-def _most_worked_places(stairs: Sequence[_Staircase], edges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Place in each bin where the sum of staircases is highest, its height there, and its mean; (n,) each."""
-    count, width = len(edges) - 1, np.diff(edges)
-    breaks = np.concatenate([edges, *(stair.breaks for stair in stairs)])
-    breaks = np.unique(breaks[(breaks >= edges[0]) & (breaks <= edges[-1])])
-    middle, length = 0.5 * (breaks[:-1] + breaks[1:]), np.diff(breaks)
-    total = np.sum([stair.at(middle) for stair in stairs], axis=0) if stairs else np.zeros(middle.size)
-    within = np.minimum(np.searchsorted(edges, breaks[:-1], side="right") - 1, count - 1)
-    wide = length > SLIVER * width[within]
-    # Last of each bin in this order: the highest of the wide pieces, of equals the widest.
-    order = np.lexsort((length, total, wide, within))
-    last = order[np.searchsorted(within[order], np.arange(count), side="right") - 1]
-    mean = np.bincount(within, weights=total * length, minlength=count) / width
-    return middle[last], total[last], mean
-
-
-def _reversals(before: _Arc, after: _Arc, reach: float) -> list[Stretch]:
-    """Stretches that leave one of two neighbours and come to the other, on at most so much rope between them."""
-    one, other = before.high, np.maximum(before.high, after.low)
-    gap = other - one
-    if gap.size == 0 or gap.min() >= reach:
-        return []
-    sides = _Sides(float(one[0]), float(other[0]))
-    begin, end = _while_below(gap[:-1], gap[1:], reach)
-    found: list[Stretch] = []
-    ends = ((one, -1, before.bends), (other, 1, after.bends))
-    # Rope comes to the first where its end rises and to the other where its end falls, in one step never the same.
-    for k, (line, side, bends) in ((k, item) for k in range(len(gap) - 1) for item in ends):
-        start, stop = float(line[k]), float(line[k + 1])
-        move = stop - start
-        if side * move < 0.0:
-            came = sides.turn(min(start, stop), max(start, stop), side if bends[k] else 0)
-            if begin[k] < end[k]:
-                low, high = sorted((start + move * float(begin[k]), start + move * float(end[k])))
-                found += [(max(a, low), min(b, high)) for a, b in came if max(a, low) < min(b, high)]
-    return found
-
-
-class _Sides:
-    """Which of two neighbours bent each stretch of rope last: -1 the one before, 1 the one after, 0 not known."""
-
-    def __init__(self, low: float, high: float) -> None:
-        self._cuts = [low, high]
-        self._side = [-1, 0, 1]
-
-    def turn(self, low: float, high: float, side: int) -> list[Stretch]:
-        """Let a stretch come to a side, and say which parts of it came from the other."""
-        first, last = bisect_left(self._cuts, low), bisect_right(self._cuts, high)
-        cuts = [low, *(min(max(cut, low), high) for cut in self._cuts[first:last]), high]
-        sides = self._side[first : last + 1]
-        came = [(a, b) for a, b, old in zip(cuts[:-1], cuts[1:], sides, strict=True) if side and old == -side and a < b]
-        # A cut stays only where the sides on its two hands differ.
-        ends = [(low, sides[0]), (high, sides[-1])]
-        self._cuts[first:last] = [cut for cut, neighbour in ends if neighbour != side]
-        self._side[first : last + 1] = [
-            *([sides[0]] if sides[0] != side else []), side, *([sides[-1]] if sides[-1] != side else [])
-        ]  # fmt: skip
-        return came
-
-
-def _while_below(begin: np.ndarray, end: np.ndarray, limit: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Shares of a step from and to which a straight line is at or below a limit; from > to for never."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        crossing = (limit - begin) / (end - begin)
-    from_here = np.where(begin <= limit, 0.0, np.where(end <= limit, crossing, 1.0))
-    to_there = np.where(end <= limit, 1.0, np.where(begin <= limit, crossing, 0.0))
-    return from_here, to_there
-
-
-def _bins_bent(arc: _Arc, edges: np.ndarray) -> np.ndarray:
+def _bins_bent(arc: Arc, edges: np.ndarray) -> np.ndarray:
     """Whether any of a bin ever lay on the contact, (n,)."""
     low, high = _spans(arc)
     first, last = (np.bincount(ends, minlength=len(edges)) for ends in _touched(low, high, edges))
     return np.cumsum(first - last)[:-1] > 0
 
 
-def _spans(arc: _Arc) -> tuple[np.ndarray, np.ndarray]:
+def _spans(arc: Arc) -> tuple[np.ndarray, np.ndarray]:
     """All rope that lay on the contact in each step with any on it; a single frame is a step."""
     if arc.low.size == 1:
         return arc.low, arc.high
@@ -397,7 +247,7 @@ def _touched(low: np.ndarray, high: np.ndarray, edges: np.ndarray) -> tuple[np.n
     return first, np.where(high > low, np.maximum(first, last), first)
 
 
-def _largest_tension(arc: _Arc, radius: float, edges: np.ndarray, tension: np.ndarray) -> None:
+def _largest_tension(arc: Arc, radius: float, edges: np.ndarray, tension: np.ndarray) -> None:
     """Raise each bin's largest tension, (n,), to that of the contact while any of the bin is on it."""
     # Only the outer turn on a drum feels the tension at the lead point.
     turn = 2.0 * math.pi * radius
@@ -407,15 +257,15 @@ def _largest_tension(arc: _Arc, radius: float, edges: np.ndarray, tension: np.nd
     )
     if arc.low.size == 1:
         low, high, held = (np.repeat(array, 2) for array in arc[:3])
-        arc = _Arc(low, high, held, arc.high > arc.low)
+        arc = Arc(low, high, held, arc.high > arc.low)
     first, last = _touched(*_spans(arc), edges)
     for block in _blocks(last - first):
         number = (last - first)[block]
         step = np.repeat(np.arange(first.size)[block], number)
         bins = np.arange(step.size) - np.repeat(np.cumsum(number) - number, number) + first[step]
         # On the contact while its lower end is below the bin's upper one, and the other way round.
-        on = _while_below(arc.low[step], arc.low[step + 1], edges[bins + 1])
-        off = _while_below(-arc.high[step], -arc.high[step + 1], -edges[bins])
+        on = while_below(arc.low[step], arc.low[step + 1], edges[bins + 1])
+        off = while_below(-arc.high[step], -arc.high[step + 1], -edges[bins])
         begin, end = np.maximum(on[0], off[0]), np.minimum(on[1], off[1])
         rise = arc.tension[step + 1] - arc.tension[step]
         most = arc.tension[step] + np.maximum(rise * begin, rise * end)

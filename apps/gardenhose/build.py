@@ -10,9 +10,9 @@ import numpy as np
 
 from gardenhose.cables import Stream, arc_lengths, cables_of, streams
 from gardenhose.estimates import average
-from gardenhose.limit_cycle import headline
 from gardenhose.observe import Observer, variables
 from gardenhose.scene import HoseScene
+from gardenhose.summary import headline
 from tautline.cable.build import Assembly, assemble_cables
 from tautline.cable.layout import Layout
 from tautline.cable.members import records

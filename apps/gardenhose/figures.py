@@ -6,15 +6,16 @@ drawn by `gardenhose.stability_figures`.
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from gardenhose.curves import Plane, Trace, directions, name_of, plane_of, shape_of, snapped, spread
-from gardenhose.limit_cycle import LimitCycle, limit_cycle, swings
+from gardenhose.curves import directions, name_of, shape_of, snapped, spread
+from gardenhose.cycles import swings
+from gardenhose.limit_cycle import LimitCycle
+from gardenhose.run import Run
 from gardenhose.stability_figures import boundary_figure as boundary_figure
 from gardenhose.stability_figures import flutter_figure as flutter_figure
 from gardenhose.stability_figures import show_in_plane
@@ -42,12 +43,8 @@ from tautline.view.histories import energies
 from tautline.view.spectrum import spectrum
 from tautline.view.waterfall import waterfall_figure
 
-CHANGES = 0.05
-"""Share of the largest flow speed by which it changes where the speed counts as ramped."""
 SHAPES = 24
 """Most shapes of the hose in one picture."""
-SPREAD = 6
-"""Points between two frames of a curve in time."""
 ONSET = 0.01
 """Amplitude over the hose's length that the figure of a ramp marks."""
 DRIFT = 5.0
@@ -62,52 +59,8 @@ DECADES = 6
 """That a spectrum shows."""
 
 
-class _Run:
-    """What the figures need of a result, read once."""
-
-    def __init__(self, result: Result, name: str) -> None:
-        self.result, self.name = result, name
-        self.time, self.tip, self.tip_velocity = result.time, result["tip"], result["tip_velocity"]
-        self.flow = result["flow_speed"] if "flow_speed" in result else np.zeros(len(self.time))
-        self.arc_length = result["arc_length"]
-        self.length = float(self.arc_length[-1])
-        self.cycle: LimitCycle = limit_cycle(self.time, self.tip, self.tip_velocity, self.length)
-        self.trace = Trace(self.time, self.tip, self.tip_velocity)
-
-    @functools.cached_property
-    def position(self) -> np.ndarray:
-        """Of the nodes, (frames, nodes, 3) m."""
-        return self.result["position"]
-
-    @functools.cached_property
-    def plane(self) -> Plane:
-        """The plane that the hose moves in during the cycles that the numbers stand for."""
-        inside = (self.time >= self.cycle.start) & (self.time <= self.cycle.end) if self.cycle.cycles else slice(None)
-        position = self.position[inside]
-        return plane_of(position, towards=(position[:, -1] - position[:, 0]).mean(axis=0))
-
-    @property
-    def settled_time(self) -> np.ndarray:
-        """Dense times of the cycles that the numbers stand for; of the whole run where there is none."""
-        cycle, per_frame = self.cycle, SPREAD * max(len(self.time) - 1, 1)
-        if cycle.cycles == 0:
-            return np.linspace(self.time[0], self.time[-1], per_frame + 1)
-        share = (cycle.end - cycle.start) / (self.time[-1] - self.time[0])
-        return np.linspace(cycle.start, cycle.end, max(200, int(share * per_frame)) + 1)
-
-    @property
-    def ramped(self) -> bool:
-        """Whether the flow speed changes in the run so that a motion has time to answer."""
-        size = float(np.abs(self.flow).max())
-        if len(self.time) < 3 or size == 0.0 or np.ptp(self.flow) <= CHANGES * size:
-            return False
-        changing = np.abs(np.diff(self.flow)) > 1e-6 * size
-        spent = float(np.diff(self.time)[changing].sum())
-        return spent > 3.0 * self.cycle.period and spent > 0.1 * (self.time[-1] - self.time[0])
-
-
 @styled
-def tip(runs: Sequence[_Run]) -> Figure:
+def tip(runs: Sequence[Run]) -> Figure:
     """Flow speed and the tip's coordinates against time; several results are overlaid."""
     moves = np.array([np.ptp(run.tip, axis=0) for run in runs]).max(axis=0)
     shown = [axis for axis in range(3) if moves[axis] > 1e-6 * max(run.length for run in runs)] or [2]
@@ -121,7 +74,7 @@ def tip(runs: Sequence[_Run]) -> Figure:
         if flows:
             plots[0, 0].plot(run.time, run.flow, label=run.name, **look)
         for plot, axis in zip(plots[int(flows) :, 0], shown, strict=True):
-            dense = _dense(run)
+            dense = run.dense
             plot.plot(dense, run.trace(dense)[0][:, axis], lw=1.0, label=run.name, **look)
     if len(runs) == 1 and runs[0].cycle.cycles:
         cycle = runs[0].cycle
@@ -141,7 +94,7 @@ def tip(runs: Sequence[_Run]) -> Figure:
 
 
 @styled
-def phase(runs: Sequence[_Run]) -> Figure:
+def phase(runs: Sequence[Run]) -> Figure:
     """Velocity of the tip against its position in the direction of largest motion, and its path.
 
     The cycles that the numbers stand for are emphasised; of one result the rest of the run is drawn in grey.
@@ -155,7 +108,7 @@ def phase(runs: Sequence[_Run]) -> Figure:
     for number, run in enumerate(runs):
         colour = COLOURS[number % len(COLOURS)]
         if len(runs) == 1 and run.cycle.cycles:
-            place, speed = run.trace(_dense(run))
+            place, speed = run.trace(run.dense)
             portrait.plot(place @ direction, speed @ direction, color=QUIET, lw=0.5, label="whole run")
             path.plot(*plane(place), color=QUIET, lw=0.5)
         place, speed = run.trace(run.settled_time)
@@ -182,7 +135,7 @@ def phase(runs: Sequence[_Run]) -> Figure:
 
 
 @styled
-def shape(runs: Sequence[_Run]) -> Figure:
+def shape(runs: Sequence[Run]) -> Figure:
     """The hose at frames of the last cycle, coloured by time; of a run without a cycle, at frames of all of it."""
     cyclic = all(run.cycle.cycles for run in runs)
     fans = [_fan(run) for run in runs]
@@ -225,7 +178,7 @@ class _Fan(NamedTuple):
     path: np.ndarray
 
 
-def _fan(run: _Run) -> _Fan:
+def _fan(run: Run) -> _Fan:
     """Shapes of the last cycle, (frames, points, 3); of the whole run where there is none."""
     start, end = run.cycle.crossings[-2:] if run.cycle.cycles else (run.time[0], run.time[-1])
     chosen = spread(run.time, start, end, SHAPES)
@@ -235,7 +188,7 @@ def _fan(run: _Run) -> _Fan:
 
 
 @styled
-def spectra(runs: Sequence[_Run]) -> Figure:
+def spectra(runs: Sequence[Run]) -> Figure:
     """Amplitude spectrum of the tip in its direction of largest motion, over the last cycles, or the second half."""
     figure, plots = axes(1, 1, 8.0, 4.4, _title(runs))
     plot = plots[0, 0]
@@ -267,7 +220,7 @@ def spectra(runs: Sequence[_Run]) -> Figure:
 
 
 @styled
-def ramp(runs: Sequence[_Run]) -> Figure:
+def ramp(runs: Sequence[Run]) -> Figure:
     """Extremes of the tip, and its amplitude, against the flow speed at the time: where the motion begins."""
     leading = max(runs, key=lambda run: run.cycle.amplitude)
     # Of the whole run: at its end the hose may have come to rest again.
@@ -276,7 +229,7 @@ def ramp(runs: Sequence[_Run]) -> Figure:
     place, size = plots[:, 0]
     for number, run in enumerate(runs):
         colour = COLOURS[number % len(COLOURS)]
-        dense = _dense(run)
+        dense = run.dense
         along = run.trace(dense)[0] @ direction
         text = "tip" if len(runs) == 1 else None
         place.plot(np.interp(dense, run.time, run.flow), along, color=QUIET, lw=0.5, label=text, **marker(run.time))
@@ -321,7 +274,7 @@ def ramp(runs: Sequence[_Run]) -> Figure:
     return figure
 
 
-def waterfall(runs: Sequence[_Run], name: str = "axial_force") -> Figure:
+def waterfall(runs: Sequence[Run], name: str = "axial_force") -> Figure:
     """What runs along the hose, over time and unstretched length from its root."""
     (run,) = runs
     values, variable = run.result[name], run.result.variables[name]
@@ -355,7 +308,7 @@ def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = N
     ``overview``, and nothing, stand for several figures.
     """
     one_kind(results)
-    runs = [_Run(result, name) for result, name in zip(results, names(results), strict=True)]
+    runs = [Run(result, name) for result, name in zip(results, names(results), strict=True)]
     whole = ["tip", "phase", "shape", *(["ramp"] if any(run.ramped for run in runs) else [])]
     named = what or (("overview",) if vs is None else ())
     return drawn(results, DRAWINGS, named, vs, lambda _: runs, {"overview": whole})
@@ -374,7 +327,7 @@ def _onset(flow: np.ndarray, amplitude: np.ndarray, least: float) -> float | Non
     return float(flow[below[-1] + 1])
 
 
-def _title(runs: Sequence[_Run]) -> str:
+def _title(runs: Sequence[Run]) -> str:
     return title([run.result for run in runs])
 
 
@@ -384,14 +337,8 @@ def _sentence(cycle: LimitCycle) -> str:
     return f"{span}, {cycle.frequency:.4g} Hz, amplitude {cycle.amplitude:.3g} m"
 
 
-def _columns(runs: Sequence[_Run]) -> int:
+def _columns(runs: Sequence[Run]) -> int:
     return max(1, min(5, 80 // (max(len(run.name) for run in runs) + 6)))
-
-
-def _dense(run: _Run) -> np.ndarray:
-    """Times of the frames and between them, so that few frames a period still draw round curves."""
-    frames = len(run.time)
-    return np.interp(np.arange(SPREAD * (frames - 1) + 1) / SPREAD, np.arange(frames), run.time)
 
 
 def _room(plot: Axes, values: np.ndarray, least: float) -> None:

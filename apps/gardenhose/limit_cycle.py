@@ -1,11 +1,8 @@
 """The motion that a hose's tip ends in: rest, growth, decay, or a limit cycle with its frequency and amplitude.
 
 Everything is read off the tip's position and velocity at the frames and between them (`gardenhose.curves.Trace`), so
-that a run need not store more than some ten frames a period, and not at even intervals.
-
-A *swing* goes from one extreme of the signal to the next; swings smaller than a share of the motion around them are
-ripple, and merged. A *cycle* goes from one passage of the mean to the next in the same sense. Where two, three or four
-swings up and down take turns, as harmonics or a doubled period make them, they are one cycle together.
+that a run need not store more than some ten frames a period, and not at even intervals. What a cycle is stands in
+`gardenhose.cycles`.
 """
 
 from __future__ import annotations
@@ -15,38 +12,18 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from gardenhose.curves import Trace, directions
-from tautline.view.spectrum import spectrum
+from gardenhose.cycles import FEWEST, STEADY, Cycles, Swings, cycles_used, find_cycles, grouped, scatter, steady, swings
 
 REST = 1.0e-9
 """Motion over the length of the hose below which the tip is at rest."""
-STEADY = 0.01
-"""Amplitudes of cycles that differ by less, relatively, are equal: the motion is settled."""
-FEWEST = 3
-"""Whole cycles that it takes to call a motion settled."""
-RIPPLE = 0.25
-"""Share of the range of motion within half a period on either side below which a swing is ripple."""
-CLEAN = 1.0e-7
-"""Scatter of amplitudes, relative, that is not worth leaving cycles out for."""
 TINY = float(np.finfo(float).tiny)
 """Takes the place of zero under a logarithm and in a ratio."""
-MOST_LOOPS = 4
-"""Swings up and down that may take turns within one cycle."""
 POINTS = 128
 """Samples of a mean cycle."""
 FINE = 512
 """Samples of each cycle that extents are taken from."""
-
-
-class Swings(NamedTuple):
-    """Extremes of a signal between which it swings, ripple left out: maximum and minimum in turn."""
-
-    time: np.ndarray
-    """(n,) s."""
-    value: np.ndarray
-    """(n,), the unit of the signal."""
 
 
 class CycleSamples(NamedTuple):
@@ -135,21 +112,6 @@ class LimitCycle:
         return 1.0 / self.frequency if self.frequency > 0.0 else 0.0
 
 
-class _Cycles(NamedTuple):
-    """Cycles of a signal: n of them between n + 1 crossings."""
-
-    crossings: np.ndarray
-    top: np.ndarray
-    bottom: np.ndarray
-
-    @property
-    def amplitude(self) -> np.ndarray:
-        return 0.5 * (self.top - self.bottom)
-
-
-_NONE = _Cycles(*np.zeros((3, 0)))
-
-
 def limit_cycle(
     time: np.ndarray, position: np.ndarray, velocity: np.ndarray, length: float | None = None
 ) -> LimitCycle:
@@ -181,39 +143,23 @@ def limit_cycle(
     if not velocity[late].any():
         direction = directions(position[late] - position[late].mean(axis=0))[0]
     origin = position[late].mean(axis=0)
-    found = _find(time, (position - origin) @ direction, velocity @ direction, REST * length)
+    found = find_cycles(time, (position - origin) @ direction, velocity @ direction, REST * length)
     if len(found.crossings) < 2:
         return _without_cycles(time, position, velocity, late, direction)
     whole = Trace(time, position, velocity)
     # The direction of largest motion and the mean are those of the cycles used, which the first pass has found.
     for _ in range(2):
-        cycles = _grouped(found)[0]
+        cycles = grouped(found)[0]
         # Passages of a mean tell the period of a steady motion best; of one that grows or decays, those of the middle
         # between its extremes, which has the same share in every swing.
-        centred = _steady(cycles.amplitude) >= FEWEST
-        place = _sampled(whole, cycles.crossings[-1 - _used(cycles) :], POINTS)[0].reshape(-1, 3)
+        centred = steady(cycles.amplitude) >= FEWEST
+        place = _sampled(whole, cycles.crossings[-1 - cycles_used(cycles) :], POINTS)[0].reshape(-1, 3)
         origin = place.mean(axis=0)
         direction = directions(place - origin)[0]
-        found = _find(time, (position - origin) @ direction, velocity @ direction, REST * length, centred)
+        found = find_cycles(time, (position - origin) @ direction, velocity @ direction, REST * length, centred)
         if len(found.crossings) < 2:
             return _without_cycles(time, position, velocity, late, direction)
     return _described(found, whole, swings(time, (position - origin) @ direction, velocity @ direction))
-
-
-def swings(time: np.ndarray, value: np.ndarray, rate: np.ndarray) -> Swings:
-    """Extremes of a signal, ripple left out.
-
-    Parameters
-    ----------
-    time, value, rate : (m,) array
-        Times of the frames, s, the signal and its derivative by time.
-    """
-    if len(time) < 3:
-        return Swings(np.zeros(0), np.zeros(0))
-    trace = Trace(*(np.asarray(array, float) for array in (time, value, rate)))
-    at, extremes = trace.extrema()
-    kept = _turns(trace, at, extremes)
-    return Swings(at[kept], extremes[kept])
 
 
 def cycle_samples(
@@ -239,32 +185,6 @@ def cycle_samples(
         return CycleSamples(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)))
     place, speed = _sampled(Trace(*_frames(time, position, velocity)), cycle.crossings, points)
     return CycleSamples(np.arange(points) / points, place.mean(axis=0), speed.mean(axis=0))
-
-
-def headline(result: Any) -> dict[str, dict[str, Any]]:
-    """Figures that sum a run up; forces and the largest speed are of the whole run, the others of its end.
-
-    Parameters
-    ----------
-    result : Result
-        Of a hose. A frequency that there is not is None.
-    """
-    cycle = limit_cycle(result["time"], result["tip"], result["tip_velocity"], float(result["arc_length"][-1]))
-    force, speed = result["axial_force"], np.linalg.norm(result["tip_velocity"], axis=1)
-    note = f" ({cycle.note})" if cycle.note else ""
-    flow = float(result["flow_speed"][-1]) if "flow_speed" in result else None
-    figures: dict[str, tuple[Any, str, str]] = {
-        "motion": (cycle.kind, "", f"motion of the tip at the end{note}"),
-        "tip_amplitude": (cycle.amplitude, "m", "amplitude of the tip, half of peak to peak"),
-        "frequency": (cycle.frequency if cycle.cycles else None, "Hz", "frequency"),
-        "cycles": (cycle.cycles, "", "whole cycles that these are taken from"),
-        "tip_speed_max": (float(speed.max()), "m/s", "largest speed of the tip"),
-        "tip_mean": ([float(x) for x in cycle.mean], "m", "mean position of the tip"),
-        "axial_force_max": (float(force.max()), "N", "largest axial force"),
-        "axial_force_min": (float(force.min()), "N", "smallest axial force"),
-        "flow_speed": (flow, "m/s", "flow speed at the end"),
-    }
-    return {name: {"value": value, "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}
 
 
 def _frames(time: Any, position: Any, velocity: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -294,123 +214,6 @@ def _rests(time: np.ndarray, position: np.ndarray, velocity: np.ndarray, least: 
     return bool(moved <= least and travelled <= 1e3 * least)
 
 
-def _dominant_period(time: np.ndarray, rate: np.ndarray) -> float:
-    """Rough period of the second half of a signal; from its rate, in which a drift of the mean weighs little."""
-    late = time >= 0.5 * (time[0] + time[-1])
-    frequency, lines = spectrum(time[late], rate[late])
-    if lines.size < 2 or not lines.any():
-        return float(time[-1] - time[0])
-    return 1.0 / float(frequency[max(int(lines.argmax()), 1)])
-
-
-def _turns(trace: Trace, at: np.ndarray, extremes: np.ndarray) -> list[int]:
-    """Which of all extremes of a signal, (n,) times and values, bound swings that are no ripple."""
-    time, value = trace.time, trace.value
-    if at.size == 0:
-        return []
-    half = max(1, math.ceil(0.5 * _dominant_period(time, trace.rate) / float(np.median(np.diff(time)))))
-    width = min(2 * half + 1, 2 * len(time) + 1)
-    around = maximum_filter1d(value, width, mode="nearest") - minimum_filter1d(value, width, mode="nearest")
-    least = RIPPLE * around[np.clip(np.searchsorted(time, at), 0, len(time) - 1)]
-    kept: list[int] = []
-    low = high = 0
-    for i in range(at.size):
-        if not kept:
-            low = i if extremes[i] < extremes[low] else low
-            high = i if extremes[i] > extremes[high] else high
-            if extremes[high] - extremes[low] >= least[i] and high != low:
-                kept = sorted((low, high))
-        elif (extremes[i] - extremes[kept[-1]]) * (extremes[kept[-1]] - extremes[kept[-2]]) > 0.0:
-            kept[-1] = i
-        elif abs(extremes[i] - extremes[kept[-1]]) >= least[i]:
-            kept.append(i)
-    return kept
-
-
-def _find(time: np.ndarray, value: np.ndarray, rate: np.ndarray, least: float, centred: bool = False) -> _Cycles:
-    """All cycles of a signal, without those smaller than `least`; crossings of zero, if `centred`, where possible."""
-    if len(time) < 4:
-        return _NONE
-    trace = Trace(time, value, rate)
-    extremes = Swings(*trace.extrema())
-    turns = np.array(_turns(trace, *extremes), int)
-    senses = [_one_way(trace, extremes, turns, sign, least, centred) for sign in (1.0, -1.0)]
-    # Both senses count the same cycles; at the ends of the run one may have a cycle more.
-    return max(senses, key=lambda one: (len(one.crossings), one.crossings[-1:].sum()))
-
-
-def _one_way(trace: Trace, extremes: Swings, turns: np.ndarray, sign: float, least: float, centred: bool) -> _Cycles:
-    """Cycles between the crossings upwards (sign 1) or downwards (-1, for which top and bottom are of the negative)."""
-    value = sign * extremes.value
-    rising = np.flatnonzero(np.diff(value[turns]) > 0.0)
-    if len(rising) < 2:
-        return _NONE
-    first, last = turns[rising], turns[rising + 1]
-    low, high = value[first], value[last]
-    level = np.where(centred & (low < 0.0) & (high > 0.0), 0.0, 0.5 * (low + high))
-    # Ripple may pass the level several times: the last passage before the top is meant.
-    below = [i + int(np.flatnonzero(value[i:j] <= at)[-1]) for i, j, at in zip(first, last, level, strict=True)]
-    crossings = trace.root(extremes.time[below], extremes.time[np.add(below, 1)], sign * level)
-    cycles = _Cycles(crossings, high[:-1], low[1:])
-    counts = np.flatnonzero(cycles.amplitude > least)
-    if counts.size == 0:
-        return _NONE
-    # The last ones that count, one after the other: after them the motion has died out.
-    gaps = np.flatnonzero(np.diff(counts) > 1)
-    start, stop = counts[gaps[-1] + 1 if gaps.size else 0], counts[-1] + 1
-    return _Cycles(crossings[start : stop + 1], cycles.top[start:stop], cycles.bottom[start:stop])
-
-
-def _steady(amplitude: np.ndarray) -> int:
-    """How many of the last amplitudes agree with their mean within `STEADY`."""
-    count = np.arange(1, len(amplitude) + 1)
-    last = amplitude[::-1]
-    mean = np.cumsum(last) / count
-    apart = np.maximum(np.maximum.accumulate(last) / mean - 1.0, 1.0 - np.minimum.accumulate(last) / mean)
-    unequal = np.flatnonzero(apart > STEADY)
-    return int(unequal[0]) if unequal.size else len(amplitude)
-
-
-def _grouped(cycles: _Cycles) -> tuple[_Cycles, int]:
-    """Cycles in groups that repeat, and how many there are to a group."""
-    crossings, top, bottom = cycles
-    if _steady(cycles.amplitude) >= FEWEST:
-        return cycles, 1
-    duration = np.diff(crossings)
-    for loops in range(2, MOST_LOOPS + 1):
-        if len(top) < FEWEST * loops:
-            break
-        last, before = slice(-2 * loops, None), slice(-3 * loops, -loops)
-        height = top[-loops:].max() - bottom[-loops:].min()
-        repeats = [
-            np.abs(values[last] - values[before]).max() <= STEADY * size
-            for values, size in ((top, height), (bottom, height), (duration, duration[-loops:].sum()))
-        ]
-        if all(repeats):
-            start = len(top) % loops
-            tops, bottoms = top[start:].reshape(-1, loops).max(axis=1), bottom[start:].reshape(-1, loops).min(axis=1)
-            return _Cycles(crossings[start::loops], tops, bottoms), loops
-    return cycles, 1
-
-
-def _used(cycles: _Cycles) -> int:
-    """How many of the last cycles stand for the motion at the end."""
-    used = _steady(cycles.amplitude)
-    if used < FEWEST:
-        return min(FEWEST, len(cycles.top))
-    while used >= 2 * FEWEST:
-        # The remainder of a transient is in the earlier half; noise is in both.
-        late = (used + 1) // 2
-        if _scatter(cycles.amplitude[-used:]) < max(3.0 * _scatter(cycles.amplitude[-late:]), CLEAN):
-            break
-        used = late
-    return used
-
-
-def _scatter(amplitude: np.ndarray) -> float:
-    return float(np.abs(amplitude / amplitude.mean() - 1.0).max())
-
-
 def _sampled(whole: Trace, crossings: np.ndarray, points: int = FINE) -> tuple[np.ndarray, np.ndarray]:
     """Position and velocity at equal phases of every cycle, (cycles, points, 3) each."""
     times = crossings[:-1, None] + np.diff(crossings)[:, None] * (np.arange(points) / points)
@@ -430,10 +233,10 @@ def _peak(values: np.ndarray) -> np.ndarray:
     return middle + np.minimum(lift, 0.125 * np.maximum(bend, 0.0))
 
 
-def _described(found: _Cycles, whole: Trace, extremes: Swings) -> LimitCycle:
+def _described(found: Cycles, whole: Trace, extremes: Swings) -> LimitCycle:
     """A limit cycle's numbers, from the cycles of the motion along its largest direction."""
-    cycles, loops = _grouped(found)
-    used, count = _used(cycles), len(cycles.top)
+    cycles, loops = grouped(found)
+    used, count = cycles_used(cycles), len(cycles.top)
     crossings, amplitude = cycles.crossings[-1 - used :], cycles.amplitude
     place, speed = _sampled(whole, crossings)
     mean = place.reshape(-1, 3).mean(axis=0)
@@ -460,7 +263,7 @@ def _described(found: _Cycles, whole: Trace, extremes: Swings) -> LimitCycle:
         out_of_plane=math.sqrt(float(((motion @ normal) ** 2).mean())) / size,
         max_speed=math.sqrt(float(_peak((speed**2).sum(axis=2)).max())),
         cycles=used,
-        scatter=_scatter(last),
+        scatter=scatter(last),
         growth_rate=growth / period,
         log_decrement=-growth,
         loops=loops,
@@ -482,14 +285,14 @@ def _slope(values: np.ndarray) -> tuple[float, float, float]:
 
 def _kind(amplitude: np.ndarray, swing: np.ndarray) -> tuple[str, str, float]:
     """Kind of motion, a note, and the growth of the logarithm of the amplitude in a cycle."""
-    count, steady = len(amplitude), _steady(amplitude)
+    count, agree = len(amplitude), steady(amplitude)
     if count < FEWEST:
         note = f"{count} whole cycle{'s' if count != 1 else ''}: too few to tell a limit cycle"
         logs = np.log(np.maximum(swing[-5:], TINY))
         # Two swings make a cycle.
         return _trend(logs), note, 2.0 * _slope(logs)[0] if len(logs) > 1 else 0.0
-    if steady >= FEWEST:
-        growth, error, _ = _slope(np.log(amplitude[-max(FEWEST, math.ceil(0.5 * steady)) :]))
+    if agree >= FEWEST:
+        growth, error, _ = _slope(np.log(amplitude[-max(FEWEST, math.ceil(0.5 * agree)) :]))
         # A slow drift is told from a limit cycle by what it would make of as many cycles as there have been.
         if abs(growth) * count > STEADY and abs(growth) > 3.0 * error:
             return "growing" if growth > 0.0 else "decaying", "", growth

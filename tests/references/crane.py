@@ -249,7 +249,7 @@ def slip_of_free_sheave(mass_1, mass_2, inertia, radius, friction, speed, wrap=n
 def falls(count, load, efficiency=1.0, hoisting=True):
     """Tensions in a block of `count` parallel falls under a load [N], and the block's mechanical advantage.
 
-    Over each sheave T_out = T_in/eta in the rope's travel (docs/crane.md).  Hoisting, the rope runs to the drum: the fall
+    Over each sheave T_out = T_in/eta in the rope's travel.  Hoisting, the rope runs to the drum: the fall
     next to it T_1 = W/(1 + eta + ... + eta^(n-1)), fall i + 1 has eta T_i, the lead line beyond the top sheave T_1/eta.
     Lowering is the same with 1/eta for eta.
 

@@ -8,7 +8,9 @@ from scipy.integrate import solve_ivp
 from synthetic_hose import result
 
 from gardenhose.curves import Trace
-from gardenhose.limit_cycle import LimitCycle, cycle_samples, headline, limit_cycle, swings
+from gardenhose.cycles import swings
+from gardenhose.limit_cycle import LimitCycle, cycle_samples, limit_cycle
+from gardenhose.summary import headline
 from tautline.results.headline import to_json
 from tautline.view.spectrum import spectrum
 
