@@ -9,7 +9,7 @@ import numpy as np
 
 from crane import machinery
 from crane.course import Course, course_of, laid_out, scene_of
-from crane.rigid import rotation_of
+from crane.quaternion import rotation_of
 from crane.rope_line import RopeLine, cut, rope_line
 from crane.scene import Body, Drum, End, Sheave
 from crane.structure import Site, structure

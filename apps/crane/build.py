@@ -11,8 +11,8 @@ from crane.frames import heave_of
 from crane.layout import AXES, Layout, lay_out
 from crane.observe import COORDINATE_UNITS, Observer, variables
 from crane.parts import groups_of
+from crane.quaternion import QUATERNION
 from crane.reach import draw_true, stretch_of
-from crane.rigid import QUATERNION
 from crane.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.span import MATERIAL, STATION
 from crane.summary import headline

@@ -14,8 +14,8 @@ import numpy as np
 
 from crane.frames import ENTRIES, GROUND, Frame, point_of, requests_of
 from crane.line import WHEEL
+from crane.quaternion import QUATERNION, quaternion_of, rotation_of
 from crane.reeving import Path, ReevingError, Wheel, reeve, sigma_of
-from crane.rigid import QUATERNION, quaternion_of, rotation_of
 from crane.scene import Anchor, Body, CraneScene, End, Sheave
 from crane.span import MATERIAL, STATION
 from crane.vessel import frames_of

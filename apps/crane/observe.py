@@ -10,7 +10,7 @@ import numpy as np
 from crane.compensation import Compensation
 from crane.layers import Wound
 from crane.layout import Layout
-from crane.rigid import QUATERNION
+from crane.quaternion import QUATERNION
 from crane.scene import Drum, Sheave
 from crane.slip import BEARING, NONE, Slips
 from crane.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH

@@ -15,9 +15,11 @@ from crane.friction import contacts_of, couplings_of
 from crane.layout import AXES, Layout, has_rim
 from crane.line import POINT
 from crane.masses import BODY, Bodies, Rims, Springs
-from crane.rigid import FREQUENCY, QUATERNION, RIGID, SOCKET, Rigids, Sockets, new_rigids, new_sockets
+from crane.quaternion import QUATERNION
+from crane.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.scene import Drum, End, Sheave
 from crane.slip import SLIP, Slips
+from crane.sockets import SOCKET, Sockets, new_sockets
 from crane.span import SPAN, STATION, Spans, new_spans
 from crane.wet import WET, Wet, new_wet
 from crane.winch import DRUM, Drums, Supplies

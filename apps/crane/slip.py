@@ -1,9 +1,9 @@
 """Friction of ropes on sheaves, of sheaves in their bearings, and of brakes: one law that sticks until it slips.
 
 Each has a coordinate u = k_p p + k_s s of material p at a mark and travel s of a rim. It resists u. with a force that
-grows with u as a stiff spring's does, F = F_n + k (u - u_n), up to a limit F_m, and slips there (return mapping;
-CRANE.md 3). F_n and u_n are those of the last accepted step. A rope that sticks does not creep, and its tangent is that
-of the spring. The limits:
+grows with u as a stiff spring's does, F = F_n + k (u - u_n), up to a limit F_m, and slips there: return mapping, as in
+plasticity (J. C. Simo and T. J. R. Hughes, Computational Inelasticity, 1998, ch. 1). F_n and u_n are those of the last
+accepted step. A rope that sticks does not creep, and its tangent is that of the spring. The limits:
 
 - ``CAPSTAN``, Euler-Eytelwein: (exp(mu theta) - 1) max(min(T_1, T_2), 0), theta the wrap and T less rhoA u^2;
 - ``EFFICIENCY``: the same with 1/eta in place of exp(mu theta);

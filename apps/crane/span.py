@@ -166,53 +166,55 @@ def _residual(g, t, q, v, a, r):
 
 
 @kernel
-def _vary(g, n, q, v, a, column, cm, cc, ck):
-    """Write the derivative of the residual along one degree of freedom: position ck, velocity cc, acceleration cm.
+def _vary_line(g, n, v, column, cc, ck):
+    """How a span's line changes along one degree of freedom: e, e. and the gradient g of its way, y 0, 1 and 11.
 
-    How the direction's derivative E changes is taken as between two points: that is exact for ropes that lie in their
-    wheels' planes, and small in any case, for what it multiplies is the momentum that flows through.
+    Returns the changes of the stretch, of the way's rate, and of the way between the tangents' ends. How the
+    direction's derivative E changes is taken as between two points: that is exact for ropes that lie in their wheels'
+    planes, and small in any case, for what it multiplies is the momentum that flows through.
     """
-    s, line, block, y = g.rows[n], g.line, g.block, g.change
-    x, number = g.motion.point, g.motion.number
+    s, line, x, y, number = g.rows[n], g.line, g.motion.point, g.change, g.motion.number
     e, turn, gradient = line.e, line.turn, line.g
-    lam, lam_d, size, size_d, k, k_d = number[LAM], number[LAM_D], number[L], number[L_D], number[K], number[K_D]
-    force, l = number[TENSION], line.number[LENGTH]
-    first, axis = column < STATION, column % STATION
-    sign = -1.0 if first else 1.0
-    p1_d, p2_d, p1_dd, p2_dd = v[s.a + MATERIAL], v[s.b + MATERIAL], a[s.a + MATERIAL], a[s.b + MATERIAL]
-    c_of_1 = 1.0 if first else 0.0
-    c_of_2 = 1.0 - c_of_1
-    along = turned = grown = size_v = 0.0
-    dp1_d = dp2_d = dp1_dd = dp2_dd = 0.0
+    axis, sign = column % STATION, -1.0 if column < STATION else 1.0
     if axis == MATERIAL:
-        grown, size_v = sign * ck, sign * cc
-        dp1_d, dp2_d, dp1_dd, dp2_dd = c_of_1 * cc, c_of_2 * cc, c_of_1 * cm, c_of_2 * cm
         for c in range(AXES):
             y[0, c] = y[1, c] = y[2, c] = y[11, c] = 0.0
-        d_lam = -lam * grown / size
-        d_path_d = 0.0
-    else:
-        # y: 0 change of e, 1 of e., 11 of g; d moves by sign along one axis.
-        along = sign * ck * e[axis]
-        speed = bent = 0.0
-        for c in range(AXES):
-            y[0, c] = sign * ck * turn[c, axis]
-            y[12, c] = sign * ck if c == axis else 0.0
-            speed += (v[s.b + c] - v[s.a + c]) * e[c]
-        rho1 = g.wheels[s.wheel1].radius if s.wheel1 != POINT else 0.0
-        rho2 = g.wheels[s.wheel2].radius if s.wheel2 != POINT else 0.0
-        vary_gradient(rho1, rho2, line, y[12], y[0], y[13], y[11])
-        for c in range(AXES):
-            turned += y[0, c] * (v[s.b + c] - v[s.a + c])
-            bent += y[11, c] * (v[s.b + c] - v[s.a + c])
-        for c in range(AXES):
-            swept = x[E_D, c] - line.drift[c]
-            y[1, c] = sign * cc * turn[c, axis] - (y[0, c] * speed + e[c] * turned + swept * along) / l
-        d_lam = sign * ck * gradient[axis] / size
-        d_path_d = sign * cc * gradient[axis] + bent
-    d_lam_d = (d_path_d - d_lam * size_d - lam * size_v - lam_d * grown) / size
+        return -number[LAM] * (sign * ck) / number[L], 0.0, 0.0
+    # d moves by sign along one axis.
+    along = sign * ck * e[axis]
+    speed = bent = turned = 0.0
+    for c in range(AXES):
+        y[0, c] = sign * ck * turn[c, axis]
+        y[12, c] = sign * ck if c == axis else 0.0
+        speed += (v[s.b + c] - v[s.a + c]) * e[c]
+    rho1 = g.wheels[s.wheel1].radius if s.wheel1 != POINT else 0.0
+    rho2 = g.wheels[s.wheel2].radius if s.wheel2 != POINT else 0.0
+    vary_gradient(rho1, rho2, line, y[12], y[0], y[13], y[11])
+    for c in range(AXES):
+        turned += y[0, c] * (v[s.b + c] - v[s.a + c])
+        bent += y[11, c] * (v[s.b + c] - v[s.a + c])
+    for c in range(AXES):
+        swept = x[E_D, c] - line.drift[c]
+        y[1, c] = sign * cc * turn[c, axis] - (y[0, c] * speed + e[c] * turned + swept * along) / line.number[LENGTH]
+    return sign * ck * gradient[axis] / number[L], sign * cc * gradient[axis] + bent, along
+
+
+@kernel
+def _vary_momenta(g, n, v, a, column, cm, cc, grown, size_v, d_lam, d_lam_d):
+    """How what moves changes along one degree of freedom, by the changes of length, stretch and their rates.
+
+    Written to y: 2 t, 3 t., 4 and 5 velocities at both marks, 6 and 7 momenta, 8 and 9 their rates, 10 P.
+    """
+    s, e, x, y, number = g.rows[n], g.line.e, g.motion.point, g.change, g.motion.number
+    lam, lam_d, k, k_d = number[LAM], number[LAM_D], number[K], number[K_D]
+    axis = column % STATION
+    c_of_1 = 1.0 if column < STATION else 0.0
+    c_of_2 = 1.0 - c_of_1
+    p1_d, p2_d, p1_dd, p2_dd = v[s.a + MATERIAL], v[s.b + MATERIAL], a[s.a + MATERIAL], a[s.b + MATERIAL]
+    dp1_d = dp2_d = dp1_dd = dp2_dd = 0.0
+    if axis == MATERIAL:
+        dp1_d, dp2_d, dp1_dd, dp2_dd = c_of_1 * cc, c_of_2 * cc, c_of_1 * cm, c_of_2 * cm
     dk, dk_d = s.mass * grown / 6.0, s.mass * size_v / 6.0
-    # y: 2 dt, 3 dt., 4 dv1, 5 dv2, 6 dm1, 7 dm2, 8 dn1, 9 dn2, 10 dP
     for c in range(AXES):
         dt = d_lam * e[c] + lam * y[0, c]
         dt_d = d_lam_d * e[c] + lam_d * y[0, c] + d_lam * x[E_D, c] + lam * y[1, c]
@@ -228,6 +230,21 @@ def _vary(g, n, q, v, a, column, cm, cc, ck):
         y[8, c] = dk * (2.0 * a1 + a2) + k * (2.0 * da1 + da2) + dk_d * (2.0 * v1 + v2) + k_d * (2.0 * dv1 + dv2)
         y[9, c] = dk * (a1 + 2.0 * a2) + k * (da1 + 2.0 * da2) + dk_d * (v1 + 2.0 * v2) + k_d * (dv1 + 2.0 * dv2)
         y[10, c] = dp1_d * x[M1, c] + dp2_d * x[M2, c] + p1_d * y[6, c] + p2_d * y[7, c]
+
+
+@kernel
+def _vary(g, n, q, v, a, column, cm, cc, ck):
+    """Write the derivative of the residual along one degree of freedom: position ck, velocity cc, acceleration cm."""
+    s, line, block, x, y, number = g.rows[n], g.line, g.block, g.motion.point, g.change, g.motion.number
+    e, turn, gradient = line.e, line.turn, line.g
+    lam, lam_d, size, size_d = number[LAM], number[LAM_D], number[L], number[L_D]
+    force, axis, sign = number[TENSION], column % STATION, -1.0 if column < STATION else 1.0
+    grown = size_v = 0.0
+    if axis == MATERIAL:
+        grown, size_v = sign * ck, sign * cc
+    d_lam, d_path_d, along = _vary_line(g, n, v, column, cc, ck)
+    d_lam_d = (d_path_d - d_lam * size_d - lam * size_v - lam_d * grown) / size
+    _vary_momenta(g, n, v, a, column, cm, cc, grown, size_v, d_lam, d_lam_d)
     d_force = number[BY_LAM] * d_lam + number[BY_RATE] * d_lam_d
     d_energy = number[ELASTIC] * d_lam
     d_kinetic = dot(x[M1], y[4]) + dot(x[M2], y[5]) + number[KINETIC] * grown / size
@@ -238,7 +255,7 @@ def _vary(g, n, q, v, a, column, cm, cc, ck):
     d_along = dot(y[10], e) + dot(x[P], y[0])
     shifted = dot(y[0], x[P])
     for c in range(AXES):
-        turned_p = -(y[0, c] * number[P_E] + e[c] * shifted + x[TURNED_P, c] * along) / l
+        turned_p = -(y[0, c] * number[P_E] + e[c] * shifted + x[TURNED_P, c] * along) / line.number[LENGTH]
         for d in range(AXES):
             turned_p += turn[d, c] * y[10, d]
         pull = d_along * gradient[c] / size + number[P_E] * (y[11, c] - gradient[c] * grown / size) / size

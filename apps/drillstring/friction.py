@@ -34,7 +34,7 @@ SLIP, STICK, FORCED, HELD = range(4)
 """Statuses of a contact: FORCED is stuck and not yet tested, because no linear solve has seen it stuck. HELD is stuck
 since an earlier step: its force comes from a slip so small that what is predicted for a step says nothing of it."""
 STIFFNESS = 3.0e5
-"""Ratio of the projection's stiffness to the lump's own (DRILLSTRING.md section 6): stuck lumps creep by one over it,
+"""Ratio of the projection's stiffness to the lump's own (docs/lumped_string.md): stuck lumps creep by one over it,
 on the J-well at 10 ms by less than 1e-8 m/s."""
 
 

@@ -1,4 +1,4 @@
-"""The top drive under a speed controller with a torque limit (DRILLSTRING.md section 8)."""
+"""The top drive under a speed controller with a torque limit (docs/lumped_string.md)."""
 
 from __future__ import annotations
 

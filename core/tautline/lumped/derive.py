@@ -78,7 +78,7 @@ def along_curve(expression: sp.Expr, coordinate: sp.Symbol) -> sp.Expr:
 def chord() -> tuple[sp.Expr, list[sp.Symbol], dict[sp.Symbol, sp.Expr]]:
     """Axial distance of two bodies beyond l0, corrected for their offsets inside the bend.
 
-    It is x2 - x1 - K with the K of DRILLSTRING.md section 3; the turning (Phi1, Phi2) is linear in x on an arc. The
+    It is x2 - x1 - K with the K of docs/lumped_string.md; the turning (Phi1, Phi2) is linear in x on an arc. The
     last of what is returned says how the code calls the turning's values, f1 and f2.
     """
     x1, u1, v1, x2, u2, v2 = coordinates = list(sp.symbols("x1 u1 v1 x2 u2 v2"))
@@ -101,7 +101,7 @@ def link_stretch() -> tuple[sp.Expr, list[sp.Symbol]]:
 
 
 def bending_energy() -> tuple[sp.Expr, list[sp.Symbol]]:
-    """Energy of the bend between two links, divided by EI / lb (DRILLSTRING.md section 4).
+    """Energy of the bend between two links, divided by EI / lb (docs/lumped_string.md).
 
     ``w1..w3`` and ``w4..w6`` are the vectors of the links above and below, in the frame of the hole; ``w7, w8`` is
     how far the hole itself turns from one to the other.

@@ -1,4 +1,4 @@
-"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation 7c221ef0fed6d1a6."""
+"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation 39ce10b36f19965c."""
 
 from math import cos, sin, sqrt
 
