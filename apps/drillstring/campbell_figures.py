@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from drillstring.campbell import Campbell
-from drillstring.campbell_summary import RPM, name_of, names_of
+from drillstring.campbell_summary import RPM, model_of, name_of, names_of
 from drillstring.natural_modes import KINDS, Mode
 from drillstring.torque_summary import column_unit
 from tautline.view.figure import COLOURS, QUIET, Axes, Figure, axes, colour, label, outline, sample_line, styled
@@ -83,6 +83,7 @@ def _diagram(plot: Axes, found: Campbell) -> None:
     _crossings(plot, found)
     plot.set_xlabel(label("rotary speed", "rpm"))
     plot.set_ylabel(label("frequency", "Hz"))
+    plot.set_title(f"model: {model_of(found)}", loc="left", fontsize=9, color="#606060")
 
 
 def _crossings(plot: Axes, found: Campbell) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drillstring.scene import BEAM, LUMPED
 from tautline.cli.summary import shown, significant
 
 if TYPE_CHECKING:
@@ -24,6 +25,11 @@ DOUBTFUL, MUCH = 0.02, 0.5
 """Relative error of a frequency, and share of the part that lies on the wall, that are warned of."""
 
 
+MODELS = {LUMPED: "lumps", BEAM: "a beam (ale-ancf)"}
+PARTS = {LUMPED: "links", BEAM: "elements"}
+"""Kinds of model as a reader knows them, and what they are cut into."""
+
+
 def name_of(order: float) -> str:
     """How a line of the diagram is called: ``1x``."""
     return f"{order:g}x"
@@ -32,6 +38,15 @@ def name_of(order: float) -> str:
 def moves_most(mode: Mode) -> float:
     """Measured depth at which a mode moves most, m."""
     return float(mode.depth[np.abs(mode.shape).max(axis=1).argmax()])
+
+
+def model_of(found: Campbell) -> str:
+    """The model and how fine it is, in words: ``lumps, 80 links (lateral), 120 (torsional)``."""
+    counts = [
+        f"{count}{'' if i else f' {PARTS[found.model]}'} ({kind})"
+        for i, (kind, count) in enumerate(found.links.items())
+    ]
+    return ", ".join([MODELS[found.model], *counts])
 
 
 def table(found: Campbell, system: str = "si") -> Table:
@@ -88,7 +103,7 @@ def _depth(depth: float, system: str) -> str:
 
 def sentences(found: Campbell, system: str = "si") -> list[tuple[str, str]]:
     """Sentences and their colours: what was looked at, what holds it, and how far the frequencies can be trusted."""
-    said: list[tuple[str, str]] = []
+    said: list[tuple[str, str]] = [(f"model: {model_of(found)}", "")]
     if found.supports:
         said += [(text, "") for text in _held(found, system)]
     if found.loose:
@@ -137,9 +152,8 @@ def _held(found: Campbell, system: str) -> list[str]:
 
 def header(found: Campbell) -> list[str]:
     """Names of the columns of the file of modes."""
-    return ["mode", "kind", "plane", "frequency [Hz]", "error [Hz]", "moves most at [m]"] + [
-        f"{name_of(order)} [rpm]" for order in found.orders
-    ]
+    columns = ["mode", "kind", "plane", "frequency [Hz]", "error [Hz]", "moves most at [m]"]
+    return [*columns, *(f"{name_of(order)} [rpm]" for order in found.orders), "model"]
 
 
 def rows(found: Campbell) -> list[list[Any]]:
@@ -150,5 +164,5 @@ def rows(found: Campbell) -> list[list[Any]]:
         speeds = [2.0 * pi * mode.frequency / order / RPM if stable else "" for order in found.orders]
         frequency = mode.frequency if stable else "unstable"
         error = mode.error if stable and np.isfinite(mode.error) else ""
-        made.append([name, mode.kind, mode.plane, frequency, error, moves_most(mode), *speeds])
+        made.append([name, mode.kind, mode.plane, frequency, error, moves_most(mode), *speeds, found.model])
     return made

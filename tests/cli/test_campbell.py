@@ -55,6 +55,18 @@ def test_campbell_takes_one_model_the_scenes_or_that_which_is_asked_for(drillstr
     assert code == 2 and "--model" in err and "one diagram shows one" in " ".join(err.split())
 
 
+@pytest.mark.parametrize(("kind", "words"), [("lumped", " links (axial)"), ("ale-ancf", "model: a beam (ale-ancf)")])
+def test_table_figure_and_csv_name_the_model_that_they_were_made_with(drillstring, kind, words):
+    files_asked = ("-o", "c.svg", "--csv", "c.csv")
+    code, _, err = drillstring(
+        "campbell", "field_well.yaml", "--modes", "axial", "--up-to", "2", "--model", kind, *files_asked
+    )
+    assert code == 0 and words in err
+    assert words in Path("c.svg").read_text(encoding="utf8")
+    with Path("c.csv").open(encoding="utf8", newline="") as file:
+        assert {row["model"] for row in csv.DictReader(file)} == {kind}
+
+
 def test_campbell_with_json_is_one_object_of_the_contract_in_si(drillstring):
     code, out, err = drillstring("campbell", "field_well.yaml", "--modes", "lateral,torsional", "--json")
     report = only_object(out)
