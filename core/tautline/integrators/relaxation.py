@@ -25,8 +25,7 @@ from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.dofs import expand
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import new_matrix, sparse
-from tautline.kernels.time_function import DEGREES, TimeFunctions
-from tautline.kernels.time_function import evaluate as value_of
+from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
 from tautline.system.system import System
 
 MOST_STEPS = 200_000
@@ -173,7 +172,7 @@ def _frozen(system: System) -> TimeFunctions:
     goes_on = {int(m) for i, m in zip(dofs.held, dofs.motion, strict=True) if int(i) in flowing}
     rows = np.zeros((count, DEGREES))
     for k in range(count):
-        value, rate, _ = value_of(system.functions, k, 0.0)
+        value, rate, _ = value_at(system.functions, k, 0.0)
         rows[k, :2] = value, rate if k in goes_on else 0.0
     each, none = np.arange(count + 1), np.zeros(count + 1, np.int64)
     return TimeFunctions(each, none, np.empty(0), np.zeros(count), rows, none, np.empty((0, 5)))
