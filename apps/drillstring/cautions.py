@@ -112,6 +112,31 @@ def _casing_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     return found
 
 
+def _friction_cautions(scene: DrillstringScene) -> list[Caution]:
+    """Cautions of slip velocities of the regularised law."""
+    solver, wall = scene.solver, scene.well.wall
+    if wall is None or wall.friction.static <= 0.0 or wall.friction.law != "regularised":
+        return []
+    found = []
+    slow = wall.friction.slip_velocity
+    if solver.method != "rk4" and slow < SLIP_FOR_NEWTON:
+        found.append(
+            Caution(
+                "well.wall.friction.law",
+                f"regularised friction with slip_velocity {slow:g} m/s is hard on an implicit method: steps are "
+                "halved and may fail; use law: projection, which is exact",
+            )
+        )
+    if slow > SLIP_FOR_CREEP:
+        found.append(
+            Caution(
+                "well.wall.friction.slip_velocity",
+                f"{slow:g} m/s: a stuck string creeps at up to that speed; use law: projection",
+            )
+        )
+    return found
+
+
 def _mesh_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     """Cautions of elements that are too long."""
     if scene.model.kind == BEAM:
@@ -135,7 +160,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
     """Cautions of a scene; raises SceneError where well and string do not fit."""
     lumps = _lumps(scene)
     found = []
-    solver, wall = scene.solver, scene.well.wall
+    solver = scene.solver
     critical = contact_critical_step(scene, lumps)
     step = longest_step(solver, 0.0)
     if solver.method == "rk4" and step > critical:
@@ -166,23 +191,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
                 f"motion is damped by the algorithm; take {0.01 * period:.1g} s or less",
             )
         )
-    if wall is not None and wall.friction.static > 0.0 and wall.friction.law == "regularised":
-        slow = wall.friction.slip_velocity
-        if solver.method != "rk4" and slow < SLIP_FOR_NEWTON:
-            found.append(
-                Caution(
-                    "well.wall.friction.law",
-                    f"regularised friction with slip_velocity {slow:g} m/s is hard on an implicit method: steps are "
-                    "halved and may fail; use law: projection, which is exact",
-                )
-            )
-        if slow > SLIP_FOR_CREEP:
-            found.append(
-                Caution(
-                    "well.wall.friction.slip_velocity",
-                    f"{slow:g} m/s: a stuck string creeps at up to that speed; use law: projection",
-                )
-            )
+    found += _friction_cautions(scene)
     found += _block_cautions(scene, lumps)
     found += _casing_cautions(scene, lumps)
     found += yield_cautions(scene, well_of(scene), lumps)
