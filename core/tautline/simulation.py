@@ -18,6 +18,7 @@ from tautline.integrators.method import method_for
 from tautline.integrators.period import STEPS_PER_PERIOD, lag_of_step
 from tautline.integrators.relaxation import relax
 from tautline.integrators.rk4 import RungeKutta4
+from tautline.integrators.schedule import frame_times, steps_to
 from tautline.integrators.state import (
     FACTORISATIONS,
     HALVINGS,
@@ -145,18 +146,6 @@ def simulate(
     return result
 
 
-def frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Output times (m,) s, and the number of steps before each: equal, and no longer than ``step``."""
-    whole = math.floor(end / interval * (1.0 + 1e-12))
-    ends = interval * np.arange(1, whole + 1)
-    if end - whole * interval > 1e-9 * interval:
-        ends = np.append(ends, end)
-    elif ends.size:
-        ends[-1] = end
-    spans = np.diff(ends, prepend=0.0)
-    return ends, np.maximum(1, np.ceil(spans / step - 1e-9)).astype(np.int64)
-
-
 class Run:
     """A run under way: the clock, the state, and what of it was stored."""
 
@@ -171,6 +160,7 @@ class Run:
         self.pause, self.work = new_pause(), FIRST_WORK
         self.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
         self.memory: dict[str, np.ndarray] = {}
+        self.remembered = 0.0
         self.frames = self._room(1)
         self.critical, self.unchecked = CriticalStep(model.system), FRAMES_UNCHECKED
 
@@ -191,14 +181,16 @@ class Run:
                 raise ResultError(place, f"belongs to another {word}", cure)
         if wrong := recall(earlier.restart, *self._parts()):
             raise ResultError(place, f"belongs to another scene: {wrong[0]} does not fit", cure)
-        frames = {name: np.array(earlier[name]) for name in (*(v.name for v in self.model.variables), "time")}
-        self.time = self.reached = float(frames["time"][-1])
+        times = np.array(earlier["time"])
+        # A run that failed has stored frames since the state that it remembers: they are run again.
+        kept = times <= float(earlier.attributes.get("restart_time", times[-1])) * (1.0 + 1e-12)
+        frames = {name: np.array(earlier[name])[kept] for name in (*(v.name for v in self.model.variables), "time")}
+        self.time = self.reached = self.remembered = float(frames["time"][-1])
         self.wall = float(earlier.attributes.get("wall_time", 0.0))
         self.cpu = float(earlier.attributes.get("cpu_time", 0.0))
         later = self.ends > self.time * (1.0 + 1e-12)
-        spans = np.diff(self.ends[later], prepend=self.time)
         self.ends = self.ends[later]
-        self.steps = np.maximum(1, np.ceil(spans / self.model.solver.step - 1e-9)).astype(np.int64)
+        self.steps = steps_to(self.ends, self.time, self.model.solver.step)
         self.balance.add(np.column_stack([frames[name] for name in ENERGIES]))
         self.memory = remember(*self._parts())
         return frames
@@ -263,7 +255,7 @@ class Run:
         if self.waiting and (stopped or not self._under_way()):
             stored, self.waiting = self.waiting, 0
             self.done += stored
-            self._store(store, self.frames, stored)
+            self._store(store, self.frames, stored, stopped)
             self._size_batch(stored, checked)
         if stopped:
             worst = int(self.state.counters[WORST])
@@ -304,8 +296,7 @@ class Run:
             return
         critical, worst = self.critical.search(self.state, self.time)
         if self.model.solver.automatic:
-            spans = np.diff(self.ends[self.done :], prepend=self.time)
-            self.steps[self.done :] = np.maximum(1, np.ceil(spans / (SAFE * critical) - 1e-9)).astype(np.int64)
+            self.steps[self.done :] = steps_to(self.ends[self.done :], self.time, SAFE * critical)
         step = float((self.ends[self.done] - self.time) / self.steps[self.done])
         self.unchecked = FRAMES_SAFE if step < FAR * critical else FRAMES_UNCHECKED
         if step > critical:
@@ -318,12 +309,14 @@ class Run:
             return self.step
         return min(self.step, SAFE * self.critical.search(self.state, self.time)[0])
 
-    def _store(self, store: Store, frames: Frames, filled: int) -> None:
+    def _store(self, store: Store, frames: Frames, filled: int, stopped: bool = False) -> None:
+        """Store frames, and remember the state unless the run has stopped: then it is no longer that of a frame."""
         part = Frames(*(array[:filled] for array in frames))
         stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
         store.append(stored)
-        self.memory = remember(*self._parts())
+        if not stopped:
+            self.memory, self.remembered = remember(*self._parts()), self.time
         if self.look is not None:
             self.look(self.state, self.time, self.method)
 
@@ -348,6 +341,7 @@ class Run:
             "newton_iterations": int(counters[ITERATIONS]),
             "factorisations": int(counters[FACTORISATIONS]),
             "halvings": int(counters[HALVINGS]),
+            "restart_time": self.remembered,
             "energy_error": abs(self.energy_gained()),
             "numerical_dissipation": -self.balance.missing(int(counters[STEPS])),
             "motion_frequency": self.turns_over() / (2.0 * math.pi),

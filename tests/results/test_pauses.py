@@ -6,7 +6,8 @@ import pytest
 from tautline import simulation
 from tautline.cable.build import build
 from tautline.cable.scene import parse
-from tautline.integrators.status import Interrupted
+from tautline.integrators.march import new_frames
+from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.simulation import Run, simulate
 
 SCENE = """
@@ -71,6 +72,27 @@ def test_ctrl_c_in_the_middle_of_a_frame_keeps_what_can_be_gone_on_with(monkeypa
     assert 1 < len(kept.time) < len(whole.time) and kept.time[-1] < stop.value.time
     np.testing.assert_array_equal(kept.time, whole.time[: len(kept.time)])
     assert_equal(simulate(model(method), resume=kept), whole)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_run_that_failed_within_a_frame_is_gone_on_with_from_a_frame(monkeypatch, method):
+    whole, real = simulate(model(method)), simulation.march
+
+    def march(method, system, state, ends, steps, begin, frames, pause=None):
+        status, filled, reached = real(method, system, state, ends, steps, begin, frames, pause)
+        if filled == 0 or ends[filled - 1] < 0.45:
+            return status, filled, reached
+        t, h = ends[filled - 1], (ends[0] - begin) / steps[0]
+        real(method, system, state, np.array([t + 3 * h]), np.array([3]), t, new_frames(1, system.q.size, 0))
+        return Status.NOT_CONVERGED, filled, t + 3 * h
+
+    monkeypatch.setattr(simulation, "march", march)
+    with pytest.raises(StoppedEarly) as stop:
+        simulate(model(method))
+    failed = stop.value.result
+    assert failed.attributes["restart_time"] < failed.time[-1] == pytest.approx(0.5)
+    monkeypatch.setattr(simulation, "march", real)
+    assert_equal(simulate(model(method), resume=failed), whole)
 
 
 @pytest.mark.parametrize("method", METHODS)

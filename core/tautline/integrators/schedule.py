@@ -1,0 +1,23 @@
+"""When frames are due, and the steps to each of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+
+def frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Output times (m,) s, and the number of steps before each: equal, and no longer than ``step``."""
+    whole = math.floor(end / interval * (1.0 + 1e-12))
+    ends = interval * np.arange(1, whole + 1)
+    if end - whole * interval > 1e-9 * interval:
+        ends = np.append(ends, end)
+    elif ends.size:
+        ends[-1] = end
+    return ends, steps_to(ends, 0.0, step)
+
+
+def steps_to(ends: np.ndarray, begin: float, step: float) -> np.ndarray:
+    """Number of steps (m,) to each frame from the one before, or from ``begin`` s: none longer than ``step``, s."""
+    return np.maximum(1, np.ceil(np.diff(ends, prepend=begin) / step - 1e-9)).astype(np.int64)
