@@ -177,12 +177,18 @@ def _code_for(name: str, kind: type) -> str | None:
 
 def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
     """The kernels that :func:`link` needs for some sums, for the workshop; sums that are heavy belong at the end."""
-    used = [(_code_for(name, type(g)), g) for name in sums for g in groups]
-    return list(dict.fromkeys((run_hook, _signature(ROWS[name], g)) for name, g in used if name is not None))
+    kinds = _kinds_of(groups)
+    used = [(_code_for(name, type(g)), kind) for name in sums for g, kind in zip(groups, kinds, strict=True)]
+    return list(dict.fromkeys((run_hook, _signature(ROWS[name], kind)) for name, kind in used if name is not None))
 
 
-def _signature(row: int, group: Any) -> tuple[types.Type, ...]:
-    return types.literal(row), types.TypeRef(typeof(group)), types.intp, types.intp
+def _kinds_of(groups: tuple[Any, ...]) -> list[types.TypeRef]:
+    """Types of the groups. Numba looks through all arrays of a group for it, which takes a millisecond or two."""
+    return [types.TypeRef(typeof(g)) for g in groups]
+
+
+def _signature(row: int, kind: types.TypeRef) -> tuple[types.Type, ...]:
+    return types.literal(row), kind, types.intp, types.intp
 
 
 def link(groups: tuple[Any, ...], *sums: str) -> Any:
@@ -199,13 +205,13 @@ def link(groups: tuple[Any, ...], *sums: str) -> Any:
     """
     if config.DISABLE_JIT:
         return groups
-    words = [words_of(g) for g in groups]
+    words, kinds = [words_of(g) for g in groups], _kinds_of(groups)
     calls: list[list[tuple[int, int]]] = [[] for _ in SUMS]
     for name in sums:
         for i, g in enumerate(groups):
             code = _code_for(name, type(g))
             if code is not None:
-                calls[ROWS[name]].append((address_of(run_hook, _signature(ROWS[code], g)), i))
+                calls[ROWS[name]].append((address_of(run_hook, _signature(ROWS[code], kinds[i])), i))
     table = np.zeros(len(SUMS) + sum(1 + 2 * len(c) for c in calls) + sum(map(len, words)), dtype=np.int64)
     places = table.size - np.cumsum([len(w) for w in reversed(words)], dtype=np.int64)[::-1]
     for place, word in zip(places, words, strict=True):
