@@ -8,13 +8,13 @@ works at all.
 from __future__ import annotations
 
 import argparse
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
 import tautline
+from tautline.cli.main import main as command
 from tautline.results.result import Result
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -79,8 +79,13 @@ SHOTS = (
 
 
 def run(*words: str) -> None:
-    """Run a command of the project, as a user would."""
-    subprocess.run([sys.executable, "-m", "tautline.cli.main", *words], check=True)
+    """Run a command of the project, as a user would, but in this process: most of such a command is its imports."""
+    sys.argv = ["tautline", *words]
+    try:
+        command()
+    except SystemExit as ended:
+        if ended.code:
+            raise
 
 
 def result_of(scene: str, folder: Path, quick: bool) -> Path:
