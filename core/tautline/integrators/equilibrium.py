@@ -60,9 +60,27 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst])
 
 
-def _rounding(matrix: Matrix, q: np.ndarray) -> np.ndarray:
-    """Residual that rounding leaves in each row: a few units in the last place of stiffness times position."""
-    return 4.0 * np.finfo(float).eps * (abs(sparse(matrix)) @ np.abs(q))
+ROUNDING = 4.0 * np.finfo(float).eps
+"""Residual that rounding leaves in a row, over the sum of its stiffnesses times positions."""
+
+
+def _balances(system: System, matrix: Matrix, q: np.ndarray, x: np.ndarray, tolerance: float, worst: int) -> bool:
+    """Whether no row's residual is more than the tolerance and rounding; the worst is asked first, for most are not."""
+    limit, size = tolerance * system.scale, np.abs(q)
+    if x.size and abs(x[worst]) > limit[worst] + ROUNDING * _row_times(matrix, worst, size):
+        return False
+    return bool(np.all(np.abs(x) <= limit + ROUNDING * (abs(sparse(matrix)) @ size)))
+
+
+def _row_times(matrix: Matrix, row: int, size: np.ndarray) -> float:
+    """Sum over a row of the matrix, without signs, times as many sizes."""
+    n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
+    if row >= n:
+        inner, border = matrix.lower[row - n] * size[:n], matrix.corner[:, row - n]
+    else:
+        columns = np.arange(max(0, row - k), min(n, row + k + 1))
+        inner, border = matrix.band[columns, 2 * k + row - columns] * size[columns], matrix.right[:, row]
+    return float(np.abs(inner).sum() + np.abs(border) @ size[n:])
 
 
 def _search(
@@ -81,7 +99,7 @@ def _search(
         size, worst = float(sizes.max(initial=0.0)), int(sizes.argmax()) if n else 0
         if not np.isfinite(size):
             return iteration, np.inf, worst
-        if np.all(np.abs(x) <= tolerance * system.scale + _rounding(factors.matrix, state.q)):
+        if _balances(system, factors.matrix, state.q, x, tolerance, worst):
             return iteration, min(size, tolerance), worst
         if np.isfinite(previous) and shift > 0.0:
             shift *= min(4.0, max(0.1, size / previous))
