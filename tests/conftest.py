@@ -31,21 +31,23 @@ def _no_helpers_beside_workers():
         workshop.HELPERS = 0
 
 
+NOT_RUN = ("derivation", "input", "layers", "references", "results", "view", "wellbore")
+"""Folders of tests that read, derive, draw or integrate apart, and have next to nothing compiled."""
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """Strings first, all else after them, and what is read but not run in the middle.
+    """Strings first, all else after them, and what compiles nothing in the middle.
 
     With ``--dist worksteal`` two workers begin at the first test and at the middle one. They would otherwise compile
-    the same at the same time: the loop over steps as they begin, and then the kinds of groups of one application.
+    the same at the same time: the loop over steps as they begin, and then the kinds of groups of one application. So
+    the second has some minutes of other work, in which the first compiles what both need.
     """
-    read = [item for item in items if _is_read(item)]
-    run = sorted((item for item in items if not _is_read(item)), key=lambda item: not _is_of_strings(item.path))
+    apart = [item for item in items if item.path.parent.name in NOT_RUN]
+    run = [item for item in items if item.path.parent.name not in NOT_RUN]
+    run.sort(key=lambda item: not _is_of_strings(item.path))
     middle = len(items) // 2
-    items[:] = [*run[:middle], *read, *run[middle:]]
-
-
-def _is_read(item):
-    return item.path.parent == TESTS / "input"
+    items[:] = [*run[:middle], *apart, *run[middle:]]
 
 
 @cache

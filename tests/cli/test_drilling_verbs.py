@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.in_process import commands_of, only_object
+from cli.in_process import commands_of, leave_out_pixels, only_object
 
 from drillstring.application import Drillstring
 from drillstring.build import build
@@ -27,10 +27,17 @@ def with_bit(text, keys):
 
 
 @pytest.fixture
-def drillstring_(tmp_path, monkeypatch, capsys):
+def drawing(tmp_path, monkeypatch, capsys):
+    """Commands that draw their figures in full."""
     monkeypatch.chdir(tmp_path)
     Path("drilling.yaml").write_text(DRILLING, encoding="utf8")
     return commands_of(Drillstring(), capsys)
+
+
+@pytest.fixture
+def drillstring_(drawing, monkeypatch):
+    leave_out_pixels(monkeypatch)
+    return drawing
 
 
 def test_torque_and_drag_take_the_weight_on_bit_as_a_force_on_the_string(drillstring_):
@@ -133,10 +140,10 @@ def test_a_bit_that_cuts_or_does_not_turn_needs_no_torque():
     assert "bit.torque" not in told_of(still) | told_of(cuts)
 
 
-def test_plot_draws_drilling_and_phase_of_one_result_and_of_several(drillstring_):
+def test_plot_draws_drilling_and_phase_of_one_result_and_of_several(drawing):
     for name, speed in (("one", 120), ("two", 160)):
         Path("scene.yaml").write_text(DRILLING.replace("to: 120 rpm", f"to: {speed} rpm"), encoding="utf8")
-        code, _, err = drillstring_("simulate", "scene.yaml", "-o", f"{name}.nc", "--end", "12")
+        code, _, err = drawing("simulate", "scene.yaml", "-o", f"{name}.nc", "--end", "12")
         assert code == 0 and "weight on bit at the start" in err and "m/h" in err
     results = [Result.read(f"{name}.nc") for name in ("one", "two")]
     for shown in (results[:1], results):
@@ -146,7 +153,7 @@ def test_plot_draws_drilling_and_phase_of_one_result_and_of_several(drillstring_
     lines = {line.get_label(): line for line in draw(results[:1], ["drilling"])["drilling"].axes[0].lines}
     assert lines["bit"].get_ydata() == pytest.approx(results[0]["rotation_rate"][:, -1] * 30.0 / np.pi)
     assert lines["drive"].get_ydata() == pytest.approx(results[0]["drive_speed"] * 30.0 / np.pi)
-    code, _, _ = drillstring_("plot", "one.nc", "two.nc")
+    code, _, _ = drawing("plot", "one.nc", "two.nc")
     assert code == 0 and list(Path().glob("*drilling*.png"))
 
 

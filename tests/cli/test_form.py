@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.in_process import commands_of, files, only_object
+from cli.in_process import commands_of, files, leave_out_pixels, only_object
 
 from drillstring.application import Drillstring
 
@@ -24,8 +24,15 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def drillstring(folder, capsys):
+def drawing(folder, capsys):
+    """Commands that draw their figures in full."""
     return commands_of(Drillstring(), capsys)
+
+
+@pytest.fixture
+def drillstring(drawing, monkeypatch):
+    leave_out_pixels(monkeypatch)
+    return drawing
 
 
 def test_form_with_json_is_one_object_of_the_contract_for_the_finest_mesh(drillstring):
@@ -60,8 +67,8 @@ def test_form_prints_a_row_for_each_mesh_and_one_for_the_rod_and_writes_nothing_
     assert not Path("hanging_form.png").exists()
 
 
-def test_several_scenes_make_one_figure_one_table_and_one_json_object(drillstring):
-    code, out, err = drillstring("form", "configuration_a.yaml", "configuration_b.yaml", "hanging.yaml", "--json")
+def test_several_scenes_make_one_figure_one_table_and_one_json_object(drawing):
+    code, out, err = drawing("form", "configuration_a.yaml", "configuration_b.yaml", "hanging.yaml", "--json")
     report = only_object(out)
     assert code == 0
     assert [one["scene"] for one in report["scenes"]] == [

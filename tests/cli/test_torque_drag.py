@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.in_process import commands_of, only_object
+from cli.in_process import commands_of, leave_out_pixels, only_object
 
 import drillstring.statics
 from drillstring.application import Drillstring
@@ -42,12 +42,19 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def drillstring_(folder, capsys):
+def drawing(folder, capsys):
+    """Commands that draw their figures in full."""
     return commands_of(Drillstring(), capsys)
 
 
-def test_json_has_the_keys_of_the_contract_for_the_scenes_own_depth_and_friction(drillstring_):
-    code, out, err = drillstring_("torque-drag", "jwell.yaml", "--json", *FEW)
+@pytest.fixture
+def drillstring_(drawing, monkeypatch):
+    leave_out_pixels(monkeypatch)
+    return drawing
+
+
+def test_json_has_the_keys_of_the_contract_for_the_scenes_own_depth_and_friction(drawing):
+    code, out, err = drawing("torque-drag", "jwell.yaml", "--json", *FEW)
     report = only_object(out)
     assert (code, report["status"], report["scene"]) == (0, "done", "jwell.yaml")
     assert report.keys() >= KEYS and report["buckling"].keys() >= {"sinusoidal", "helical"}
