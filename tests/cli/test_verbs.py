@@ -67,8 +67,8 @@ def test_simulate_writes_the_result_and_says_what_to_type_next(folder):
         assert words in done.stderr
 
 
-def test_simulate_json_is_one_object_with_the_promised_keys_and_no_nan(folder):
-    report = only_object(fake("simulate", "good.yaml", "--json", "-o", "other.nc", "--method", "rk4", "--end", "1"))
+def test_simulate_json_is_one_object_with_the_promised_keys_and_no_nan(folder, fake_here):
+    report = only_object(fake_here("simulate", "good.yaml", "--json", "-o", "other.nc", "--method", "rk4", "--end", "1"))
     assert report.keys() >= SIMULATE_KEYS
     assert (report["status"], report["result"], report["scene"]) == ("done", "other.nc", "good.yaml")
     assert (report["method"], report["end"], report["frames"]) == ("rk4", 1.0, 10)
@@ -81,13 +81,14 @@ def test_quiet_prints_nothing(folder):
 
 
 @pytest.mark.parametrize(("cold", "said"), [("1", True), ("0", False)])
-def test_kernels_to_be_compiled_are_announced_before_the_wait(folder, cold, said):
-    assert ("first run of this kind of scene" in fake("simulate", "good.yaml", FAKE_COLD=cold).stderr) is said
+def test_kernels_to_be_compiled_are_announced_before_the_wait(folder, fake_here, monkeypatch, cold, said):
+    monkeypatch.setenv("FAKE_COLD", cold)
+    assert ("first run of this kind of scene" in fake_here("simulate", "good.yaml").stderr) is said
 
 
-def test_warnings_are_printed_before_a_run_and_by_check(folder):
-    assert "warning: solver.step: longer than" in fake("simulate", "warning.yaml", "--quiet").stderr
-    report = only_object(fake("check", "warning.yaml", "--json"))
+def test_warnings_are_printed_before_a_run_and_by_check(folder, fake_here):
+    assert "warning: solver.step: longer than" in fake_here("simulate", "warning.yaml", "--quiet").stderr
+    report = only_object(fake_here("check", "warning.yaml", "--json"))
     assert report["warnings"] == [{"where": "solver.step", "text": "longer than the critical step"}]
     assert report["length"] == 1.0
     assert not Path("check.nc").exists()
@@ -181,16 +182,16 @@ def test_kill_9_keeps_every_frame_that_was_stored(folder):
     assert fake("plot", "good.nc").returncode == 0
 
 
-def test_an_unforeseen_error_is_one_line_and_exit_1(folder):
+def test_an_unforeseen_error_is_one_line_and_exit_1(folder, fake_here):
     done = fake("simulate", "bug.yaml")
     assert done.returncode == 1 and len(done.stderr.splitlines()) == 1
     assert "unexpected ZeroDivisionError: nobody foresaw this" in done.stderr and "report it" in done.stderr
-    assert only_object(fake("simulate", "bug.yaml", "--json"))["status"] == "internal error"
+    assert only_object(fake_here("simulate", "bug.yaml", "--json"))["status"] == "internal error"
 
 
 @pytest.mark.parametrize("arguments", [["--debug", "simulate", "bug.yaml"], ["simulate", "bug.yaml", "--debug"]])
-def test_debug_shows_the_traceback_wherever_it_stands(folder, arguments):
-    done = fake(*arguments)
+def test_debug_shows_the_traceback_wherever_it_stands(folder, fake_here, arguments):
+    done = fake_here(*arguments)
     assert done.returncode == 1 and "Traceback (most recent call last)" in done.stderr
 
 
@@ -202,8 +203,8 @@ def test_a_reader_that_went_away_is_no_error(folder):
 
 
 def test_plot_takes_a_folder_or_a_file_and_chooses_the_format_by_its_name(folder, fake_here):
-    fake("simulate", "good.yaml", "--quiet")
-    report = only_object(fake("plot", "good.nc", "-o", "figures", "--format", "svg", "--json"))
+    fake_here("simulate", "good.yaml", "--quiet")
+    report = only_object(fake_here("plot", "good.nc", "-o", "figures", "--format", "svg", "--json"))
     assert report["figures"] == ["figures/good_overview.svg", "figures/good_tension.svg"]
     named = only_object(fake_here("plot", "good.nc", "-o", "a.pdf", "--what", "tension", "--json"))
     assert named["figures"] == ["a.pdf"]
@@ -221,14 +222,14 @@ def test_new_writes_a_starter_scene_and_overwrites_only_when_forced(folder, fake
     assert fake("new", "-o", "-").stdout == "# A pendulum.\nfake: true\n"
 
 
-def test_new_lists_its_templates_and_writes_nothing(folder):
+def test_new_lists_its_templates_and_writes_nothing(folder, fake_here):
     before = list(folder.iterdir())
-    done = fake("new", "--list")
+    done = fake_here("new", "--list")
     assert done.stdout.split() == ["pendulum", "A", "pendulum.", "other", "Another."]
     assert list(folder.iterdir()) == before
 
 
-def test_schema_prints_json(folder):
+def test_schema_prints_json(folder, fake_here):
     assert json.loads(fake("schema").stdout)["title"] == "fake"
-    assert fake("schema", "-o", "schema.json").returncode == 0
+    assert fake_here("schema", "-o", "schema.json").returncode == 0
     assert json.loads(Path("schema.json").read_text())["title"] == "fake"
