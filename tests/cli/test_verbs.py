@@ -68,7 +68,9 @@ def test_simulate_writes_the_result_and_says_what_to_type_next(folder):
 
 
 def test_simulate_json_is_one_object_with_the_promised_keys_and_no_nan(folder, fake_here):
-    report = only_object(fake_here("simulate", "good.yaml", "--json", "-o", "other.nc", "--method", "rk4", "--end", "1"))
+    report = only_object(
+        fake_here("simulate", "good.yaml", "--json", "-o", "other.nc", "--method", "rk4", "--end", "1")
+    )
     assert report.keys() >= SIMULATE_KEYS
     assert (report["status"], report["result"], report["scene"]) == ("done", "other.nc", "good.yaml")
     assert (report["method"], report["end"], report["frames"]) == ("rk4", 1.0, 10)
