@@ -31,8 +31,8 @@ def _no_helpers_beside_workers():
         workshop.HELPERS = 0
 
 
-NOT_RUN = ("derivation", "input", "layers", "references", "results", "view", "wellbore")
-"""Folders of tests that read, derive, draw or integrate apart, and have next to nothing compiled."""
+NOT_RUN = ("references", "results", "input", "view", "wellbore", "layers")
+"""Folders of tests that read, draw or integrate apart, and have next to nothing compiled; the last runs a scene."""
 
 
 @pytest.hookimpl(trylast=True)
@@ -44,6 +44,7 @@ def pytest_collection_modifyitems(items):
     the second has some minutes of other work, in which the first compiles what both need.
     """
     apart = [item for item in items if item.path.parent.name in NOT_RUN]
+    apart.sort(key=lambda item: NOT_RUN.index(item.path.parent.name))
     run = [item for item in items if item.path.parent.name not in NOT_RUN]
     run.sort(key=lambda item: not _is_of_strings(item.path))
     middle = len(items) // 2
