@@ -11,6 +11,7 @@ from tautline.kernels.matrix import (
     new_factors,
     new_matrix,
     replace_by_identity,
+    size_of_row,
     solve_matrix,
     sparse,
 )
@@ -45,6 +46,15 @@ def test_a_bordered_matrix_is_solved_as_the_dense_one_is(size, k, border):
         x = right.copy()
         solve_matrix(factors, x)
         assert np.allclose(full @ x, right, rtol=0, atol=1e-10 * np.linalg.cond(full))
+
+
+@pytest.mark.parametrize(("size", "k", "border"), [(1, 0, 0), (9, 2, 0), (9, 2, 1), (3, 0, 2), (4, 0, 4)])
+def test_the_size_of_a_row_is_that_of_the_dense_one(size, k, border):
+    full, matrix = random_matrix(size, k, border), new_matrix(size, k, border)
+    _fill(matrix, full, k)
+    sizes = np.random.default_rng(4).uniform(size=size)
+    found = [size_of_row(matrix, row, sizes) for row in range(size)]
+    assert np.allclose(found, np.abs(full) @ sizes, rtol=1e-13)
 
 
 def test_a_border_that_depends_on_the_band_is_found_singular_and_named():

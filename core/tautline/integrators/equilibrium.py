@@ -9,7 +9,15 @@ import numpy as np
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.kernels.matrix import Matrix, factorise_matrix, new_factors, replace_by_identity, solve_matrix, sparse
+from tautline.kernels.matrix import (
+    Matrix,
+    factorise_matrix,
+    new_factors,
+    replace_by_identity,
+    size_of_row,
+    solve_matrix,
+    sparse,
+)
 from tautline.system.system import System
 
 SHIFTS = (0.0, 1e-4, 1e-2, 1.0, 100.0)
@@ -67,20 +75,9 @@ ROUNDING = 4.0 * np.finfo(float).eps
 def _balances(system: System, matrix: Matrix, q: np.ndarray, x: np.ndarray, tolerance: float, worst: int) -> bool:
     """Whether no row's residual is more than the tolerance and rounding; the worst is asked first, for most are not."""
     limit, size = tolerance * system.scale, np.abs(q)
-    if x.size and abs(x[worst]) > limit[worst] + ROUNDING * _row_times(matrix, worst, size):
+    if x.size and abs(x[worst]) > limit[worst] + ROUNDING * size_of_row(matrix, worst, size):
         return False
     return bool(np.all(np.abs(x) <= limit + ROUNDING * (abs(sparse(matrix)) @ size)))
-
-
-def _row_times(matrix: Matrix, row: int, size: np.ndarray) -> float:
-    """Sum over a row of the matrix, without signs, times as many sizes."""
-    n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
-    if row >= n:
-        inner, border = matrix.lower[row - n] * size[:n], matrix.corner[:, row - n]
-    else:
-        columns = np.arange(max(0, row - k), min(n, row + k + 1))
-        inner, border = matrix.band[columns, 2 * k + row - columns] * size[columns], matrix.right[:, row]
-    return float(np.abs(inner).sum() + np.abs(border) @ size[n:])
 
 
 def _search(

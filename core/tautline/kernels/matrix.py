@@ -207,6 +207,17 @@ def sparse(matrix: Matrix):
     )
 
 
+def size_of_row(matrix: Matrix, row: int, sizes: np.ndarray) -> float:
+    """Sum over a row of its entries' sizes times sizes (n + m,): what its product can be at most."""
+    n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
+    if row >= n:
+        inner, border = matrix.lower[row - n] * sizes[:n], matrix.corner[:, row - n]
+    else:
+        columns = np.arange(max(0, row - k), min(n, row + k + 1))
+        inner, border = matrix.band[columns, 2 * k + row - columns] * sizes[columns], matrix.right[:, row]
+    return float(np.abs(inner).sum() + np.abs(border) @ sizes[n:])
+
+
 def replace_by_identity(matrix: Matrix, row: int) -> None:
     """Make a row that of the unit matrix: its unknown stays where it is."""
     n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
