@@ -6,6 +6,7 @@ calls, in the process that takes it: to start another, to import and to load the
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -16,6 +17,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # Before NumPy is loaded: two that take all cores would wait for one another.
 
 from tautline.cli.main import main as tautline
 
