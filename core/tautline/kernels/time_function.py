@@ -14,8 +14,8 @@ from tautline.kernels.jit import entry, kernel
 
 DEGREES = 8
 """Coefficients kept of a polynomial: up to degree 7, the integral of a ramp's rate."""
-MANY = 10_000
-"""Polynomials and sines from which sampling is compiled, which may take a second; so many take Python a tenth."""
+MANY = 5_000
+"""Polynomials and sines from which sampling is compiled, which may take a second; so many take Python 50 ms at most."""
 
 
 class TimeFunctions(NamedTuple):
