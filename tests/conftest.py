@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 # Workers have a core each. Linear algebra on all cores has its threads wait for one another there, and eigenvalues of
-# a hose take ten times as long. It is asked for before NumPy is loaded.
+# a hose take many times as long. It is asked for before NumPy is loaded.
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ.get("OPENBLAS_NUM_THREADS", "1")
 
 from tautline.kernels.garbage import RARELY
