@@ -30,6 +30,14 @@ def test_a_kernel_called_with_several_whole_numbers_is_compiled_once():
 
 
 @compiled
+def test_functions_of_others_still_see_the_whole_numbers_that_they_are_called_with():
+    rows = np.array([[1.0, 2.0], [3.0, 4.0]])
+    summed = njit(lambda a: (a.sum(axis=0), a.sum(axis=1), np.moveaxis(a, 0, 1)))
+    for found, expected in zip(summed(rows), (rows.sum(axis=0), rows.sum(axis=1), rows.T), strict=True):
+        assert found.tolist() == expected.tolist()
+
+
+@compiled
 def test_a_kernel_that_is_called_from_python_says_so_instead_of_ending_the_process():
     with pytest.raises(TypeError, match="scaled can be called by compiled code only"):
         scaled(1, 2.0)

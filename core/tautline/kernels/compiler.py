@@ -1,6 +1,6 @@
 """Numba's compiler, quicker: what it asks again and again is answered as it would, by a shorter way.
 
-Each answer is the one that numba itself comes to; together they are a tenth of the time of a first run. Nothing here
+Each answer is the one that numba itself comes to; together they are some per cent of a first run. Nothing here
 depends on a version but the names of what is replaced: where one is gone, its import fails in the first test.
 """
 
@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 from numba.core import ir, types
-from numba.core.dispatcher import Dispatcher
 from numba.core.targetconfig import TargetConfig
 from numba.core.typing.npydecl import NumpyRulesArrayOperator
 
@@ -62,22 +61,6 @@ def _list_variables_by_type() -> None:
     ir.Inst._rec_list_vars = list_variables
 
 
-def _compile_once_for_all_whole_numbers() -> None:
-    """Compile a function that is called with a whole number as for any number, and not once more for each of them.
-
-    Where it is inlined the number is still known, and what depends on it is left out there.
-    """
-    as_written = Dispatcher.get_call_template
-
-    def get_call_template(self: Dispatcher, args: Any, kws: Any) -> Any:
-        if self.targetoptions.get("no_cpython_wrapper"):
-            args = tuple(types.unliteral(kind) if isinstance(kind, types.IntegerLiteral) else kind for kind in args)
-        return as_written(self, args, kws)
-
-    Dispatcher.get_call_template = get_call_template
-
-
 _compare_settings_as_they_are_set()
-_compile_once_for_all_whole_numbers()
 _ask_only_arrays_for_their_operators()
 _list_variables_by_type()

@@ -173,6 +173,14 @@ product and a sum be one instruction with one rounding; no sum is reordered, and
 class Inner(CPUDispatcher):
     """Compiled code that only compiled code can call."""
 
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Compile for a call; once for all whole numbers, not once more for each that stands in a call.
+
+        Where the code is inlined the number is still known, and what depends on it is left out there.
+        """
+        kinds = tuple(types.unliteral(kind) if isinstance(kind, types.IntegerLiteral) else kind for kind in args)
+        return super().get_call_template(kinds, kws)
+
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Refuse; without this the process would end, for there is nothing that could take Python's objects."""
         raise TypeError(f"{self.py_func.__qualname__} can be called by compiled code only; its .py_func by Python")
