@@ -8,7 +8,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from tautline.cli.console import abandon_output, print_json, say
-from tautline.kernels.garbage import collected_rarely
+from tautline.kernels.garbage import collected_rarely, left_at_exit
 from tautline.scene.errors import Problem, SceneError
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:
         Always.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
+    left_at_exit()
     with collected_rarely():
         code = _outcome(app, given)
     try:

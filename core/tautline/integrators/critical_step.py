@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from tautline.integrators.linearise import evaluate, evaluate_damping
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.integrators.state import State
-from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
+from tautline.kernels.matrix import Rows, factorise_matrix, new_factors, new_matrix, rows_of, solve_matrix
 from tautline.system.system import System
 
 STABILITY = np.array([1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0])
@@ -71,7 +71,7 @@ class CriticalStep:
         self._stiffness, self._damping, self._mass = new_matrix(*size), new_matrix(*size), new_factors(*size)
         self._random = np.random.default_rng(1)
         self._modes = np.zeros((2, system.size))
-        self._inertia = sparse(self._mass.matrix)
+        self._inertia = rows_of(self._mass.matrix)
         self.mode = Mode(np.inf, 0.0, 0.0, np.zeros(system.size))
 
     def search(self, state: State, t: float) -> tuple[float, int]:
@@ -84,13 +84,13 @@ class CriticalStep:
             else:
                 evaluate(self.system, state, t, 0.0, False, *part, matrix, residual)
         state.residual[:] = keep
-        mass = self._inertia = sparse(self._mass.matrix)
+        mass = self._inertia = rows_of(self._mass.matrix)
         if self.system.size == 0 or factorise_matrix(self._mass):
             return np.inf, 0
-        k, c = sparse(self._stiffness), sparse(self._damping)
+        k, c = rows_of(self._stiffness), rows_of(self._damping)
         self.mode = Mode(np.inf, 0.0, 0.0, np.zeros(self.system.size))
         for which, matrix in enumerate((k, c)):
-            x = self._fastest(matrix, which) if matrix.nnz and np.any(matrix.data) else None
+            x = self._fastest(matrix, which) if not matrix.vanishes else None
             if x is not None:
                 inertia = abs(float(x @ (mass @ x))) or 1.0
                 stiffness, damping = float(x @ (k @ x)) / inertia, float(x @ (c @ x)) / inertia
@@ -103,7 +103,7 @@ class CriticalStep:
         """M x of the mode x of the last search, (n,): its product with velocities is how much of the mode moves."""
         return self._inertia @ self.mode.shape
 
-    def _fastest(self, matrix: Any, which: int) -> np.ndarray | None:
+    def _fastest(self, matrix: Rows, which: int) -> np.ndarray | None:
         """The vector that M^-1 times a matrix stretches most; None where it stretches none."""
         x = self._random.standard_normal(self.system.size)
         x = 0.1 * x / np.linalg.norm(x) + self._modes[which]

@@ -14,9 +14,9 @@ from tautline.kernels.matrix import (
     factorise_matrix,
     new_factors,
     replace_by_identity,
+    rows_of,
     size_of_row,
     solve_matrix,
-    sparse,
 )
 from tautline.system.system import System
 
@@ -77,7 +77,7 @@ def _balances(system: System, matrix: Matrix, q: np.ndarray, x: np.ndarray, tole
     limit, size = tolerance * system.scale, np.abs(q)
     if x.size and abs(x[worst]) > limit[worst] + ROUNDING * size_of_row(matrix, worst, size):
         return False
-    return bool(np.all(np.abs(x) <= limit + ROUNDING * (abs(sparse(matrix)) @ size)))
+    return bool(np.all(np.abs(x) <= limit + ROUNDING * (abs(rows_of(matrix)) @ size)))
 
 
 def _search(

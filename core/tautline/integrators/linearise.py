@@ -9,7 +9,7 @@ from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held, keep_flowing, prescribe, reduce
 from tautline.kernels.jit import entry
-from tautline.kernels.matrix import clear, dense, factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
+from tautline.kernels.matrix import clear, dense, diagonal, factorise_matrix, new_factors, new_matrix, solve_matrix
 from tautline.system.system import System
 
 SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
@@ -74,7 +74,7 @@ def start_moving(system: System, state: State, step: float) -> None:
     state.q[system.algebraic] = 0.0
     acceleration = np.zeros(n)
     evaluate(system, state, 0.0, step, False, 1.0, 0.0, 0.0, factors.matrix, acceleration)
-    state.inertia[:] = np.abs(sparse(factors.matrix).diagonal())
+    state.inertia[:] = np.abs(diagonal(factors.matrix))
     state.inertia[system.algebraic] = 0.0
     row = factorise_matrix(factors)
     if row:

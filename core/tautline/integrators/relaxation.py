@@ -24,7 +24,7 @@ from tautline.integrators.state import WORST, State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.dofs import expand
 from tautline.kernels.jit import entry
-from tautline.kernels.matrix import new_matrix, sparse
+from tautline.kernels.matrix import Matrix, Rows, new_matrix, rows_of
 from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
 from tautline.system.system import System
 
@@ -124,7 +124,7 @@ def relax(
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)
 
 
-def _frequency(mass, way: np.ndarray, lost: np.ndarray) -> float:
+def _frequency(mass: Rows, way: np.ndarray, lost: np.ndarray) -> float:
     """Square of the frequency of what still moves, 1/s^2, from the way gone and the acceleration lost on it."""
     weight = float(way @ (mass @ way))
     return float(way @ (mass @ lost)) / weight if weight > 0.0 else 0.0
@@ -138,12 +138,12 @@ def damp(dofs, state, factor):
     expand(dofs, state.v, state.full_v)
 
 
-def _mass(system: System, state: State, matrix):
-    """Mass matrix (n, n) at the state, sparse; the state is left as it is."""
+def _mass(system: System, state: State, matrix: Matrix) -> Rows:
+    """Mass matrix (n, n) at the state; the state is left as it is."""
     keep = state.residual.copy()
     evaluate(system, state, 0.0, 0.0, False, 1.0, 0.0, 0.0, matrix, np.zeros(system.size))
     state.residual[:] = keep
-    return sparse(matrix)
+    return rows_of(matrix)
 
 
 def _check(system: System, state: State, step: float) -> None:

@@ -10,7 +10,7 @@ from tautline.integrators.state import State
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import entry
-from tautline.kernels.matrix import clear, new_matrix, sparse
+from tautline.kernels.matrix import clear, new_matrix, rows_of
 from tautline.system.system import System
 
 DIRECTIONS = 3
@@ -70,14 +70,14 @@ def tangent_error(system: System, state: State, t: float, method: GeneralizedAlp
     rows = np.zeros((3, n))
     for part in parts:
         _linearised(groups, system.dofs, state, t, *part, matrix, rows[0])
-        tangents.append(sparse(matrix))
+        tangents.append(rows_of(matrix))
     random = np.random.default_rng(seed)
     lengths = _lengths(state, method.length, h)
     worst = 0.0
     for _ in range(DIRECTIONS):
         x = random.uniform(-1.0, 1.0, n) * lengths
         products = [tangent @ x for tangent in tangents]
-        terms = [(np.abs(tangent) @ np.abs(x)) / system.scale for tangent in tangents]
+        terms = [(abs(tangent) @ np.abs(x)) / system.scale for tangent in tangents]
         largest = max(float(term.max()) for term in terms)
         for part, product, term in zip(parts, products, terms, strict=True):
             if term.max() <= DROWNED * largest:

@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from filelock import FileLock
 from numba import njit, types
 from numba.core.caching import Cache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
@@ -113,6 +112,8 @@ def _mend_index() -> None:
         return dict(known[self._index_path][1])
 
     def save_alone(self: IndexDataCacheFile, key: Any, data: Any) -> None:
+        from filelock import FileLock
+
         with FileLock(f"{self._index_path}.lock"):
             save(self, key, data)
 

@@ -1,10 +1,15 @@
 """LAPACK's dense LU, called from compiled code.
 
-The routines are those that SciPy ships (``scipy.linalg.cython_lapack``). Their addresses change from process to
+The routines are those that SciPy ships (:data:`ROUTINES`). Their addresses change from process to
 process, so the machine code refers to them by symbol and stays cacheable (a ctypes pointer would not).
 """
 
 from __future__ import annotations
+
+import contextlib
+import sys
+from importlib import util
+from importlib.machinery import PathFinder
 
 import llvmlite.binding
 from numba import config, types
@@ -12,13 +17,33 @@ from numba.extending import get_cython_function_address
 
 from tautline.kernels.jit import entry
 
+ROUTINES = "scipy.linalg.cython_lapack"
+
+
+def _load_alone(name: str) -> None:
+    """Load an extension module of SciPy without the packages that it lies in, whose import takes 0.2 s.
+
+    Where that fails, for whatever reason, it is imported as usual by whoever asks for it.
+    """
+    top, package, _ = name.split(".")
+    found = util.find_spec(top)
+    places = found.submodule_search_locations if found else None
+    spec = PathFinder.find_spec(name, [f"{place}/{package}" for place in places]) if places else None
+    if name in sys.modules or spec is None or spec.loader is None:
+        return
+    with contextlib.suppress(ImportError):
+        module = util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        sys.modules[name] = module
+
 
 def _routine(name: str, arguments: int) -> types.ExternalFunction:
     symbol = f"tautline_{name}"
-    llvmlite.binding.add_symbol(symbol, get_cython_function_address("scipy.linalg.cython_lapack", name))
+    llvmlite.binding.add_symbol(symbol, get_cython_function_address(ROUTINES, name))
     return types.ExternalFunction(symbol, types.void(*[types.uintp] * arguments))
 
 
+_load_alone(ROUTINES)
 _dgetrf = _routine("dgetrf", 6)
 _dgetrs = _routine("dgetrs", 9)
 _NO_TRANSPOSE = ord("N")

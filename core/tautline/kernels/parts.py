@@ -43,9 +43,12 @@ class PartCompiler(CompilerBase):
 
 
 def _keep_parts() -> None:
-    """Have numba's libraries know parts: neither optimised nor translated, and cached as LLVM's code."""
+    """Have numba's libraries know parts: neither optimised nor translated, and cached as LLVM's code.
+
+    The LLVM code of a whole, which only a caller that is compiled later needs, is read when it is asked for.
+    """
     optimise, finish = CPUCodeLibrary._optimize_final_module, CPUCodeLibrary._finalize_final_module
-    store, load = CPUCodeLibrary.serialize_using_object_code, CPUCodeLibrary._unserialize
+    store, for_linking = CPUCodeLibrary.serialize_using_object_code, CPUCodeLibrary._get_module_for_linking
     set_env = JITCPUCodegen.set_env
 
     def optimise_whole(self: CPUCodeLibrary) -> None:
@@ -60,24 +63,40 @@ def _keep_parts() -> None:
         self._finalized = True
 
     def store_as_it_is(self: CPUCodeLibrary) -> tuple[Any, ...]:
-        return self.serialize_using_bitcode() if self.is_part else store(self)
+        if self.is_part:
+            return self.serialize_using_bitcode()
+        name, kind, (code, bitcode) = store(self)
+        module = self._final_module
+        symbols = [s.name for held in (module.functions, module.global_variables) for s in held if not s.is_declaration]
+        return name, kind, (code, bitcode, symbols)
 
     def load_as_it_is(cls: type, codegen: Any, stored: tuple[Any, ...]) -> CPUCodeLibrary:
         name, kind, data = stored
-        if kind != "bitcode":
-            return load(codegen, stored)
         library = codegen.create_library(name)
-        library.is_part = True
-        library._final_module = llvm.parse_bitcode(data)
+        if kind == "bitcode":
+            library.is_part = True
+            library._final_module = llvm.parse_bitcode(data)
+        else:
+            code, library.unread, symbols = data
+            library.enable_object_caching()
+            library._set_compiled_object(code)
+            codegen._engine._defined_symbols.update(symbols)
         library._finalize_final_module()
         return library
+
+    def read_for_linking(self: CPUCodeLibrary) -> Any:
+        # A run that compiles nothing never asks for it.
+        if self.unread is not None:
+            self._shared_module, self.unread = llvm.parse_bitcode(self.unread), None
+        return for_linking(self)
 
     def set_env_of_whole(self: JITCPUCodegen, name: str, env: Any) -> None:
         # A part has no machine code that could refer to its environment.
         if self._engine.is_symbol_defined(name):
             set_env(self, name, env)
 
-    CPUCodeLibrary.is_part = False
+    CPUCodeLibrary.is_part, CPUCodeLibrary.unread = False, None
+    CPUCodeLibrary._get_module_for_linking = read_for_linking
     CPUCodeLibrary._optimize_final_module = optimise_whole
     CPUCodeLibrary._finalize_final_module = finish_whole
     CPUCodeLibrary.serialize_using_object_code = store_as_it_is

@@ -21,7 +21,7 @@ from typing import IO, Any
 from numba import config
 from numba.core import types
 
-from tautline.kernels.garbage import collected_rarely
+from tautline.kernels.garbage import collected_rarely, left_at_exit
 from tautline.kernels.jit import is_compiled
 
 Job = tuple[Any, tuple[types.Type, ...]]
@@ -87,6 +87,7 @@ def help_out() -> None:
     """Be a helper: say that there is nothing to do, read a job, compile it, until the other side is gone."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
+    left_at_exit()
     with collected_rarely():
         while True:
             answers.write(b".")

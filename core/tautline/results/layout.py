@@ -11,6 +11,7 @@ import numpy as np
 
 from tautline.results.headline import to_json
 from tautline.results.variable import Variable
+from tautline.version import __version__
 
 FORMAT = "tautline-result 1"
 """The attribute ``format`` by which a result is known for one of ours."""
@@ -38,28 +39,61 @@ def create(
     samples : dict of str to (frames, ...) array
         A batch, for the sizes of the dimensions and the types of the variables.
     """
-    import h5netcdf
-
-    with h5netcdf.File(path, "w", libver=("earliest", "v110")) as file:
-        file.dimensions = dimensions(variables, coordinates, samples)
+    sizes = dimensions(variables, coordinates, samples)
+    numbers = {dim: number for number, dim in enumerate(sizes)}
+    with h5py.File(path, "w", libver=("earliest", "v110"), track_order=True) as file:
+        named = set(coordinates) | {variable.name for variable in variables}
+        for dim in sizes.keys() - named:
+            _make_bare_dimension(file, dim, sizes[dim] or 0, numbers[dim])
+        entries = []
         for name, (dims, values, units, long_name) in coordinates.items():
-            dtype = h5py.string_dtype() if values.dtype.kind in "US" else values.dtype
-            entry = file.create_variable(name, dims, dtype)
-            entry[...] = values.astype(object) if values.dtype.kind in "US" else values
-            entry.attrs.update(_described(units, long_name))
+            texts = values.dtype.kind in "US"
+            dtype = h5py.string_dtype() if texts else values.dtype
+            entry = file.create_dataset(name, values.shape, dtype, track_order=True)
+            entry[...] = values.astype(object) if texts else values
+            entries.append((entry, name, dims, units, long_name))
         for variable in variables:
             sample = samples[variable.name]
             rest = sample.shape[1:]
             frames = max(1, CHUNK // max(1, int(np.prod(rest)) * sample.dtype.itemsize))
-            chunks = (frames, *(max(1, size) for size in rest))
-            entry = file.create_variable(variable.name, variable.dims, sample.dtype, chunks=chunks)
-            entry.attrs.update(_described(variable.units, variable.long_name))
-    with h5py.File(path, "r+") as file:
-        write_attributes(file, {"format": FORMAT, **attributes})
+            most, chunks = (None, *rest), (frames, *(max(1, size) for size in rest))
+            entry = file.create_dataset(
+                variable.name, (0, *rest), sample.dtype, maxshape=most, chunks=chunks, track_order=True
+            )
+            entries.append((entry, variable.name, variable.dims, variable.units, variable.long_name))
+        _name_dimensions(file, entries, numbers)
+        properties = f"version=2,tautline={__version__},h5py={h5py.version.version},hdf5={h5py.version.hdf5_version}"
+        write_attributes(file, {"_NCProperties": np.bytes_(properties), "format": FORMAT, **attributes})
 
 
-def _described(units: str, long_name: str) -> dict[str, str]:
-    return {key: text for key, text in (("units", units), ("long_name", long_name)) if text}
+def _make_bare_dimension(group: h5py.Group, dim: str, size: int, number: int) -> h5py.Dataset:
+    """Add a dimension that no variable is named after: a dataset of its size that readers take for no variable."""
+    scale = group.create_dataset(dim, (size,), ">f4", track_order=True)
+    scale.make_scale(BARE_DIMENSION % size)
+    scale.attrs["_Netcdf4Dimid"] = np.int32(number)
+    return scale
+
+
+def _name_dimensions(file: h5py.File, entries: Sequence[Any], numbers: Mapping[str, int]) -> None:
+    """Tell readers the dimensions of each dataset, and what it is.
+
+    A variable of the name of its own dimension is that dimension's scale. The numbers of the dimensions let a reader
+    tell two of one size apart without following references.
+    """
+    for entry, name, dims, *_ in entries:
+        if dims == (name,):
+            entry.make_scale(name)
+            entry.attrs["_Netcdf4Dimid"] = np.int32(numbers[name])
+    scales = {dim: h5py.h5d.open(file.id, dim.encode()) for dim in numbers}
+    for entry, name, dims, units, long_name in entries:
+        if dims != (name,):
+            for axis, dim in enumerate(dims):
+                h5py.h5ds.attach_scale(entry.id, scales[dim], axis)
+        if dims:
+            entry.attrs["_Netcdf4Coordinates"] = np.array([numbers[dim] for dim in dims], np.int32)
+        for key, text in (("units", units), ("long_name", long_name)):
+            if text:
+                entry.attrs[key] = text
 
 
 def dimensions(
@@ -133,12 +167,12 @@ def write_attributes(file: h5py.File, attributes: Mapping[str, Any]) -> None:
             continue
         if isinstance(value, bool):
             value = int(value)
-        file.attrs[key] = value if isinstance(value, (str, int, float)) else to_json(value)
+        file.attrs[key] = value if isinstance(value, (str, bytes, int, float)) else to_json(value)
 
 
 def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
     """Keep arrays as they are in the group ``restart``; their dimensions are named by their sizes."""
-    group = file.create_group("restart")
+    group, scales = file.create_group("restart"), {}
     for name, values in arrays.items():
         values = np.asarray(values)
         if values.dtype.kind == "b":
@@ -146,8 +180,6 @@ def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
         dataset = group.create_dataset(name, data=values)
         for axis, size in enumerate(values.shape):
             dim = f"size_{size}"
-            if dim not in group:
-                scale = group.create_dataset(dim, data=np.zeros(size, np.float32))
-                scale.make_scale(BARE_DIMENSION % size)
-                scale.attrs["_Netcdf4Dimid"] = np.int32(1000 + len(group))
-            dataset.dims[axis].attach_scale(group[dim])
+            if dim not in scales:
+                scales[dim] = _make_bare_dimension(group, dim, size, 1000 + len(scales))
+            h5py.h5ds.attach_scale(dataset.id, scales[dim].id, axis)

@@ -7,15 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from tautline.kernels.dofs import HELD, TIED, Dofs
 from tautline.kernels.groups import link, without_friction
 from tautline.kernels.time_function import TimeFunctions
-
-LOCAL = 60
-"""Unknowns that one may depend on and still belong to the band."""
+from tautline.system.pattern import Pattern, narrow, pattern_of
 
 
 @dataclass
@@ -94,7 +90,7 @@ class System:
         Reduced unknowns that stay where they are while an equilibrium is sought.
     bandwidth, mass_bandwidth : int
         Sub- and superdiagonals of the tangent and of the mass matrix; 0 is diagonal.
-    mass_pattern : (n, n) sparse array
+    mass_pattern : Pattern
         Entries of the mass matrix that may differ from zero.
     border : int
         Unknowns, the last ones, that are kept out of the band because too many others depend on them.
@@ -120,7 +116,7 @@ class System:
     at_rest: np.ndarray
     bandwidth: int
     mass_bandwidth: int
-    mass_pattern: csr_matrix
+    mass_pattern: Pattern
     border: int = 0
     algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     places: list[str] = field(default_factory=list)
@@ -196,10 +192,10 @@ def assemble(
     number = np.full(full, -1, dtype=np.int64)
     number[free] = np.arange(free.size)
     masters = [_masters(i, number, degrees) for i in range(full)]
-    pattern, mass_pattern = (_pattern(masters, free.size, s) for s in (stencils, mass_stencils))
-    order, border = _narrow(pattern)
-    rank = np.empty_like(order)
-    rank[order] = np.arange(order.size)
+    pattern, mass_pattern = (pattern_of(masters, free.size, s) for s in (stencils, mass_stencils))
+    order, border = narrow(pattern)
+    rank = np.argsort(order)
+    pattern, mass_pattern = pattern.renumbered(rank), mass_pattern.renumbered(rank)
 
     start = np.cumsum([0] + [len(m) for m in masters])
     held = np.array(sorted(degrees.motion), dtype=np.int64)
@@ -228,9 +224,9 @@ def assemble(
         free=free[order],
         mass_couples_held=any(_couples(masters, s) for s in mass_stencils),
         at_rest=np.array([rank[number[i]] for i in at_rest if number[i] >= 0], dtype=np.int64),
-        bandwidth=_bandwidth(pattern, rank, border),
-        mass_bandwidth=_bandwidth(mass_pattern, rank, border) if border == 0 else _bandwidth(pattern, rank, border),
-        mass_pattern=mass_pattern[order][:, order],
+        bandwidth=pattern.width(border),
+        mass_bandwidth=(mass_pattern if border == 0 else pattern).width(border),
+        mass_pattern=mass_pattern,
         border=border,
         algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
         places=list(degrees.names),
@@ -253,13 +249,13 @@ class MassNumbering(NamedTuple):
 
 def number_by_mass(system: System) -> MassNumbering:
     """Number a system's unknowns for the narrowest mass matrix."""
-    order, border = _narrow(system.mass_pattern)
+    order, border = narrow(system.mass_pattern)
     rank = np.argsort(order)
     dofs = system.dofs
     renumbered = dofs._replace(
         unknown=_moved(dofs.unknown, rank), number=_moved(dofs.number, rank), free=dofs.free[order],
     )  # fmt: skip
-    return MassNumbering(renumbered, order, _bandwidth(system.mass_pattern, rank, border), border)
+    return MassNumbering(renumbered, order, system.mass_pattern.renumbered(rank).width(border), border)
 
 
 def _moved(numbers: np.ndarray, rank: np.ndarray) -> np.ndarray:
@@ -294,53 +290,3 @@ def _masters(i: int, number: np.ndarray, degrees: Degrees) -> list[tuple[int, fl
 def _couples(masters: list[list[tuple[int, float]]], stencil: np.ndarray) -> bool:
     free = np.array([any(k >= 0 for k, _ in m) for m in masters])[stencil]
     return bool(np.any(free.any(axis=-1) & ~free.all(axis=-1))) if stencil.size else False
-
-
-def _pattern(masters: list[list[tuple[int, float]]], size: int, stencils: Sequence[np.ndarray]) -> csr_matrix:
-    rows, columns = [np.arange(size)], [np.arange(size)]
-    single = all(len(m) <= 1 for m in masters)
-    first = np.array([m[0][0] if m else -1 for m in masters], dtype=np.int64)
-    for stencil in stencils:
-        if stencil.size == 0:
-            continue
-        if single:
-            unknowns = first[stencil]
-            i = np.repeat(unknowns, stencil.shape[1], axis=1).ravel()
-            j = np.tile(unknowns, (1, stencil.shape[1])).ravel()
-            keep = (i >= 0) & (j >= 0)
-            rows.append(i[keep])
-            columns.append(j[keep])
-        else:
-            for places in stencil:
-                u = np.array([k for p in places for k, _ in masters[p] if k >= 0], dtype=np.int64)
-                rows.append(np.repeat(u, u.size))
-                columns.append(np.tile(u, u.size))
-    i, j = np.concatenate(rows), np.concatenate(columns)
-    return csr_matrix((np.ones(i.size, dtype=np.int8), (i, j)), shape=(size, size))
-
-
-def _narrow(pattern: csr_matrix) -> tuple[np.ndarray, int]:
-    """Order of the unknowns, and how many of the last are to be a border.
-
-    The border are those that many more others depend on than is usual; the rest is ordered by reverse Cuthill-McKee or
-    as the scene was built, whichever gives the narrower band.
-    """
-    natural = np.arange(pattern.shape[0])
-    if natural.size == 0:
-        return natural, 0
-    degree = np.diff(pattern.indptr)
-    wide = degree > max(LOCAL, 4.0 * np.median(degree)) if natural.size else natural.astype(bool)
-    inner, outer = natural[~wide], natural[wide]
-    rest = pattern[inner][:, inner]
-    cuthill = inner[np.asarray(reverse_cuthill_mckee(rest, symmetric_mode=True), dtype=np.int64)]
-    orders = [np.concatenate((order, outer)) for order in (cuthill, inner)]
-    ranks = [np.argsort(order) for order in orders]
-    widths = [_bandwidth(pattern, rank, outer.size) for rank in ranks]
-    return orders[int(widths[1] <= widths[0])], outer.size
-
-
-def _bandwidth(pattern: csr_matrix, rank: np.ndarray, border: int) -> int:
-    entries = pattern.tocoo()
-    row, column = rank[entries.row], rank[entries.col]
-    inner = np.maximum(row, column) < rank.size - border
-    return int(np.abs(row - column)[inner].max(initial=0))

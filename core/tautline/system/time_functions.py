@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from tautline.kernels.time_function import DEGREES, TimeFunctions
 from tautline.scene.errors import Problem, SceneError
@@ -272,6 +271,8 @@ def _slopes(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray
     n = len(time)
     second = np.zeros(n)
     if n > 2:
+        from scipy.linalg import solve_banded
+
         band = np.zeros((3, n - 2))
         band[0, 1:], band[1], band[2, :-1] = h[1:-1], 2.0 * (h[:-1] + h[1:]), h[1:-1]
         second[1:-1] = solve_banded((1, 1), band, 6.0 * np.diff(secant))
