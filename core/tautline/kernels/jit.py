@@ -24,7 +24,7 @@ from numba.core.registry import CPUDispatcher
 from numba.np import arrayobj
 
 from tautline.kernels import compiler as _quicker  # noqa: F401  what it replaces in numba is all that it does
-from tautline.kernels.parts import PartCompiler
+from tautline.kernels.parts import KernelCompiler, PartCompiler
 
 FOLDERS_KEPT = 6
 """Cache folders kept beside the one in use: other checkouts and versions that a user may go back to."""
@@ -161,7 +161,8 @@ _look_before_preparing()
 numba.config.CACHE_DIR = str(cache_folder())
 
 entry = functools.partial(
-    njit, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False, fastmath={"contract"}
+    njit, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False, fastmath={"contract"},
+    pipeline_class=KernelCompiler,
 )
 """Decorator of compiled code that Python calls: cached across processes, releases the GIL.
 

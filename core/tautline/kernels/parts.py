@@ -14,7 +14,8 @@ import llvmlite.binding as llvm
 from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import NativeLowering
+from numba.core.typed_passes import InlineOverloads, NativeLowering, NopythonRewrites
+from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, LiteralUnroll, WithLifting
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
@@ -31,15 +32,28 @@ class PartLowering(NativeLowering):
         return super().run_pass(state)
 
 
-class PartCompiler(CompilerBase):
-    """Numba's own steps for compiled code, the last of them :class:`PartLowering`."""
+NEEDLESS = {WithLifting, InlineClosureLikes, InlineInlinables, LiteralUnroll, InlineOverloads, NopythonRewrites}
+"""Steps that find nothing to do: kernels have no closures, no Python objects, and no expressions of whole arrays."""
+
+
+class KernelCompiler(CompilerBase):
+    """Numba's own steps for compiled code, without those that find nothing to do in a kernel."""
+
+    lowering = NativeLowering
 
     def define_pipelines(self) -> list[Any]:
         """The steps."""
         steps = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        steps.passes = [(PartLowering if step is NativeLowering else step, why) for step, why in steps.passes]
+        needed = [(step, why) for step, why in steps.passes if step not in NEEDLESS]
+        steps.passes = [(self.lowering if step is NativeLowering else step, why) for step, why in needed]
         steps.finalize()
         return [steps]
+
+
+class PartCompiler(KernelCompiler):
+    """The same, the last of them :class:`PartLowering`."""
+
+    lowering = PartLowering
 
 
 def _keep_parts() -> None:
