@@ -27,7 +27,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held
 from tautline.kernels.groups import hook_jobs
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.matrix import new_matrix
+from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix
 from tautline.kernels.workshop import compile_all
 
 ENERGIES = 5
@@ -222,12 +222,17 @@ def compile_for(method, system, state, announce=None):
     loop, sums = MARCHES[type(method)]
     groups, scene = np.zeros(0, np.int64), (system.dofs, system.functions, state)
     none, rows = np.zeros(0), np.zeros((0, 0))
+    factors = new_factors(0, 0)
     calls = [
         (loop, (method, groups, *scene, none, groups, 0.0, rows, groups)),
         (evaluate_scene, (groups, *scene, 0.0, 0.0, False, 0.0, 0.0, 0.0, new_matrix(0, 0), none)),
+        (solve_matrix, (factors, none)),
+        (factorise_matrix, (factors,)),
     ]
-    jobs = [(function, tuple(typeof(x) for x in given)) for function, given in calls]
-    compile_all(jobs + hook_jobs(system.groups, *dict.fromkeys((*sums(method), *SUMS))), announce)
+    heavy, common, *parts = ((function, tuple(typeof(x) for x in given)) for function, given in calls)
+    hooks = hook_jobs(system.groups, *dict.fromkeys((*sums(method), *SUMS)))
+    # The loop, which is heaviest, takes in the last two: it is begun when others have made them.
+    compile_all([*hooks[:1], heavy, common, *hooks[1:], *parts], announce)
 
 
 def march(method, system, state, ends, steps, begin, frames, pause=None):
