@@ -5,7 +5,8 @@ import gc
 import numpy as np
 import pytest
 from numba import config, njit
-from numba.core.compiler import Flags
+from numba.core import event, ir
+from numba.core.compiler import Flags, run_frontend
 
 from tautline.kernels.garbage import RARELY, collected_rarely
 from tautline.kernels.jit import entry, kernel
@@ -74,3 +75,63 @@ def test_garbage_is_searched_for_as_before_once_a_command_has_ended():
     finally:
         gc.enable()
         gc.set_threshold(*before)
+
+
+@compiled
+def test_a_division_by_zero_stays_an_error_in_code_of_others():
+    ratio = entry(lambda a, b: a / b)
+    assert ratio(1.0, 0.0) == np.inf
+    with pytest.raises(ZeroDivisionError):
+        njit(lambda a, b: a / b)(1.0, 0.0)
+    assert njit(error_model="numpy")(lambda a, b: a / b)(1.0, 0.0) == np.inf
+
+
+@compiled
+def test_an_operator_has_its_meaning_for_each_pair_of_numbers():
+    both = njit(lambda a, b: (a // b, a % b, a / b, a < b, max(a, b)))
+    for a, b in ((7, 2), (7.5, 2), (7, 2.5), (-7.5, 2.5), (True, 2), (np.int8(100), np.int8(30))):
+        for found, expected in zip(both(a, b), both.py_func(a, b), strict=True):
+            assert found == expected and isinstance(found, bool) == isinstance(expected, (bool, np.bool_))
+
+
+@compiled
+def test_whoever_listens_to_the_compiler_hears_its_steps():
+    with event.install_recorder("numba:run_pass") as heard, event.install_recorder("numba:llvm_lock") as calls:
+        njit(lambda x: x + 1)(1.5)
+    assert len(heard.buffer) > 20 and len(calls.buffer) > 20
+    told = len(heard.buffer)
+    njit(lambda x: x + 2)(1.5)
+    assert len(heard.buffer) == told
+
+
+def of_all_kinds(a, b):
+    found = []
+    for i, x in enumerate(a):
+        if x > b[i, 0] and not (i == 3 or max(x, b[i, 1], key=abs) < 0):
+            found.append((x, {"one": b[i : i + 2], "two": [x, i]}))
+        else:
+            del x
+    return found
+
+
+def test_the_variables_of_every_instruction_are_those_that_it_holds():
+    def held(inside):
+        if isinstance(inside, ir.Var):
+            return [inside]
+        if isinstance(inside, ir.Inst):
+            return held(inside._kws if isinstance(inside, ir.Expr) else vars(inside))
+        parts = inside.values() if isinstance(inside, dict) else inside if isinstance(inside, (list, tuple)) else ()
+        return [one for part in parts for one in held(part)]
+
+    function = run_frontend(of_all_kinds)
+    seen = [each for block in function.blocks.values() for each in block.body]
+    assert len(seen) > 50
+    for each in seen:
+        assert sorted(v.name for v in each.list_vars()) == sorted(v.name for v in held(each)), each
+
+
+@compiled
+def test_code_of_others_may_have_closures_and_expressions_of_whole_arrays():
+    made = njit(lambda a, n: (2 * a + a * a)[:n].sum() + sum([i * a[0] for i in range(n)]))
+    a = np.arange(1.0, 6.0)
+    assert made(a, 3) == made.py_func(a, 3)

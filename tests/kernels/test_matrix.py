@@ -7,10 +7,12 @@ from tautline.kernels.jit import entry
 from tautline.kernels.matrix import (
     add_at,
     dense,
+    diagonal,
     factorise_matrix,
     new_factors,
     new_matrix,
     replace_by_identity,
+    rows_of,
     size_of_row,
     solve_matrix,
     sparse,
@@ -40,7 +42,10 @@ def test_a_bordered_matrix_is_solved_as_the_dense_one_is(size, k, border):
     _fill(factors.matrix, full, k)
     assert np.array_equal(dense(factors.matrix), full)
     right = np.random.default_rng(4).standard_normal(size)
-    assert np.allclose(sparse(factors.matrix) @ right, full @ right, rtol=1e-13, atol=1e-13)
+    for made in (sparse, rows_of):
+        assert np.allclose(made(factors.matrix) @ right, full @ right, rtol=1e-13, atol=1e-13)
+        assert np.allclose(abs(made(factors.matrix)) @ right, np.abs(full) @ right, rtol=1e-13, atol=1e-13)
+    assert np.array_equal(diagonal(factors.matrix), np.diagonal(full))
     assert factorise_matrix(factors) == 0
     for _ in range(2):
         x = right.copy()
@@ -72,3 +77,15 @@ def test_a_row_can_be_made_that_of_the_unit_matrix(row):
     replace_by_identity(matrix, row)
     full[row] = np.eye(8)[row]
     assert np.array_equal(dense(matrix), full)
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_a_matrix_by_rows_is_a_copy_and_knows_whether_it_vanishes(part):
+    matrix = new_matrix(9, 2, 2)
+    assert rows_of(matrix).vanishes and rows_of(new_matrix(0, 0)).vanishes
+    assert (rows_of(new_matrix(0, 0)) @ np.zeros(0)).size == 0
+    matrix[part][-1, 3 if part == 0 else -1] = 2.0
+    rows = rows_of(matrix)
+    before = rows @ np.ones(9)
+    matrix[part][:] = 0.0
+    assert not rows.vanishes and np.array_equal(rows @ np.ones(9), before) and before.any()

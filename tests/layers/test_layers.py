@@ -20,17 +20,17 @@ well:
   wall: none
 string: [{name: pipe, length: 100, od: 0.127, id: 0.1086}]
 material: {youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850}
-model: {elements: 2, bending: none}
+model: {elements: 6, bending: none}
 solver: {step: 1 ms, end: 10 ms}
 output: {interval: 10 ms}
 """
 
 
 def packages_after(arguments, folder):
-    """Packages that a run of the drillstring program loaded, by its own account when it ends."""
+    """Packages and modules that a run of the drillstring program loaded, by its own account when it ends."""
     ask = (
         "import atexit, sys\n"
-        "atexit.register(lambda: print('\\nloaded', *{m.partition('.')[0] for m in sys.modules}, file=sys.stderr))\n"
+        "atexit.register(lambda: print('\\nloaded', *sys.modules, file=sys.stderr))\n"
         f"sys.argv = ['drillstring', *{[str(a) for a in arguments]!r}]\n"
         "from drillstring.main import main\n"
         "main()\n"
@@ -56,6 +56,21 @@ def test_a_run_loads_no_symbolic_algebra_and_nothing_that_draws(simulated):
 
 def test_a_run_loads_no_xarray_and_for_plain_units_no_pint(simulated):
     assert simulated[1].isdisjoint({"xarray", "pandas", "pint"})
+
+
+def test_a_run_loads_of_scipy_only_what_holds_lapack(simulated):
+    assert "scipy.linalg.cython_lapack" in simulated[1]
+    assert simulated[1].isdisjoint({"scipy.linalg", "scipy.sparse", "scipy.optimize", "scipy.interpolate"})
+
+
+def test_lapack_that_was_loaded_alone_is_the_one_that_scipy_finds_later():
+    ask = (
+        "import sys, tautline.kernels.lapack as ours; alone = sys.modules[ours.ROUTINES]; import scipy.linalg\n"
+        "from scipy.linalg import cython_lapack, solve\n"
+        "print(cython_lapack is alone, solve([[2.0]], [3.0])[0], alone.__pyx_capi__['dgetrf'])"
+    )
+    done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True)
+    assert done.stdout.startswith("True 1.5 <capsule"), done.stderr
 
 
 def test_a_check_of_a_scene_loads_nothing_that_derives_or_draws(simulated):

@@ -55,13 +55,20 @@ def _ask_only_arrays_for_their_operators() -> None:
     NumpyRulesArrayOperator.generic = generic
 
 
+_meanings: dict[int, tuple[Any, dict[str, Any], tuple[Any, ...]]] = {}
+
+
 def _meaning() -> tuple[Any, ...]:
     """The settings under way that change what code does."""
     settings = ConfigStack.top_or_none()
     if settings is None:
         return ()
-    values = settings._values
-    return type(settings), *((name, str(values[name])) for name in sorted(values.keys() - HOW_IT_IS_LINKED))
+    values, known = settings._values, _meanings.get(id(settings))
+    if known is None or known[1] != values:
+        names = sorted(values.keys() - HOW_IT_IS_LINKED)
+        known = settings, dict(values), (type(settings), *((name, str(values[name])) for name in names))
+        _meanings[id(settings)] = known
+    return known[2]
 
 
 def _find_operators_of_numbers_once() -> None:

@@ -161,7 +161,13 @@ _look_before_preparing()
 numba.config.CACHE_DIR = str(cache_folder())
 
 entry = functools.partial(
-    njit, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False, fastmath={"contract"},
+    njit,
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+    no_cfunc_wrapper=True,
+    _nrt=False,
+    fastmath={"contract"},
     pipeline_class=KernelCompiler,
 )
 """Decorator of compiled code that Python calls: cached across processes, releases the GIL.

@@ -14,7 +14,7 @@ import llvmlite.binding as llvm
 from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import InlineOverloads, NativeLowering, NopythonRewrites
+from numba.core.typed_passes import NativeLowering, NopythonRewrites
 from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, LiteralUnroll, WithLifting
 
 
@@ -32,7 +32,7 @@ class PartLowering(NativeLowering):
         return super().run_pass(state)
 
 
-NEEDLESS = {WithLifting, InlineClosureLikes, InlineInlinables, LiteralUnroll, InlineOverloads, NopythonRewrites}
+NEEDLESS = {WithLifting, InlineClosureLikes, InlineInlinables, LiteralUnroll, NopythonRewrites}
 """Steps that find nothing to do: kernels have no closures, no Python objects, and no expressions of whole arrays."""
 
 
