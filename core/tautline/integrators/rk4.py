@@ -15,7 +15,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.band import NARROW
 from tautline.kernels.dofs import Dofs, expand, expand_held, prescribe, reduce
 from tautline.kernels.groups import has_constant_mass
-from tautline.kernels.jit import entry, kernel
+from tautline.kernels.jit import entry, kernel, stands_for
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix
 from tautline.system.system import System, number_by_mass
 
@@ -139,7 +139,7 @@ def make_mass(mass, groups, dofs, q):
     return chosen(mass, groups, dofs, q)
 
 
-@overload(make_mass)
+@stands_for(make_mass)
 def _make_mass(mass, groups, dofs, q):
     chosen = _make_diagonal if isinstance(mass, types.Array) else _make_factors
     return lambda mass, groups, dofs, q: chosen(mass, groups, dofs, q)

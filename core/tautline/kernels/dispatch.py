@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from numba.extending import overload
+from tautline.kernels.jit import stands_for
 
 
 def by_type(table: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
@@ -25,7 +25,7 @@ def by_type(table: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
     def chosen(first, *args):
         return table[type(first)](first, *args)
 
-    @overload(chosen)
+    @stands_for(chosen)
     def resolve(first, *args):
         kernel = table[first.instance_class]
         return lambda first, *args: kernel(first, *args)

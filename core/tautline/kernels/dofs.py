@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import typeof
 from numba.core import types
-from numba.extending import overload
 
-from tautline.kernels.jit import kernel
+from tautline.kernels.jit import kernel, stands_for
 from tautline.kernels.matrix import add_at
 from tautline.kernels.time_function import evaluate
 
@@ -124,7 +123,7 @@ def add_entry(matrix, dofs, i, j, x):
                 matrix[row] += value
 
 
-@overload(add_entry)
+@stands_for(add_entry)
 def _add_entry(matrix, dofs, i, j, x):
     if isinstance(matrix, types.Array):
 

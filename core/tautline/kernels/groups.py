@@ -43,11 +43,11 @@ import numpy as np
 from llvmlite import ir
 from numba import config, typeof
 from numba.core import cgutils, types
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
 from tautline.kernels.dofs import DOFS
-from tautline.kernels.jit import address_of, addressed
+from tautline.kernels.jit import address_of, addressed, stands_for
 from tautline.kernels.matrix import MATRIX
 from tautline.kernels.memory import words_of
 from tautline.kernels.workshop import Job
@@ -343,7 +343,7 @@ def _over_groups(name: str) -> Kernel:
     compiled = _define(loop, {"call": _caller(ROWS[name], tuple(arguments.values()))}, name)
     stub = _define(f"def {name}(groups, {names}):\n    total(groups, {names})", {"total": total}, name)
     chosen = _define(f"def choose(groups, {names}):\n    return compiled", {"compiled": compiled}, "choose")
-    overload(stub)(chosen)
+    stands_for(stub)(chosen)
     return stub
 
 
@@ -352,7 +352,7 @@ def may_switch(groups):
     return offers(groups, "switch")
 
 
-@overload(may_switch)
+@stands_for(may_switch)
 def _may_switch(groups):
     row = ROWS["switch"]
     return lambda groups: groups[groups[row]] > 0

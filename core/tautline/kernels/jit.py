@@ -21,6 +21,7 @@ import numba
 from numba import njit, types
 from numba.core.caching import Cache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
+from numba.extending import overload
 from numba.np import arrayobj
 
 from tautline.kernels import compiler as _quicker  # noqa: F401  what it replaces in numba is all that it does
@@ -209,6 +210,9 @@ def addressed(function: Any = None, **options: Any) -> Any:
 
 kernel = functools.partial(addressed, pipeline_class=PartCompiler)
 """Decorator of compiled code that only compiled code calls, as a part of it."""
+
+stands_for = functools.partial(overload, jit_options={"pipeline_class": PartCompiler})
+"""Decorator of a function of types that returns what compiled code calls for them: ``@stands_for(stub)``."""
 
 
 def is_compiled(function: Any, signature: tuple[types.Type, ...]) -> bool:
