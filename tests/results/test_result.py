@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 import h5py
+import netCDF4
 import numpy as np
 import pytest
 import xarray
@@ -92,6 +93,32 @@ def test_plain_xarray_reads_the_file_and_its_restart_group(tmp_path):
         assert data.sizes == {"time": 5, "link": 2, "body": 3, "axis": 3}
     with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf", group="restart") as data:
         np.testing.assert_array_equal(data["q"].values, RESTART["q"])
+
+
+def test_the_netcdf_library_reads_what_was_written_and_the_same_as_h5netcdf(tmp_path):
+    """Unidata's netCDF-C, which shares nothing with how the file was laid out."""
+    with Store(tmp_path / "a.nc", VARIABLES, COORDINATES, ATTRIBUTES) as store:
+        store.append(frames(0, 5))
+        store.append(frames(5, 2))
+        store.finish(restart=RESTART)
+    with netCDF4.Dataset(tmp_path / "a.nc") as file:
+        assert {name: len(dim) for name, dim in file.dimensions.items()} == {"time": 7, "link": 2, "body": 3, "axis": 3}
+        assert [name for name, dim in file.dimensions.items() if dim.isunlimited()] == ["time"]
+        for variable in VARIABLES:
+            stored = file[variable.name]
+            assert stored.dimensions == variable.dims
+            assert getattr(stored, "units", "") == variable.units
+            assert getattr(stored, "long_name", "") == variable.long_name
+            np.testing.assert_array_equal(
+                stored[:], np.concatenate([frames(0, 5)[variable.name], frames(5, 2)[variable.name]])
+            )
+        for name, values in RESTART.items():
+            np.testing.assert_array_equal(file["restart"][name][:], values)
+        assert file.format.startswith("tautline-result") and file.data_model == "NETCDF4"
+    opened = [xarray.open_dataset(tmp_path / "a.nc", engine=engine) for engine in ("h5netcdf", "netcdf4")]
+    assert opened[0].identical(opened[1])
+    for data in opened:
+        data.close()
 
 
 def test_time_can_grow_without_limit(tmp_path):

@@ -23,9 +23,10 @@ def collected_rarely() -> Iterator[None]:
     try:
         yield
     finally:
-        # Else everything would be searched at once.
-        gc.freeze()
-        gc.unfreeze()
+        if not gc.get_freeze_count():
+            # Else everything would be searched at once.
+            gc.freeze()
+            gc.unfreeze()
         gc.set_threshold(*usual)
 
 
