@@ -1,8 +1,12 @@
 """Numbers as a person reads them."""
 
-import pytest
+from io import StringIO
 
-from tautline.cli.summary import quantity, significant, speed
+import pytest
+from rich.console import Console
+
+from tautline.cli.console import console
+from tautline.cli.summary import quantity, significant, speed, two_columns
 
 
 @pytest.mark.parametrize(
@@ -38,3 +42,16 @@ def test_speed_says_how_many_times_faster_or_slower():
     assert speed(0.018) == "0.018 (56 x faster than real time)"
     assert speed(2.29) == "2.29 (2.3 x slower than real time)"
     assert speed(None) == speed(float("inf")) == "–"
+
+
+@pytest.mark.parametrize("width", [40, 60, 80, 200])
+def test_no_digit_of_a_value_is_lost_beside_a_long_description(width, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(width))
+    console.cache_clear()
+    what = "motion of the tip at the end (1 whole cycle: too few to tell a limit cycle)"
+    printed = StringIO()
+    Console(file=printed, width=width).print(two_columns([("step", "0.001 s"), (what, "0.00012345 m")]))
+    console.cache_clear()
+    assert max(map(len, printed.getvalue().splitlines())) <= width
+    assert "…" not in printed.getvalue()
+    assert {*what.split(), "0.001", "0.00012345"} <= set(printed.getvalue().split())

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from tautline.scene.errors import Caution
     from tautline.simulation import Afterwards
 
-FIRST_RUN = "first run of this kind of scene: compiling the solver for it, once (about 20 s)"
+FIRST_RUN = "first run of this kind of scene: compiling the solver for it, once (10 to 20 s)"
 
 COPIED = (
     "method", "step", "steps", "newton_iterations", "wall_time", "cpu_time", "real_time_factor", "energy_error",

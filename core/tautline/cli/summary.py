@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
+
+from tautline.cli.console import console
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 PREFIXED = {"N", "J", "W", "Pa", "N m", "N/m", "Hz"}
 """Units that people write with k, M or G in front; a metre or a second stays what it is."""
+FEWEST = 24
+"""Letters in a line that a value has at least, beside what it is of, and that this has in a narrow window."""
 
 
 def significant(value: float, digits: int = 4) -> str:
@@ -72,12 +77,13 @@ def two_columns(rows: Iterable[tuple[str, str]]) -> Table:
     from rich.table import Table
     from rich.text import Text
 
+    room = max(FEWEST, console().width - FEWEST - 2)
     laid_out = Table(show_header=False, box=None, padding=(0, 2, 0, 0), pad_edge=False)
-    # What a row is about stays on one line, however long the value beside it.
+    # What a row is about stays on one line, however long the value beside it, but does not take the value's room.
     laid_out.add_column(style="cyan", no_wrap=True)
-    laid_out.add_column()
+    laid_out.add_column(overflow="fold")
     for what, value in rows:
-        laid_out.add_row(Text(what), Text(value))
+        laid_out.add_row(Text(textwrap.fill(what, room)), Text(value))
     return laid_out
 
 
