@@ -55,6 +55,7 @@ def _ask_only_arrays_for_their_operators() -> None:
     NumpyRulesArrayOperator.generic = generic
 
 
+# By the number of an object of settings: the object, its settings then, and what they mean.
 _meanings: dict[int, tuple[Any, dict[str, Any], tuple[Any, ...]]] = {}
 
 
@@ -78,15 +79,16 @@ def _find_operators_of_numbers_once() -> None:
     each that does not fit.
     """
     as_written = BaseFunction.get_call_type
+    known: dict[tuple[Any, ...], tuple[BaseFunction, Any]] = {}
 
     def get_call_type(self: BaseFunction, context: Any, args: Any, kws: Any) -> Any:
         if kws or not all(type(kind) in NUMBERS for kind in args):
             return as_written(self, context, args, kws)
-        known = self.__dict__.setdefault("_known", {})
-        key = context, args, _meaning()
+        key = id(self), context, args, _meaning()
         if key not in known:
-            known[key] = as_written(self, context, args, kws)
-        return known[key]
+            # The function is kept, that no other one gets its number.
+            known[key] = self, as_written(self, context, args, kws)
+        return known[key][1]
 
     BaseFunction.get_call_type = get_call_type
 
