@@ -20,7 +20,9 @@ def measure(quick: bool) -> Section:
         jwell.run("generalized-alpha", 1e-3, 0.1, **keys)
         part = [_row(static, kinetic, count, end, repeats, keys) for count in LUMPS]
         what = f"cost of a lump and step with 12 / 100 / 1000 lumps, friction {static:g}/{kinetic:g}"
-        headline.append((what, " / ".join(row[4] for row in part) + " µs", "in proportion: all the same"))
+        iterations = " / ".join(row[6] for row in part)
+        beside = f"in proportion: all the same; Newton iterations a step {iterations}"
+        headline.append((what, " / ".join(row[4] for row in part) + " µs", beside))
         rows += part
     header = (
         "friction", "lumps", "s per step", "s per Newton iteration", "µs per lump and step",

@@ -121,6 +121,14 @@ def test_the_netcdf_library_reads_what_was_written_and_the_same_as_h5netcdf(tmp_
         data.close()
 
 
+def test_a_variable_named_after_a_dimension_that_is_not_its_own_is_refused_before_anything_is_written(tmp_path):
+    wrong = {"axis": ("body", np.zeros(3), "", ""), "place": ("axis", np.zeros(2), "", "")}
+    with Store(tmp_path / "a.nc", VARIABLES, wrong) as store:
+        with pytest.raises(ValueError, match="axis: named after a dimension"):
+            store.append(frames(0, 1))
+    assert not list(tmp_path.iterdir())
+
+
 def test_time_can_grow_without_limit(tmp_path):
     with Store(tmp_path / "a.nc", VARIABLES) as store:
         store.append(frames(0, 1))

@@ -43,7 +43,7 @@ def create(
     numbers = {dim: number for number, dim in enumerate(sizes)}
     with h5py.File(path, "w", libver=("earliest", "v110"), track_order=True) as file:
         named = set(coordinates) | {variable.name for variable in variables}
-        for dim in sizes.keys() - named:
+        for dim in (dim for dim in sizes if dim not in named):
             _make_bare_dimension(file, dim, sizes[dim] or 0, numbers[dim])
         entries = []
         for name, (dims, values, units, long_name) in coordinates.items():
@@ -104,7 +104,8 @@ def dimensions(
     Raises
     ------
     ValueError
-        If two variables give a dimension two sizes, or a variable has not as many axes as dimensions.
+        If two variables give a dimension two sizes, a variable has not as many axes as dimensions, or one is named
+        after a dimension that is not its only one.
     """
     sizes: dict[str, int | None] = {"time": None}
     owners: dict[str, str] = {}
@@ -117,6 +118,9 @@ def dimensions(
             if dim != "time" and sizes.setdefault(dim, size) != size:
                 raise ValueError(f"{name}: {dim} has size {size}, but {sizes[dim]} in {owners[dim]}")
             owners.setdefault(dim, name)
+    for name, (dims, _) in shapes.items():
+        if name in sizes and dims != (name,):
+            raise ValueError(f"{name}: named after a dimension, but its dimensions are {dims}")
     return sizes
 
 
