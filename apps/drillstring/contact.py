@@ -15,9 +15,9 @@ import numpy as np
 
 from drillstring.friction import act, force_now, prepare, settle, status
 from tautline.kernels.dofs import add_block
-from tautline.kernels.groups import register
+from tautline.kernels.groups import note_change, register
 from tautline.kernels.jit import kernel
-from tautline.lumped.curve import PER_BODY, STRIDE, Curve
+from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, members
 
 CENTRED = 1.0e-6
 """Offset from the hole's axis, m, below which no direction to the wall is defined."""
@@ -35,7 +35,10 @@ axis while in contact N m s; then normal force and friction along and around at 
 
 
 class WallContact(NamedTuple):
-    """Contacts (n,) of ``SPRING``; ``law`` is the law of friction with its own rows; ``scratch`` (2, 4, 4)."""
+    """Contacts (n,) of ``SPRING`` of successive bodies; ``law`` is the law of friction with its own rows.
+
+    ``scratch`` is zeros (2, 4, 4).
+    """
 
     curve: Curve
     law: tuple
@@ -85,15 +88,26 @@ def _begin(g, t, h, beta, gamma, q, v, a):
 
 
 @kernel
+def _in_window(g):
+    """First and past the last contact that is asked for."""
+    above = g.springs[0].body if g.springs.size > 0 else 0
+    first, last = members(g.curve, ALONE, above + g.springs.size)
+    return max(0, first - above), max(0, last - above)
+
+
+@kernel
 def _switch(g, t, q, v, converged, changed):
-    for i in range(g.springs.size):
+    first, last = _in_window(g)
+    for i in range(first, last):
         c = touch(g, i, q, v)
-        changed[0] += status(g.law, i, c, converged)
+        if status(g.law, i, c, converged) > 0:
+            note_change(changed, PER_BODY * g.springs[i].body, PER_BODY)
 
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    for i in range(g.springs.size):
+    first, last = _in_window(g)
+    for i in range(first, last):
         c = touch(g, i, q, v)
         if c.normal > 0.0:
             o = PER_BODY * g.springs[i].body
@@ -107,7 +121,8 @@ def _residual(g, t, q, v, a, r):
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     stiffness, damping = g.scratch[0], g.scratch[1]
-    for i in range(g.springs.size):
+    first, last = _in_window(g)
+    for i in range(first, last):
         c = touch(g, i, q, v)
         if c.normal > 0.0:
             o = PER_BODY * g.springs[i].body

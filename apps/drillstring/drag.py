@@ -10,18 +10,20 @@ import numpy as np
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
-from tautline.lumped.curve import PER_BODY
+from tautline.lumped.curve import ALONE, PER_BODY, Curve, members
 
 
 class Drag(NamedTuple):
     """Drag of n lumps: ``coefficient`` (n,) is rho_m C_d d l / 2, N s^2/m^2, of the lump of that index."""
 
+    curve: Curve
     coefficient: np.ndarray
 
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    for i in range(g.coefficient.size):
+    first, last = members(g.curve, ALONE, g.coefficient.size)
+    for i in range(first, last):
         o = PER_BODY * i
         drag = g.coefficient[i] * hypot(v[o + 1], v[o + 2])
         r[o + 1] += drag * v[o + 1]
@@ -30,7 +32,8 @@ def _residual(g, t, q, v, a, r):
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    for i in range(g.coefficient.size):
+    first, last = members(g.curve, ALONE, g.coefficient.size)
+    for i in range(first, last):
         o = PER_BODY * i
         x, y = v[o + 1], v[o + 2]
         speed = hypot(x, y)

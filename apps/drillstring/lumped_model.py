@@ -53,7 +53,10 @@ def assemble_lumps(
     velocity[0::PER_BODY] = start[BLOCK][1]
     velocity[3::PER_BODY] = start[ROTATION][1]
     # While the equilibrium is sought nothing turns: a controller that asks for speed would wind the string up.
-    system = assemble(groups, degrees, functions, velocity, *_stencils(lumps, groups), at_rest=[3] if driven else [])
+    system = assemble(
+        groups, degrees, functions, velocity, *_stencils(lumps, groups), at_rest=[3] if driven else [],
+        window=groups[0].curve.window,
+    )  # fmt: skip
     return Assembled(system, Observer(well, lumps, groups, driven), reach(scene, lumps))
 
 
@@ -87,7 +90,7 @@ def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):
     if scene.model.bending != "none" and lumps.length.size > 1:
         groups.append(bends_of(lumps, curve, scene.model.bending == "stiff"))
     if fluid.density * fluid.drag > 0.0:
-        groups.append(drag_of(lumps, fluid))
+        groups.append(drag_of(lumps, curve, fluid))
     if wall is not None:
         groups.append(
             contact_of(

@@ -15,7 +15,7 @@ from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, Bodies, EccentricBodies
-from tautline.lumped.curve import ARC, SEAT, Curve, records
+from tautline.lumped.curve import ARC, PER_BODY, SEAT, Curve, records
 from tautline.lumped.link import SPRING as STRING_SPRING
 from tautline.lumped.link import Links, link_slopes
 
@@ -29,7 +29,8 @@ def curve_of(well: Wellbore, measured_depth: np.ndarray) -> Curve:
         arcs[name][1:] = values[: well.k1.size]
     for name in ("g1", "g2", "g3"):
         arcs[name][0] = arcs[name][1]
-    return Curve(arcs, records(measured_depth.size, SEAT, place=measured_depth))
+    seats = records(measured_depth.size, SEAT, place=measured_depth)
+    return Curve(arcs, seats, np.array([0, PER_BODY * seats.size]))
 
 
 def buoyed_weight(lumps: Lumps, fluid: Fluid, gravity: float) -> np.ndarray:
@@ -91,9 +92,9 @@ def bends_of(lumps: Lumps, curve: Curve, stiff: bool) -> Bends:
     )
 
 
-def drag_of(lumps: Lumps, fluid: Fluid) -> Drag:
+def drag_of(lumps: Lumps, curve: Curve, fluid: Fluid) -> Drag:
     """Group of lateral drag."""
-    return Drag(0.5 * fluid.density * fluid.drag * lumps.of_lumps(lambda tube: tube.od))
+    return Drag(curve, 0.5 * fluid.density * fluid.drag * lumps.of_lumps(lambda tube: tube.od))
 
 
 def contact_of(

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from tautline.kernels.matrix import Matrix, factorise_matrix, new_factors, solve_matrix
+from tautline.kernels.matrix import (
+    EXCHANGED,
+    Matrix,
+    factorise_matrix,
+    new_factors,
+    renew_matrix,
+    solve_matrix,
+    solve_rows,
+)
 
 
 def banded(rng, n, kl, ku):
@@ -100,3 +108,72 @@ def test_nothing_to_factorise_is_done_at_once():
     factors = new_factors(0, 0)
     assert isinstance(factors.matrix, Matrix)
     assert factorise_matrix(factors) == 0
+
+
+def chain(rng, n, k, share=0.4):
+    """A matrix whose inverse fades away from the diagonal, as that of a time step of a chain of lumps."""
+    i, j = np.indices((n, n))
+    return np.where(abs(i - j) <= k, share / k * rng.uniform(-1.0, 1.0, (n, n)), 0.0) + np.diag(
+        rng.uniform(1.0, 9.0, n)
+    )
+
+
+CHANGES = [(0, 3), (1, 2), (150, 154), (148, 171), (296, 300), (0, 300)]
+
+
+@pytest.mark.parametrize(("first", "last"), CHANGES)
+@pytest.mark.parametrize("stiffness", [1e-3, 1e6])
+def test_factors_renewed_where_the_matrix_changes_are_those_of_the_whole_and_no_more_are_made(first, last, stiffness):
+    rng = np.random.default_rng(first + last)
+    n, k = 300, 5
+    before = chain(rng, n, k)
+    after = before.copy()
+    after[first:last, first:last] = chain(rng, last - first, k) * stiffness
+    factors, whole, source = factors_of(before, k), factors_of(after, k), factors_of(after, k).matrix
+    assert factorise_matrix(factors) == 0 and factorise_matrix(whole) == 0
+    made = renew_matrix(factors, source, first, last)
+    assert last - first <= made <= min(n, last - first + 16 * k)
+    entries, expected = factors.matrix.band[:, k:], whole.matrix.band[:, k:]
+    assert np.allclose(entries, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+    assert np.allclose(factors.inverse, whole.inverse, rtol=1e-13, atol=0)
+    b = rng.standard_normal(n)
+    x = b.copy()
+    solve_matrix(factors, x)
+    assert np.allclose(after @ x, b, rtol=0, atol=1e-9 if stiffness > 1.0 else 1e-12)
+
+
+def test_factors_are_not_renewed_where_a_row_has_to_be_or_was_exchanged():
+    rng = np.random.default_rng(9)
+    before = chain(rng, 60, 3)
+    after = before.copy()
+    after[30, 30] = 0.0
+    factors = factors_of(before, 3)
+    assert factorise_matrix(factors) == 0
+    assert renew_matrix(factors, factors_of(after, 3).matrix, 30, 31) == -1
+    factors = factors_of(after, 3)
+    assert factorise_matrix(factors) == 0 and factors.integers[EXCHANGED] > 0
+    assert renew_matrix(factors, factors_of(before, 3).matrix, 32, 33) == -1
+    assert renew_matrix(factors, factors_of(after, 3).matrix, 50, 51) > 0
+
+
+@pytest.mark.parametrize(("first", "last"), [(0, 40), (130, 170), (260, 300), (0, 300)])
+def test_solving_for_a_part_of_the_rows_leaves_an_error_at_its_edges_only(first, last):
+    rng = np.random.default_rng(7)
+    n, k = 300, 5
+    matrix = chain(rng, n, k)
+    factors = factors_of(matrix, k)
+    assert factorise_matrix(factors) == 0
+    middle = slice((first + last) // 2 - 1, (first + last) // 2 + 1)
+    b = np.zeros(n)
+    b[middle] = 1.0
+    x = np.full(n, 7.0)
+    x[first:last] = b[first:last]
+    solve_rows(factors, x, first, last)
+    whole = np.linalg.solve(matrix, b)
+    assert np.allclose(x[middle], whole[middle], rtol=1e-6, atol=0)
+    taken = np.zeros(n)
+    taken[first:last] = x[first:last]
+    left = np.abs(matrix @ taken - b)
+    inner = slice(first + k if first > 0 else 0, last - k if last < n else n)
+    assert left[inner].max() < 1e-14
+    assert left.max() < 1e-3 if last - first < n else left.max() < 1e-14

@@ -159,9 +159,36 @@ class Attempt:
 
     def switch(self, converged=False):
         """How many contacts change their status."""
-        changed = np.zeros(1, np.int64)
+        changed = over.new_changed()
         _switch(self.linked, self.state.q, self.state.v, converged, changed)
-        return changed[0]
+        return changed[over.COUNT]
+
+
+def test_in_a_window_only_its_contacts_act_and_change_and_it_is_known_where(contact):
+    _, group, state = contact
+    r, _, parts = string.evaluate((group,), state)
+    for body in range(string.BODIES):
+        first, last = PER_BODY * body + 1, PER_BODY * (body + 1)
+        group.curve.window[:] = first, last
+        inside, _, narrow = string.evaluate((group,), state)
+        assert np.array_equal(inside[first:last], r[first:last])
+        assert np.array_equal(narrow["mixed"][:, first:last], parts["mixed"][:, first:last])
+        assert not np.any(inside[: PER_BODY * body]) and not np.any(inside[last:])
+
+
+@pytest.mark.parametrize("body", range(string.BODIES))
+def test_what_changes_in_a_window_is_told_with_its_place(body):
+    whole, part = Attempt(STICK), Attempt(STICK)
+    whole.switch(), part.switch()
+    assert whole.switch() > 0
+    part.group.curve.window[:] = PER_BODY * body, PER_BODY * (body + 1)
+    changed = over.new_changed()
+    _switch(part.linked, part.state.q, part.state.v, False, changed)
+    # the contacts are those of the bodies below the first
+    here = whole.rows["status"][body - 1] != STICK and whole.rows["settled"][body - 1] == STICK if body > 0 else False
+    assert changed[over.COUNT] == changed[over.PLACED] == here
+    if here:
+        assert changed[over.FIRST] == PER_BODY * body and changed[over.PAST] == PER_BODY * (body + 1)
 
 
 def test_a_contact_that_sticks_is_not_let_go_by_what_is_predicted_for_a_step():
@@ -260,7 +287,7 @@ def test_turning_hole_and_lump_about_the_axis_turns_the_contact_force():
 def test_drags_tangent_is_the_difference_of_its_residual_and_it_only_loses():
     rng = np.random.default_rng(7)
     state = string.random_state(rng)
-    groups = (Drag(rng.uniform(0.5, 2.0, string.BODIES)),)
+    groups = (Drag(string.curve(string.WELLS["vertical"], state), rng.uniform(0.5, 2.0, string.BODIES)),)
     r, _, parts = string.evaluate(groups, state)
     slope = string.derivative(lambda v: string.residual(groups, state._replace(v=v)), state.v)
     assert close(parts["damping"], slope)

@@ -43,6 +43,22 @@ def test_each_part_of_the_tangent_is_the_difference_of_the_residual(case):
     assert np.allclose(parts["mixed"], mixed, rtol=0, atol=1e-13 * max(1.0, np.abs(mixed).max()))
 
 
+@pytest.mark.parametrize(("first", "last"), [(0, 3), (5, 6), (7, 9), (12, 16)])
+def test_in_a_window_the_residual_and_the_tangents_columns_are_those_of_the_whole(case, first, last):
+    groups, state = case
+    r, _, parts = string.evaluate(groups, state)
+    window = groups[0].curve.window
+    window[:] = first, last
+    inside, _, narrow = string.evaluate(groups, state)
+    assert np.array_equal(inside[first:last], r[first:last])
+    assert all(np.array_equal(narrow[name][:, first:last], parts[name][:, first:last]) for name in ("mixed", "damping"))
+    # a bend, the longest, reaches two bodies further: nothing is asked for beyond
+    if last <= PER_BODY:
+        assert not np.any(inside[3 * PER_BODY :])
+    if first >= 3 * PER_BODY:
+        assert not np.any(inside[:PER_BODY])
+
+
 def test_the_mass_hook_is_the_tangent_by_acceleration(case):
     parts = string.evaluate(*case)[2]
     assert np.allclose(parts["hook"], parts["mass"], rtol=1e-14, atol=1e-14)

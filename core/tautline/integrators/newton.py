@@ -1,4 +1,8 @@
-"""The corrector of the implicit methods: Newton's method on the residual, eq. 2.87, one step at a time."""
+"""The corrector of the implicit methods: Newton's method on the residual, eq. 2.87, one step at a time.
+
+An iteration goes over the rows that are not in balance yet. At first these are all. Of a string of a thousand lumps,
+one of which has begun to slip, they are some tens, and the work is theirs and not the string's: rows.py.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +10,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.state import FACTORISATIONS, ITERATIONS, WORST
+from tautline.integrators.rows import (
+    SOLVED,
+    SOLVED_END,
+    Rows,
+    aim_at_imbalance,
+    ask_again,
+    ask_all,
+    balance,
+    expand_rows,
+    forget_stale,
+    heed_place,
+    is_part,
+    new_rows,
+    renew_part,
+    take_all,
+    take_changed,
+    worst_row,
+)
+from tautline.integrators.state import FACTORISATIONS, ITERATIONS, ROWS, WORST
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand, reduce
+from tautline.kernels.band import BOLD, CAREFUL
+from tautline.kernels.groups import COUNT, EVER, PLACED, new_changed
 from tautline.kernels.jit import kernel
 from tautline.kernels.matrix import (
     Factors,
@@ -20,8 +43,8 @@ from tautline.kernels.matrix import (
     new_factors,
     new_matrix,
     solve_matrix,
+    solve_rows,
 )
-from tautline.kernels.vector import copy
 from tautline.system.system import System
 
 DONE, NOT_CONVERGED, SINGULAR, NOT_FINITE = (
@@ -47,7 +70,8 @@ class Corrector(NamedTuple):
     over ``scale``. ``smooth`` is the tangent of the groups that do not switch,
     kept where others do, and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and
     gamma' that they belong to, zeros where they are out of date. ``rounded`` (1,) is 1 after an increment that rounding
-    has made.
+    has made, and ``fastest`` (1,) the largest velocity when all rows were last solved for. ``rows`` are those of the
+    iteration under way.
     """
 
     tolerance: float
@@ -65,6 +89,8 @@ class Corrector(NamedTuple):
     factored_for: np.ndarray
     changed: np.ndarray
     rounded: np.ndarray
+    fastest: np.ndarray
+    rows: Rows
 
 
 def corrector(
@@ -79,12 +105,14 @@ def corrector(
     """Make the scratch of the iteration for a system; the unit of energy is that of its largest force by default."""
     n = system.size
     unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
+    rows = new_rows(system, allowed=not (by_energy or full))
     return Corrector(
         float(tolerance), float(contraction), bool(full), float(unit), bool(by_energy), int(max_iterations),
         system.scale,
-        new_matrix(n, system.bandwidth, system.border), new_factors(n, system.bandwidth, system.border),
+        new_matrix(n, system.bandwidth, system.border),
+        new_factors(n, system.bandwidth, system.border, BOLD if rows.window.size else CAREFUL),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
-        np.zeros(2, np.int64), np.zeros(1, np.int64),
+        new_changed(), np.zeros(1, np.int64), np.zeros(1), rows,
     )  # fmt: skip
 
 
@@ -93,95 +121,137 @@ def correct(corrector, groups, dofs, state, t, beta, gamma):
     """Iterate position, velocity and acceleration at time t until the residual vanishes.
 
     ``beta`` and ``gamma`` are beta' and gamma' of eqs 2.88-2.89: how acceleration and velocity follow position.
-    The factors of the tangent are used again, also across steps, while they still contract. A law that changes its
-    status forces new factors, for which the smooth groups' tangent is used again in turn. Returns a status;
-    ``changed[1]`` says whether a law has changed its own.
+    Returns a status; ``changed[EVER]`` says whether a law has changed its own.
     """
     c = corrector
-    changed = c.changed
-    changed[1] = 0
+    c.changed[EVER] = 0
     c.rounded[0] = 0
-    previous = energy = np.inf
     if abs(c.factored_for[0] - beta) > SAME_STEP * beta:
         c.factored_for[0] = 0.0
     if abs(c.made_for[0] - beta) > SAME_STEP * beta:
         c.made_for[0] = 0.0
+    take_all(c.rows, state)
+    status = _iterate(c, groups, dofs, state, t, beta, gamma)
+    take_all(c.rows, state)
+    return status
+
+
+@kernel(forceinline=True)
+def _iterate(c, groups, dofs, state, t, beta, gamma):
+    """The iteration itself, which leaves behind the rows of its last one.
+
+    The factors of the tangent are used again, also across steps, while they still contract. A law that changes its
+    status forces new factors, for which the smooth groups' tangent is used again in turn.
+    """
+    changed = c.changed
+    previous = energy = np.inf
     event = False
     for iteration in range(c.max_iterations + 1):
-        expand(dofs, state.q, state.full_q)
-        expand(dofs, state.v, state.full_v)
-        expand(dofs, state.a, state.full_a)
-        changed[0] = 0
+        expand_rows(c.rows, dofs, state)
+        changed[COUNT] = changed[PLACED] = 0
         if not event:
             # After an event the forced status is to be solved for before it is tested.
             over.switch(groups, t, state.full_q, state.full_v, False, changed)
         event = False
-        if changed[0] > 0:
-            changed[1] = 1
-            c.rounded[0] = 0
-            c.factored_for[0] = 0.0
+        if changed[COUNT] > 0:
+            _heed_change(c, dofs)
             previous = energy = np.inf
-        state.residual.fill(0.0)
-        over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
-        reduce(dofs, state.residual, c.increment)
-        size = _worst(c.increment, c.scale, state.counters)
+        balance(c.rows, groups, dofs, state, t, c.increment)
+        size = worst_row(c.rows, c.increment, c.scale, state.counters)
         if not np.isfinite(size):
             return NOT_FINITE
         enough = ROUNDING_MOST * c.tolerance if c.rounded[0] == 1 else c.tolerance
         if size <= enough if not c.by_energy else energy <= c.tolerance:
-            changed[0] = 0
+            changed[COUNT] = changed[PLACED] = 0
+            take_all(c.rows, state)
             over.switch(groups, t, state.full_q, state.full_v, True, changed)
-            if changed[0] == 0:
+            if changed[COUNT] == 0:
                 return DONE
-            changed[1] = 1
-            c.rounded[0] = 0
-            c.factored_for[0] = 0.0
+            _heed_change(c, dofs)
+            take_changed(c.rows, dofs, state, changed)
             previous = energy = np.inf
             event = True
             continue
         if iteration == c.max_iterations:
             break
-        if c.full or size > c.contraction * previous:
-            c.factored_for[0] = 0.0
-            c.made_for[0] = 0.0
-        if c.factored_for[0] == 0.0:
-            matrix = c.factors.matrix
-            switches = over.may_switch(groups)
-            smooth = c.smooth if switches else matrix
-            if c.made_for[0] == 0.0 or not switches:
-                clear(smooth)
-                over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, smooth, dofs)
-                c.made_for[0] = beta
-                c.made_for[1] = gamma
-            if switches:
-                copy_matrix(smooth, matrix)
-            over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, matrix, dofs)
-            state.counters[FACTORISATIONS] += 1
-            row = factorise_matrix(c.factors)
-            if row != 0:
-                state.counters[WORST] = row - 1
-                return SINGULAR
-            c.factored_for[0] = beta
-            c.factored_for[1] = gamma
+        slow = c.full or size > c.contraction * previous
+        slow = aim_at_imbalance(c.rows, dofs, state, c.increment, c.scale, c.tolerance, previous < np.inf, slow)
+        row = _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow)
+        if row != 0:
+            state.counters[WORST] = row - 1
+            return SINGULAR
         energy = _step(c, state, beta, gamma, 0.5 if iteration >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
         state.counters[ITERATIONS] += 1
         if c.by_energy and energy <= c.tolerance and not over.may_switch(groups):
             # What is left of the residual is below what the criterion cares for: it is not evaluated again.
-            expand(dofs, state.q, state.full_q)
-            expand(dofs, state.v, state.full_v)
-            expand(dofs, state.a, state.full_a)
+            expand_rows(c.rows, dofs, state)
             return DONE
         previous = size
     return NOT_CONVERGED
 
 
 @kernel
+def _heed_change(c, dofs):
+    """A law has changed its status: the factors are out of date, where it is known where, only there."""
+    c.changed[EVER] = 1
+    c.rounded[0] = 0
+    if not heed_place(c.rows, dofs, c.changed):
+        c.factored_for[0] = 0.0
+
+
+@kernel(forceinline=True)
+def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
+    """Make the factors anew, or a part of them, where they are out of date; ``slow`` says that they contract badly.
+
+    Returns 0, or k > 0 where the k-th pivot is zero.
+    """
+    if c.factored_for[0] != 0.0:
+        if renew_part(c.rows, groups, dofs, state, t, beta, gamma, slow, c.smooth, c.factors):
+            return 0
+        c.factored_for[0] = 0.0
+        if slow:
+            c.made_for[0] = 0.0
+    ask_all(c.rows, state)
+    matrix = c.factors.matrix if c.rows.window.size == 0 else c.rows.whole
+    switches = over.may_switch(groups)
+    smooth = c.smooth if switches else matrix
+    if c.made_for[0] == 0.0 or not switches:
+        clear(smooth)
+        over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, smooth, dofs)
+        c.made_for[0] = beta
+        c.made_for[1] = gamma
+    if switches:
+        copy_matrix(smooth, matrix)
+    over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, matrix, dofs)
+    if c.rows.window.size > 0:
+        copy_matrix(matrix, c.factors.matrix)
+        forget_stale(c.rows)
+        ask_again(c.rows, dofs, state)
+    state.counters[FACTORISATIONS] += 1
+    row = factorise_matrix(c.factors)
+    if row != 0:
+        return row
+    c.factored_for[0] = beta
+    c.factored_for[1] = gamma
+    return 0
+
+
+@kernel
 def _step(c, state, beta, gamma, fraction):
     """Solve for the increment and add it; returns the energy error of eq. 2.78."""
-    copy(c.increment, c.right_side)
-    solve_matrix(c.factors, c.increment)
-    energy = fastest = largest = 0.0
-    for i in range(state.q.size):
+    first, last = 0, state.q.size
+    fastest = 0.0
+    if is_part(c.rows):
+        first, last = c.rows.at[SOLVED], c.rows.at[SOLVED_END]
+        fastest = c.fastest[0]
+    for i in range(first, last):
+        c.right_side[i] = c.increment[i]
+    if last - first < state.q.size:
+        solve_rows(c.factors, c.increment, first, last)
+    else:
+        solve_matrix(c.factors, c.increment)
+    energy = largest = 0.0
+    for i in range(first, last):
         step = -fraction * c.increment[i]
         energy += c.right_side[i] * c.increment[i]
         fastest = max(fastest, abs(state.v[i]))
@@ -189,19 +259,7 @@ def _step(c, state, beta, gamma, fraction):
         state.q[i] += step
         state.v[i] += gamma * step
         state.a[i] += beta * step
+    state.counters[ROWS] += last - first
+    c.fastest[0] = fastest
     c.rounded[0] = 1 if largest <= ROUNDED * fastest else 0
     return np.sqrt(abs(energy) / c.unit)
-
-
-@kernel
-def _worst(residual, scale, counters):
-    """Largest residual over its scale; its row goes to the counters; NaN counts as infinite."""
-    worst = 0.0
-    for i in range(residual.size):
-        size = abs(residual[i]) / scale[i]
-        if not size <= worst:
-            worst = size
-            counters[WORST] = i
-            if not np.isfinite(size):
-                return np.inf
-    return worst

@@ -11,8 +11,9 @@ from tautline.kernels import groups as over
 from tautline.kernels.jit import kernel
 from tautline.system.system import System
 
-STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST = range(5)
-"""Places in ``counters``: steps taken, Newton iterations, factorisations, halvings, the worst reduced row."""
+STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST, ROWS = range(6)
+"""Places in ``counters``: steps taken, Newton iterations, factorisations, halvings, the worst reduced row; and the rows
+that were solved for, of all iterations together."""
 
 DONE, BEFORE_ALARMS = int(Status.DONE), int(Status.NO_LENGTH) - 1
 """The statuses of the groups' alarms follow one another."""
@@ -50,7 +51,7 @@ def new_state(system: System) -> State:
     q, v = system.q[system.free], system.v[system.free]
     return State(
         q, v, np.zeros(n), np.zeros(n), system.q.copy(), system.v.copy(), np.zeros(full), np.zeros(full),
-        np.zeros((4, n)), np.zeros(n), np.zeros(8), np.zeros(5, dtype=np.int64),
+        np.zeros((4, n)), np.zeros(n), np.zeros(8), np.zeros(6, dtype=np.int64),
     )  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 LAPACK's dgbtrf exchanges rows for the largest pivot of a column, which fills the band to half as much again, and works
 on the whole width of it; most columns of a chain of elements reach less far. Here rows are exchanged only where the
-diagonal is below ``THRESHOLD`` of the largest entry under it, as sparse solvers do, and every column stops where its
+diagonal is below a ``threshold`` of the largest entry under it, as sparse solvers do, and every column stops where its
 envelope does. On the bands of this project, some tens of unknowns wide, that is twice as fast as the call.
 
 Band storage is LAPACK's: entry (i, j) at ``band[j, 2 k + i - j]``, shape (n, 3 k + 1), the first k places of a row
@@ -15,8 +15,12 @@ from math import sqrt
 
 from tautline.kernels.jit import kernel
 
-THRESHOLD = 0.1
-"""Share of the largest entry of its column that a pivot on the diagonal must have, the matrix being scaled."""
+CAREFUL, BOLD = 0.1, 1.0e-4
+"""Share of the largest entry of its column that a pivot on the diagonal must have, the matrix being scaled: in general,
+and where factors are to be renewed in part and no equation is a constraint. There the only small pivots are those of a
+lump that sticks or rolls, whose own inertia is what its contact's stiffness leaves: exchanging rows mends nothing."""
+ROUNDED = 1.0e-15
+"""Share of a column's largest entry below which two factors are the same."""
 NARROW = 3
 """Diagonals on each side of the band of a bar of cubic elements."""
 
@@ -52,7 +56,7 @@ def find_envelope(band, below, right, n, k):
 
 
 @kernel
-def eliminate(band, pivots, above, below, right, inverse, n, k):
+def eliminate(band, pivots, above, below, right, inverse, threshold, n, k):
     """Factorise a band in place.
 
     Parameters
@@ -67,6 +71,8 @@ def eliminate(band, pivots, above, below, right, inverse, n, k):
         From :func:`find_envelope`.
     inverse : (n,) array
         On return, one over the pivots.
+    threshold : float
+        `CAREFUL` or `BOLD`.
 
     Returns
     -------
@@ -88,7 +94,7 @@ def eliminate(band, pivots, above, below, right, inverse, n, k):
         if largest == 0.0:  # what is no number goes on, and is found in the solution
             return j + 1, exchanged
         last = max(reach, right[j])
-        if THRESHOLD * largest > size:
+        if threshold * largest > size:
             for i in range(1, row + 1):
                 last = max(last, right[j + i])
         else:
@@ -120,6 +126,68 @@ def eliminate(band, pivots, above, below, right, inverse, n, k):
     return 0, exchanged
 
 
+@kernel
+def renew(source, band, pivots, above, below, inverse, scale, threshold, n, k, first, last, column):
+    """Make the factors anew where the matrix has changed, and as far beyond as that reaches.
+
+    A change fades from column to column of the factors as a push does along a rope. What is left of it is below their
+    rounding after some tens of columns, and from there on they stay as they are.
+
+    Parameters
+    ----------
+    source : (n, 3 k + 1) array
+        The matrix as it is now, its entries within ``first`` to ``last`` - 1 other than those that were factorised.
+    band, pivots, above, below, inverse, scale : arrays
+        Its factors, from :func:`equilibrate` and :func:`eliminate`.
+    column : (3 k + 1,) array
+        Scratch.
+
+    Returns
+    -------
+    int
+        Columns that were made, or -1 where a row would have to be exchanged: then all is to be factorised anew.
+    """
+    for j in range(first, last):
+        size = abs(source[j, 2 * k])
+        scale[j] = 1.0 / sqrt(size) if size > 0.0 else 1.0
+    # The scale of a row stands in all columns that it reaches.
+    begin, same = max(0, first - k), 0
+    for p in range(max(0, begin - 2 * k), begin):
+        if pivots[p] != p + 1:
+            return -1
+    for j in range(begin, n):
+        top, bottom = max(0, j - k), min(n - 1, j + k)
+        for i in range(top, bottom + 1):
+            column[k + i - j] = source[j, 2 * k + i - j] * scale[i] * scale[j]
+        for p in range(top, j):
+            y = column[k + p - j]
+            if y != 0.0:
+                at = k + p - j
+                for i in range(1, below[p] + 1):
+                    column[at + i] -= y * band[p, 2 * k + i]
+        pivot, largest = column[k], 0.0
+        for i in range(1, bottom - j + 1):
+            largest = max(largest, abs(column[k + i]))
+        if pivots[j] != j + 1 or not threshold * largest <= abs(pivot) or pivot == 0.0:
+            return -1
+        h = 1.0 / pivot
+        for i in range(1, bottom - j + 1):
+            column[k + i] *= h
+        difference = most = 0.0
+        for i in range(top, bottom + 1):
+            old, new = band[j, 2 * k + i - j], column[k + i - j]
+            difference = max(difference, abs(new - old))
+            most = max(most, abs(new))
+            band[j, 2 * k + i - j] = new
+        inverse[j] = h
+        above[j] = j - top
+        below[j] = bottom - j
+        same = same + 1 if difference <= ROUNDED * most else 0
+        if same >= k and j >= last + k:
+            return j + 1 - begin
+    return n - begin
+
+
 @kernel(forceinline=True)
 def substitute(band, pivots, above, below, inverse, scale, exchanged, n, k, x):
     """Solve by the factors; ``x`` (n,) holds the right side before and the solution after."""
@@ -128,14 +196,18 @@ def substitute(band, pivots, above, below, inverse, scale, exchanged, n, k, x):
     if k == NARROW and not exchanged:
         _substitute_narrow(band, inverse, n, x)
     else:
-        _substitute_any(band, pivots, above, below, inverse, n, k, x)
+        substitute_between(band, pivots, above, below, inverse, 0, n, k, x)
     for j in range(n):
         x[j] *= scale[j]
 
 
 @kernel
-def _substitute_any(band, pivots, above, below, inverse, n, k, x):
-    for j in range(n):
+def substitute_between(band, pivots, above, below, inverse, first, last, k, x):
+    """Solve for rows ``first`` to ``last`` - 1 of a scaled matrix, those beyond being zero on both sides.
+
+    Up to k places of ``x`` on either side of these are scratch.
+    """
+    for j in range(first, last):
         row = pivots[j] - 1
         y = x[row]
         if row != j:
@@ -144,13 +216,13 @@ def _substitute_any(band, pivots, above, below, inverse, n, k, x):
         column = band[j]
         for i in range(1, below[j] + 1):
             x[j + i] -= column[2 * k + i] * y
-    for j in range(n - 1, -1, -1):
+    for j in range(last - 1, first - 1, -1):
         column = band[j]
         y = x[j] * inverse[j]
         x[j] = y
-        first, place = j - above[j], 2 * k - above[j]
+        top, place = j - above[j], 2 * k - above[j]
         for i in range(above[j]):
-            x[first + i] -= column[place + i] * y
+            x[top + i] -= column[place + i] * y
 
 
 @kernel

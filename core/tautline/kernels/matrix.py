@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import typeof
 
-from tautline.kernels.band import eliminate, equilibrate, find_envelope, substitute
+from tautline.kernels.band import CAREFUL, eliminate, equilibrate, find_envelope, renew, substitute, substitute_between
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lapack import factorise_dense, solve_dense
 
@@ -42,7 +42,8 @@ class Factors(NamedTuple):
     ``columns[j]`` (m, n) is the band's inverse times the border's column j. ``above`` and ``below`` (n,) say how far
     from the diagonal a column of the band's factors goes, ``right`` (n,) is the last column that a row reaches, and
     ``inverse`` (n,) is one over their diagonal. ``scale`` (n,) has made the diagonal of the band one: slopes and
-    positions are of one size then, and rows are seldom exchanged, which would fill the band.
+    positions are of one size then, and rows are seldom exchanged, which would fill the band: only where a pivot is
+    below ``threshold`` of its column's largest entry. ``column`` (3 k + 1,) is scratch.
     """
 
     matrix: Matrix
@@ -55,6 +56,8 @@ class Factors(NamedTuple):
     inverse: np.ndarray
     scale: np.ndarray
     integers: np.ndarray
+    column: np.ndarray
+    threshold: float
 
 
 def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
@@ -65,12 +68,13 @@ def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
     )
 
 
-def new_factors(size: int, bandwidth: int, border: int = 0) -> Factors:
+def new_factors(size: int, bandwidth: int, border: int = 0, threshold: float = CAREFUL) -> Factors:
     """Zero matrix with room for its factors."""
     return Factors(
         new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
         np.zeros((border, size - border)), *(np.zeros(size - border, np.int32) for _ in range(3)),
         np.zeros(size - border), np.zeros(size - border), np.zeros(8, np.int32),
+        np.zeros(3 * bandwidth + 1), threshold,
     )  # fmt: skip
 
 
@@ -88,6 +92,30 @@ def _copy(source, target):
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
             target[i, j] = source[i, j]
+
+
+@kernel
+def copy_columns(source, target, first, last):
+    """Write columns ``first`` to ``last`` - 1 of a band over those of another."""
+    for i in range(first, last):
+        for j in range(source.band.shape[1]):
+            target.band[i, j] = source.band[i, j]
+
+
+@kernel
+def add_columns(source, target, first, last):
+    """Add columns ``first`` to ``last`` - 1 of a band to those of another."""
+    for i in range(first, last):
+        for j in range(source.band.shape[1]):
+            target.band[i, j] += source.band[i, j]
+
+
+@kernel
+def clear_columns(matrix, first, last):
+    """Set columns ``first`` to ``last`` - 1 of a band to zero."""
+    for i in range(first, last):
+        for j in range(matrix.band.shape[1]):
+            matrix.band[i, j] = 0.0
 
 
 @kernel
@@ -128,7 +156,9 @@ def factorise_matrix(factors):
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     equilibrate(f.matrix.band, f.scale, n, k)
     find_envelope(f.matrix.band, f.below, f.right, n, k)
-    row, f.integers[EXCHANGED] = eliminate(f.matrix.band, f.pivots, f.above, f.below, f.right, f.inverse, n, k)
+    row, f.integers[EXCHANGED] = eliminate(
+        f.matrix.band, f.pivots, f.above, f.below, f.right, f.inverse, f.threshold, n, k
+    )  # fmt: skip
     if row != 0:
         return row
     m = f.corner_pivots.size
@@ -146,6 +176,37 @@ def factorise_matrix(factors):
             f.matrix.corner[j, i] -= x
     row = factorise_dense(f.matrix.corner, f.corner_pivots, m, f.integers)
     return row + n if row != 0 else 0
+
+
+@entry
+def renew_matrix(factors, matrix, first, last):
+    """Factorise anew what a change of rows and columns ``first`` to ``last`` - 1 makes of a matrix without a border.
+
+    Returns the columns that were made, or -1 where all has to be factorised.
+    """
+    f = factors
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    return renew(
+        matrix.band, f.matrix.band, f.pivots, f.above, f.below, f.inverse, f.scale, f.threshold, n, k, first, last,
+        f.column,
+    )  # fmt: skip
+
+
+@entry
+def solve_rows(factors, x, first, last):
+    """Solve for rows ``first`` to ``last`` - 1, as if the unknowns and right sides of all others were zero.
+
+    What is wrong with that is left in the rows beside them. The other places of ``x`` (n,) are scratch.
+    """
+    f = factors
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    for j in range(last, min(n, last + k)):
+        x[j] = 0.0
+    for j in range(first, last):
+        x[j] *= f.scale[j]
+    substitute_between(f.matrix.band, f.pivots, f.above, f.below, f.inverse, first, last, k, x)
+    for j in range(first, last):
+        x[j] *= f.scale[j]
 
 
 @entry

@@ -11,10 +11,12 @@ from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.lumped import generated
 from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_of, place, pull_back, slopes
-from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve
+from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve, members
 
 THREE = 9
 """Coordinates of a bend: x, u, v of three bodies."""
+SPAN = np.int64(3)
+"""Bodies of a bend, as an argument."""
 
 
 class Bends(NamedTuple):
@@ -46,9 +48,10 @@ def _hole(g, i, q):
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    a2, below = chord_of(g.curve, 0, q)
-    u2, v2 = across(0, q)
-    for i in range(g.stiffness.size):
+    first, last = members(g.curve, SPAN, g.stiffness.size)
+    a2, below = chord_of(g.curve, first, q)
+    u2, v2 = across(first, q)
+    for i in range(first, last):
         a1, above, u1, v1 = a2, below, u2, v2
         a2, below = chord_of(g.curve, i + 1, q)
         u2, v2 = across(i + 1, q)
@@ -99,7 +102,8 @@ def _write_slopes(g, i, above, below):
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     hessian = g.scratch
-    for i in range(g.stiffness.size):
+    first, last = members(g.curve, SPAN, g.stiffness.size)
+    for i in range(first, last):
         a1, above = chord_of(g.curve, i, q)
         a2, below = chord_of(g.curve, i + 1, q)
         u1, v1 = across(i, q)

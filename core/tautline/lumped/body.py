@@ -10,7 +10,7 @@ from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.lumped import generated
-from tautline.lumped.curve import PER_BODY, STRIDE, Curve, downward, hold_arcs, vertical_depth
+from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, downward, hold_arcs, members, vertical_depth
 
 LUMP = np.dtype(
     [
@@ -56,7 +56,8 @@ def _add_damping(b, o, v, r):
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    for i in range(g.lumps.size):
+    first, last = members(g.curve, ALONE, g.lumps.size)
+    for i in range(first, last):
         b, seat, o = g.lumps[i], g.curve.seats[i], PER_BODY * i
         g1, g2, g3 = downward(g.curve, i, q[o])
         part = generated.body_residual(
@@ -71,7 +72,8 @@ def _residual(g, t, q, v, a, r):
 
 @kernel
 def _eccentric_residual(g, t, q, v, a, r):
-    for i in range(g.lumps.size):
+    first, last = members(g.curve, ALONE, g.lumps.size)
+    for i in range(first, last):
         b, seat, o = g.lumps[i], g.curve.seats[i], PER_BODY * i
         g1, g2, g3 = downward(g.curve, i, q[o])
         part = generated.eccentric_body_residual(
@@ -127,7 +129,8 @@ def _combine(b, o, cm, cc, ck, mass, damping, stiffness, matrix, dofs):
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     mass, damping, stiffness = g.scratch[0], g.scratch[1], g.scratch[2]
-    for i in range(g.lumps.size):
+    first, last = members(g.curve, ALONE, g.lumps.size)
+    for i in range(first, last):
         b, seat, o = g.lumps[i], g.curve.seats[i], PER_BODY * i
         g1, g2, g3 = downward(g.curve, i, q[o])
         generated.body_mass(
@@ -145,7 +148,8 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 @kernel
 def _eccentric_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     mass, damping, stiffness = g.scratch[0], g.scratch[1], g.scratch[2]
-    for i in range(g.lumps.size):
+    first, last = members(g.curve, ALONE, g.lumps.size)
+    for i in range(first, last):
         b, seat, o = g.lumps[i], g.curve.seats[i], PER_BODY * i
         g1, g2, g3 = downward(g.curve, i, q[o])
         generated.eccentric_body_mass(

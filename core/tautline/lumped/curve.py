@@ -17,9 +17,9 @@ PER_BODY = 4
 """Degrees of freedom of a body: x along the curve from its unstretched place, lateral u and v, rotation theta."""
 
 
-STRIDE, PLACES = np.int64(PER_BODY), np.int64(3)
-"""All degrees of freedom of a body, and those of its place (x, u, v), as arguments: plain constants would be compiled
-into the callee, once for every value."""
+STRIDE, PLACES, ALONE = np.int64(PER_BODY), np.int64(3), np.int64(1)
+"""All degrees of freedom of a body, those of its place (x, u, v), and one body, as arguments: plain constants would be
+compiled into the callee, once for every value."""
 
 ARC = np.dtype([(name, np.float64) for name in ("start", "k1", "k2", "turn1", "turn2", "g1", "g2", "g3", "depth")])
 """An arc: measured depth of its start m, curvature 1/m, cumulative turning rad, components there of the downward unit
@@ -31,10 +31,22 @@ x = 0 so that it is ``turn + k x``, and the arc's index."""
 
 
 class Curve(NamedTuple):
-    """Record arrays: ``arcs`` (m,) of ``ARC`` and ``seats`` (n,) of ``SEAT``."""
+    """Record arrays: ``arcs`` (m,) of ``ARC`` and ``seats`` (n,) of ``SEAT``.
+
+    ``window`` (2,) are the first and past the last full degree of freedom that residuals, tangents and laws are asked
+    for at the moment: the corrector narrows it to a part of the string that is not in balance yet.
+    """
 
     arcs: np.recarray
     seats: np.recarray
+    window: np.ndarray
+
+
+@kernel
+def members(curve, span, count):
+    """First and past the last of ``count`` members that touch the window, each of ``span`` successive bodies."""
+    first, last = curve.window[0] // PER_BODY, -(-curve.window[1] // PER_BODY)
+    return max(0, first - span + 1), min(count, last)
 
 
 @kernel

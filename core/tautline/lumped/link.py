@@ -11,10 +11,12 @@ from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.lumped import generated
 from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_of, place, pull_back, slopes
-from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve
+from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve, members
 
 SPRING = np.dtype([(name, np.float64) for name in ("length", "axial", "torsional")])
 """A link: unstretched length m; axial stiffness EA / l0 N/m; torsional stiffness GJ / l0 N m/rad."""
+SPAN = np.int64(2)
+"""Bodies of a link, as an argument."""
 
 
 class Links(NamedTuple):
@@ -52,7 +54,8 @@ def _rate(i, v, gradient):
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    for i in range(g.springs.size):
+    first, last = members(g.curve, SPAN, g.springs.size)
+    for i in range(first, last):
         stretch, gradient = stretch_of(g, i, q)
         tension = g.springs[i].axial * stretch
         twist = q[PER_BODY * (i + 1) + 3] - q[PER_BODY * i + 3]
@@ -88,7 +91,8 @@ def _stretch_hessian(g, i, q, hessian):
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     hessian, block, turned = g.scratch[0], g.scratch[1], g.scratch[2, 0]
-    for i in range(g.springs.size):
+    first, last = members(g.curve, SPAN, g.springs.size)
+    for i in range(first, last):
         spring = g.springs[i]
         stretch, gradient = stretch_of(g, i, q)
         tension = spring.axial * stretch

@@ -100,6 +100,10 @@ class System:
         What each full degree of freedom is.
     force : float
         Force that counts as large, N; 0 for the largest of ``scale``.
+    window : (2,) or (0,) int array
+        First and past the last full degree of freedom that residuals, tangents and laws are asked for; groups that know
+        it share it, and go over those of their members only that touch one of these. Empty where none does, or where
+        the unknowns are not numbered as the degrees of freedom are.
     linked : dict
         What :meth:`link` made.
     """
@@ -121,6 +125,7 @@ class System:
     algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     places: list[str] = field(default_factory=list)
     force: float = 0.0
+    window: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
 
     def name_of(self, row: int) -> str:
@@ -161,6 +166,7 @@ def assemble(
     at_rest: Sequence[int] = (),
     algebraic: Sequence[int] = (),
     flowing: Sequence[int] = (),
+    window: np.ndarray | None = None,
 ) -> System:
     """Number the unknowns and order them for a narrow band.
 
@@ -182,6 +188,8 @@ def assemble(
         Full degrees of freedom that are multipliers: they have an acceleration and nothing else.
     flowing : sequence of int
         Held or tied full degrees of freedom whose rate counts while all else is at rest: material that flows steadily.
+    window : (2,) int array, optional
+        What the groups take from it which of their members are asked for; see `System.window`.
 
     Returns
     -------
@@ -213,6 +221,7 @@ def assemble(
         tied=np.array(sorted(degrees.masters), dtype=np.int64),
         flowing=np.array(sorted(flowing), dtype=np.int64),
     )
+    in_order = bool(np.all(np.diff(dofs.free) > 0))
     return System(
         groups=groups,
         dofs=dofs,
@@ -230,6 +239,7 @@ def assemble(
         border=border,
         algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
         places=list(degrees.names),
+        window=window if window is not None and dofs.tied.size == border == 0 and in_order else np.zeros(0, np.int64),
     )
 
 
