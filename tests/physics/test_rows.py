@@ -31,7 +31,7 @@ def run(case, in_parts, step=1e-3):
     return simulate(model), model.system.size
 
 
-@pytest.mark.parametrize(("case", "bound"), zip(CASES, (1e-8, 1e-8, 5e-4), strict=True))
+@pytest.mark.parametrize(("case", "bound"), list(zip(CASES, (1e-8, 1e-8, 5e-4), strict=True)))
 def test_a_string_moves_the_same_whether_events_are_solved_for_in_their_neighbourhood_or_in_all_rows(case, bound):
     (part, _), (whole, _) = run(case, True), run(case, False)
     # residuals may be a billionth of the string's weight, a millinewton on a spring of a hundred meganewtons per metre;

@@ -59,7 +59,8 @@ class Rows(NamedTuple):
 
 
 def new_rows(system: System, allowed: bool) -> Rows:
-    """Make the scratch; where parts are not allowed, it is that of a system without a window."""
+    """Make the scratch; where parts are not allowed or never small enough, that of a system without a window."""
+    allowed = allowed and 2 * LEAST_MARGIN * system.bandwidth < PART * system.size
     window = system.window if allowed else np.zeros(0, np.int64)
     n, full = (system.size, system.q.size) if window.size else (0, 0)
     at = np.zeros(7, np.int64)

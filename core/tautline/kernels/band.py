@@ -207,6 +207,7 @@ def substitute_between(band, pivots, above, below, inverse, first, last, k, x):
 
     Up to k places of ``x`` on either side of these are scratch.
     """
+    first = max(0, first)  # no more than a hint for the compiler: places counted from the end need code of their own
     for j in range(first, last):
         row = pivots[j] - 1
         y = x[row]
