@@ -1,7 +1,7 @@
 """The corrector of the implicit methods: Newton's method on the residual, eq. 2.87, one step at a time.
 
 An iteration goes over the rows that are not in balance yet. At first these are all. Of a string of a thousand lumps,
-one of which has begun to slip, they are some tens, and the work is theirs and not the string's: rows.py.
+one of which has begun to slip, they are some tens, and the work is theirs and not the string's: rows.py, window.py.
 """
 
 from __future__ import annotations
@@ -11,25 +11,23 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.rows import (
-    SOLVED,
-    SOLVED_END,
-    Rows,
-    aim_at_imbalance,
-    ask_again,
-    ask_all,
+    AllRows,
+    aim,
     balance,
+    close_room,
     expand_rows,
-    forget_stale,
     heed_place,
-    is_part,
-    new_rows,
-    renew_part,
+    renew_factors,
+    room_for_matrix,
+    rows_of,
+    solve_for_increment,
     take_all,
     take_changed,
     worst_row,
 )
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, ROWS, WORST
 from tautline.integrators.status import Status
+from tautline.integrators.window import Window
 from tautline.kernels import groups as over
 from tautline.kernels.band import BOLD, CAREFUL
 from tautline.kernels.groups import COUNT, EVER, PLACED, new_changed
@@ -42,8 +40,6 @@ from tautline.kernels.matrix import (
     factorise_matrix,
     new_factors,
     new_matrix,
-    solve_matrix,
-    solve_rows,
 )
 from tautline.system.system import System
 
@@ -90,7 +86,7 @@ class Corrector(NamedTuple):
     changed: np.ndarray
     rounded: np.ndarray
     fastest: np.ndarray
-    rows: Rows
+    rows: AllRows | Window
 
 
 def corrector(
@@ -105,12 +101,12 @@ def corrector(
     """Make the scratch of the iteration for a system; the unit of energy is that of its largest force by default."""
     n = system.size
     unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
-    rows = new_rows(system, allowed=not (by_energy or full))
+    rows = rows_of(system, in_parts=not (by_energy or full))
     return Corrector(
         float(tolerance), float(contraction), bool(full), float(unit), bool(by_energy), int(max_iterations),
         system.scale,
         new_matrix(n, system.bandwidth, system.border),
-        new_factors(n, system.bandwidth, system.border, BOLD if rows.window.size else CAREFUL),
+        new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
         new_changed(), np.zeros(1, np.int64), np.zeros(1), rows,
     )  # fmt: skip
@@ -175,7 +171,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
         if iteration == c.max_iterations:
             break
         slow = c.full or size > c.contraction * previous
-        slow = aim_at_imbalance(c.rows, dofs, state, c.increment, c.scale, c.tolerance, previous < np.inf, slow)
+        slow = aim(c.rows, dofs, state, c.increment, c.scale, c.tolerance, previous < np.inf, slow)
         row = _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow)
         if row != 0:
             state.counters[WORST] = row - 1
@@ -206,13 +202,12 @@ def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
     Returns 0, or k > 0 where the k-th pivot is zero.
     """
     if c.factored_for[0] != 0.0:
-        if renew_part(c.rows, groups, dofs, state, t, beta, gamma, slow, c.smooth, c.factors):
+        if renew_factors(c.rows, groups, dofs, state, t, beta, gamma, slow, c.smooth, c.factors):
             return 0
         c.factored_for[0] = 0.0
         if slow:
             c.made_for[0] = 0.0
-    ask_all(c.rows, state)
-    matrix = c.factors.matrix if c.rows.window.size == 0 else c.rows.whole
+    matrix = room_for_matrix(c.rows, c.factors, state)
     switches = over.may_switch(groups)
     smooth = c.smooth if switches else matrix
     if c.made_for[0] == 0.0 or not switches:
@@ -223,34 +218,22 @@ def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
     if switches:
         copy_matrix(smooth, matrix)
     over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, matrix, dofs)
-    if c.rows.window.size > 0:
-        copy_matrix(matrix, c.factors.matrix)
-        forget_stale(c.rows)
-        ask_again(c.rows, dofs, state)
+    close_room(c.rows, c.factors, dofs, state)
     state.counters[FACTORISATIONS] += 1
     row = factorise_matrix(c.factors)
-    if row != 0:
-        return row
-    c.factored_for[0] = beta
-    c.factored_for[1] = gamma
-    return 0
+    if row == 0:
+        c.factored_for[0] = beta
+        c.factored_for[1] = gamma
+    return row
 
 
 @kernel
 def _step(c, state, beta, gamma, fraction):
     """Solve for the increment and add it; returns the energy error of eq. 2.78."""
-    first, last = 0, state.q.size
-    fastest = 0.0
-    if is_part(c.rows):
-        first, last = c.rows.at[SOLVED], c.rows.at[SOLVED_END]
-        fastest = c.fastest[0]
-    for i in range(first, last):
-        c.right_side[i] = c.increment[i]
-    if last - first < state.q.size:
-        solve_rows(c.factors, c.increment, first, last)
-    else:
-        solve_matrix(c.factors, c.increment)
+    first, last = solve_for_increment(c.rows, c.factors, c.increment, c.right_side)
+    first = max(0, first)
     energy = largest = 0.0
+    fastest = c.fastest[0] if last - first < state.q.size else 0.0
     for i in range(first, last):
         step = -fraction * c.increment[i]
         energy += c.right_side[i] * c.increment[i]

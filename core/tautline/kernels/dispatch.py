@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from tautline.kernels.jit import stands_for
+from numba import types
+from numba.core.typing.templates import AbstractTemplate, infer_global
 
 
 def by_type(table: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
     """Make a function that calls the kernel registered for the type of its first argument.
+
+    In compiled code the kernel itself is called: there is no function in between that would have to be compiled.
 
     Parameters
     ----------
@@ -25,9 +28,19 @@ def by_type(table: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
     def chosen(first, *args):
         return table[type(first)](first, *args)
 
-    @stands_for(chosen)
-    def resolve(first, *args):
-        kernel = table[first.instance_class]
-        return lambda first, *args: kernel(first, *args)
+    class Choice(AbstractTemplate):
+        """What numba takes the call for: one of the kernel."""
 
+        key = chosen
+
+        def generic(self, args: tuple[types.Type, ...], kws: dict[str, types.Type]) -> Any:
+            """Signature of the kernel for these arguments."""
+            self._kernel = types.Dispatcher(table[args[0].instance_class])
+            return self._kernel.get_call_type(self.context, args, kws)
+
+        def get_impl_key(self, sig: Any) -> Any:
+            """Where numba finds the kernel's code."""
+            return self._kernel.get_impl_key(sig)
+
+    infer_global(chosen, types.Function(Choice))
     return chosen
