@@ -127,12 +127,13 @@ def aim(w, dofs, state, right_side, scale, tolerance, tried, slow):
     for i in range(at[ASKED], at[ASKED_END]):
         if abs(right_side[i]) > LITTLE * tolerance * scale[i]:
             first, last = min(first, i), i + 1
-    if not _is_part(w):
-        if at[MARGIN] > LEAST_MARGIN * w.band:
-            at[MARGIN] -= 1
-    elif tried and (first < at[SOLVED] + w.band or last > at[SOLVED_END] - w.band):
+    above = first < at[SOLVED] + w.band and at[SOLVED] > 0
+    below = last > at[SOLVED_END] - w.band and at[SOLVED_END] < n
+    if tried and (above or below):
         at[MARGIN] = min(2 * at[MARGIN], n)
         slow = False
+    elif not _is_part(w) and at[MARGIN] > LEAST_MARGIN * w.band:
+        at[MARGIN] -= 1
     first, last = max(0, first - at[MARGIN]), min(n, last + at[MARGIN])
     if last - first < PART * n:
         _take(w, dofs, state, first, last)
