@@ -7,6 +7,8 @@ import pytest
 from physics.strings import shipped
 
 from drillstring.build import build
+from tautline.integrators.equilibrium import find_equilibrium
+from tautline.integrators.state import new_state
 from tautline.simulation import simulate
 
 LUMPS = 150
@@ -56,3 +58,18 @@ def test_where_a_step_is_long_for_the_lumps_more_of_them_are_taken_and_the_motio
     (part, _), (whole, _) = run("exact friction", True, 1e-2), run("exact friction", False, 1e-2)
     assert part.attributes["halvings"] == whole.attributes["halvings"]
     assert np.abs(part["position"] - whole["position"]).max() < 1e-6
+
+
+def test_a_long_string_comes_to_the_same_rest_whether_its_contacts_are_followed_in_part_or_in_all_rows():
+    rests = []
+    for in_parts in (True, False):
+        model = build(shipped("jwell", model__elements=400))
+        if not in_parts:
+            model.system.window = np.zeros(0, np.int64)
+        state = new_state(model.system)
+        rests.append((find_equilibrium(model.system, state, model.step_limit), state.q))
+        assert not in_parts or tuple(model.system.window) == (0, model.system.q.size)
+    (part, q), (whole, expected) = rests
+    assert np.abs(q - expected).max() < 1e-11
+    # in the vertical part the string peels off the wall lump by lump
+    assert whole.iterations > 50 and part.iterations < whole.iterations / 3

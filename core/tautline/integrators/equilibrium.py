@@ -10,7 +10,9 @@ from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.matrix import (
+    Factors,
     Matrix,
+    cut,
     factorise_matrix,
     new_factors,
     replace_by_identity,
@@ -23,6 +25,10 @@ from tautline.system.system import System
 SHIFTS = (0.0, 1e-4, 1e-2, 1.0, 100.0)
 """Shifts to begin with, 1/s^2, from plain Newton to heavily damped: the next is tried where one fails."""
 ITERATIONS = 400
+AHEAD = 160
+"""Rows on either side of those out of balance that are let move with them: contacts come and go along a front."""
+PART_ITERATIONS = 100
+"""Iterations over a part of the rows between two over all of them: a front passes a lump in each."""
 
 
 class Equilibrium(NamedTuple):
@@ -37,7 +43,8 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
 
     Newton's method, and where it fails the same with the mass matrix as a shift that fades as the residual falls
     (pseudo-transient continuation: an implicit Euler march of an overdamped scene whose step grows). Friction does not
-    act, for nothing moves.
+    act, for nothing moves. Where a system has a window and only a part of its rows is out of balance, that part is
+    brought into balance between two iterations over all: a string that peels off the wall does so lump by lump.
 
     Parameters
     ----------
@@ -107,4 +114,44 @@ def _search(
         # A multiplier is no way gone: it may change as it must.
         largest = float(np.abs(np.delete(x, system.algebraic)).max(initial=0.0))
         state.q[:] -= x * min(1.0, step_limit / largest) if largest > 0.0 else 0.0
+        if shift == 0.0 and system.window.size > 0 and n > 4 * AHEAD:
+            _balance_part(system, state, step_limit, tolerance, factors, x)
     return ITERATIONS, np.inf, worst
+
+
+def _balance_part(
+    system: System, state: State, step_limit: float, tolerance: float, factors: Factors, x: np.ndarray
+) -> None:
+    """Bring the rows that are out of balance into it, if they are a small part, while all others stay where they are.
+
+    What that leaves at the edges is for the next iteration over all rows. ``factors`` and ``x`` (n,) are scratch.
+    """
+    n, window = system.size, system.window
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, factors.matrix, x)
+    wrong = np.flatnonzero(~(np.abs(x) <= tolerance * system.scale))
+    first, last = (max(0, wrong[0] - AHEAD), min(n, wrong[-1] + 1 + AHEAD)) if wrong.size else (0, n)
+    if 2 * (last - first) > n:
+        return
+    part = slice(first, last)
+    rows = cut(factors, first, last)
+    begun, before = state.q[part].copy(), float((np.abs(x[part]) / system.scale[part]).max())
+    window[:] = system.free[first], system.free[last - 1] + 1
+    try:
+        for _ in range(PART_ITERATIONS):
+            evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, factors.matrix, x)
+            size = float((np.abs(x[part]) / system.scale[part]).max())
+            if size <= tolerance or not np.isfinite(size):
+                break
+            for row in system.at_rest:
+                if first <= row < last:
+                    replace_by_identity(factors.matrix, row)
+                    x[row] = 0.0
+            if factorise_matrix(rows):
+                break
+            solve_matrix(rows, x[part])
+            largest = float(np.abs(x[part]).max())
+            state.q[part] -= x[part] * min(1.0, step_limit / largest) if largest > 0.0 else 0.0
+    finally:
+        window[:] = 0, system.q.size
+    if not size < before:
+        state.q[part] = begun

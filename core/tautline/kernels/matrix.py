@@ -78,6 +78,15 @@ def new_factors(size: int, bandwidth: int, border: int = 0, threshold: float = C
     )  # fmt: skip
 
 
+def cut(factors: Factors, first: int, last: int) -> Factors:
+    """Rows and columns ``first`` to ``last`` - 1 of a matrix without a border, as one of its own in the same memory."""
+    band, none = factors.matrix.band[first:last], np.zeros((0, last - first))
+    each = {
+        name: getattr(factors, name)[first:last] for name in ("pivots", "above", "below", "right", "inverse", "scale")
+    }
+    return factors._replace(matrix=Matrix(band, none, none, np.zeros((0, 0))), columns=none, **each)
+
+
 @kernel
 def clear(matrix):
     """Set all entries to zero."""
