@@ -14,8 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.friction import act, force_now, prepare, settle, status
+from tautline.kernels.changes import note_change
 from tautline.kernels.dofs import add_block
-from tautline.kernels.groups import note_change, register
+from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, members
 

@@ -10,6 +10,7 @@ from drillstring.drag import Drag
 from drillstring.friction import BANDED, FORCED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
 from drillstring.top_drive import TopDrive
 from tautline.elements.load import Loads
+from tautline.kernels import changes
 from tautline.kernels import groups as over
 from tautline.kernels.jit import entry
 from tautline.lumped.curve import records
@@ -159,9 +160,9 @@ class Attempt:
 
     def switch(self, converged=False):
         """How many contacts change their status."""
-        changed = over.new_changed()
+        changed = changes.new_changed()
         _switch(self.linked, self.state.q, self.state.v, converged, changed)
-        return changed[over.COUNT]
+        return changed[changes.COUNT]
 
 
 def test_in_a_window_only_its_contacts_act_and_change_and_it_is_known_where(contact):
@@ -182,13 +183,13 @@ def test_what_changes_in_a_window_is_told_with_its_place(body):
     whole.switch(), part.switch()
     assert whole.switch() > 0
     part.group.curve.window[:] = PER_BODY * body, PER_BODY * (body + 1)
-    changed = over.new_changed()
+    changed = changes.new_changed()
     _switch(part.linked, part.state.q, part.state.v, False, changed)
     # the contacts are those of the bodies below the first
     here = whole.rows["status"][body - 1] != STICK and whole.rows["settled"][body - 1] == STICK if body > 0 else False
-    assert changed[over.COUNT] == changed[over.PLACED] == here
+    assert changed[changes.COUNT] == changed[changes.PLACED] == here
     if here:
-        assert changed[over.FIRST] == PER_BODY * body and changed[over.PAST] == PER_BODY * (body + 1)
+        assert changed[changes.FIRST] == PER_BODY * body and changed[changes.PAST] == PER_BODY * (body + 1)
 
 
 def test_a_contact_that_sticks_is_not_let_go_by_what_is_predicted_for_a_step():

@@ -100,18 +100,10 @@ def test_where_the_rows_at_the_edge_of_a_part_are_left_out_of_balance_twice_the_
     assert not slow  # it is not the factors' fault
 
 
-@pytest.mark.parametrize("row", [2, 597])
-def test_the_ends_of_the_string_are_no_edges(row):
+@pytest.mark.parametrize("row", [2, 200, 597], ids=["the upper end", "inside", "the lower end"])
+def test_where_rows_fall_slowly_inside_a_part_or_at_an_end_of_the_string_it_is_the_factors_and_the_margin_stays(row):
     one = Iteration()
     one.disturb(row)
-    one.aim()
-    _, slow = one.aim(tried=True, slow=True)
-    assert slow and one.window.at[MARGIN] == LEAST_MARGIN * one.band
-
-
-def test_where_rows_inside_a_part_fall_slowly_it_is_the_factors_and_the_margin_stays():
-    one = Iteration()
-    one.disturb(200)
     one.aim()
     _, slow = one.aim(tried=True, slow=True)
     assert slow and one.window.at[MARGIN] == LEAST_MARGIN * one.band

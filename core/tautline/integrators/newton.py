@@ -30,7 +30,7 @@ from tautline.integrators.status import Status
 from tautline.integrators.window import Window
 from tautline.kernels import groups as over
 from tautline.kernels.band import BOLD, CAREFUL
-from tautline.kernels.groups import COUNT, EVER, PLACED, new_changed
+from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed
 from tautline.kernels.jit import kernel
 from tautline.kernels.matrix import (
     Factors,

@@ -7,10 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from tautline.integrators import window as part
-from tautline.integrators.state import WORST
+from tautline.integrators.state import worst_between
 from tautline.integrators.window import Window, is_worth_while, new_window
 from tautline.kernels import groups as over
 from tautline.kernels.dispatch import by_type
@@ -63,15 +61,7 @@ def _balance(rows, groups, dofs, state, t, right_side):
 
 @kernel
 def _worst(rows, residual, scale, counters):
-    worst = 0.0
-    for i in range(residual.size):
-        size = abs(residual[i]) / scale[i]
-        if not size <= worst:
-            worst = size
-            counters[WORST] = i
-            if not np.isfinite(size):
-                return np.inf
-    return worst
+    return worst_between(residual, scale, counters, 0, residual.size)
 
 
 @kernel

@@ -55,6 +55,20 @@ def new_state(system: System) -> State:
     )  # fmt: skip
 
 
+@kernel(forceinline=True)
+def worst_between(residual, scale, counters, first, last):
+    """Largest residual of rows over its scale; its row goes to the counters; NaN counts as infinite."""
+    worst = 0.0
+    for i in range(first, last):
+        size = abs(residual[i]) / scale[i]
+        if not size <= worst:
+            worst = size
+            counters[WORST] = i
+            if not np.isfinite(size):
+                return np.inf
+    return worst
+
+
 @kernel
 def keep(state):
     """Remember the state, to go back to."""

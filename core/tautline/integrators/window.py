@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.state import FACTORISATIONS, WORST
+from tautline.integrators.state import FACTORISATIONS, worst_between
 from tautline.kernels import groups as over
+from tautline.kernels.changes import COUNT, FIRST, PAST, PLACED
 from tautline.kernels.dofs import expand, reduce
-from tautline.kernels.groups import COUNT, FIRST, PAST, PLACED
 from tautline.kernels.jit import kernel
 from tautline.kernels.matrix import (
     Matrix,
@@ -180,16 +180,8 @@ def balance_part(w, groups, dofs, state, t, right_side):
 
 @kernel
 def worst_of_part(w, residual, scale, counters):
-    """Largest residual over its scale; its row goes to the counters; NaN counts as infinite."""
-    worst = 0.0
-    for i in range(w.at[ASKED], w.at[ASKED_END]):
-        size = abs(residual[i]) / scale[i]
-        if not size <= worst:
-            worst = size
-            counters[WORST] = i
-            if not np.isfinite(size):
-                return np.inf
-    return worst
+    """Largest residual of the rows that are asked for, over its scale."""
+    return worst_between(residual, scale, counters, w.at[ASKED], w.at[ASKED_END])
 
 
 # -- matrix and increments -------------------------------------------------------------------------------------------

@@ -127,7 +127,7 @@ def eliminate(band, pivots, above, below, right, inverse, threshold, n, k):
 
 
 @kernel
-def renew(source, band, pivots, above, below, inverse, scale, threshold, n, k, first, last, column):
+def renew(source, factors, n, k, first, last):
     """Make the factors anew where the matrix has changed, and as far beyond as that reaches.
 
     A change fades from column to column of the factors as a push does along a rope. What is left of it is below their
@@ -137,16 +137,16 @@ def renew(source, band, pivots, above, below, inverse, scale, threshold, n, k, f
     ----------
     source : (n, 3 k + 1) array
         The matrix as it is now, its entries within ``first`` to ``last`` - 1 other than those that were factorised.
-    band, pivots, above, below, inverse, scale : arrays
+    factors : Factors
         Its factors, from :func:`equilibrate` and :func:`eliminate`.
-    column : (3 k + 1,) array
-        Scratch.
 
     Returns
     -------
     int
         Columns that were made, or -1 where a row would have to be exchanged: then all is to be factorised anew.
     """
+    band, pivots, scale, column = factors.matrix.band, factors.pivots, factors.scale, factors.column
+    above, below, inverse = factors.above, factors.below, factors.inverse
     for j in range(first, last):
         size = abs(source[j, 2 * k])
         scale[j] = 1.0 / sqrt(size) if size > 0.0 else 1.0
@@ -168,7 +168,7 @@ def renew(source, band, pivots, above, below, inverse, scale, threshold, n, k, f
         pivot, largest = column[k], 0.0
         for i in range(1, bottom - j + 1):
             largest = max(largest, abs(column[k + i]))
-        if pivots[j] != j + 1 or not threshold * largest <= abs(pivot) or pivot == 0.0:
+        if pivots[j] != j + 1 or not factors.threshold * largest <= abs(pivot) or pivot == 0.0:
             return -1
         h = 1.0 / pivot
         for i in range(1, bottom - j + 1):

@@ -15,8 +15,7 @@ hook           arguments after ``g``                            what it does
 begin          t, h, beta, gamma, q, v, a                       at the start of every attempt of a step from t; beta and
                                                                 gamma are beta', gamma' of eqs 2.88-2.89 (0 if explicit)
 switch         t, q, v, converged, changed                      lets a law change its status (stick, slip); counts the
-                                                                changes into ``changed[COUNT]``, or says with
-                                                                :func:`note_change` where they are as well
+                                                                changes, or tells their places as well (changes.py)
 residual       t, q, v, a, r                                    r += M a - F
 force          t, q, v, a, r                                    r -= F: the residual where a is zero, which is what an
                                                                 explicit method asks for where no acceleration is
@@ -48,7 +47,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
 from tautline.kernels.dofs import DOFS
-from tautline.kernels.jit import address_of, addressed, kernel, stands_for
+from tautline.kernels.jit import address_of, addressed, stands_for
 from tautline.kernels.matrix import MATRIX
 from tautline.kernels.memory import words_of
 from tautline.kernels.workshop import Job
@@ -74,10 +73,6 @@ HOOKS = {
     "violation": {"order": types.int64, "q": VECTOR, "v": VECTOR, "r": VECTOR},
 }  # fmt: skip
 """Names and types of each hook's arguments after the group."""
-
-COUNT, EVER, PLACED, FIRST, PAST = range(5)
-"""Places in ``changed``: changes of status just counted; whether there were any in the step; how many of the changes
-are known by their place; the first and past the last full degree of freedom that these stand at."""
 
 EMPTY, LOOSE, OFF_WHEEL, RUN_OUT, TWO_BLOCKED = 1, 2, 3, 4, 5
 """Alarms: an element has lost its length; a node may slide along its rope without moving any of it; a rope has left a
@@ -350,23 +345,6 @@ def _over_groups(name: str) -> Kernel:
     chosen = _define(f"def choose(groups, {names}):\n    return compiled", {"compiled": compiled}, "choose")
     stands_for(stub)(chosen)
     return stub
-
-
-def new_changed() -> np.ndarray:
-    """No change of a law's status."""
-    return np.zeros(5, np.int64)
-
-
-@kernel
-def note_change(changed, place, width):
-    """Count a change of status of a law whose force acts on ``width`` full degrees of freedom from ``place`` on."""
-    if changed[PLACED] == 0:
-        changed[FIRST] = place
-        changed[PAST] = place + width
-    changed[COUNT] += 1
-    changed[PLACED] += 1
-    changed[FIRST] = min(changed[FIRST], place)
-    changed[PAST] = max(changed[PAST], place + width)
 
 
 def may_switch(groups):

@@ -193,12 +193,8 @@ def renew_matrix(factors, matrix, first, last):
 
     Returns the columns that were made, or -1 where all has to be factorised.
     """
-    f = factors
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    return renew(
-        matrix.band, f.matrix.band, f.pivots, f.above, f.below, f.inverse, f.scale, f.threshold, n, k, first, last,
-        f.column,
-    )  # fmt: skip
+    n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
+    return renew(matrix.band, factors, n, k, first, last)
 
 
 @entry

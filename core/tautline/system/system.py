@@ -205,22 +205,7 @@ def assemble(
     rank = np.argsort(order)
     pattern, mass_pattern = pattern.renumbered(rank), mass_pattern.renumbered(rank)
 
-    start = np.cumsum([0] + [len(m) for m in masters])
-    held = np.array(sorted(degrees.motion), dtype=np.int64)
-    dofs = Dofs(
-        start=start.astype(np.int64),
-        unknown=np.array([rank[k] if k >= 0 else k for m in masters for k, _ in m], dtype=np.int64),
-        factor=np.array([f for m in masters for _, f in m], dtype=np.float64),
-        number=np.array([_number(m, rank) for m in masters], dtype=np.int64),
-        held=held,
-        motion=np.array([degrees.motion[i] for i in held], dtype=np.int64),
-        offset=degrees.value[held].astype(np.float64),
-        driven=np.array([k for k, i in enumerate(held) if degrees.motion[i] >= 0], dtype=np.int64),
-        carried=np.array([i for i, m in enumerate(masters) if any(k < 0 for k, _ in m)], dtype=np.int64),
-        free=free[order],
-        tied=np.array(sorted(degrees.masters), dtype=np.int64),
-        flowing=np.array(sorted(flowing), dtype=np.int64),
-    )
+    dofs = _dofs(degrees, masters, free[order], rank, flowing)
     in_order = bool(np.all(np.diff(dofs.free) > 0))
     return System(
         groups=groups,
@@ -240,6 +225,28 @@ def assemble(
         algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
         places=list(degrees.names),
         window=window if window is not None and dofs.tied.size == border == 0 and in_order else np.zeros(0, np.int64),
+    )
+
+
+def _dofs(
+    degrees: Degrees, masters: list[list[tuple[int, float]]], free: np.ndarray, rank: np.ndarray, flowing: Sequence[int]
+) -> Dofs:
+    """The map from unknowns to degrees of freedom; ``rank`` is the number of each master, ``free`` in that order."""
+    start = np.cumsum([0] + [len(m) for m in masters])
+    held = np.array(sorted(degrees.motion), dtype=np.int64)
+    return Dofs(
+        start=start.astype(np.int64),
+        unknown=np.array([rank[k] if k >= 0 else k for m in masters for k, _ in m], dtype=np.int64),
+        factor=np.array([f for m in masters for _, f in m], dtype=np.float64),
+        number=np.array([_number(m, rank) for m in masters], dtype=np.int64),
+        held=held,
+        motion=np.array([degrees.motion[i] for i in held], dtype=np.int64),
+        offset=degrees.value[held].astype(np.float64),
+        driven=np.array([k for k, i in enumerate(held) if degrees.motion[i] >= 0], dtype=np.int64),
+        carried=np.array([i for i, m in enumerate(masters) if any(k < 0 for k, _ in m)], dtype=np.int64),
+        free=free,
+        tied=np.array(sorted(degrees.masters), dtype=np.int64),
+        flowing=np.array(sorted(flowing), dtype=np.int64),
     )
 
 
