@@ -22,7 +22,7 @@ from matplotlib.figure import Figure as Page
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, LogFormatter, LogFormatterSciNotation, MaxNLocator
 
 from tautline.results.errors import ResultError
 
@@ -260,6 +260,28 @@ def equal_scale(plot: Axes, x: np.ndarray, y: np.ndarray, least: float) -> None:
     plot.locator_params(axis="x", nbins=int(np.clip(6.0 * (right - left) / (top - bottom), 2, 6)))
 
 
+def thin_logarithms(figure: Figure) -> None:
+    """Keep the numbers below logarithmic axes apart: between powers of ten 2 and 5 or 3, or none over many decades."""
+    for plot in figure.axes:
+        low, high = sorted(plot.get_xlim())
+        # What has been given numbers of its own keeps them; within less than a decade matplotlib thins them itself.
+        if plot.get_xscale() != "log" or not isinstance(plot.xaxis.get_minor_formatter(), LogFormatter):
+            continue
+        decades = np.log10(high / low)
+        if decades >= 0.9:
+            few = (2, 5) if decades < 1.2 else (3,) if decades < 2.1 else ()
+            plot.xaxis.set_minor_formatter(FuncFormatter(lambda x, _, few=few: _power(x) if _digit(x) in few else ""))
+
+
+def _digit(x: float) -> int:
+    """The first digit of a number that has but one."""
+    return round(float(x / 10.0 ** np.floor(np.log10(x) + 1e-9)))
+
+
+def _power(x: float) -> str:
+    return str(LogFormatterSciNotation(minor_thresholds=(np.inf, np.inf))(x))
+
+
 @styled
 def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure; the ending of the name says the format.
@@ -271,6 +293,7 @@ def save(figure: Figure, path: str | Path) -> Path:
     """
     path = Path(path)
     try:
+        thin_logarithms(figure)
         figure.savefig(path)
     except OSError as error:
         raise ResultError(path, f"cannot be written: {error.strerror}", "name another with -o") from None
