@@ -95,7 +95,7 @@ def simulate(
     resume : Path or None
         An earlier result to go on from.
     verify : bool or None
-        Whether to run the scene once more with other steps; None does so where a run tells nothing of its steps.
+        Whether to run the scene once more with half the step; None does so where a run tells nothing of its steps.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def simulate(
 def _second_run(
     application: Application, scene: Any, model: Any, verify: bool | None, earlier: Result | None, bar: Bar, quiet: bool
 ) -> Afterwards | None:
-    """What compares a run with one of other steps; None where that was not asked for and the run itself tells."""
+    """What compares a run with one of half the step; None where that was not asked for and the run itself tells."""
     rubs = getattr(getattr(model, "system", None), "has_friction", False)
     if verify is False or (verify is None and (earlier is not None or not rubs)):
         return None
@@ -162,10 +162,10 @@ def _second_run(
 
     def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
         if not quiet:
-            say("once more with other steps, to see what they do; --no-verify leaves it out")
+            say("once more with half the step, to see what steps do; --no-verify leaves it out")
         found = step_error(Subject(application, scene), result, progress=bar)
         if found is None:
-            return {}, ["the run with other steps gave nothing to compare with: what the step does is not known"]
+            return {}, ["the run with half the step gave nothing to compare with: what the step does is not known"]
         return {"step_error": found._asdict()}, [found.warning] if found.warning else []
 
     return compared

@@ -32,8 +32,8 @@ Verify = Annotated[
     bool | None,
     typer.Option(
         "--verify/--no-verify",
-        help="Run it once more, with steps twice as long (half as long for an explicit method), and tell how far apart "
-        "the two are. [dim]\\[default: where there is friction][/]",
+        help="Run it once more with half the step, and tell how far apart the two are. "
+        "[dim]\\[default: where there is friction][/]",
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors and warnings only.")]

@@ -157,6 +157,7 @@ def variant_record(variant: Variant) -> dict[str, Any]:
         "silent": variant.silent,
         "phase_lag": variant.lag,
         "energy_error": variant.energy_error,
+        "change": variant.change,
         "warned": "; ".join(variant.told),
         "wall_time": variant.wall_time,
     }

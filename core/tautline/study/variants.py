@@ -28,7 +28,8 @@ CONTACTS = (1e4, 1e6, 1e8, 1e10, 1e12)
 DIVIDED = (4.0, 16.0)
 """Parts of the step of the runs by which a variant is judged."""
 MEANT = 2.0
-"""Times a run's own estimate of its lag, in radians, that an error of position may be without being a surprise."""
+"""Times a run's own estimate, of its lag in radians or of its change by half the step, that an error of position may be
+without being a surprise."""
 DOUBT = 0.5
 """Share of an error by which its estimate may be off; a finer run is asked for above."""
 
@@ -64,6 +65,8 @@ class Variant:
         Its own estimate of how late free oscillations are, rad, and the error of its energy balance.
     wall_time : float or None
         s.
+    change : float
+        Relative change of position with half the step, where `simulate` would have found it out; else 0.
     """
 
     name: str
@@ -74,14 +77,16 @@ class Variant:
     wall_time: float | None = None
     lag: float = 0.0
     energy_error: float = 0.0
+    change: float = 0.0
 
     @property
     def silent(self) -> bool:
         """Whether it was wrong without a word: no warning, and more than what the run says of itself explains.
 
-        That is its lag, and its energy: motion that has lost a share of it is off by the root of the share.
+        That is its lag, its change with half the step, and its energy: motion that has lost a share of it is off by
+        the root of the share.
         """
-        explained = max(MEANT * self.lag, math.sqrt(self.energy_error))
+        explained = max(MEANT * self.lag, MEANT * self.change, math.sqrt(self.energy_error))
         return self.outcome == "inaccurate" and not self.told and (self.error or 0.0) > explained
 
 
@@ -165,12 +170,14 @@ def _judged(
     if error is None:
         return Variant(change.name, "unjudged", None, known, told, trial.wall_time)
     outcome = "right" if error <= tolerance else "inaccurate"
+    by_half = 0.0
     if outcome == "inaccurate" and not told and tells_nothing_itself(subject.model(setting)):
         # What `simulate` finds out by itself, by a second run, is asked for only where it decides.
         found = step_error(subject, trial.result, setting)
-        told = (found.warning,) if found is not None and found.warning else ()
+        if found is not None:
+            told, by_half = (found.warning,) if found.warning else (), found.position
     own = (float(trial.attribute(name) or 0.0) for name in ("phase_lag", "energy_error"))
-    return Variant(change.name, outcome, error, "done", told, trial.wall_time, *own)
+    return Variant(change.name, outcome, error, "done", told, trial.wall_time, *own, by_half)
 
 
 def _told(subject: Subject, setting: Setting, trial: Trial) -> tuple[str, ...]:
