@@ -20,6 +20,8 @@ from tautline.study.trial import Setting, Subject, Trial
 
 DATA = DOCS.parent / "data"
 COUNTS = (1, 2, 4, 8)
+FIRST_PERIOD = 4.0
+"""Of the hammer bar, s."""
 METHODS = {
     "RK4": Setting("rk4"),
     "generalized-α": Setting("generalized-alpha"),
@@ -31,25 +33,37 @@ SAID = "“about 3”"
 
 
 class Compared(NamedTuple):
-    """One scene: its name, and runs by their names in `METHODS`, all of one step."""
+    """One scene: its name, runs by their names in `METHODS`, all of one step, and implicit ones of their own step."""
 
     name: str
     runs: dict[str, Trial]
+    longer: dict[str, Trial]
 
     def ratio(self, method: str) -> float | None:
-        """CPU time of a step over that of RK4."""
+        """CPU time of a step over that of RK4, both of one length."""
         return scenes.over(scenes.per_step(self.runs[method]), scenes.per_step(self.runs[RK4]))
 
+    def own_ratio(self, method: str) -> float | None:
+        """CPU time of a step of its own length over that of a step of RK4."""
+        return scenes.over(scenes.per_step(self.longer[method]), scenes.per_step(self.runs[RK4]))
 
-def compared(name: str, subject: Subject, step: float | None, repetitions: int) -> Compared:
-    """Run a scene in three ways at a step, or at the longest of RK4's usual ones with which it comes to its end."""
+    def times(self, method: str) -> float | None:
+        """CPU time over that of RK4 for the same simulated time."""
+        return scenes.over(scenes.cpu(self.longer[method]), scenes.cpu(self.runs[RK4]))
+
+
+def compared(name: str, subject: Subject, step: float | None, own: float, repetitions: int) -> Compared:
+    """Run a scene in three ways at a step, or at the longest of RK4's usual ones with which it comes to its end.
+
+    The implicit two are then run with the step ``own``, s, that the scene takes with them.
+    """
     critical = critical_at_start(subject, METHODS[RK4]) if step is None else None
     for h in [step] if step is not None else [share * (critical or 0.0) for share in EXPLICIT]:
         runs = {RK4: subject.run(_at(RK4, h), repetitions)}
         if runs[RK4].done:
             break
     runs |= {other: subject.run(_at(other, h), repetitions) for other in (KEPT, FULL)}
-    return Compared(name, runs)
+    return Compared(name, runs, {other: subject.run(_at(other, own), repetitions) for other in (KEPT, FULL)})
 
 
 def _at(method: str, step: float | None) -> Setting:
@@ -74,6 +88,15 @@ def part(quick: bool) -> str:
         )
         + "\n"
         + table(("claim", "ours", "thesis", "why"), _claims(bar_ratios))
+        + "\nEach at the step that it is used with: RK4 as above, generalized-α at that of the scene, which for the bar "
+        "is a tenth of its first period. The last column is for the same simulated time, and tells which is the "
+        "cheaper to run; how far off either is stands under [error against run time](#error-against-run-time-of-four-"
+        "scenes).\n\n"
+        + table(
+            ("scene", "step of generalized-α, s", "over RK4's", f"{KEPT}, a step over one of RK4", "its iterations",
+             f"{FULL}, a step over one of RK4", "its iterations", "CPU for the same time, over RK4"),
+            [_own_row(one) for one in found],
+        )
         + "\nRK4 evaluates forces four times a step, and a mass matrix that changes as often. An iteration with kept "
         "factors is one evaluation and one solution, so that generalized-α is the cheaper where one or two suffice: "
         "the more so the dearer the forces are beside the rest. With a new tangent in each it is RK4 that is cheaper, "
@@ -83,14 +106,14 @@ def part(quick: bool) -> str:
 
 def _bar(count: int, end: float, repetitions: int) -> Compared:
     subject = scenes.subject_of([*bars.bar(count, 1.0), scenes.hammer(count)], end, 0.1 * end, time_step=0.01)
-    return compared(f"hammer bar, n = {count}", subject, None, repetitions)
+    return compared(f"hammer bar, n = {count}", subject, None, 0.1 * FIRST_PERIOD, repetitions)
 
 
 def _others(quick: bool, repetitions: int) -> list[Compared]:
     """The hose without and with damping, the J-well and the hoist."""
     free, damped = hoses.changed({"hose.damping": 0.0}), hoses.changed({})
     found = [
-        (name, Subject(Gardenhose(), scene, end=end, change=scenes.unguarded), None)
+        (name, Subject(Gardenhose(), scene, end=end, change=scenes.unguarded), None, 1e-3)
         for name, scene, end in (
             ("hose at 35 m/s, undamped", free, 0.02 if quick else 0.5),
             ("hose at 35 m/s", damped, 0.01 if quick else 0.02),
@@ -98,9 +121,9 @@ def _others(quick: bool, repetitions: int) -> list[Compared]:
     ]
     if not quick:
         well, hoist = (tautline.read(DATA / name) for name in ("jwell.yaml", "hoist.yaml"))
-        found.append(("J-well", Subject(Drillstring(), well, end=10.0, change=scenes.unguarded), 1e-3))
-        found.append(("hoist", Subject(Crane(), hoist, end=2.0, change=scenes.unguarded), None))
-    return [compared(name, subject, step, repetitions) for name, subject, step in found]
+        found.append(("J-well", Subject(Drillstring(), well, end=10.0, change=scenes.unguarded), 1e-3, 1e-3))
+        found.append(("hoist", Subject(Crane(), hoist, end=2.0, change=scenes.unguarded), None, 5e-3))
+    return [compared(name, subject, step, own, repetitions) for name, subject, step, own in found]
 
 
 def _row(one: Compared) -> tuple[str, ...]:
@@ -108,9 +131,21 @@ def _row(one: Compared) -> tuple[str, ...]:
     cells = [number(scenes.per_step(one.runs[RK4]))]
     for method in (KEPT, FULL):
         trial = one.runs[method]
-        iterations = trial.attribute("newton_iterations") / trial.attribute("steps") if trial.done else None
-        cells += [number(scenes.per_step(trial)), number(one.ratio(method)), number(iterations)]
+        cells += [number(scenes.per_step(trial)), number(one.ratio(method)), number(_iterations(trial))]
     return one.name, number(step), *cells
+
+
+def _own_row(one: Compared) -> tuple[str, ...]:
+    step = one.longer[KEPT].setting.step or 0.0
+    cells = [number(step), number(step / (one.runs[RK4].setting.step or step))]
+    for method in (KEPT, FULL):
+        cells += [number(one.own_ratio(method)), number(_iterations(one.longer[method]))]
+    return one.name, *cells, number(one.times(KEPT))
+
+
+def _iterations(trial: Trial) -> float | None:
+    """Newton iterations of a step."""
+    return trial.attribute("newton_iterations") / trial.attribute("steps") if trial.done else None
 
 
 def _claims(ratios: Sequence[Sequence[float | None]]) -> list[tuple[str, ...]]:
