@@ -74,10 +74,10 @@ def measure(quick: bool) -> Section:
     spread = f"from {number(min(ratios))} to {number(max(ratios))}, {number(statistics.median(ratios))} in the median"
     text = (
         "Where dry friction acts, `simulate` runs a scene once more with half the step and tells by how much the "
-        f"result has changed. Beside it the error, against a run with {FINER:g} steps in place of one (which is as far from "
-        "the truth as friction lets it be). A method of first order is off by twice the change, one of second by four "
-        "thirds of it; where contacts let go in another order neither is more than a measure of how well the result "
-        f"is known. Change over error of position: {spread}.\n\n" + table(header, rows)
+        f"result has changed. Beside it the error, against a run with {FINER:g} steps in place of one (which is as far "
+        "from the truth as friction lets it be). A method of first order is off by twice the change, one of second by "
+        "four thirds of it. Where contacts let go in another order neither is more than a measure of how well the "
+        f"result is known. Change over error of position: {spread}.\n\n" + table(header, rows)
     )
     return Section("What half the step tells of the error", text, [])
 

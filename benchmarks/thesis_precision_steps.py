@@ -88,13 +88,21 @@ def part(quick: bool) -> str:
         )
         + "\n"
         + table(("claim", "ours", "thesis", "why"), _claims(bar_ratios))
-        + "\nEach at the step that it is used with: RK4 as above, generalized-α at that of the scene, which for the bar "
-        "is a tenth of its first period. The last column is for the same simulated time, and tells which is the "
+        + "\nEach at the step that it is used with: RK4 as above, generalized-α at that of the scene, which for the "
+        "bar is a tenth of its first period. The last column is for the same simulated time, and tells which is the "
         "cheaper to run; how far off either is stands under [error against run time](#error-against-run-time-of-four-"
         "scenes).\n\n"
         + table(
-            ("scene", "step of generalized-α, s", "over RK4's", f"{KEPT}, a step over one of RK4", "its iterations",
-             f"{FULL}, a step over one of RK4", "its iterations", "CPU for the same time, over RK4"),
+            (
+                "scene",
+                "step of generalized-α, s",
+                "over RK4's",
+                f"{KEPT}, a step over one of RK4",
+                "its iterations",
+                f"{FULL}, a step over one of RK4",
+                "its iterations",
+                "CPU for the same time, over RK4",
+            ),
             [_own_row(one) for one in found],
         )
         + "\nRK4 evaluates forces four times a step, and a mass matrix that changes as often. An iteration with kept "

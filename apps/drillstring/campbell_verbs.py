@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tautline.cli.run import searched
 from tautline.cli.verbs import Json, Scene
+from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
     from drillstring.campbell import Campbell
@@ -93,6 +95,7 @@ def campbell(
     from drillstring.natural_modes import KINDS
     from drillstring.scene import of_kind, read
     from tautline.cli.lists import number, one_of, words
+    from tautline.results.target import check_figure, check_table
 
     drillstring = read(scene)
     drillstring = of_kind(drillstring, parse_model(model) or drillstring.model.kind)
@@ -102,8 +105,8 @@ def campbell(
     highest = number(up_to, "--up-to", "Hz", HIGHEST, "ask for what the string is shaken at") if up_to else None
     upper = parse_depth(drillstring, top)
     held = parse_held(drillstring, hold)
-    figure, table = _target(scene, output, "campbell"), _table_file(csv)
-    found = _stopping(scene, as_json, lambda: compute(drillstring, speeds, lines, kinds, highest, upper, held))
+    figure, table = check_figure(output or Path(f"{scene.stem}_campbell.png")), check_table(csv)
+    found = searched(scene, as_json, lambda: compute(drillstring, speeds, lines, kinds, highest, upper, held))
     _print(drillstring, found)
     _draw(drillstring, scene, found, figure)
     if table is not None:
@@ -121,7 +124,9 @@ def parse_model(text: str | None) -> str | None:
 
     kinds = parse_models(text)
     if len(kinds) > 1:
-        raise _refused("--model", str(text), "are two models, and one diagram shows one", "ask for one after the other")
+        raise option_error(
+            "--model", str(text), "are two models, and one diagram shows one", "ask for one after the other"
+        )
     return kinds[0] if kinds else None
 
 
@@ -133,12 +138,14 @@ def parse_speeds(text: str | None) -> tuple[float, float]:
         return USUAL_SPEEDS[0] * RPM, USUAL_SPEEDS[1] * RPM
     parts = [part.strip() for part in text.split(":")]
     if len(parts) != 2:
-        raise _refused("--speed", text, "needs two numbers, from and to", "write 0:200, or '60 rpm:180 rpm'")
+        raise option_error("--speed", text, "needs two numbers, from and to", "write 0:200, or '60 rpm:180 rpm'")
     low, high = (_speed(part, text) for part in parts)
     if not low < high:
-        raise _refused("--speed", text, "does not end above where it begins", "write the slower speed first: 60:180")
+        raise option_error(
+            "--speed", text, "does not end above where it begins", "write the slower speed first: 60:180"
+        )
     if high > FASTEST * RPM * (1.0 + 1e-9):
-        raise _refused("--speed", text, f"goes beyond {FASTEST:g} rpm", "take slower speeds")
+        raise option_error("--speed", text, f"goes beyond {FASTEST:g} rpm", "take slower speeds")
     return low, high
 
 
@@ -159,7 +166,7 @@ def _speed(word: str, text: str) -> float:
         return float(adapter.validate_python(word if plain is None else plain * RPM))
     except ValidationError as error:
         cure = "write 0:200 in rpm, or '60 rpm:180 rpm'"
-        raise _refused("--speed", text, str(error.errors()[0]["msg"]), cure) from None
+        raise option_error("--speed", text, str(error.errors()[0]["msg"]), cure) from None
 
 
 def parse_orders(text: str | None, blades: int | None) -> tuple[float, ...]:
@@ -178,7 +185,7 @@ def parse_orders(text: str | None, blades: int | None) -> tuple[float, ...]:
     found: list[Any] = words(text, "--orders", read) or list(USUAL_ORDERS)
     found = sorted({*found, *([float(blades)] if blades else [])})
     if len(found) > MOST_ORDERS:
-        raise _refused("--orders", str(text), f"are {len(found)} multiples, more than {MOST_ORDERS}", "give fewer")
+        raise option_error("--orders", str(text), f"are {len(found)} multiples, more than {MOST_ORDERS}", "give fewer")
     return tuple(found)
 
 
@@ -192,7 +199,7 @@ def parse_depth(scene: DrillstringScene, text: str | None) -> float | None:
     depth = number(text, "--from", "m")
     length = sum(tube.length for tube in tubes_of(scene, well_of(scene).length))
     if depth >= length - 1e-3:
-        raise _refused(
+        raise option_error(
             "--from", text, f"leaves nothing of the string, which is {length:g} m long", "give a lesser depth"
         )
     return depth
@@ -239,51 +246,6 @@ def report(found: Campbell) -> dict[str, Any]:
         ],
         "critical": [one._asdict() for one in found.critical],
     }
-
-
-def _refused(option: str, value: str, cause: str, cure: str) -> Exception:
-    from tautline.scene.errors import Problem, SceneError
-
-    return SceneError([Problem(option, None, "", value, cause, cure)])
-
-
-def _target(scene: Path, output: Path | None, what: str) -> Path:
-    from tautline.results.errors import ResultError
-    from tautline.results.target import check_folder
-
-    path = output or Path(f"{scene.stem}_{what}.png")
-    if path.suffix not in (".png", ".svg", ".pdf"):
-        raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", "name it .png, .svg or .pdf")
-    check_folder(path)
-    return path
-
-
-def _table_file(csv: Path | None) -> Path | None:
-    from tautline.results.errors import ResultError
-    from tautline.results.target import check_folder
-
-    if csv is None:
-        return None
-    if csv.suffix.lower() != ".csv":
-        raise ResultError(csv, f"ends in '{csv.suffix}', and is to be a table", "name it .csv")
-    check_folder(csv)
-    return csv
-
-
-def _stopping(path: Path, as_json: bool, search: Any) -> Any:
-    """Run a search; a string that finds no rest ends the command as a run that stopped early does."""
-    from tautline.cli.console import print_json, say
-    from tautline.cli.run import Ended, ExitCode
-    from tautline.integrators.status import StoppedEarly
-
-    try:
-        return search()
-    except StoppedEarly as stop:
-        say(f"{path}: {stop.part}: {stop.sentence}", "red")
-        if as_json:
-            where = {"part": stop.part, "sentence": stop.sentence}
-            print_json({"scene": str(path), "status": stop.status.name.lower().replace("_", " "), "stopped": where})
-        raise Ended(ExitCode.STOPPED_EARLY) from None
 
 
 def _print(scene: DrillstringScene, found: Campbell) -> None:

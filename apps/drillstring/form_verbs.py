@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tautline.cli.run import searched
 from tautline.cli.verbs import Json
+from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
     from drillstring.form import Finding, Form
@@ -62,14 +64,16 @@ def form(
     from drillstring.form import find_form
     from drillstring.scene import read
     from tautline.integrators.relaxation import MOST_STEPS
+    from tautline.results.target import check_figure, check_table
 
     way, meshes, kinds = _way(by, most), parse_elements(elements), parse_models(model)
     read_scenes = [read(path) for path in scenes]
-    figure, table = _target(scenes, output), _table_file(csv)
+    name = f"{scenes[0].stem}_form.png" if len(scenes) == 1 else "forms.png"
+    figure, table = check_figure(output or Path(name)), check_table(csv)
     found = []
     for path, scene in zip(scenes, read_scenes, strict=True):
         search = partial(find_form, scene, meshes, way, most or MOST_STEPS, kinds)
-        found.append(_stopping(path, as_json, search))
+        found.append(searched(path, as_json, search))
     # One table and one figure have one system of units: the first scene's.
     system = read_scenes[0].units
     _print(scenes, found, system)
@@ -143,10 +147,10 @@ def parse_elements(text: str | None) -> list[int]:
         return []
     words = [word.strip() for word in text.split(",")]
     if not all(word.isascii() and word.isdigit() and len(word) < 10 and int(word) > 0 for word in words):
-        raise _refused("--elements", text, "is no list of numbers of elements", "write 10,20,50")
+        raise option_error("--elements", text, "is no list of numbers of elements", "write 10,20,50")
     counts = sorted({int(word) for word in words})
     if len(counts) > MOST_MESHES:
-        raise _refused("--elements", text, f"are {len(counts)} meshes, more than {MOST_MESHES}", "take fewer")
+        raise option_error("--elements", text, f"are {len(counts)} meshes, more than {MOST_MESHES}", "take fewer")
     return counts
 
 
@@ -166,7 +170,7 @@ def parse_models(text: str | None) -> list[str]:
     words = [word.strip().lower().replace("_", "-") for word in text.split(",")]
     for word in words:
         if word not in meant:
-            raise _refused(
+            raise option_error(
                 "--model", text, f"'{word}' is no kind of model", f"write {LUMPED}, {BEAM} or {LUMPED},{BEAM}"
             )
     return list(dict.fromkeys(meant[word] for word in words))
@@ -176,56 +180,11 @@ def _way(by: str, most: int | None) -> str:
     from drillstring.form import WAYS
 
     if by not in WAYS:
-        raise _refused("--by", by, "is no way to bring a string to rest", "write static or relaxation")
+        raise option_error("--by", by, "is no way to bring a string to rest", "write static or relaxation")
     if most is not None and by == "static":
         cause = "is given without --by relaxation: the static solver takes no steps"
-        raise _refused("--most", str(most), cause, "leave it out, or add --by relaxation")
+        raise option_error("--most", str(most), cause, "leave it out, or add --by relaxation")
     return by
-
-
-def _refused(option: str, value: str, cause: str, cure: str) -> Exception:
-    from tautline.scene.errors import Problem, SceneError
-
-    return SceneError([Problem(option, None, "", value, cause, cure)])
-
-
-def _target(scenes: list[Path], output: Path | None) -> Path:
-    from tautline.results.errors import ResultError
-    from tautline.results.target import check_folder
-
-    path = output or Path(f"{scenes[0].stem}_form.png" if len(scenes) == 1 else "forms.png")
-    if path.suffix not in (".png", ".svg", ".pdf"):
-        raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", "name it .png, .svg or .pdf")
-    check_folder(path)
-    return path
-
-
-def _table_file(csv: Path | None) -> Path | None:
-    from tautline.results.errors import ResultError
-    from tautline.results.target import check_folder
-
-    if csv is None:
-        return None
-    if csv.suffix.lower() != ".csv":
-        raise ResultError(csv, f"ends in '{csv.suffix}', and is to be a table", "name it .csv")
-    check_folder(csv)
-    return csv
-
-
-def _stopping(path: Path, as_json: bool, search: Any) -> Any:
-    """Run a search; a string that finds no rest ends the command as a run that stopped early does."""
-    from tautline.cli.console import print_json, say
-    from tautline.cli.run import Ended, ExitCode
-    from tautline.integrators.status import StoppedEarly
-
-    try:
-        return search()
-    except StoppedEarly as stop:
-        say(f"{path}: {stop.part}: {stop.sentence}", "red")
-        if as_json:
-            where = {"part": stop.part, "sentence": stop.sentence}
-            print_json({"scene": str(path), "status": stop.status.name.lower().replace("_", " "), "stopped": where})
-        raise Ended(ExitCode.STOPPED_EARLY) from None
 
 
 def _largest(found: Finding, one: Form) -> float | None:

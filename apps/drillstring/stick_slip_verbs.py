@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from tautline.cli.verbs import Json, Scene
+from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
     from drillstring.scene import DrillstringScene
@@ -74,7 +75,7 @@ def stick_slip(
     speeds = parse_range(speed, "--speed", "rad/s", RPM)
     weights = _weights(drillstring, weight)
     if len(speeds) * len(weights) > MOST_CELLS:
-        raise _refuse(
+        raise option_error(
             "--speed", speed, f"makes {len(speeds) * len(weights)} runs, more than {MOST_CELLS}", "take fewer"
         )
     length = None if end is None else number(end, "--end", "s")
@@ -88,12 +89,6 @@ def stick_slip(
         raise Ended(ExitCode.INTERRUPTED)
     if found.failures:
         raise Ended(ExitCode.STOPPED_EARLY)
-
-
-def _refuse(option: str, value: str, cause: str, cure: str) -> Any:
-    from tautline.scene.errors import Problem, SceneError
-
-    return SceneError([Problem(option, None, "", value, cause, cure)])
 
 
 def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[float]:
@@ -118,13 +113,13 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
         return [one(word) for word in text.split(",")]
     parts = text.split(":")
     if len(parts) != 3:
-        raise _refuse(option, text, "needs three numbers: from, to and step", "write 40:160:20, or 60,90,120")
+        raise option_error(option, text, "needs three numbers: from, to and step", "write 40:160:20, or 60,90,120")
     first, last, step = (one(part) for part in parts)
     if last < first:
-        raise _refuse(option, text, "ends below where it begins", "write the smaller first, such as 40:160:20")
+        raise option_error(option, text, "ends below where it begins", "write the smaller first, such as 40:160:20")
     count = math.floor((last - first) / step * (1.0 + 1e-12) + 1e-9) + 1
     if count > MOST_CELLS:
-        raise _refuse(option, text, f"makes {count} values, more than {MOST_CELLS}", "take a larger step")
+        raise option_error(option, text, f"makes {count} values, more than {MOST_CELLS}", "take a larger step")
     return [first + k * step for k in range(count)]
 
 
@@ -133,7 +128,7 @@ def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
         return parse_range(text, "--weight", "N")
     own = scene.bit.weight or (scene.bit.torque.weight if scene.bit.torque is not None else None)
     if not own:
-        raise _refuse("--weight", "", "is needed: the scene's own weight on bit is 0", "write 50 kN:250 kN:50 kN")
+        raise option_error("--weight", "", "is needed: the scene's own weight on bit is 0", "write 50 kN:250 kN:50 kN")
     return [share * own for share in SHARES]
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drillstring.form_verbs import Models, parse_models
+from tautline.cli.run import searched
 from tautline.cli.verbs import Json, Scene
+from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
     from drillstring.back_calculation import Fit, Measured
@@ -87,18 +90,19 @@ def torque_drag(
     from drillstring.torque_drag import torque_drag as compute
     from tautline.cli.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
+    from tautline.results.target import check_figure
 
     drillstring = read(scene)
     # The first of several models is the one that measured loads are fitted by.
     kinds = parse_models(model) or [drillstring.model.kind]
     drillstring = of_kind(drillstring, kinds[0])
     own = own_friction(drillstring)
-    figure = _target(scene, output)
+    figure = check_figure(output or Path(f"{scene.stem}_torque_drag.png"))
     factors = parse_frictions(friction, own.shoe) if friction is not None else None
     reamed = parse_reaming(reaming, rotary)
     depths = parse_depths(depth) if depth is not None else None
     _check_elements(drillstring, elements)
-    loads, fitted = _fitted(drillstring, measured, elements)
+    loads, fitted = _fitted(drillstring, measured, elements, as_json)
     if fitted is not None:
         factors = [fitted.factors(own.shoe)] if factors is None else factors
         depths = sorted(set(loads.depth.tolist())) if depths is None else depths
@@ -128,7 +132,6 @@ def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
 
     from drillstring.factors import Factors
     from tautline.cli.lists import words
-    from tautline.scene.errors import Problem, SceneError
 
     def factor(word: str) -> float:
         try:
@@ -151,7 +154,7 @@ def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
     found: list[Any] = words(text, "--friction", read)
     if len(found) > MOST_FACTORS:
         cause = f"makes {len(found)} friction factors, more than {MOST_FACTORS}"
-        raise SceneError([Problem("--friction", None, "", text, cause, "give fewer")])
+        raise option_error("--friction", text, cause, "give fewer")
     return found
 
 
@@ -159,12 +162,11 @@ def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | 
     """Motions of reaming up and down; None without a speed. Raises SceneError for a rotary speed alone."""
     from drillstring.motion import reaming
     from tautline.cli.lists import number
-    from tautline.scene.errors import Problem, SceneError
 
     if speed is None:
         if rotary is not None:
             cause = "turns a string that is not moved: `rotating` is the same at any speed"
-            raise SceneError([Problem("--rotary", None, "", rotary, cause, "give --reaming a speed, or leave it out")])
+            raise option_error("--rotary", rotary, cause, "give --reaming a speed, or leave it out")
         return None
     return reaming(number(speed, "--reaming", "m/s"), number(rotary or "60 rpm", "--rotary", "rad/s"))
 
@@ -174,10 +176,8 @@ def parse_depths(text: str) -> list[float]:
     import math
 
     from tautline.cli.lists import number, numbers
-    from tautline.scene.errors import Problem, SceneError
 
-    def refuse(cause: str, cure: str) -> SceneError:
-        return SceneError([Problem("--depth", None, "", text, cause, cure)])
+    refuse = partial(option_error, "--depth", text)
 
     if ":" not in text:
         found = numbers(text, "--depth", "m")
@@ -197,29 +197,19 @@ def parse_depths(text: str) -> list[float]:
 
 
 def _check_elements(scene: DrillstringScene, elements: int | None) -> None:
-    from tautline.scene.errors import Problem, SceneError
-
     if elements is not None and elements < len(scene.string):
         cause = f"fewer than the {len(scene.string)} sections of the string"
-        raise SceneError([Problem("--elements", None, "", str(elements), cause, "give one for each section at least")])
+        raise option_error("--elements", str(elements), cause, "give one for each section at least")
 
 
-def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None) -> tuple[Any, Fit | None]:
+def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None, as_json: bool) -> tuple[Any, Fit | None]:
     """Measured loads and the friction factor that fits them; a search that fails ends the command."""
-    from tautline.cli.console import say
-    from tautline.cli.run import Ended, ExitCode
-    from tautline.integrators.status import StoppedEarly
-
     if path is None:
         return None, None
     from drillstring.back_calculation import fit, read_measured
 
     loads = read_measured(path, scene.top.weight)
-    try:
-        return loads, fit(scene, loads, elements, path)
-    except StoppedEarly as stop:
-        say(f"stopped, {stop.part}: {stop.sentence}", "red")
-        raise Ended(ExitCode.STOPPED_EARLY) from None
+    return loads, searched(path, as_json, lambda: fit(scene, loads, elements, path))
 
 
 def report(cases: list[Case], fitted: Fit | None, failures: list[str], block: float) -> dict[str, Any]:
@@ -276,15 +266,6 @@ def _report_of(case: Case) -> dict[str, Any]:
             for way, profile in last.profiles.items()
         },
     }  # fmt: skip
-
-
-def _target(scene: Path, output: Path | None) -> Path:
-    from tautline.results.errors import ResultError
-
-    path = output or Path(f"{scene.stem}_torque_drag.png")
-    if path.suffix not in (".png", ".svg", ".pdf"):
-        raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", "name it .png, .svg or .pdf")
-    return path
 
 
 def _print(scene: DrillstringScene, cases: list[Case], fitted: Fit | None) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tautline.cli.verbs import Json
+from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
     from drillstring.tubulars import Tubular
@@ -20,16 +21,15 @@ def tubulars(words: Words = None, as_json: Json = False) -> None:
     """List the standard tubulars that a section of a string can name, or those that some words fit."""
     from drillstring.tubulars import NoSuchTubular, catalogue, matching
     from tautline.cli.console import console, print_json, say
-    from tautline.scene.errors import Problem, SceneError
 
     text = " ".join(words or ())
     try:
         found = matching(text) if text.strip() else catalogue()
     except NoSuchTubular as none:
-        raise SceneError([Problem("WORDS", None, "", text, none.cause, none.cure)]) from None
+        raise option_error("WORDS", text, none.cause, none.cure) from None
     if not found:
         cause, cure = "fits no tubular of the catalogue", "leave words out, or give none to see all"
-        raise SceneError([Problem("WORDS", None, "", text, cause, cure)])
+        raise option_error("WORDS", text, cause, cure)
     console().print(_table(found))
     say("in a scene: `tubular:` and the name; weight is with tool joints, yield that of the new tube", "green")
     if as_json:

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, model_validator
 
-from tautline.scene.errors import Problem, SceneError
+from tautline.scene.errors import SceneError, option_error
 from tautline.scene.functions import Constant, FunctionOfTime, time_function
 from tautline.scene.magnitude import LARGEST, OUTSIDE, is_outside
 from tautline.scene.model import Model, Scene, Whole, validate, word
@@ -276,7 +276,7 @@ def with_speed(scene: HoseScene, value: float) -> HoseScene:
         cure = "add `water: {mass_per_length: ..., speed: ...}`"
         raise SceneError([scene.problem("water", "is missing: nothing can flow", cure)])
     if not math.isfinite(value):
-        raise SceneError([Problem("--speed", None, "", str(value), "is not a finite number", "give a speed in m/s")])
+        raise option_error("--speed", str(value), "is not a finite number", "give a speed in m/s")
     if scene.document is None:
         water = scene.water.model_copy(update={"speed": Constant(value=float(value))})
         return scene.model_copy(update={"water": water})

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tautline.cli.run import searched
 from tautline.cli.verbs import Json, Scene
+from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
     from gardenhose.flutter import Critical, Stability
@@ -41,11 +44,12 @@ def static(scene: Scene, speed: StaticSpeeds = None, output: Picture = None, as_
     """Find the shape at rest at each flow speed, and draw them."""
     from gardenhose.scene import read
     from gardenhose.static import forms
+    from tautline.results.target import check_figure
 
     hose = read(scene)
     speeds = parse_speeds(speed) if speed is not None else _up_to_fastest(hose)
-    found = _stopping(lambda: forms(hose, speeds))
-    figure = _target(scene, "static", output)
+    figure = check_figure(output or Path(f"{scene.stem}_static.png"))
+    found = searched(scene, as_json, lambda: forms(hose, speeds))
     _print_forms(found)
     _draw_forms(hose, found, figure)
     if as_json:
@@ -62,11 +66,12 @@ def flutter(
     """Find where the hose becomes unstable: eigenvalues against flow speed, critical speed and frequency."""
     from gardenhose.flutter import stability
     from gardenhose.scene import read
+    from tautline.results.target import check_figure
 
     hose = read(scene)
     speeds = parse_speeds(speed) if speed is not None else None
-    found = _stopping(lambda: stability(hose, speeds, modes))
-    figure = _target(scene, "flutter", output)
+    figure = check_figure(output or Path(f"{scene.stem}_flutter.png"))
+    found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found)
     _draw_stability(hose, found, figure)
     if as_json:
@@ -100,10 +105,7 @@ def parse_speeds(text: str) -> list[float]:
     """
     import math
 
-    from tautline.scene.errors import Problem, SceneError
-
-    def refuse(cause: str, cure: str) -> SceneError:
-        return SceneError([Problem("--speed", None, "", text, cause, cure)])
+    refuse = partial(option_error, "--speed", text)
 
     example = "write 0:12:3, or 0,3,6,9,12"
     try:
@@ -133,28 +135,6 @@ def _up_to_fastest(hose: HoseScene) -> list[float]:
     sampled = speeds(hose)
     fastest = float(sampled[np.argmax(np.abs(sampled))])
     return [0.0] if fastest == 0.0 else np.linspace(0.0, fastest, DEFAULT_SPEEDS).tolist()
-
-
-def _stopping(search: Any) -> Any:
-    """Run a search; one that finds nothing ends the command as a run that stopped early does."""
-    from tautline.cli.console import say
-    from tautline.cli.run import Ended, ExitCode
-    from tautline.integrators.status import StoppedEarly
-
-    try:
-        return search()
-    except StoppedEarly as stop:
-        say(f"stopped, {stop.part}: {stop.sentence}", "red")
-        raise Ended(ExitCode.STOPPED_EARLY) from None
-
-
-def _target(scene: Path, verb: str, output: Path | None) -> Path:
-    from tautline.results.errors import ResultError
-
-    path = output or Path(f"{scene.stem}_{verb}.png")
-    if path.suffix not in (".png", ".svg", ".pdf"):
-        raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", "name it .png, .svg or .pdf")
-    return path
 
 
 def _print_forms(found: list[Form]) -> None:

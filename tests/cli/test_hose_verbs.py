@@ -7,12 +7,14 @@ import pytest
 from cli.in_process import commands_of, files, only_object
 
 from gardenhose.application import Gardenhose
+from tautline.integrators.status import Status, StoppedEarly
 from tautline.results.result import Result
 
 HOSE = (Path(__file__).parents[2] / "data" / "hose.yaml").read_text(encoding="utf8")
 CLAIMED = [[0.435384, -0.229892], [0.443159, -0.216109], [0.462751, -0.175513], [0.483430, -0.116218]]
 CLAIMED += [[0.495223, -0.060137]]
 """Tip at rest, x and z in m, at 0, 3, 6, 9, 12 m/s: figures of the issue."""
+STABILITY = "gardenhose.flutter.stability"
 
 
 @pytest.fixture
@@ -139,7 +141,7 @@ def test_bad_speeds_exit_with_2_and_a_cure_and_write_nothing(gardenhose, folder,
         (["missing.yaml"], "there is no such file"),
         (["hose.yaml", "--speed", "1,2", "-o", "shapes.xyz"], "is no format of figures"),
         (["hose.yaml", "--speed", "1,2", "-o", "shapes"], "is no format of figures"),
-        (["hose.yaml", "--speed", "1,2", "-o", "nowhere/shapes.png"], "nowhere"),
+        (["hose.yaml", "--speed", "1,2", "-o", "nowhere/shapes.png"], "there is no folder nowhere"),
         (["hose.yaml", "--sped", "1"], "--sped"),
     ],
     ids=["no water", "no file", "unknown ending", "no ending", "no folder", "misspelt"],
@@ -150,6 +152,25 @@ def test_bad_input_exits_with_2_names_the_fault_and_writes_nothing(gardenhose, f
     assert (code, out) == (2, "")
     assert said in " ".join(err.split()) and "Traceback" not in err
     assert files(folder) == before
+
+
+@pytest.mark.parametrize(("verb", "search"), [("static", "gardenhose.static.forms"), ("flutter", STABILITY)])
+def test_where_the_figure_goes_is_looked_at_before_the_search(gardenhose, monkeypatch, verb, search):
+    monkeypatch.setattr(search, lambda *_: pytest.fail("searched for what cannot be written"))
+    assert gardenhose(verb, "hose.yaml", "-o", "nowhere/shapes.png")[0] == 2
+
+
+@pytest.mark.parametrize(("verb", "search"), [("static", "gardenhose.static.forms"), ("flutter", STABILITY)])
+def test_a_search_that_finds_nothing_exits_with_3_and_json_tells_where_and_why(gardenhose, monkeypatch, verb, search):
+    def fails(*_):
+        raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "element 3")
+
+    monkeypatch.setattr(search, fails)
+    code, out, err = gardenhose(verb, "hose.yaml", "--json")
+    report = only_object(out)
+    assert (code, report["status"], report["scene"]) == (3, "no equilibrium", "hose.yaml")
+    assert report["stopped"]["part"] == "element 3" and report["stopped"]["sentence"] in " ".join(err.split())
+    assert "hose.yaml" in err and not list(Path().glob("*.png"))
 
 
 @pytest.mark.parametrize("verb", ["static", "flutter"])

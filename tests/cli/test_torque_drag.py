@@ -229,6 +229,12 @@ def test_scene_without_a_wall_is_refused_by_its_key(drillstring_):
     assert code == 2 and "free.yaml" in err and "well.wall" in err and "no friction" in err
 
 
+def test_where_the_figure_goes_is_looked_at_before_the_search(drillstring_, monkeypatch):
+    monkeypatch.setattr(drillstring.torque_drag, "torque_drag", lambda *_, **__: pytest.fail("searched"))
+    code, _, err = drillstring_("torque-drag", "jwell.yaml", "-o", "nowhere/loads.png")
+    assert code == 2 and "there is no folder nowhere" in " ".join(err.split())
+
+
 def test_direction_without_an_equilibrium_is_named_the_rest_is_kept_and_the_exit_code_is_3(drillstring_, monkeypatch):
     solve = drillstring.statics.Statics.solve
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from tautline.scene.errors import Problem, SceneError
+from tautline.scene.errors import option_error
 
 
 def words(text: str | None, option: str, known: Callable[[str], str]) -> list[str]:
@@ -51,10 +51,10 @@ def number(text: str, option: str, unit: str, most: float | None = None, cure: s
         Naming the option, for more than one and for more than `most`.
     """
     if "," in text:
-        raise SceneError([Problem(option, None, "", text, "is more than one number", "give one, with a decimal point")])
+        raise option_error(option, text, "is more than one number", "give one, with a decimal point")
     value = numbers(text, option, unit)[0]
     if most is not None and value > most:
-        raise SceneError([Problem(option, None, "", text, f"is more than {most:g}", cure)])
+        raise option_error(option, text, f"is more than {most:g}", cure)
     return value
 
 
@@ -82,7 +82,7 @@ def _each(text: str | None, option: str, read: Callable[[str], Any]) -> list[Any
             found.append(read(word))
         except ValueError as error:
             cure = "give entries between commas, such as 1ms,0.5ms" if "empty" in str(error) else "see --help"
-            raise SceneError([Problem(option, None, "", word or text, str(error), cure)]) from None
+            raise option_error(option, word or text, str(error), cure) from None
     return list(dict.fromkeys(found))
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NoReturn
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from tautline.cli.console import abandon_output, print_json, say
 from tautline.kernels.garbage import collected_rarely, left_at_exit
@@ -13,6 +14,9 @@ from tautline.scene.errors import Problem, SceneError
 
 if TYPE_CHECKING:
     import typer
+
+
+T = TypeVar("T")
 
 
 class ExitCode(IntEnum):
@@ -31,6 +35,26 @@ class Ended(Exception):
     def __init__(self, code: ExitCode) -> None:
         self.code = code
         super().__init__(code.name)
+
+
+def searched(scene: Path, as_json: bool, search: Callable[[], T]) -> T:
+    """What a search of a verb finds; one that finds nothing ends the command as a run that stopped early does.
+
+    Raises
+    ------
+    Ended
+        Where the search raises `tautline.integrators.status.StoppedEarly`, which has been reported then.
+    """
+    from tautline.integrators.status import StoppedEarly
+
+    try:
+        return search()
+    except StoppedEarly as stop:
+        say(f"{scene}: stopped, {stop.part}: {stop.sentence}", "red")
+        if as_json:
+            where = {"part": stop.part, "sentence": stop.sentence}
+            print_json({"scene": str(scene), "status": stop.status.name.lower().replace("_", " "), "stopped": where})
+        raise Ended(ExitCode.STOPPED_EARLY) from None
 
 
 def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:

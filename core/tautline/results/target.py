@@ -10,6 +10,8 @@ from tautline.results.errors import ResultError
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of every HDF5 file, which NetCDF-4 is."""
+FIGURES = (".png", ".svg", ".pdf")
+"""Endings of figures."""
 
 
 def check_target(path: str | Path) -> Path:
@@ -54,6 +56,37 @@ def check_folder(path: Path) -> None:
         )
     if not folder:
         raise ResultError(path, f"{path.parent} is a file, not a folder", "name another folder with -o")
+
+
+def check_figure(path: Path) -> Path:
+    """Check that a figure may be written to a path, by its ending and its folder, and return it.
+
+    Raises
+    ------
+    ResultError
+        For another ending than that of a format of figures, and for a folder that is not there.
+    """
+    if path.suffix not in FIGURES:
+        cure = f"name it {', '.join(FIGURES[:-1])} or {FIGURES[-1]}"
+        raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", cure)
+    check_folder(path)
+    return path
+
+
+def check_table(path: Path | None) -> Path | None:
+    """The same of a table, where one was asked for.
+
+    Raises
+    ------
+    ResultError
+        For another ending than .csv, and for a folder that is not there.
+    """
+    if path is None:
+        return None
+    if path.suffix.lower() != ".csv":
+        raise ResultError(path, f"ends in '{path.suffix}', and is to be a table", "name it .csv")
+    check_folder(path)
+    return path
 
 
 def _check_replaceable(path: Path) -> None:

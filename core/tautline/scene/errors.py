@@ -63,6 +63,11 @@ class SceneError(Exception):
         return "\n".join(lines)
 
 
+def option_error(option: str, value: str, cause: str, cure: str = "") -> SceneError:
+    """An option of a command that cannot be: what was given to it, why not, and what would do."""
+    return SceneError([Problem(option, None, "", value, cause, cure)])
+
+
 @dataclass(frozen=True)
 class Caution:
     """A warning of ``check``: the place in the scene, and what is large compared with what."""

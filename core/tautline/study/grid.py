@@ -9,7 +9,7 @@ import numpy as np
 
 from tautline.integrators.critical_step import CriticalStep
 from tautline.integrators.status import StoppedEarly
-from tautline.scene.errors import Problem, SceneError
+from tautline.scene.errors import SceneError, option_error
 from tautline.simulation import Run
 from tautline.study.trial import Setting, Subject
 
@@ -101,7 +101,7 @@ def _constraints(subject: Subject, asked: Sequence[str]) -> Sequence[str]:
             cure = (
                 f"give some of {', '.join(known)}, or all" if known else "leave --constraints out: there is no choice"
             )
-            raise SceneError([Problem("--constraints", None, "", name, cause, cure)])
+            raise option_error("--constraints", name, cause, cure)
     return asked
 
 
