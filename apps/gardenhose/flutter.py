@@ -25,8 +25,8 @@ SPEEDS = 61
 """Speeds of a search that is not told where to look."""
 PRECISION = 1.0e-10
 """Relative precision of the critical speed."""
-STILL, ROUNDING = 1.0e-7, 1.0e-11
-"""Growth over the size of the eigenvalue, and over that of the largest, that is rounding."""
+STILL, ROUNDING = 1.0e-7, 10.0
+"""Growth over the size of the eigenvalue, and over what it may be off by rounding, that is none."""
 BEYOND = 1.0e-3
 """How far past a critical speed the way in which it becomes unstable is looked at, relative to it."""
 REAL = 1.0e-6
@@ -97,8 +97,9 @@ class _Linear:
     def growth(self, speed: float, plane: Plane) -> tuple[float, complex]:
         """Largest growth rate of motions in a plane less what may be rounding, 1/s, and the eigenvalue that has it."""
         motions, share = self.at(speed)
-        chosen = motions.value if plane == "any" else motions.value[(share > 0.5) == (plane == "out")]
-        grows = chosen.real - STILL * np.abs(chosen) - ROUNDING * np.abs(motions.value).max()
+        those = np.full(share.size, True) if plane == "any" else (share > 0.5) == (plane == "out")
+        chosen = motions.value[those]
+        grows = chosen.real - STILL * np.abs(chosen) - ROUNDING * motions.rounding[those]
         fastest = int(np.argmax(grows))
         return float(grows[fastest]), complex(chosen[fastest])
 
