@@ -15,12 +15,14 @@ from scipy.optimize import brentq, linear_sum_assignment
 from gardenhose.estimates import average, onset
 from gardenhose.scene import HoseScene
 from gardenhose.static import Form, form
-from tautline.integrators.vibrations import Vibrations, vibrations
+from tautline.integrators.vibrations import DENSE, Vibrations, vibrations
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
 
 MODES = 8
 """Pairs of eigenvalues that are followed."""
+DOFS, SLOWEST = 6, 60
+"""Unknowns of an element, and how many motions are sought of a hose that has too many for all."""
 SPEEDS = 61
 """Speeds of a search that is not told where to look."""
 PRECISION = 1.0e-10
@@ -49,13 +51,15 @@ class Critical(NamedTuple):
 class Stability(NamedTuple):
     """Eigenvalues against speed.
 
-    ``speed`` (k,) m/s; ``eigenvalues`` (k, m) 1/s, each column one mode followed from speed to speed; ``out_of_plane``
-    (k, m) the share of the motion that is; ``critical`` what becomes unstable, the lowest speed first, a plane once.
+    ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, each column one mode followed from speed to speed;
+    ``out_of_plane`` (k, m) the share of the motion that is; ``grows`` (k,) whether any motion does, by more than what
+    may be rounding; ``critical`` what becomes unstable, the lowest speed first, a plane once.
     """
 
     speed: np.ndarray
     eigenvalues: np.ndarray
     out_of_plane: np.ndarray
+    grows: np.ndarray
     critical: list[Critical]
 
 
@@ -81,7 +85,7 @@ class _Linear:
         near = min(self.known.values(), key=lambda one: abs(one.speed - speed), default=None)
         found = form(self.scene, speed, near)
         self.known[speed] = found
-        motions = vibrations(found.system, found.state)
+        motions = vibrations(found.system, found.state, None if found.system.size <= DENSE else SLOWEST)
         self.solved[speed] = motions, self._share(motions.shape)
         return self.solved[speed]
 
@@ -99,14 +103,20 @@ class _Linear:
         motions, share = self.at(speed)
         those = np.full(share.size, True) if plane == "any" else (share > 0.5) == (plane == "out")
         chosen = motions.value[those]
+        if not chosen.size:
+            return -np.inf, 0j
         grows = chosen.real - STILL * np.abs(chosen) - ROUNDING * motions.rounding[those]
         fastest = int(np.argmax(grows))
         return float(grows[fastest]), complex(chosen[fastest])
 
 
 def _tied(scene: HoseScene) -> HoseScene:
-    """The scene with hose and water tied without springs, on which entering water excites a fast mode of its own."""
-    if scene.coupling != "penalty" or scene.document is None:
+    """The scene with hose and water tied without springs, on which entering water excites a fast mode of its own.
+
+    A hose of many elements has no multipliers either: of its motions only the slowest are sought.
+    """
+    long = DOFS * scene.hose.element_count > DENSE
+    if scene.document is None or scene.coupling == "linear" or (scene.coupling != "penalty" and not long):
         return scene
     values = {("coupling",): ("linear", "coupling"), ("stiffness",): (None, "stiffness")}
     return validate(HoseScene, scene.document.replaced(values))
@@ -120,7 +130,7 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     scene : HoseScene
         With water.
     speeds : sequence of float or None
-        m/s, rising; None goes from zero to well beyond the first critical speed.
+        m/s, in any order; None goes from zero to well beyond the first critical speed.
     modes : int
         Pairs of eigenvalues to follow.
 
@@ -135,12 +145,13 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
         cure = "add `water: {mass_per_length: ..., speed: ...}`"
         raise SceneError([scene.problem("water", "is missing: nothing can flow", cure)])
     linear = _Linear(scene)
-    grid = np.array(speeds, float) if speeds is not None else _range(linear)
+    grid = np.unique(np.array(speeds, float)) if speeds is not None else _range(linear)
     rows = [linear.at(float(speed)) for speed in grid]
     values, shares = _follow(rows, modes)
     planes: tuple[Plane, ...] = ("any",) if linear.normal is None else ("in", "out")
     found = [critical for plane in planes for critical in _crossings(linear, grid, plane)[:1]]
-    return Stability(grid, values, shares, sorted(found, key=lambda one: one.speed))
+    grows = np.array([_grows(linear, speed, "any") for speed in grid])
+    return Stability(grid, values, shares, grows, sorted(found, key=lambda one: abs(one.speed)))
 
 
 def crossings(scene: HoseScene, speeds: Sequence[float], plane: Plane = "any") -> list[Critical]:
@@ -171,12 +182,13 @@ def _guess(scene: HoseScene) -> float:
 
 
 def _crossings(linear: _Linear, grid: np.ndarray, plane: Plane) -> list[Critical]:
+    """Where motions begin to grow as the water goes faster, to either side, the slowest first."""
     found = []
     grows = [_grows(linear, speed, plane) for speed in grid]
     for left, right, before, after in zip(grid[:-1], grid[1:], grows[:-1], grows[1:], strict=True):
-        if not before and after:
+        if before != after and after == (abs(right) > abs(left)):
             found.append(_locate(linear, float(left), float(right), plane))
-    return found
+    return sorted(found, key=lambda one: abs(one.speed))
 
 
 def _grows(linear: _Linear, speed: float, plane: Plane) -> bool:
@@ -185,7 +197,8 @@ def _grows(linear: _Linear, speed: float, plane: Plane) -> bool:
 
 def _locate(linear: _Linear, left: float, right: float, plane: Plane) -> Critical:
     """Critical speed between one at which nothing grows and one at which something does."""
-    speed = float(brentq(lambda u: linear.growth(u, plane)[0], left, right, xtol=PRECISION * right, rtol=1e-12))
+    size = max(abs(left), abs(right))
+    speed = float(brentq(lambda u: linear.growth(u, plane)[0], left, right, xtol=PRECISION * size, rtol=1e-12))
     _, value = linear.growth(speed * (1.0 + PRECISION), plane)
     # Where a pair meets at zero rounding has a say in what it looks like: the eigenvalue past it says which it is.
     _, past = linear.growth(speed * (1.0 + BEYOND), plane)
@@ -197,6 +210,8 @@ def _locate(linear: _Linear, left: float, right: float, plane: Plane) -> Critica
 
 def _follow(rows: list[tuple[Vibrations, np.ndarray]], modes: int) -> tuple[np.ndarray, np.ndarray]:
     """Give each mode a column of its own over all speeds: the eigenvalue and shape nearest to the last."""
+    # Two real ones may become a pair, of which one is listed: at other speeds there may be fewer.
+    modes = min(modes, *(motions.value.size for motions, _ in rows))
     # The slowest at first, real ones of heavy damping left out: they belong to no vibration.
     first, share = rows[0]
     order = np.argsort(np.abs(first.value) + np.where(first.value.imag == 0.0, np.inf, 0.0), kind="stable")[:modes]

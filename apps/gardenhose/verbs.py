@@ -91,6 +91,7 @@ def flutter(
                 "speed": found.speed,
                 "eigenvalues": [[[x.real, x.imag] for x in row] for row in found.eigenvalues.tolist()],
                 "out_of_plane": found.out_of_plane,
+                "unstable": found.grows.tolist(),
             }
         )
 
@@ -177,8 +178,8 @@ def _print_stability(found: Stability) -> None:
     for critical in found.critical:
         say(f"the hose {words_of(critical)}", "green")
     if not found.critical:
-        grows = (found.eigenvalues.real > 0.0).any(axis=1)
-        what = "unstable" if grows.all() else "stable" if not grows.any() else "unstable in part"
+        what = "unstable" if found.grows.all() else "stable" if not found.grows.any() else "unstable in part"
+        what = what if found.eigenvalues.size else "nothing can move"
         say(f"{what} from {found.speed[0]:g} to {found.speed[-1]:g} m/s", "yellow")
 
 

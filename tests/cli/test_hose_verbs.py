@@ -72,7 +72,17 @@ def test_static_finds_no_shape_of_a_hose_that_its_nozzle_crushes_and_exits_with_
 
 
 # flutter
-FLUTTER_KEYS = {"scene", "status", "figure", "critical_speed", "critical_frequency", "plane", "kind", "critical"}
+FLUTTER_KEYS = {
+    "scene",
+    "status",
+    "figure",
+    "critical_speed",
+    "critical_frequency",
+    "plane",
+    "kind",
+    "critical",
+    "unstable",
+}
 FLUTTER_KEYS |= {"speed", "eigenvalues", "out_of_plane"}
 
 
@@ -234,3 +244,9 @@ def test_run_is_not_gone_on_with_under_another_speed(gardenhose):
     code, _, err = gardenhose("simulate", "other.yaml", "--end", "0.1", "-o", "rest.nc", "--resume", "half.nc")
     assert code == 2
     assert "belongs to another scene" in " ".join(err.split())
+
+
+def test_a_stable_hose_is_called_stable_at_one_speed_and_at_many(gardenhose):
+    for speeds in ("0", "0:5:1"):
+        code, out, err = gardenhose("flutter", "hose.yaml", "--speed", speeds, "--json")
+        assert code == 0 and not any(only_object(out)["unstable"]) and "stable from 0" in err and "unstable" not in err

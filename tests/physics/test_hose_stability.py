@@ -67,6 +67,20 @@ def test_critical_speed_converges_with_order_four():
     assert orders(errors) == pytest.approx([4, 4], abs=0.3)
 
 
+@pytest.mark.parametrize(
+    ("damping", "u", "omega"), [(1e-3, 5.64160, 13.8), (1e-2, 5.96769, 14.2), (0.1, 7.24585, 17.0)]
+)
+@pytest.mark.parametrize("n", [10, 20])
+def test_damping_raises_the_critical_speed_as_the_exact_equation_has_it_on_any_mesh(damping, u, omega, n):
+    # Kelvin and Voigt's; its largest rate grows with the fourth power of the mesh, and may hide nothing.
+    # Measured at 10 elements 8e-6 to 5.5e-5, at 20 at most 4e-6.
+    exact = [one for one in reference.critical_speeds(0.2, alpha=damping, upto=u + 0.5) if one.becomes == "unstable"]
+    assert exact[0].u == pytest.approx(u, abs=1e-4)
+    found, frequency, kind = onset(pipe(0.2, n, {"damping": damping}), 0.2, u)
+    assert (found, kind) == (pytest.approx(exact[0].u, rel=2e-4 if n == 10 else 1e-5), "flutter")
+    assert frequency == pytest.approx(exact[0].omega, rel=4e-4 if n == 10 else 3e-5)
+
+
 def test_at_a_jump_of_the_boundary_the_cantilever_flutters_ceases_to_and_flutters_again():
     # both onsets at beta = 0.67; measured 2.6e-5 and 7.7e-5 at 20 elements. The pipe is stable from 11.6 to 12.5
     beta, root = 0.67, np.sqrt(0.67)
@@ -212,6 +226,37 @@ def test_undamped_supported_pipe_diverges_and_does_not_flutter(supports):
     speed, _, kind = onset(supported(supports, 16), 0.2, u)
     assert kind == "divergence"
     assert speed == pytest.approx(u, rel=4e-5)
+
+
+@pytest.mark.parametrize("speeds", [[0.0], [0.0, 2.0, 4.0], [2.0, 4.0]])
+def test_nothing_grows_in_a_stable_hose_by_rounding(speeds):
+    assert not stability(pipe(0.2, 10), speeds).grows.any()
+
+
+def test_speeds_may_fall_or_stand_in_any_order():
+    rising, falling = (stability(scene({"elements": 6}), speeds) for speeds in ([13.0, 14.5], [14.5, 13.0, 14.5]))
+    assert falling.speed.tolist() == [13.0, 14.5] and rising.grows.tolist() == [False, True]
+    assert [one.speed for one in falling.critical] == pytest.approx([one.speed for one in rising.critical])
+
+
+def test_hose_that_takes_in_water_flutters_as_that_speed_grows():
+    (found,) = crossings(scene({"elements": 6}), [-5.0, -1.0, 0.0], "in")
+    assert -1.0 < found.speed < 0.0 and found.kind == "flutter"
+
+
+def test_more_modes_than_there_are_at_some_speed_are_as_many_as_there_are():
+    found = stability(scene({"elements": 2}), [0.0, 8.0, 16.0], 100)
+    assert found.eigenvalues.shape[0] == 3 and 4 <= found.eigenvalues.shape[1] < 100
+
+
+def test_hose_of_many_elements_flutters_where_one_of_few_does(monkeypatch):
+    plain = crossings(scene({"elements": 12}), [13.5, 14.2], "in")
+    for coupling in ("linear", "lagrange"):
+        monkeypatch.setattr("gardenhose.flutter.DENSE", 50)
+        monkeypatch.setattr(found_by, "DENSE", 50)
+        (long,) = crossings(scene({"elements": 12}, coupling=coupling), [13.5, 14.2], "in")
+        assert long.speed == pytest.approx(plain[0].speed, rel=1e-7)
+        monkeypatch.undo()
 
 
 def test_hose_without_water_has_the_frequencies_of_a_cantilever():
