@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gardenhose.cables import Stream, arc_lengths, cables_of, streams
-from gardenhose.estimates import average
+from gardenhose.estimates import average, speeds
 from gardenhose.observe import Observer, variables
 from gardenhose.scene import HoseScene
 from gardenhose.summary import headline
@@ -28,6 +28,8 @@ CONTRACTION = 0.3
 LONG_STEP, TIGHTEST = 2.0e-3, 1.0e-7
 """Step over L^2 sqrt((m + M)/EJ) from which TOLERANCE is as it stands, 1 ms for the hose of Table 2.2; with shorter
 steps it falls as their square, the order of the method, down to the second figure."""
+FORCE_SHARE = 1.0e-2
+"""What an iteration may leave out of the axial force, over one that is usual."""
 STEP_ERROR = 1.0e-5
 """Error of a step over the hose's length, where the step is chosen and the scene gives none."""
 STARTS = {"straight": "as given", "static": "static", "relaxed": "relaxed"}
@@ -89,20 +91,37 @@ def assembled(scene: HoseScene, fused: bool = True) -> Assembly:
 
 
 def tolerance_of(scene: HoseScene) -> float:
-    """Tolerance where the scene gives none: what is left of an iteration is to be less than what a step leaves out."""
+    """Tolerance where the scene gives none: what is left of an iteration is to be less than what a step leaves out.
+
+    And it is to be no more than a small share of the axial force, which an energy that moves the tip by nothing may
+    hide in a pipe that hardly stretches: a force F in a spring k is F^2/k.
+    """
     slow = average(scene, 1.0).slowness
     if scene.solver.step == "auto" or not np.isfinite(slow):
         return TIGHTEST
     steps = float(scene.solver.step) / (LONG_STEP * slow)
-    return float(np.clip(TOLERANCE * steps**2, TIGHTEST, TOLERANCE))
+    stiffest = max(piece.axial_stiffness * piece.elements / piece.length for piece in scene.hose.pieces)
+    seen = FORCE_SHARE * axial_force_of(scene) / float(np.sqrt(energy_of(scene) * stiffest))
+    return float(np.clip(min(TOLERANCE * steps**2, seen or TOLERANCE), TIGHTEST, TOLERANCE))
+
+
+def axial_force_of(scene: HoseScene) -> float:
+    """Axial force that is usual for a hose, N: its weight and the thrust of its water at the fastest."""
+    fastest = float(np.abs(speeds(scene)).max())
+    return _mass_of(scene) * float(np.linalg.norm(scene.gravity)) + average(scene, 1.0).thrust * fastest**2
+
+
+def _mass_of(scene: HoseScene) -> float:
+    """Of the hose, what it carries at its tip, and what is in it, kg."""
+    pieces = sum((p.mass_per_length + (p.water_mass_per_length or 0.0)) * p.length for p in scene.hose.pieces)
+    return pieces + scene.hose.tip_mass
 
 
 def energy_of(scene: HoseScene) -> float:
     """Energy that is large for a hose, J: that of bending it to a radius of its length, or of lifting it by that."""
     length = scene.hose.total_length
     bending = max(piece.bending_stiffness for piece in scene.hose.pieces) / length
-    mass = sum((p.mass_per_length + (p.water_mass_per_length or 0.0)) * p.length for p in scene.hose.pieces)
-    weight = (mass + scene.hose.tip_mass) * float(np.linalg.norm(scene.gravity)) * length
+    weight = _mass_of(scene) * float(np.linalg.norm(scene.gravity)) * length
     stretch = 1e-4 * max(piece.axial_stiffness for piece in scene.hose.pieces) * length
     return max(bending, weight, stretch)
 

@@ -64,7 +64,7 @@ def test_where_none_is_good_enough_the_best_is_named_with_what_to_do():
 
 def test_where_the_finest_mesh_is_not_good_enough_elements_are_advised_and_not_steps():
     text = advice(made(row("fair", 1e-3, 0.5), tolerance=0.005, mesh=0.02))
-    assert "the finest mesh alone is 2 % off" in text and "--elements" in text and "--steps" not in text
+    assert "the reference's mesh alone is 2 % off" in text and "--elements" in text and "--steps" not in text
 
 
 def test_where_an_error_has_stopped_falling_with_the_step_smaller_ones_are_not_advised():

@@ -17,7 +17,7 @@ STALLED = 0.8
 
 def good_enough(study: Study) -> list[Row]:
     """Runs whose error, with that of the reference, is below the tolerance, the cheapest first."""
-    own = study.reference.error + study.reference.mesh_error if study.reference is not None else 0.0
+    own = _own(study)
     rows = [r for r in study.rows if r.errors is not None and r.errors.position + own <= study.tolerance and r.factor]
     return sorted(rows, key=lambda row: row.factor or 0.0)
 
@@ -38,7 +38,7 @@ def advice(study: Study) -> str:
         best = min((r for r in study.rows if r.errors is not None), key=lambda r: r.errors.position, default=None)
         if best is None:
             return "no advice: no run came to its end"
-        return f"no run has {asked}: the best is {_told(best)}; {_cure(study, best)}"
+        return f"no run has {asked}: the best is {_told(best)}{_doubt(study, best)}; {_cure(study, best)}"
     first = f"cheapest with {asked}: {_told(enough[0])}"
     cheap = enough[0].factor or 0.0
     if not live:
@@ -49,12 +49,25 @@ def advice(study: Study) -> str:
     return f"{first}; {second}" if cheap < 1.0 else f"{first}, which is not real time; {second}"
 
 
+def _doubt(study: Study, best: Row) -> str:
+    """What is unknown of a run that would be good enough if its reference were right."""
+    if study.reference is None or best.errors is None or best.errors.position > study.tolerance:
+        return ""
+    return f", beside a reference that may be off by {100.0 * _own(study):.2g} % itself"
+
+
+def _own(study: Study) -> float:
+    return study.reference.error + study.reference.mesh_error if study.reference is not None else 0.0
+
+
 def _cure(study: Study, best: Row) -> str:
     """What would make the best run better: smaller steps, unless its error has stopped falling with them."""
     own = study.reference.mesh_error if study.reference is not None else 0.0
     if own > 0.5 * study.tolerance:
-        return f"the finest mesh alone is {100.0 * own:.2g} % off: take more elements with --elements"
+        return f"the reference's mesh alone is {100.0 * own:.2g} % off: take more elements with --elements"
     assert best.errors is not None
+    if best.errors.position <= max(study.tolerance, study.reference.error if study.reference is not None else 0.0):
+        return "let it be judged by a finer reference: leave --reference-step out, or give a larger --budget"
     coarser = [row.errors.position for row in study.rows if _like(row, best) and row.errors is not None]
     if coarser and best.errors.position > STALLED * min(coarser):
         return "smaller steps do not help it any more: its mesh, its constraints or its laws of friction differ"

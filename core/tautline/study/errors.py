@@ -9,10 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.study.history import History
+from tautline.study.history import RESTING, History
 
-RESTING = 1.0e-9
-"""Share of the scene's size below which a point has not moved, and of the force below which that has not varied."""
 PERIODS = 2.0
 """Periods of a mode that a record must hold for its phase to mean something."""
 SHOWN = 0.2

@@ -12,6 +12,8 @@ from tautline.results.result import Result
 POINTS = ("tip", "body_position", "position")
 """Variables that hold positions, the first that a result has: a hose's tip, a crane's bodies, nodes or lumps."""
 FORCES = ("axial_force", "tension")
+RESTING = 1.0e-9
+"""Share of the scene's size below which a point has not moved, and of a force below which that has not varied."""
 MOVES = 1.0e-3
 """Share of the largest motion from which the last point is the one to look at, and not the one between the ends that
 moves most: an end may be held, or led by what moves it."""
@@ -42,11 +44,12 @@ class History(NamedTuple):
 
 
 class Watched(NamedTuple):
-    """The point and the force that a study looks at, and the size of the scene, m."""
+    """The point and the force that a study looks at, the size of the scene, m, and whether the point moves."""
 
     point: Place
     force: Place | None
     extent: float
+    moves: bool
 
     def of(self, result: Result) -> History:
         """The history of a run of the scene, or of a variant of it."""
@@ -57,6 +60,8 @@ class Watched(NamedTuple):
 
 def watch(result: Result, point: str | None = None) -> Watched:
     """Choose what to look at: the far end, or what moves most where that is held, and the force that varies most.
+
+    A hose's tip that is held gives way to the hose's nodes.
 
     Parameters
     ----------
@@ -70,21 +75,33 @@ def watch(result: Result, point: str | None = None) -> Watched:
     ResultError
         If nothing has that label, or the result holds no positions.
     """
-    variable = next((name for name in POINTS if name in result), None)
-    if variable is None:
+    there = [name for name in POINTS if name in result]
+    if not there:
         raise ResultError("study", "the scene's result holds no positions", "study a scene that moves in space")
-    position = result[variable]
-    extent = float(max(np.ptp(result[name].reshape(-1, 3), axis=0).max() for name in POINTS if name in result))
-    if position.ndim == 2 and point is None:
-        return Watched(Place(variable, "", 0, 1), _force(result), extent)
-    if point is not None:
-        return Watched(_named(result, point), _force(result), extent)
-    moved = np.linalg.norm(position - position[0], axis=-1).max(axis=0)
+    extent = float(max(np.ptp(result[name].reshape(-1, 3), axis=0).max() for name in there))
+    chosen = _named(result, point) if point is not None else _far_end(result, there)
+    way = _ways(_at(result, chosen, 2)).max()
+    return Watched(chosen, _force(result), extent, bool(way > RESTING * extent))
+
+
+def _ways(position: np.ndarray) -> np.ndarray:
+    """Largest distance of points from where they begin, m."""
+    return np.linalg.norm(position - position[0], axis=-1).max(axis=0)
+
+
+def _far_end(result: Result, there: list[str]) -> Place:
+    variable = there[0]
+    most = max(float(_ways(result[name]).max(initial=0.0)) for name in there)
+    if len(there) > 1 and result[variable].ndim == 2 and _ways(result[variable]) < MOVES * most:
+        variable = there[1]
+    if result[variable].ndim == 2:
+        return Place(variable, "", 0, 1)
+    moved = _ways(result[variable])
     inner = moved[1:-1] if moved.size > 2 else moved
     chosen = int(inner.argmax()) + (moved.size > 2)
     if moved[-1] >= MOVES * moved.max() or variable == "body_position":
         chosen = moved.size - 1 if variable != "body_position" else int(moved.argmax())
-    return Watched(_place(result, variable, chosen, moved.size), _force(result), extent)
+    return _place(result, variable, chosen, moved.size)
 
 
 def _force(result: Result) -> Place | None:

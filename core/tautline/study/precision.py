@@ -24,7 +24,7 @@ from tautline.study.grid import settings
 from tautline.study.history import Watched, watch
 from tautline.study.judge import choose_reference
 from tautline.study.omissions import of_study
-from tautline.study.reference import Reference
+from tautline.study.reference import CLEAR, Reference
 from tautline.study.trial import Setting, Subject, Trial, run_model
 from tautline.system.model import Model
 from tautline.system.system import System
@@ -141,10 +141,10 @@ def study(
     except Interrupted:
         interrupted = True
     rows = tuple(_row(trial, watched, found) for trial in trials)
-    if found is not None:
-        found = replace(found, mesh_error=mesh_error(rows))
+    if found is not None and not interrupted:
+        found = replace(found, mesh_error=mesh_error(subject, watched, found, [s.elements for s in wanted], progress))
     load = before, os.getloadavg()[0]
-    warnings = () if interrupted else tuple(_warnings(found, tangent, rows, tolerance))
+    warnings = () if interrupted else tuple(_warnings(found, tangent, rows, tolerance, watched))
     left_out = of_study(subject, grid.steps is not None) if reduced else ()
     return Study(rows, found, watched, tolerance, tangent, load, warnings, left_out, interrupted)
 
@@ -243,26 +243,39 @@ def _expected(trials: Sequence[Trial], setting: Setting) -> float | None:
     return None
 
 
-def mesh_error(rows: Sequence[Row]) -> float:
+def mesh_error(
+    subject: Subject,
+    watched: Watched,
+    reference: Reference,
+    meshes: Sequence[float],
+    progress: Callable[[str], None] = lambda text: None,
+) -> float:
     """Error of the reference's mesh, relative: zero where meshes are not compared.
 
-    The best runs of each mesh differ from a reference of twice the finest by e and, of half its elements, by e'. With
-    the order p that 2^p = e'/e gives (between one half and four) the reference is off by e / (2^p - 1).
+    Runs with the reference's own method and step, so that the mesh is all in which they differ, are off a reference of
+    twice the finest by e and, of half its elements, by e'. With the order p that 2^p = e'/e gives (between one half and
+    four) the reference is off by e / (2^p - 1).
     """
-    best: dict[float, float] = {}
-    for row in rows:
-        if row.errors is not None:
-            size = row.trial.setting.elements
-            best[size] = min(best.get(size, np.inf), row.errors.position)
-    if len(best) < 2:
+    sizes = sorted(set(meshes))[-2:]
+    if len(sizes) < 2:
         return 0.0
-    (coarse, before), (fine, error) = sorted(best.items())[-2:]
+    found = []
+    for size in sizes:
+        progress(f"mesh: {size:g} x the elements, step {reference.step:.3g} s")
+        trial = subject.run(replace(reference.setting, elements=size))
+        if not trial.done or trial.result is None:
+            return 0.0
+        found.append(compare(watched.of(trial.result), reference.history, watched.extent).position)
+    (coarse, fine), (before, error) = sizes, found
     order = np.log(max(before, 1e-300) / max(error, 1e-300)) / np.log(fine / coarse)
     return float(error / (2.0 ** np.clip(order, 0.5, 4.0) - 1.0))
 
 
-def _elsewhere(rows: Sequence[Row], tolerance: float) -> list[tuple[str, float]]:
-    """Methods whose finest runs agree on something that is not the reference, and by how much that is off."""
+def _elsewhere(rows: Sequence[Row], tolerance: float, unknown: float) -> list[tuple[str, float]]:
+    """Methods whose finest runs agree on something that is not the reference, and by how much that is off.
+
+    ``unknown`` is the relative error that the reference itself may have: what is no further off may be right.
+    """
     kinds: dict[str, list[tuple[float, float]]] = {}
     for row in rows:
         s = row.trial.setting
@@ -273,9 +286,14 @@ def _elsewhere(rows: Sequence[Row], tolerance: float) -> list[tuple[str, float]]
     found = []
     for name, points in kinds.items():
         (fine, error), (coarse, before), *_ = [*sorted(points), (0.0, 0.0), (0.0, 0.0)]
-        if coarse >= 1.9 * fine > 0.0 and error > tolerance and before < 1.5 * error:
+        if coarse >= 1.9 * fine > 0.0 and error > max(tolerance, CLEAR * unknown) and before < 1.5 * error:
             found.append((name, error))
     return found
+
+
+def still(watched: Watched) -> str:
+    """What there is to say of errors where the point that is looked at does not move."""
+    return f"{watched.point} does not move: no error can be seen there; name another with --point, if any does"
 
 
 def _row(trial: Trial, watched: Watched, reference: Reference | None) -> Row:
@@ -284,9 +302,13 @@ def _row(trial: Trial, watched: Watched, reference: Reference | None) -> Row:
     return Row(trial, compare(watched.of(trial.result), reference.history, watched.extent))
 
 
-def _warnings(reference: Reference | None, tangent: float | None, rows: Sequence[Row], tolerance: float) -> list[str]:
+def _warnings(
+    reference: Reference | None, tangent: float | None, rows: Sequence[Row], tolerance: float, watched: Watched
+) -> list[str]:
     found = []
-    elsewhere = _elsewhere(rows, tolerance)
+    if not watched.moves:
+        found.append(still(watched))
+    elsewhere = _elsewhere(rows, tolerance, 0.0 if reference is None else reference.error)
     if elsewhere:
         names = "; ".join(f"{name} by {100.0 * error:.2g} %" for name, error in elsewhere)
         found.append(
@@ -298,6 +320,12 @@ def _warnings(reference: Reference | None, tangent: float | None, rows: Sequence
     elif not reference.converged:
         text = f"the reference is not proved: {reference.why}"
         found.append(f"{text}; errors below {max(reference.error, 1e-16):.1e} mean nothing")
+    if reference is not None and reference.force_error is not None and reference.force_error > tolerance:
+        found.append(
+            f"only position is proved: the amplitude of the force differs by {100.0 * reference.force_error:.2g} % "
+            "between the two finest runs of the reference, and smaller errors of it mean nothing. A smaller "
+            "solver.tolerance lets less of the iterations be seen in it"
+        )
     if tangent is not None and tangent > WRONG_TANGENT:
         found.append(
             f"a tangent is wrong by {tangent:.1e} of its size: implicit methods iterate more than they should, and "

@@ -49,6 +49,8 @@ class Reference:
         What is lacking, for people; empty if converged.
     mesh_error : float
         Estimated error of its mesh, relative, where meshes are compared; what is proved is the step.
+    force_error : float or None
+        Difference of the force's amplitude between the two finest, over that amplitude: only position is proved.
     """
 
     trial: Trial
@@ -60,6 +62,7 @@ class Reference:
     converged: bool
     why: str
     mesh_error: float = 0.0
+    force_error: float | None = None
 
     @property
     def step(self) -> float:
@@ -141,9 +144,12 @@ def _order(coarse: tuple[float, float], fine: tuple[float, float]) -> float | No
 
 def _judged(runs: list[tuple[Trial, History]], watched: Watched, tolerance: float, order: float) -> Reference:
     """What the last four runs, and the differences of all before, say of the finest."""
-    found = []
+    found: list[tuple[float, float]] = []
+    force: float | None = None
     for (trial, coarse), (_, fine) in itertools.pairwise(runs):
-        found.append((float(trial.attribute("step")), compare(coarse, fine, watched.extent).position))
+        errors = compare(coarse, fine, watched.extent)
+        found.append((float(trial.attribute("step")), errors.position))
+        force = errors.force
     second = found[-1][1]
     orders = [_order(found[i], found[i + 1]) for i in (-3, -2)]
     observed = orders[-1]
@@ -160,4 +166,6 @@ def _judged(runs: list[tuple[Trial, History]], watched: Watched, tolerance: floa
         seen = ", ".join("hidden" if each is None else f"{each:.2g}" for each in orders)
         why.append(f"the observed orders are {seen}, not {order:g}: laws that switch, or steps still too long")
     trial, history = runs[-1]
-    return Reference(trial, history, trial.setting, tuple(found), observed, error, not why, "; ".join(why))
+    return Reference(
+        trial, history, trial.setting, tuple(found), observed, error, not why, "; ".join(why), force_error=force
+    )

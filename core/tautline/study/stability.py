@@ -12,9 +12,10 @@ from tautline.simulation import simulate
 from tautline.study.conditioning import Condition, conditioning
 from tautline.study.critical import Critical, critical_steps
 from tautline.study.drift import Drift
+from tautline.study.history import Watched, watch
 from tautline.study.omissions import of_stability
 from tautline.study.penalties import Stiffness, penalties
-from tautline.study.precision import WRONG_TANGENT, TangentLook
+from tautline.study.precision import WRONG_TANGENT, TangentLook, still
 from tautline.study.trial import Setting, Subject
 from tautline.study.variants import Variant, variants
 
@@ -85,7 +86,7 @@ def stability(
         If the scene as it stands does not come to its end.
     """
     progress("the scene as it stands")
-    energy, drift, tangent = _as_it_stands(subject)
+    energy, drift, tangent, watched = _as_it_stands(subject, point)
     critical = critical_steps(subject, progress)
     found: list[Any] = [[], [], []]
     interrupted = False
@@ -96,13 +97,13 @@ def stability(
         found[2] = variants(subject, tolerance, budget, point, quick, None, progress)
     except Interrupted:
         interrupted = True
-    warnings = tuple(_warnings(critical, tangent, found[2]))
+    warnings = tuple([] if watched.moves else [still(watched)]) + tuple(_warnings(critical, tangent, found[2]))
     left_out = of_stability(subject) if quick else ()
     return Stability(critical, *found[:2], energy, drift, tangent, found[2], warnings, left_out, interrupted)
 
 
-def _as_it_stands(subject: Subject) -> tuple[float | None, float | None, float | None]:
-    """Drift of energy and of constraints, and the largest error of the tangent, in a run of the scene."""
+def _as_it_stands(subject: Subject, point: str | None) -> tuple[float | None, float | None, float | None, Watched]:
+    """Drift of energy and of constraints, largest error of the tangent in a run of the scene, and what is looked at."""
     model = subject.model(Setting())
     drift, comparison = Drift(model.system), TangentLook(model.system)
 
@@ -112,7 +113,8 @@ def _as_it_stands(subject: Subject) -> tuple[float | None, float | None, float |
 
     result = simulate(model, announce=subject.announce, look=look)
     return (
-        result.attributes.get("energy_error"), drift.largest if drift.there else None, comparison.largest_of(subject)
+        result.attributes.get("energy_error"), drift.largest if drift.there else None,
+        comparison.largest_of(subject), watch(result, point),
     )  # fmt: skip
 
 
