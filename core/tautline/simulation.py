@@ -115,7 +115,7 @@ def simulate(
     Interrupted
         On Ctrl-C, with what was stored until then.
     ResultError
-        Where ``resume`` holds no state to go on from, or that of another scene.
+        Where ``resume`` holds no state to go on from, or that of another scene, or has come to the end already.
     """
     run = Run(model, look)
     earlier = run.take_up(resume) if resume is not None else None
@@ -190,6 +190,9 @@ class Run:
         self.wall = float(earlier.attributes.get("wall_time", 0.0))
         self.cpu = float(earlier.attributes.get("cpu_time", 0.0))
         later = self.ends > self.time * (1.0 + 1e-12)
+        if not later.any():
+            cause = f"ends at {self.time:.6g} s: nothing is left to run of {self.model.solver.end:.6g} s"
+            raise ResultError(place, cause, "give a later solver.end, or --end")
         self.ends = self.ends[later]
         self.steps = steps_to(self.ends, self.time, self.model.solver.step)
         self.balance.add(np.column_stack([frames[name] for name in ENERGIES]))

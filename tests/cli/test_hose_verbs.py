@@ -250,3 +250,38 @@ def test_a_stable_hose_is_called_stable_at_one_speed_and_at_many(gardenhose):
     for speeds in ("0", "0:5:1"):
         code, out, err = gardenhose("flutter", "hose.yaml", "--speed", speeds, "--json")
         assert code == 0 and not any(only_object(out)["unstable"]) and "stable from 0" in err and "unstable" not in err
+
+
+# times, figures
+def test_times_may_have_units(gardenhose):
+    code, out, _ = gardenhose("simulate", "hose.yaml", "--json", "--end", "100 ms", "--step", "2.5 ms")
+    assert code == 0 and only_object(out)["end"] == pytest.approx(0.1)
+    assert Result.read("hose.nc").attributes["step"] == pytest.approx(2.5e-3)
+    code, _, err = gardenhose("simulate", "hose.yaml", "--end", "0.1", "--step", "auto")
+    assert code == 0 and "step: auto" in err
+    for option, value in (("--end", "2 kg"), ("--step", "soon"), ("--end", "auto"), ("--end", "inf")):
+        code, _, err = gardenhose("simulate", "hose.yaml", option, value)
+        assert code == 2 and f"{option} {value}" in err
+
+
+def test_a_run_that_has_come_to_the_end_is_not_gone_on_with(gardenhose):
+    assert gardenhose("simulate", "hose.yaml", "--end", "0.1", "-o", "first.nc", "-q")[0] == 0
+    for end in ("0.1", "0.05"):
+        code, _, err = gardenhose("simulate", "hose.yaml", "--end", end, "-o", "second.nc", "--resume", "first.nc")
+        assert (
+            code == 2 and "ends at 0.1 s: nothing is left" in " ".join(err.split()) and not Path("second.nc").exists()
+        )
+
+
+def test_a_figure_that_cannot_be_drawn_leaves_no_folder_and_a_picture_no_folder_of_its_name(gardenhose, folder):
+    assert gardenhose("simulate", "hose.yaml", "--end", "0.1", "-q")[0] == 0
+    before = files(folder)
+    for arguments, said in ((["--what", "nothing", "-o", "drawn"], "nothing"), (["-o", "tip.jpg"], "no format")):
+        code, _, err = gardenhose("plot", "hose.nc", *arguments)
+        assert code == 2 and said in err and files(folder) == before
+
+
+def test_an_overview_that_is_several_figures_is_a_dictionary_of_them(gardenhose):
+    assert gardenhose("simulate", "hose.yaml", "--end", "0.1", "-q")[0] == 0
+    drawn = Result.read("hose.nc").plot.overview()
+    assert list(drawn) == ["tip", "phase", "shape", "ramp"] and all(figure.axes for figure in drawn.values())

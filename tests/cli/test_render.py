@@ -95,12 +95,23 @@ def test_another_colour_another_radius_another_camera_make_another_picture(rende
         (("--movie", "a.avi"), "mp4 or .gif"),
         (("--movie", "none/a.mp4"), "there is no folder"),
         (("--html", "none/a.html"), "none"),
+        (("--html", "a.page"), "is to be a web page"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused_with_its_cure_and_nothing_is_written(render, tmp_path, options, said):
     code, _, err = render(*options)
     assert code == 2 and said in err and "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_page_replaces_a_page_and_no_other_file(render, stored, tmp_path):
+    before = digest(stored)
+    for name in (str(stored), "scene.html"):
+        Path("scene.html").write_text("hose: {length: 1 m}\n", encoding="utf8")
+        code, _, err = render("--html", name)
+        assert code == 2 and ("it would be lost" in err or "is to be a web page" in err)
+        assert digest(stored) == before and Path("scene.html").read_text(encoding="utf8").startswith("hose")
+    assert render("--html", "page.html")[0] == 0 and render("--html", "page.html")[0] == 0
 
 
 def test_without_opengl_it_says_what_to_install(stored, tmp_path):

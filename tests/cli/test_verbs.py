@@ -94,13 +94,15 @@ def test_warnings_are_printed_before_a_run_and_by_check(folder, fake_here):
     assert report["warnings"] == [{"where": "solver.step", "text": "longer than the critical step"}]
     assert report["length"] == 1.0
     assert not Path("check.nc").exists()
+    report = only_object(fake_here("simulate", "warning.yaml", "--json"))
+    assert report["cautions"] == [{"where": "solver.step", "text": "longer than the critical step"}]
 
 
 BAD_INPUT = [
     (["simulate", "missing.yaml"], "there is no such file"),
     (["simulate", "foreign.yaml"], "foreign.yaml:1: fake: is missing"),
     (["simulate", "unbuildable.yaml"], "fake.yaml:3: trouble = unbuildable"),
-    (["simulate", "good.yaml", "--step", "-1"], "--step: solver.step = -1.0"),
+    (["simulate", "good.yaml", "--step", "-1"], "--step -1: must be greater than zero"),
     (["simulate", "good.yaml", "--step", "soon"], "--step"),
     (["simulate", "good.yaml", "-o", "nowhere/a.nc"], "there is no folder nowhere"),
     (["simulate", "good.yaml", "-o", "."], "is a folder"),

@@ -42,6 +42,17 @@ def numbers(text: str | None, option: str, unit: str) -> list[float]:
     return _each(text, option, read)
 
 
+def seconds(text: str | None, option: str, known: Sequence[str] = ()) -> float | str | None:
+    """A time, with a unit or in s, or one of the words that are known besides; None for None.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, for what is neither.
+    """
+    return text if text is None or text in known else number(text, option, "s")
+
+
 def number(text: str, option: str, unit: str, most: float | None = None, cure: str = "") -> float:
     """One positive number, with a unit or in SI.
 

@@ -50,7 +50,8 @@ class Plots:
 
         Returns
         -------
-        Figure
+        Figure or dict of str to Figure
+            Several by their names where `what` stands for several, as a hose's ``overview`` does.
 
         Raises
         ------
@@ -58,6 +59,8 @@ class Plots:
             If a name is unknown, the result lacks what the figure shows, or the figure shows one result alone.
         """
         drawn = self._application.pictures([self._result, *beside], (what,), vs)
+        if len(drawn) > 1 and not beside:
+            return drawn
         if len(drawn) > 1:
             from tautline.results.errors import ResultError
 

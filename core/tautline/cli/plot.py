@@ -9,6 +9,8 @@ from tautline.cli.catalogue import Catalogue
 from tautline.cli.console import print_json, say
 
 FORMATS = ("png", "svg", "pdf")
+PICTURES = ("jpg", "jpeg", "gif", "bmp", "tif", "tiff", "webp", "eps", "ps")
+"""Endings that nobody gives to a folder."""
 
 
 def plot(
@@ -48,6 +50,7 @@ def plot(
     folder, stem, ending = _place(output)
     if ending and form and ending != form:
         raise ResultError(output or "", f"ends in .{ending}, but --format says {form}", "leave one of them out")
+    made = not folder.exists()
     try:
         folder.mkdir(exist_ok=True)
     except FileNotFoundError:
@@ -55,7 +58,12 @@ def plot(
     except OSError as error:
         raise ResultError(folder, f"cannot be made: {error.strerror}", "name another folder with -o") from None
     against = {} if vs is None else {"vs": vs}
-    written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
+    try:
+        written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
+    except ResultError:
+        if made and not any(folder.iterdir()):
+            folder.rmdir()
+        raise
     for file in written:
         say(f"wrote {file}", "green")
     if as_json:
@@ -64,9 +72,13 @@ def plot(
 
 def _place(output: Path | None) -> tuple[Path, str | None, str | None]:
     """Folder, beginning of the file name and format that ``-o`` asks for."""
+    from tautline.results.errors import ResultError
+
     if output is None:
         return Path(), None, None
     ending = output.suffix[1:].lower()
     if ending in FORMATS and not output.is_dir():
         return output.parent, output.stem, ending
+    if ending in PICTURES and not output.is_dir():
+        raise ResultError(output, f"ends in .{ending}, which is no format of figures", "name it .png, .svg or .pdf")
     return output, None, None

@@ -40,9 +40,10 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     appearance = catalogue.for_result(result).appearance(result, look)
     written: list[Path] = []
     if asked["html"] is not None:
+        from tautline.results.target import check_page
         from tautline.view.page import write_page
 
-        written.append(write_page(appearance, asked["html"], asked["colour"], asked["radius"]))
+        written.append(write_page(appearance, check_page(asked["html"]), asked["colour"], asked["radius"]))
     if asked["movie"] is not None:
         written.append(_film(appearance, asked))
     if asked["image"]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -110,7 +110,8 @@ def simulate(
     read = application.with_overrides(application.read(scene), **overrides)
     target = check_target(output or Path(scene.name).with_suffix(".nc"))
     earlier = _earlier(resume)
-    print_cautions(application.cautions(read))
+    cautions = application.cautions(read)
+    print_cautions(cautions)
 
     model = application.build(read)
 
@@ -132,7 +133,7 @@ def simulate(
                 afterwards=second,
             )  # fmt: skip
     except StoppedEarly as stop:
-        report = _report(scene, stop.result, end) | {
+        report = _report(scene, stop.result, end, cautions) | {
             "status": stop.status.name.lower().replace("_", " "),
             "stopped": {"time": stop.time, "part": stop.part, "sentence": stop.sentence},
         }
@@ -140,11 +141,11 @@ def simulate(
         say(f"stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
         raise Ended(ExitCode.STOPPED_EARLY) from None
     except Interrupted as interruption:
-        report = _report(scene, interruption.result, end) | {"status": "interrupted"}
+        report = _report(scene, interruption.result, end, cautions) | {"status": "interrupted"}
         _finish(catalogue, report, interruption.result, as_json, quiet)
         say(f"interrupted at t = {report['simulated_time'] or 0.0:.6g} s", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None
-    _finish(catalogue, _report(scene, result, end) | {"status": "done"}, result, as_json, quiet)
+    _finish(catalogue, _report(scene, result, end, cautions) | {"status": "done"}, result, as_json, quiet)
 
 
 def _second_run(
@@ -179,7 +180,7 @@ def _earlier(resume: Path | None) -> Result | None:
     return Result.read(resume)
 
 
-def _report(scene: Path, result: Result | None, end: float | None) -> dict[str, Any]:
+def _report(scene: Path, result: Result | None, end: float | None, cautions: Sequence[Caution]) -> dict[str, Any]:
     """Keys of ``simulate --json``; null where a run that stopped has no number."""
     attributes = result.attributes if result is not None else {}
     times: Any = result["time"] if result is not None else []
@@ -188,6 +189,7 @@ def _report(scene: Path, result: Result | None, end: float | None) -> dict[str, 
     report |= {key: attributes.get(key) for key in COPIED}
     report["step_error"] = result.step_error if result is not None else None
     report["warnings"] = result.warnings if result is not None else []
+    report["cautions"] = [{"where": caution.where, "text": caution.text} for caution in cautions]
     report |= {"end": attributes.get("end", end), "frames": len(times)}
     report["simulated_time"] = float(times[-1] - times[0]) if len(times) else None
     figures = {name: figure.get("value") for name, figure in (result.headline if result is not None else {}).items()}

@@ -20,8 +20,10 @@ ResultFile = Annotated[
     typer.Option("-o", "--output", metavar="RESULT", help="Result. [dim]\\[default: the scene's name with .nc][/]"),
 ]
 Method = Annotated[str | None, typer.Option("--method", help="Integrator, instead of the scene's.")]
-Step = Annotated[float | None, typer.Option("--step", help="Time step in s, instead of the scene's.")]
-End = Annotated[float | None, typer.Option("--end", help="Simulated time in s, instead of the scene's.")]
+Step = Annotated[
+    str | None, typer.Option("--step", help="Time step, with a unit or in s, or auto, instead of the scene's.")
+]
+End = Annotated[str | None, typer.Option("--end", help="Simulated time, with a unit or in s, instead of the scene's.")]
 RhoInf = Annotated[
     float | None, typer.Option("--rho-inf", help="Spectral radius of generalized-alpha at infinity, 0 to 1.")
 ]
@@ -170,8 +172,10 @@ def simulate(
     An earlier result of the same name is replaced once the run has begun. Ctrl-C keeps what there is.
     """
     from tautline.cli import simulate as verb
+    from tautline.cli.lists import seconds
 
-    overrides: dict[str, Any] = {"method": method, "step": step, "end": end, "rho_inf": rho_inf}
+    times = {"step": seconds(step, "--step", ("auto",)), "end": seconds(end, "--end")}
+    overrides: dict[str, Any] = {"method": method, **times, "rho_inf": rho_inf}
     verb.simulate(context.obj, scene, output, overrides, resume, verify, as_json, quiet)
 
 
@@ -196,10 +200,11 @@ def study(
 ) -> None:
     """Error against run time over methods and steps: table, CSV, NetCDF, figure, and which setting to take."""
     from tautline.cli import study as verb
+    from tautline.cli.lists import seconds
 
     asked = {
         "methods": methods, "steps": steps, "elements": elements, "constraints": constraints, "newton": newton,
-        "tolerance": tolerance, "end": end, "point": point, "reference": reference,
+        "tolerance": tolerance, "end": seconds(end, "--end"), "point": point, "reference": reference,
         "reference_step": reference_step, "repeat": repeat, "budget": budget, "quick": quick,
     }  # fmt: skip
     verb.study(context.obj, scene, output, asked, as_json)
@@ -218,8 +223,9 @@ def stability(
 ) -> None:
     """Critical step three ways and what sets it, conditioning, drift, and stiff and extreme variants of the scene."""
     from tautline.cli import stability as verb
+    from tautline.cli.lists import seconds
 
-    asked = {"tolerance": tolerance, "end": end, "point": point, "budget": budget, "quick": quick}
+    asked = {"tolerance": tolerance, "end": seconds(end, "--end"), "point": point, "budget": budget, "quick": quick}
     verb.stability(context.obj, scene, output, asked, as_json)
 
 

@@ -12,6 +12,8 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of every HDF5 file, which NetCDF-4 is."""
 FIGURES = (".png", ".svg", ".pdf")
 """Endings of figures."""
+PAGES, DOCTYPE = (".html", ".htm"), b"<!doctype html"
+"""Endings of web pages, and how they begin."""
 
 
 def check_target(path: str | Path) -> Path:
@@ -71,6 +73,30 @@ def check_figure(path: Path) -> Path:
         raise ResultError(path, f"ends in '{path.suffix}', which is no format of figures", cure)
     check_folder(path)
     return path
+
+
+def check_page(path: Path) -> Path:
+    """Check that a web page may be written to a path, and return it; an earlier page there may be replaced.
+
+    Raises
+    ------
+    ResultError
+        For another ending than .html, a folder that is not there, and a file that is no page: it would be lost.
+    """
+    if path.suffix.lower() not in PAGES:
+        raise ResultError(path, f"ends in '{path.suffix}', and is to be a web page", "name it .html")
+    check_folder(path)
+    try:
+        if path.is_file() and path.stat().st_size and not _begins_as_page(path):
+            raise ResultError(path, "exists and is not a web page: it would be lost", "name another file with --html")
+    except OSError as error:
+        raise ResultError(path, f"cannot be read: {error.strerror}", "name another with --html") from None
+    return path
+
+
+def _begins_as_page(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(len(DOCTYPE)).lower() == DOCTYPE
 
 
 def check_table(path: Path | None) -> Path | None:
