@@ -63,9 +63,17 @@ def simulate(
     from tautline.cli.catalogue import Installed
     from tautline.simulation import simulate as run
 
-    if isinstance(scene, (str, Path)):
-        scene = read(scene)
+    scene = _scene(scene)
     return run(Installed().of(scene).build(scene), path, progress, resume)
+
+
+def _scene(scene: Any) -> Any:
+    """What was read, or is read now; TypeError for what is neither a scene nor the name of a file."""
+    if isinstance(scene, (str, Path)):
+        return read(scene)
+    if not hasattr(scene, "document"):
+        raise TypeError(f"a scene or the path of its file is wanted, not {type(scene).__name__}")
+    return scene
 
 
 def study_errors(scene: Any, end: float | None = None, grid: Any = None, **options: Any) -> Study:
@@ -77,7 +85,7 @@ def study_errors(scene: Any, end: float | None = None, grid: Any = None, **optio
     end : float or None
         Simulated time, s, in place of the scene's.
     grid : tautline.study.precision.Grid or None
-        Methods, steps, meshes and constraints; None for the usual.
+        Methods, steps, meshes and constraints, such as ``Grid(steps=[1e-3, 5e-4])``; None for the usual.
     **options
         Of `tautline.study.precision.study`: tolerance, repetitions, budget, point, reference.
 
@@ -120,5 +128,5 @@ def _subject(scene: Any, end: float | None) -> Any:
     from tautline.cli.catalogue import Installed
     from tautline.study.trial import Subject
 
-    read_scene = read(scene) if isinstance(scene, (str, Path)) else scene
+    read_scene = _scene(scene)
     return Subject(Installed().of(read_scene), read_scene, end=end)

@@ -202,11 +202,11 @@ def test_a_long_run_of_a_kind_that_was_not_run_yet_is_tried_in_part_and_left_out
     assert ran[0] == pytest.approx(500.0)
 
 
-def test_a_scene_that_does_not_come_to_its_end_as_it_stands_is_not_studied():
+def test_a_scene_that_comes_to_its_end_with_no_setting_is_not_studied():
     from tautline.integrators.status import StoppedEarly
 
     with pytest.raises(StoppedEarly, match="UNSTABLE"):
-        studied(oscillator(time_end=5.0, **rk4(time_step=0.5)))
+        studied(oscillator(time_end=5.0, **rk4(time_step=0.5)), ("rk4",), (0.5,))
 
 
 def test_what_is_interrupted_keeps_the_runs_that_it_has(monkeypatch):

@@ -168,12 +168,45 @@ def test_a_target_that_is_a_folder_is_refused_before_anything_is_run(cable, fold
     assert code == 2 and "bar_study.nc" in err and "folder" in err and made(folder) == ["bar_study.nc"]
 
 
-@pytest.mark.parametrize("verb", ["study", "stability"])
-def test_a_scene_that_stops_as_it_stands_is_told_and_not_studied(cable, folder, verb):
-    code, out, err = cable(verb, "stops.yaml", "--json")
+def test_a_scene_that_stops_as_it_stands_is_studied_with_the_settings_that_do_not(cable, folder):
+    code, out, err = cable("study", "stops.yaml", "--methods", "rk4,generalized-alpha", "--json")
+    report = only_object(out)
+    assert (code, report["status"]) == (3, "unstable") and "bar_study.nc" not in made(folder)
+    assert report["stopped"]["sentence"] and "as it stands stopped" in err
+    assert any(run["status"] == "done" and run["position_error"] < 0.1 for run in report["runs"])
+    assert {"stops_study.csv", "stops_study.nc", "stops_study.png"} <= set(made(folder))
+
+
+def test_a_scene_that_stops_with_every_setting_is_told_and_not_studied(cable, folder):
+    code, out, err = cable("study", "stops.yaml", "--methods", "rk4", "--steps", "0.5", "--json")
     report = only_object(out)
     assert (code, report["status"]) == (3, "unstable") and made(folder) == []
     assert report["stopped"]["sentence"] and "as it stands stopped" in err
+
+
+def test_the_critical_step_of_a_scene_that_stops_is_told(cable, folder):
+    """That of one element pinned at one end: 2.8 over its angular frequency, as `oscillators` has it."""
+    code, out, err = cable("stability", "stops.yaml", "--json")
+    report = only_object(out)
+    assert (code, report["status"]) == (3, "unstable") and "as it stands stopped" in err
+    assert report["critical_step"]["eigenvalue"] == pytest.approx(2.8 / OMEGA, rel=0.02)
+
+
+def test_why_a_setting_is_refused_stands_below_the_table(cable):
+    err = cable(*STUDY[:2], "--steps", "100,0.01", "--methods", "generalized-alpha")[2]
+    assert "refused: generalized-alpha, step 100 s: " in " ".join(err.split())
+
+
+def test_an_error_that_nothing_can_be_below_is_refused_in_python(folder):
+    import tautline
+    from tautline.scene.errors import SceneError
+
+    for tolerance in (-1.0, 0.0, float("nan"), float("inf")):
+        for verb in (tautline.study_errors, tautline.study_stability):
+            with pytest.raises(SceneError, match="tolerance"):
+                verb("bar.yaml", tolerance=tolerance)
+    with pytest.raises(TypeError, match="not int"):
+        tautline.simulate(5)
 
 
 def interrupting(monkeypatch, after):

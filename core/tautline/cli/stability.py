@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tautline.cli.catalogue import Catalogue
 from tautline.cli.console import print_json, say
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.study import named, percentage, prepared, show, stem_of, stopped, working
+from tautline.cli.study import named, percentage, prepared, show, stem_of, stop_record, tell_of, working
 from tautline.cli.summary import significant, two_columns
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: dict
     Ended
         If the scene as it stands stopped early, on Ctrl-C, and where a run was wrong without a word.
     """
-    from tautline.integrators.status import Interrupted, StoppedEarly
+    from tautline.integrators.status import Interrupted
     from tautline.study.stability import stability as run
 
     tolerance = percentage(asked["tolerance"], "--tolerance")
@@ -48,8 +48,6 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: dict
     try:
         with working() as progress:
             found = run(subject, tolerance, budget, asked["point"], asked["quick"], progress)
-    except StoppedEarly as stop:
-        stopped(path, stop, as_json)
     except Interrupted:
         say("interrupted", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None
@@ -57,7 +55,7 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: dict
     if found.interrupted:
         say("interrupted", "yellow")
         raise Ended(ExitCode.INTERRUPTED)
-    if any(variant.silent for variant in found.variants):
+    if found.stop is not None or any(variant.silent for variant in found.variants):
         raise Ended(ExitCode.STOPPED_EARLY)
 
 
@@ -66,6 +64,7 @@ def _report(path: Path, stem: Path, found: Stability, as_json: bool) -> None:
     from tautline.study.record import stability_record, write_csv
 
     whole = stability_record(found)
+    tell_of(path, found.stop)
     show(two_columns(_rows(found)))
     if found.variants:
         show(_table(found.variants))
@@ -80,8 +79,8 @@ def _report(path: Path, stem: Path, found: Stability, as_json: bool) -> None:
     for file in files:
         say(f"wrote {file}")
     if as_json:
-        status = "interrupted" if found.interrupted else "done"
-        print_json({"scene": str(path), "status": status} | whole | {"files": [str(file) for file in files]})
+        status = {"status": "interrupted"} if found.interrupted else stop_record(found.stop)
+        print_json({"scene": str(path)} | status | whole | {"files": [str(file) for file in files]})
 
 
 def _count(variants: Sequence[Variant]) -> None:

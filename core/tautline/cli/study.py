@@ -19,6 +19,7 @@ from tautline.cli.summary import significant
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from tautline.integrators.status import StoppedEarly
     from tautline.study.precision import Grid, Row, Study
     from tautline.study.trial import Subject
 
@@ -30,6 +31,7 @@ MOST_TOLERANCE = 0.5
 WIDEST = 400
 """Letters of a line of a table, at most."""
 NEWTON = ("modified", "full")
+NOT_RUN = ("refused", "left out")
 METHODS = ("rk4", "generalized-alpha", "newmark")
 ALIASES = {"G-alpha": "generalized-alpha", "generalised-alpha": "generalized-alpha", "RK4": "rk4"}
 
@@ -74,6 +76,8 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
     if found.interrupted:
         say("interrupted", "yellow")
         raise Ended(ExitCode.INTERRUPTED)
+    if found.stop is not None:
+        raise Ended(ExitCode.STOPPED_EARLY)
 
 
 def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject:
@@ -131,12 +135,25 @@ def named(stem: Path, ending: str) -> Path:
 
 
 def stopped(path: Path, stop: Any, as_json: bool) -> None:
-    """Report that a scene does not come to its end as it stands; always raises Ended."""
-    say(f"{path} as it stands stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
+    """Report that a scene does not come to its end, neither as it stands nor otherwise; always raises Ended."""
+    tell_of(path, stop)
     if as_json:
-        where = {"time": stop.time, "part": stop.part, "sentence": stop.sentence}
-        print_json({"scene": str(path), "status": stop.status.name.lower().replace("_", " "), "stopped": where})
+        print_json({"scene": str(path)} | stop_record(stop))
     raise Ended(ExitCode.STOPPED_EARLY) from None
+
+
+def tell_of(path: Path, stop: StoppedEarly | None) -> None:
+    """Say how a scene as it stands stopped, if it did."""
+    if stop is not None:
+        say(f"{path} as it stands stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
+
+
+def stop_record(stop: StoppedEarly | None) -> dict[str, Any]:
+    """Keys of the reports in JSON: status, and where and why a scene as it stands stopped, if it did."""
+    if stop is None:
+        return {"status": "done"}
+    where = {"time": stop.time, "part": stop.part, "sentence": stop.sentence}
+    return {"status": stop.status.name.lower().replace("_", " "), "stopped": where}
 
 
 def machine(load: Sequence[float]) -> str:
@@ -196,8 +213,11 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
     if found.left_out:
         say(f"a quick look: {'; '.join(found.left_out)}")
     say(f"position of {found.watched.point}, force of {found.watched.force or 'nothing'}; {machine(found.load)}")
+    for sentence in dict.fromkeys(_reason(row) for row in found.rows if row.trial.status in NOT_RUN):
+        say(sentence)
     for warning in found.warnings:
         say(f"warning: {warning}", "yellow")
+    tell_of(path, found.stop)
     say(found.advice, "green" if found.reference is not None and found.reference.converged else "yellow")
     files = []
     if records:
@@ -212,8 +232,14 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
     for file in files:
         say(f"wrote {file}")
     if as_json:
-        status = "interrupted" if found.interrupted else "done"
-        print_json({"scene": str(path), "status": status} | whole | {"files": [str(file) for file in files]})
+        status = {"status": "interrupted"} if found.interrupted else stop_record(found.stop)
+        print_json({"scene": str(path)} | status | whole | {"files": [str(file) for file in files]})
+
+
+def _reason(row: Row) -> str:
+    """Why a setting was not run: a table has no room for it."""
+    trial = row.trial
+    return f"{trial.status}: {trial.setting}: {trial.sentence}"
 
 
 def _of_reference(found: Study) -> str:

@@ -13,9 +13,9 @@ from numba import typeof
 from tautline.integrators.critical_step import CriticalStep
 from tautline.integrators.generalized_alpha import GeneralizedAlpha
 from tautline.integrators.state import State
-from tautline.integrators.status import Interrupted
+from tautline.integrators.status import Interrupted, StoppedEarly
 from tautline.integrators.tangent import tangent_error
-from tautline.scene.errors import SceneError
+from tautline.scene.errors import SceneError, option_error
 from tautline.simulation import simulate
 from tautline.study.advice import advice
 from tautline.study.errors import Errors, compare
@@ -70,6 +70,8 @@ class Study:
         Mean number of processes that wanted a processor in the last minute, before and after.
     left_out : tuple of str
         What a quick look has not tried.
+    stop : StoppedEarly or None
+        How the scene as it stands stopped, if it did; other settings have come to their end then.
     """
 
     rows: tuple[Row, ...]
@@ -81,6 +83,7 @@ class Study:
     warnings: tuple[str, ...] = field(default=())
     left_out: tuple[str, ...] = ()
     interrupted: bool = False
+    stop: StoppedEarly | None = None
 
     @property
     def advice(self) -> str:
@@ -121,13 +124,17 @@ def study(
     SceneError, ResultError
         For bad input.
     StoppedEarly
-        If the scene as it stands does not come to its end.
+        If the scene does not come to its end as it stands, nor with any other setting.
     """
+    require_tolerance(tolerance)
     before = os.getloadavg()[0]
     progress("the scene as it stands")
-    base, tangent, shrinks = _as_it_stands(subject)
-    watched = watch(base.result, point)
-    step = float(base.attribute("end")) / max(1, int(base.attribute("steps")))
+    base, tangent, shrinks, stop = _as_it_stands(subject)
+    solver = subject.model(Setting()).solver
+    step = min(solver.step, solver.interval)
+    if base is not None:
+        watched = watch(base.result, point)
+        step = float(base.attribute("end")) / max(1, int(base.attribute("steps")))
     wanted = settings(subject, grid, step, shrinks, reduced)
     trials: list[Trial] = []
     found, interrupted = None, False
@@ -135,10 +142,18 @@ def study(
         for setting in wanted:
             progress(str(setting))
             trials.append(_tried(subject, setting, trials, repetitions, budget))
+        if base is None:
+            base = next((trial for trial in trials if trial.done), None)
+            if base is None:
+                assert stop is not None
+                raise stop
+            watched = watch(base.result, point)
         finest = max((setting.elements for setting in wanted), default=1.0)
         finest *= 2.0 if len({setting.elements for setting in wanted}) > 1 else 1.0
         found = choose_reference(subject, watched, trials, base, finest, tolerance, budget, reference, progress)
     except Interrupted:
+        if base is None:
+            raise
         interrupted = True
     rows = tuple(_row(trial, watched, found) for trial in trials)
     if found is not None and not interrupted:
@@ -146,7 +161,15 @@ def study(
     load = before, os.getloadavg()[0]
     warnings = () if interrupted else tuple(_warnings(found, tangent, rows, tolerance, watched))
     left_out = of_study(subject, grid.steps is not None) if reduced else ()
-    return Study(rows, found, watched, tolerance, tangent, load, warnings, left_out, interrupted)
+    return Study(rows, found, watched, tolerance, tangent, load, warnings, left_out, interrupted, stop)
+
+
+def require_tolerance(tolerance: float) -> None:
+    """Raise SceneError for an error that nothing can be below, or everything."""
+    if not 0.0 < tolerance < np.inf:
+        raise option_error(
+            "tolerance", f"{tolerance:g}", "is no error to ask for", "give a share above 0, such as 0.01"
+        )
 
 
 def _tried(subject: Subject, setting: Setting, trials: Sequence[Trial], repetitions: int, budget: float) -> Trial:
@@ -160,10 +183,11 @@ def _tried(subject: Subject, setting: Setting, trials: Sequence[Trial], repetiti
     return subject.run(setting, repetitions)
 
 
-def _as_it_stands(subject: Subject) -> tuple[Trial, float | None, float]:
+def _as_it_stands(subject: Subject) -> tuple[Trial | None, float | None, float, StoppedEarly | None]:
     """A run with the scene's own settings, the largest error of its tangent, and by what its critical step shrinks.
 
-    Elements of a rope that is hoisted become shorter, and what was stable at the start is not at the end.
+    Elements of a rope that is hoisted become shorter, and what was stable at the start is not at the end. There is no
+    run where it stopped, which is told last.
     """
     model = subject.model(Setting())
     comparison, search = TangentLook(model.system), CriticalStep(model.system)
@@ -173,10 +197,15 @@ def _as_it_stands(subject: Subject) -> tuple[Trial, float | None, float]:
         comparison(state, t, method)
         steps.append(search.search(state, t)[0])
 
-    result = simulate(model, announce=subject.announce, look=look)
-    alike = np.isfinite(steps[0]) and _same_laws(subject, model)
-    shrinks = min(steps) / steps[0] if alike else 1.0
-    return Trial(Setting(), "done", "", result), comparison.largest_of(subject), shrinks
+    base: Trial | None = None
+    stop: StoppedEarly | None = None
+    try:
+        base = Trial(Setting(), "done", "", simulate(model, announce=subject.announce, look=look))
+    except StoppedEarly as early:
+        stop = early
+    alike = bool(steps) and np.isfinite(steps[0]) and _same_laws(subject, model)
+    shrinks = min(steps) / steps[0] if alike and base is not None else 1.0
+    return base, comparison.largest_of(subject), shrinks, stop
 
 
 def _same_laws(subject: Subject, model: Model) -> bool:

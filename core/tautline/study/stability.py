@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from tautline.integrators.status import Interrupted
+from tautline.integrators.status import Interrupted, StoppedEarly
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
 from tautline.study.conditioning import Condition, conditioning
@@ -15,7 +15,7 @@ from tautline.study.drift import Drift
 from tautline.study.history import Watched, watch
 from tautline.study.omissions import of_stability
 from tautline.study.penalties import Stiffness, penalties
-from tautline.study.precision import WRONG_TANGENT, TangentLook, still
+from tautline.study.precision import WRONG_TANGENT, TangentLook, require_tolerance, still
 from tautline.study.trial import Setting, Subject
 from tautline.study.variants import Variant, variants
 
@@ -43,6 +43,8 @@ class Stability:
     left_out : tuple of str
         What a quick look has not tried.
     interrupted : bool
+    stop : StoppedEarly or None
+        How the scene as it stands stopped, if it did.
     """
 
     critical: Critical
@@ -55,6 +57,7 @@ class Stability:
     warnings: tuple[str, ...]
     left_out: tuple[str, ...] = ()
     interrupted: bool = False
+    stop: StoppedEarly | None = None
 
 
 def stability(
@@ -82,11 +85,15 @@ def stability(
     ------
     SceneError
         For bad input.
-    StoppedEarly
-        If the scene as it stands does not come to its end.
     """
+    require_tolerance(tolerance)
     progress("the scene as it stands")
-    energy, drift, tangent, watched = _as_it_stands(subject, point)
+    stop: StoppedEarly | None = None
+    energy = drift = tangent = watched = None
+    try:
+        energy, drift, tangent, watched = _as_it_stands(subject, point)
+    except StoppedEarly as early:
+        stop = early
     critical = critical_steps(subject, progress)
     found: list[Any] = [[], [], []]
     interrupted = False
@@ -97,9 +104,11 @@ def stability(
         found[2] = variants(subject, tolerance, budget, point, quick, None, progress)
     except Interrupted:
         interrupted = True
-    warnings = tuple([] if watched.moves else [still(watched)]) + tuple(_warnings(critical, tangent, found[2]))
+    warnings = tuple([] if watched is None or watched.moves else [still(watched)]) + tuple(
+        _warnings(critical, tangent, found[2])
+    )
     left_out = of_stability(subject) if quick else ()
-    return Stability(critical, *found[:2], energy, drift, tangent, found[2], warnings, left_out, interrupted)
+    return Stability(critical, *found[:2], energy, drift, tangent, found[2], warnings, left_out, interrupted, stop)
 
 
 def _as_it_stands(subject: Subject, point: str | None) -> tuple[float | None, float | None, float | None, Watched]:

@@ -21,6 +21,7 @@ from tautline.study.trial import GIVEN_UP, Setting, Subject, Trial
 
 STIFFNESSES = (1e-3, 1e-2, 1e-1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
 STEPS = (0.1, 10.0, 100.0)
+SHORTEST = STEPS[0]
 RADII = (0.0, 0.5, 1.0)
 MESHES = (0.5, 2.0)
 SHORTER = 100.0
@@ -130,6 +131,10 @@ def variants(
     own = subject.model(Setting(method)).solver
     step = min(own.step, own.interval)
     base = subject.run(Setting(method))
+    if not base.done:
+        # What moves is told by a run that came further, if there is one.
+        finer = subject.run(Setting(method, SHORTEST * step), seconds=budget)
+        base = finer if finer.result is not None else base
     if base.result is None:
         return found
     watched = watch(base.result, point)
