@@ -7,6 +7,28 @@ from typing import Any
 import numpy as np
 
 from gardenhose.limit_cycle import limit_cycle
+from tautline.study.errors import first_mode
+
+
+MOVES = 1.0e-6
+"""Share of the length that the nodes of a hose whose tip rests must move for it to be told."""
+
+
+def _between_ends(result: Any, length: float) -> dict[str, tuple[Any, str, str]]:
+    """Figures of the node that moves most, where the tip is at rest: it may be held."""
+    position = result["position"]
+    moved = np.linalg.norm(position - position[0], axis=-1).max(axis=0)
+    node = int(moved.argmax())
+    if moved[node] <= MOVES * length:
+        return {}
+    way = position[:, node] - position[:, node].mean(axis=0)
+    along = way @ np.linalg.svd(way, full_matrices=False)[2][0]
+    omega = first_mode(result["time"], along)
+    return {
+        "node": (node + 1, "", "the tip is at rest; the node that moves most"),
+        "node_amplitude": (0.5 * float(np.ptp(along)), "m", "its amplitude, half of peak to peak"),
+        "node_frequency": (None if omega is None else omega / (2.0 * np.pi), "Hz", "its strongest frequency"),
+    }
 
 
 def headline(result: Any) -> dict[str, dict[str, Any]]:
@@ -17,7 +39,8 @@ def headline(result: Any) -> dict[str, dict[str, Any]]:
     result : Result
         Of a hose. A frequency that there is not is None.
     """
-    cycle = limit_cycle(result["time"], result["tip"], result["tip_velocity"], float(result["arc_length"][-1]))
+    length = float(result["arc_length"][-1])
+    cycle = limit_cycle(result["time"], result["tip"], result["tip_velocity"], length)
     force, speed = result["axial_force"], np.linalg.norm(result["tip_velocity"], axis=1)
     note = f" ({cycle.note})" if cycle.note else ""
     flow = float(result["flow_speed"][-1]) if "flow_speed" in result else None
@@ -32,4 +55,5 @@ def headline(result: Any) -> dict[str, dict[str, Any]]:
         "axial_force_min": (float(force.min()), "N", "smallest axial force"),
         "flow_speed": (flow, "m/s", "flow speed at the end"),
     }
+    figures |= _between_ends(result, length) if cycle.kind == "rest" else {}
     return {name: {"value": value, "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

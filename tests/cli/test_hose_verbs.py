@@ -285,3 +285,13 @@ def test_an_overview_that_is_several_figures_is_a_dictionary_of_them(gardenhose)
     assert gardenhose("simulate", "hose.yaml", "--end", "0.1", "-q")[0] == 0
     drawn = Result.read("hose.nc").plot.overview()
     assert list(drawn) == ["tip", "phase", "shape", "ramp"] and all(figure.axes for figure in drawn.values())
+
+
+def test_a_hose_that_is_held_at_both_ends_tells_of_the_node_that_moves_most(gardenhose):
+    """Its small motion has the frequency of the slowest eigenvalue about the shape at rest."""
+    assert gardenhose("new", "supported", "-o", "held.yaml")[0] == 0
+    report = only_object(gardenhose("simulate", "held.yaml", "--json")[1])
+    slowest = only_object(gardenhose("flutter", "held.yaml", "--speed", str(report["flow_speed"]), "--json")[1])
+    assert (report["motion"], report["tip_amplitude"]) == ("rest", 0) and 1 < report["node"] < 20
+    assert report["node_frequency"] == pytest.approx(slowest["eigenvalues"][0][0][1] / (2 * np.pi), rel=0.02)
+    assert report["node_amplitude"] > 1e-4

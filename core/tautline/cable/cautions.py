@@ -123,9 +123,9 @@ def _steps(scene: CableScene) -> Sentences:
     step = longest_step(scene.solver, 0.0)
     if scene.solver.method == "rk4" and step * math.sqrt(square) > RK4_LIMIT:
         text = (
-            f"{step:g} s is longer than RK4's critical step of about {RK4_LIMIT / math.sqrt(square):.2g} s (eq. 2.137, "
-            f"set by {join_key(place)} in line {scene.document.line(place)}): the run may become unstable; take a "
-            "smaller step, or type: G-alpha"
+            f"{step:g} s may be longer than RK4's critical step, which is at least about "
+            f"{RK4_LIMIT / math.sqrt(square):.2g} s (eq. 2.137, by {join_key(place)} in line "
+            f"{scene.document.line(place)} alone): `stability` finds it; take a smaller step, or type: G-alpha"
         )
         yield ("GeneralizedAlpha", "time_step"), text
 
