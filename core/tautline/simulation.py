@@ -32,6 +32,7 @@ from tautline.integrators.state import (
     turns_over,
 )
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.interruption import listening
 from tautline.results.balance import ENERGIES, Balance
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -119,7 +120,8 @@ def simulate(
     """
     run = Run(model, look)
     earlier = run.take_up(resume) if resume is not None else None
-    with Store(path, model.variables, model.coordinates, {**model.attributes, "version": __version__}) as store:
+    attributes = {**model.attributes, "version": __version__}
+    with Store(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
         try:
             compile_for(run.method, model.system, run.state, announce)
             if earlier is not None:
@@ -129,6 +131,7 @@ def simulate(
                 run.store_first(store)
             while run.done < run.ends.size:
                 run.advance(store)
+                ear.check()
                 if progress is not None:
                     progress(run.reached, run.wall)
         except KeyboardInterrupt:

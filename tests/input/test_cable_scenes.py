@@ -686,7 +686,13 @@ def test_a_slope_left_out_points_along_the_elements():
 MOVED = LINEAR.replace("BC: [0, 0, 0, 1]", "BC: [1, 0, 0, 1], BC_functions: [2, 0, 0, 0]")
 
 CAUTIONS = {
-    "a step too long for RK4": (BAR, "time_step: 0.01", "time_step: 0.2", "time_step", "RK4's critical step, which is at least about"),
+    "a step too long for RK4": (
+        BAR,
+        "time_step: 0.01",
+        "time_step: 0.2",
+        "time_step",
+        "critical step, which is at least",
+    ),
     "more frames than steps": (BAR, "plotpoints: 100", "plotpoints: 1000", "plotpoints", "every step is kept"),
     "frames between steps": (BAR, "plotpoints: 100", "plotpoints: 80", "plotpoints", "not a whole number of steps"),
     "a function that nobody names": (TEXT, *added("Function: {id: 2, value: 1}"), "Function.id", "moves nothing"),

@@ -108,3 +108,29 @@ def test_a_frame_of_a_hundred_thousand_steps_lets_ctrl_c_through(method):
     with pytest.raises(Interrupted):
         simulate(model(method, 1e-5, 1), progress=pressed)
     assert 0.0 < heard[0] < heard[-1] < 0.1
+
+
+def test_ctrl_c_that_python_drops_is_heard_after_the_batch(monkeypatch):
+    """What is raised in a callback of the garbage collector is printed and forgotten."""
+    import signal
+    import sys
+
+    from tautline import simulation
+
+    monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
+    advance = simulation.Run.advance
+
+    class Cleared:
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    def advancing(run, store):
+        advance(run, store)
+        Cleared()
+
+    monkeypatch.setattr(simulation.Run, "advance", advancing)
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(Interrupted) as stop:
+        simulate(model("implicit"))
+    assert stop.value.result.attributes["status"] == "interrupted"
+    assert signal.getsignal(signal.SIGINT) is before
