@@ -7,6 +7,7 @@ derivatives that are carried through each product: nothing is differenced.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -33,6 +34,10 @@ TURN = 0.4
 MOST_KNOTS = 1_000_000
 BLEND = 1.0e-4
 """Time in which a jump of acceleration is gone through, s: a knot holds one acceleration, not two."""
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+"""Golden section: no period fits its multiples, so that a motion which is nothing at all of them is nothing."""
+LOOKS = np.arange(1, 102) * GOLDEN % 1.0
+"""Shares of the run at which a motion's size is looked at."""
 JUMP = 1.0e-6
 """Share of its largest rate, or second rate, by which a motion jumps where it is not called smooth."""
 CLOSEST = 1.0e-4
@@ -310,7 +315,9 @@ class _Path:
         breaks = np.unique(np.concatenate(times))
         breaks = breaks[(breaks > 0.0) & (breaks < np.nextafter(self.end, 0.0))]
         jump = np.abs(self.motions(breaks) - self.motions(np.nextafter(breaks, 0.0)))
-        largest = np.abs(self.motions(np.union1d(breaks, np.linspace(0.0, self.end, 101)))).max(axis=2)
+        edges = np.concatenate(([0.0], breaks, [self.end]))
+        between = np.concatenate((self.end * LOOKS, edges[:-1] + GOLDEN * np.diff(edges)))
+        largest = np.abs(self.motions(np.union1d(breaks, between))).max(axis=2)
         jumps = jump > JUMP * largest[:, :, None]
         for k, i, at in np.argwhere(np.any(jumps[..., :2], axis=3)):
             what = "the motion itself jumps" if jumps[k, i, at, 0] else "its speed jumps"

@@ -207,6 +207,21 @@ def test_motions_that_jump_or_cannot_be_followed_are_refused_by_name(motion, wor
     assert caught.value.problems[0].key in ("frames[0].slew", "frames[0]")
 
 
+@pytest.mark.parametrize("end", [400.0, 800.0, 1200.0, 3600.0])
+def test_a_smooth_motion_is_not_refused_where_the_run_is_a_multiple_of_its_period(end):
+    """At hundredths of such a run, and where its ramp ends, the sine of 8 s is nothing but rounding."""
+    heave = Harmonic(amplitude=0.5, period=8.0, ramp=8.0)
+    frame = Frame("vessel", GROUND, (0.0, 0.0, -10.0), (NIL, NIL, heave, NIL, NIL, NIL))
+    times = np.linspace(8.0, end - 1.0, 1001)
+    got = between(compile_functions(requests_of((frame,), end)), times, (frame,))
+    assert np.abs(got[0, :, 0, 2] - 0.5 * np.sin(0.25 * np.pi * times)).max() < 1e-9
+
+
+def test_a_short_smooth_move_in_a_long_run_is_not_refused():
+    frame = boom("boom", GROUND, (0.0, 0.0, 0.0), Table(time=(0.0, 4.0, 5.0, 6.0), value=(0.0, 0.0, 0.1, 0.1)), NIL)
+    assert requests_of((frame,), 4000.0)
+
+
 def test_a_slew_given_by_a_table_of_speeds_may_jump_in_acceleration():
     speeds = Table(time=(0.0, 2.0, 3.0, 8.0, 9.0), value=(0.0, 0.0, 0.2, 0.2, 0.0))
     frame = boom("boom", GROUND, (0.0, 0.0, 0.0), Velocity(velocity=speeds), NIL)
