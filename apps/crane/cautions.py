@@ -11,6 +11,7 @@ import numpy as np
 from crane.build import compensation_of
 from crane.compensation import Compensation
 from crane.estimates import Estimate, estimate, rk4_limit
+from crane.loads import floating
 from crane.path import FLEET_LIMIT
 from crane.scene import CraneScene, Drum, Sheave
 from crane.supply import Supply, check_supply, supply_of
@@ -44,7 +45,7 @@ def cautions(scene: CraneScene) -> list[Caution]:
         *(("path", text) for text in found.path.warnings),
         *_fleet(found), *_bending(scene), *_safety(found), *_sheaves(scene), *_steps(found), *_mesh(found),
         *_compression(scene), *_supply(found, actuator), *_start(found),
-        *_held_back(actuator), *_dry(scene),
+        *_held_back(actuator), *_dry(scene), *_floating(found),
     ]  # fmt: skip
     return [Caution(where, text) for where, text in sentences]
 
@@ -59,6 +60,16 @@ def _dry(scene: CraneScene) -> Sentences:
                 "drag and added mass act on a body at any height; leave them out while it is in air"
             )
             yield f"bodies[{k}]", text
+
+
+def _floating(found: Estimate) -> Sentences:
+    """Bodies that do not pull on the rope that they hang on."""
+    for k, lift in floating(found.scene, found.path):
+        text = (
+            f"{found.scene.bodies[k].name} floats: buoyancy and force lift it with {lift:.4g} N more than it weighs, "
+            "at any height, and its rope goes slack; give it less volume or more mass"
+        )
+        yield f"bodies[{k}]", text
 
 
 def _key(scene: CraneScene, item: Any, key: str = "") -> str:

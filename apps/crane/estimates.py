@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crane.layout import Layout, lay_out
+from crane.loads import load_of, pull
 from crane.reeving import Path
 from crane.scene import CraneScene, Drum, End, Sheave
 
@@ -65,18 +66,6 @@ def estimate(scene: CraneScene) -> Estimate:
     return Estimate(scene, layout, static_tension(scene, layout.path), _bounce(scene, layout.path))
 
 
-def pull(scene: CraneScene, path: Path) -> dict[str, np.ndarray]:
-    """By body that the rope touches: the force on it of a tension of 1 N all along the rope, (3,)."""
-    e = np.array([span.e for span in path.spans])
-    found: dict[str, np.ndarray] = {}
-    for i, item in enumerate(scene.path):
-        if isinstance(item, (End, Sheave)) and item.body is not None:
-            leaves = e[i] if i < len(e) else np.zeros(3)
-            comes = e[i - 1] if i > 0 else np.zeros(3)
-            found[item.body] = found.get(item.body, np.zeros(3)) + leaves - comes
-    return found
-
-
 def static_tension(scene: CraneScene, path: Path) -> np.ndarray | None:
     """Tensions that hold the loads, (spans, 2) N; None where nothing hangs on the rope.
 
@@ -94,9 +83,8 @@ def static_tension(scene: CraneScene, path: Path) -> np.ndarray | None:
         fixed = body.spring is not None and any(body.spring.stiffness)
         if fixed or set(body.guide) == set("xyz"):
             continue
-        buoyancy = scene.water.density * body.volume if scene.water is not None else 0.0
         held.append(float(force @ up))
-        load.append((body.mass - buoyancy) * size - _of_weight(scene, path, name, weight, up))
+        load.append(load_of(scene, body) - _of_weight(scene, path, name, weight, up))
     share = np.array(held)
     if not (share > 1e-6).any():
         return None

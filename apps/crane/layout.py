@@ -14,6 +14,7 @@ import numpy as np
 
 from crane.frames import ENTRIES, GROUND, Frame, point_of, requests_of
 from crane.line import WHEEL
+from crane.loads import floating
 from crane.quaternion import QUATERNION, quaternion_of, rotation_of
 from crane.reeving import Path, ReevingError, Wheel, reeve, sigma_of
 from crane.scene import Anchor, Body, CraneScene, End, Sheave
@@ -158,6 +159,7 @@ def lay_out(scene: CraneScene) -> Layout:
     ]
     _refuse_load_above(scene, wheels)
     path = _reeved(scene, wheels)
+    _refuse_floating(scene, path)
     builder = _Builder(scene, frames, entries, requests)
     records = np.zeros(len(wheels), WHEEL).view(np.recarray)
     for i, (wheel, k) in enumerate(zip(wheels, on, strict=True)):
@@ -209,6 +211,23 @@ def _refuse_load_above(scene: CraneScene, wheels: list[Wheel]) -> None:
         if all(up @ wheels[highest].center <= up @ wheels[i].center for i in at):
             cause = f"is above {scene.path[highest].name}, which it hangs from: no taut rope holds it up there"
             raise SceneError([scene.problem(f"bodies[{k}].position", cause, "draw it below, or start: as drawn")])
+
+
+def _refuse_floating(scene: CraneScene, path: Path) -> None:
+    """Refuse a load that is to hang at rest as high as drawn and goes up."""
+    if scene.start != "static" or scene.rope.length is not None:
+        return
+    problems = [
+        scene.problem(
+            f"bodies[{k}]",
+            f"{scene.bodies[k].name} does not pull on its rope: buoyancy and force lift it with {lift:.4g} N more than "
+            "it weighs, and no length of rope makes the drawing true",
+            "give it less volume or more mass, or start: as drawn",
+        )
+        for k, lift in floating(scene, path)
+    ]
+    if problems:
+        raise SceneError(problems)
 
 
 def _reeved(scene: CraneScene, wheels: list[Wheel]) -> Path:

@@ -14,13 +14,15 @@ from crane.span import Spans
 from crane.winch import Drums, Supplies
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.state import State
-from tautline.integrators.status import StoppedEarly
+from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.time_function import value_at
 from tautline.system.system import System
 
 ITERATIONS = 40
 CLOSE = 1.0e-9
 """Height, as a share of the longest piece of rope, within which the drawing is true."""
+TRUE = 1.0e-6
+"""The same, beyond which it is not: a search that ends there has failed."""
 SHORTEST_WAY = 0.3
 """Share of the shortest piece of rope by which its length may change in one iteration."""
 
@@ -53,7 +55,7 @@ def draw_true(layout: Layout, system: System, state: State) -> None:
     Raises
     ------
     StoppedEarly
-        NO_EQUILIBRIUM, naming the unknown that is worst.
+        NO_EQUILIBRIUM, naming the unknown that is worst, or a load that no length of rope brings to where it is drawn.
     """
     limit = SHORTEST_WAY * float(layout.path.chords.min())
     weights = _hanging(layout)
@@ -124,7 +126,7 @@ def _height(x: np.ndarray, weights: dict[int, float]) -> float:
 
 
 def _lengthen(layout: Layout, system: System, state: State, weights: dict[int, float], limit: float) -> None:
-    """Secant iteration on the rope's length."""
+    """Secant iteration on the rope's length; raises StoppedEarly where it finds none."""
     drawn = _height(layout.degrees.value, weights)
     close = CLOSE * float(layout.path.chords.max())
     last, slope = None, -1.0 / max(1, _falls(layout))
@@ -140,6 +142,16 @@ def _lengthen(layout: Layout, system: System, state: State, weights: dict[int, f
         last = step, off
         _add_rope(layout, system, state, step)
         _rest(system, state, limit)
+    off = _height(state.full_q, weights) - drawn
+    if abs(off) > TRUE * float(layout.path.chords.max()):
+        way = "higher" if off > 0.0 else "lower"
+        detail = (
+            f"no length of rope was found that makes the drawing true: at rest the load is {abs(off):.4g} m {way} than "
+            "it is drawn; give rope.length, or start: as drawn"
+        )
+        raise StoppedEarly(
+            Status.NO_EQUILIBRIUM, 0.0, system.places[max(weights, key=lambda place: abs(weights[place]))], detail
+        )
 
 
 def _falls(layout: Layout) -> int:

@@ -1,0 +1,64 @@
+"""Where a load is that starts at rest: as high as drawn, or refused with the cause."""
+
+import pytest
+from physics.crane_scenes import GRAVITY, anchor, body, crane, end, fall, hoist, parsed, ran, sheave, stopped
+
+from crane import reach
+from crane.cautions import cautions
+from crane.layout import lay_out
+from tautline.integrators.status import Status
+from tautline.scene.errors import SceneError
+
+MASS, DENSITY = 5000.0, 1025.0
+WATER = {"surface": 0.0, "density": DENSITY}
+FLOATS = 6.0
+
+
+def in_water(volume, **more):
+    """5 t at 50 m below the surface, on a rope without a diameter, so that the rope has no buoyancy."""
+    made = hoist(drive={"pay_out": 0.0}, load={"volume": volume}, water=WATER, solver={"end": 0.05}, **more)
+    made["bodies"][0]["position"] = (12.4, 0.0, -50.0)
+    return made
+
+
+def floating(scene):
+    return [caution.text for caution in cautions(parsed(scene)) if "floats" in caution.text]
+
+
+def test_a_body_that_floats_is_refused_by_what_lifts_it():
+    lift = (FLOATS * DENSITY - MASS) * GRAVITY
+    with pytest.raises(SceneError, match="payload does not pull on its rope") as refused:
+        lay_out(parsed(in_water(FLOATS)))
+    (problem,) = refused.value.problems
+    assert problem.key == "bodies[0]" and f"{lift:.4g} N more than it weighs" in problem.cause
+    with pytest.raises(SceneError, match="does not pull"):
+        lay_out(parsed(fall(MASS, load={"force": [0.0, 0.0, 1.1 * MASS * GRAVITY]})))
+
+
+@pytest.mark.parametrize("volume", [0.0, 3.0, 4.85])
+def test_a_body_that_only_just_sinks_hangs_where_it_is_drawn(volume):
+    result = ran(in_water(volume))
+    assert result["body_position"][0, 0, 2] == pytest.approx(-50.0, abs=1e-6)
+    assert result["tension"][0, -1, 1] == pytest.approx((MASS - DENSITY * volume) * GRAVITY, rel=1e-6)
+
+
+def test_a_search_for_the_length_that_does_not_end_is_no_start(monkeypatch):
+    monkeypatch.setattr(reach, "ITERATIONS", 1)
+    stop = stopped(in_water(3.0, rope={"axial_stiffness": 1.0e5}), Status.NO_EQUILIBRIUM)
+    assert "m higher than it is drawn" in stop.sentence and stop.part == "payload: z"
+
+
+def test_a_body_that_floats_is_told_where_it_is_let_go():
+    assert len(floating(in_water(FLOATS, start="as drawn"))) == 1
+    assert len(floating(in_water(FLOATS, rope={"length": 110.0}))) == 1
+    assert floating(in_water(4.85)) == []
+
+
+def test_a_body_that_floats_and_is_held_down_is_not_told():
+    path = [anchor((-0.4, 0.0, 0.0)), sheave((0.0, 0.0, 30.0)), end("payload")]
+    held = body("payload", MASS, (0.4, 0.0, -50.0), volume=FLOATS, spring={"stiffness": [0, 0, 1e5]})
+    assert floating(crane(path, [held], water=WATER)) == []
+    guided = body("payload", MASS, (0.4, 0.0, -50.0), volume=FLOATS, guide=["z"])
+    assert floating(crane(path, [guided], water=WATER)) == []
+    below = crane([anchor((0.0, 0.0, -80.0)), end("payload")], [held | {"spring": None}], water=WATER, start="as drawn")
+    assert floating(below) == []
