@@ -36,7 +36,7 @@ class SlackEvent(NamedTuple):
     to_end: bool
     """Slack at the last frame: it may go on, and there is no snap."""
     snap: float | None
-    """Largest tension of the span within `SNAP_WINDOW` after the end, or until it is slack again, N."""
+    """Largest tension in the span within `SNAP_WINDOW` after the end, or until it is slack again, N."""
     snap_time: float | None
     """s."""
 
@@ -83,6 +83,7 @@ def slack_events(
     names: Sequence[str],
     threshold: float = 0.0,
     window: float = SNAP_WINDOW,
+    most: np.ndarray | None = None,
 ) -> list[SlackEvent]:
     """Times in which spans are slack, and the snap after each; in order of time, then of spans.
 
@@ -91,7 +92,7 @@ def slack_events(
     time : (m,) array
         s.
     tension : (m,) or (m, n) array
-        N, a column each span.
+        N, a column each span: the smallest in it, where a heavy rope has several.
     names : sequence of str
         Of the n spans.
     threshold : float
@@ -99,8 +100,11 @@ def slack_events(
         frames that are exactly slack count, and with elastic compression any pressure.
     window : float
         Time after slack in which the snap is sought, s.
+    most : (m,) or (m, n) array or None
+        The largest tension in each span, which a snap is read off, N; None where it is the same.
     """
     time, tension = _columns(time, tension, names)
+    _, most = _columns(time, tension if most is None else most, names)
     found = [
         event for name, column in zip(names, tension.T, strict=True) for event in _slack(time, column, name, threshold)
     ]
@@ -108,7 +112,7 @@ def slack_events(
     for k, event in enumerate(found):
         following = found[k + 1] if k + 1 < len(found) and found[k + 1].span == event.span else None
         stop = min(event.end + window, following.begin if following else float(time[-1]), float(time[-1]))
-        snap = None if event.to_end else _largest_within(time, tension[:, names.index(event.span)], event.end, stop)
+        snap = None if event.to_end else _largest_within(time, most[:, names.index(event.span)], event.end, stop)
         with_snaps.append(event if snap is None else event._replace(snap=snap[0], snap_time=snap[1]))
     return sorted(with_snaps, key=lambda event: (event.begin, names.index(event.span)))
 

@@ -134,8 +134,9 @@ def _slack(result: Any, course: Course) -> Iterator[Row]:
     """Times without tension, and the snaps that end them."""
     scene = course.scene
     spans = [f"{one.name} to {two.name}" for one, two in zip(scene.path[:-1], scene.path[1:], strict=True)]
-    tension = np.asarray(result["tension"]).min(axis=-1)
-    found = slack_events(result.time, tension, spans, threshold=SLACK * float(_rest(result, course)[0].max()))
+    ends = np.asarray(result["tension"])
+    threshold = SLACK * float(_rest(result, course)[0].max())
+    found = slack_events(result.time, ends.min(axis=-1), spans, threshold, most=ends.max(axis=-1))
     yield "slack_events", len(found), "", "times that a span went slack"
     if not found:
         return

@@ -39,6 +39,16 @@ def test_the_snap_is_the_largest_tension_of_two_seconds():
     assert event.snap == pytest.approx(1000.0) and event.snap_time == pytest.approx(5.0)
 
 
+def test_the_snap_is_the_largest_tension_anywhere_in_the_span_that_was_slack():
+    """A heavy rope is slack at its lower end; its own weight is in the snap at the upper one."""
+    lower, upper = np.array([0.0, 0.0, 40.0, 30.0]), np.array([60.0, 90.0, 70.0, 80.0])
+    (event,) = slack_events(np.arange(4.0), lower, ["fall"], most=upper)
+    assert (event.begin, event.end) == (0.0, 1.0)
+    assert event.snap == 80.0 and event.snap_time == 3.0
+    with pytest.raises(ValueError, match="for 2 columns"):
+        slack_events(np.arange(4.0), lower, ["fall"], most=np.column_stack([upper, upper]))
+
+
 def test_the_snap_is_that_before_the_rope_is_slack_again():
     time = np.arange(6) * 0.1
     first, second = slack_events(time, [0, 30, 0, 0, 90, 20], ["fall"])

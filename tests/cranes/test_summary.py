@@ -86,6 +86,15 @@ def test_slack_is_told_with_its_length_and_its_snap():
     assert not {"longest_slack", "max_snap"} & summed(one_fall()).keys()
 
 
+def test_the_snap_of_a_heavy_rope_is_that_of_its_upper_end():
+    run = result(one_fall(), slack=True)
+    ends = run["tension"]
+    ends[:, 1, 0] += 2.0e5
+    found = headline(run, one_fall())
+    after = ends[(run.time > 5.0) & (run.time < 7.0)]
+    assert value(found, "max_snap") == after[:, 1].max() and "boom tip to hook" in found["max_snap"]["text"]
+
+
 def test_the_winch_gives_the_rope_its_tension_times_its_travel():
     run = result(one_fall(), bounce=0.0, sway=0.0, rise=15.0)
     found = headline(run, one_fall())
