@@ -14,7 +14,7 @@ from crane.estimates import Estimate, estimate, rk4_limit
 from crane.loads import floating
 from crane.path import FLEET_LIMIT
 from crane.scene import CraneScene, Drum, Sheave
-from crane.supply import Supply, check_supply, supply_of
+from crane.supply import Supply, capacity_of, check_supply, supply_of
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import Caution
 from tautline.system.time_functions import Samples, compile_functions
@@ -240,23 +240,42 @@ def _supply(found: Estimate, actuator: Compensation | None) -> Sentences:
                 f"{supply.speed[0]:.3g}, over: 1.0}}}}, unless that is what is asked"
             )
             yield _key(scene, drum, drum.drive), text
-        yield from _empty(scene, drum, supply, actuator)
+        whole = _compensated(supply, actuator)
+        yield from _empty(scene, drum, whole)
+        yield from _full(scene, drum, whole)
         yield from _too_high(found, drum, supply)
 
 
-def _empty(scene: CraneScene, drum: Drum, supply: Supply, actuator: Compensation | None) -> Sentences:
+def _compensated(supply: Supply, actuator: Compensation | None) -> Supply:
+    """Supply of the operator and of heave compensation together."""
+    if actuator is None or not isinstance(actuator.pay_out, Samples):
+        return supply
+    answered = np.interp(supply.time, actuator.pay_out.time, actuator.pay_out.value)
+    return supply._replace(paid_out=supply.paid_out + answered)
+
+
+def _empty(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
     """A drum that runs out of rope."""
-    paid_out, held = supply.paid_out, drum.rope_on_drum
-    if actuator is not None and isinstance(actuator.pay_out, Samples):
-        paid_out = paid_out + np.interp(supply.time, actuator.pay_out.time, actuator.pay_out.value)
-    most = float(paid_out.max())
+    held, most = drum.rope_on_drum, float(supply.paid_out.max())
     if held is not None and most > held:
-        k = int(np.argmax(paid_out > held))
+        k = int(np.argmax(supply.paid_out > held))
         text = (
             f"{held:.4g} m, and {most:.4g} m are paid out: the run will stop at about t = {supply.time[k]:.3g} s, when "
             "the drum is empty; give more rope, or pay out less"
         )
         yield _key(scene, drum, "rope_on_drum"), text
+
+
+def _full(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
+    """A drum that heave compensation fills; one that its operator fills is refused."""
+    capacity, held = capacity_of(scene, drum), (drum.rope_on_drum or 0.0) - supply.paid_out
+    if capacity is not None and held.max() > capacity:
+        k = int(np.argmax(held > capacity))
+        text = (
+            f"the layers hold {capacity:.4g} m, and with heave compensation it comes to {float(held.max()):.4g} m: the "
+            f"run will stop at about t = {supply.time[k]:.3g} s, when the drum is full; give it more turns or layers"
+        )
+        yield _key(scene, drum, "layers"), text
 
 
 def _too_high(found: Estimate, drum: Drum, supply: Supply) -> Sentences:

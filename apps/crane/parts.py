@@ -21,6 +21,7 @@ from crane.scene import Drum, End, Sheave
 from crane.slip import SLIP, Slips
 from crane.sockets import SOCKET, Sockets, new_sockets
 from crane.span import SPAN, STATION, Spans, new_spans
+from crane.supply import capacity_of
 from crane.wet import WET, Wet, new_wet
 from crane.winch import DRUM, Drums, Supplies
 from tautline.kernels.time_function import TimeFunctions
@@ -204,14 +205,20 @@ def _springs(layout: Layout) -> Springs | None:
 def _supplies(layout: Layout) -> Supplies | None:
     rows = []
     for i, item in enumerate(layout.scene.path):
-        if isinstance(item, Drum) and item.rope_on_drum is not None:
-            way = 1.0 if i == 0 else -1.0
-            begin = layout.degrees.value[layout.supply.get(i, layout.material(i))]
-            rows.append((layout.material(i), begin - way * item.rope_on_drum, way))
+        if not isinstance(item, Drum):
+            continue
+        held, capacity = item.rope_on_drum, capacity_of(layout.scene, item)
+        if held is None and capacity is None:
+            continue
+        way = 1.0 if i == 0 else -1.0
+        begin = layout.degrees.value[layout.supply.get(i, layout.material(i))]
+        least = begin - way * (np.inf if held is None else held)
+        most = begin + way * (np.inf if capacity is None else capacity - (held or 0.0))
+        rows.append((layout.material(i), least, most, way))
     if not rows:
         return None
-    place, least, way = zip(*rows, strict=True)
-    return Supplies(np.array(place, dtype=np.int64), np.array(least, dtype=float), np.array(way, dtype=float))
+    place, *ends = zip(*rows, strict=True)
+    return Supplies(np.array(place, dtype=np.int64), *(np.array(x, dtype=float) for x in ends))
 
 
 def _wet(layout: Layout, spans: Spans) -> Wet | None:

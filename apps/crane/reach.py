@@ -181,5 +181,6 @@ def _move_supply(layout: Layout, system: System, i: int, way: float) -> None:
     for group in system.groups:
         if isinstance(group, Supplies):
             group.least[group.p == place] += way
+            group.most[group.p == place] += way
         elif isinstance(group, Drums):
             group.rows["begin"][group.rows["p"] == place] += way

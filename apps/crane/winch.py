@@ -8,7 +8,7 @@ import numpy as np
 
 from crane.span import FIRST, LAST, STRETCH
 from tautline.kernels.dofs import add_entry
-from tautline.kernels.groups import RUN_OUT, register
+from tautline.kernels.groups import DRUM_FULL, RUN_OUT, register
 from tautline.kernels.jit import kernel
 from tautline.kernels.time_function import TimeFunctions, evaluate
 
@@ -123,10 +123,12 @@ register(
 
 
 class Supplies(NamedTuple):
-    """Rope on drums (n,): place of p at the mark, p where none is left, and +1 where p falls as rope is paid out."""
+    """Rope on drums (n,): place of p at the mark, p where none is left and where no more fits, infinite where there is
+    no such end, and +1 where p falls as rope is paid out."""
 
     p: np.ndarray
     least: np.ndarray
+    most: np.ndarray
     way: np.ndarray
 
 
@@ -135,6 +137,9 @@ def _supply_alarm(g, t, q, alarm):
     for i in range(g.p.size):
         if g.way[i] * (q[g.p[i]] - g.least[i]) < 0.0:
             alarm[0], alarm[1] = RUN_OUT, g.p[i]
+            return
+        if g.way[i] * (q[g.p[i]] - g.most[i]) > 0.0:
+            alarm[0], alarm[1] = DRUM_FULL, g.p[i]
             return
 
 

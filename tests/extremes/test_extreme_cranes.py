@@ -29,6 +29,7 @@ from physics.crane_scenes import (
 from references import cables
 
 from crane.application import Crane
+from crane.cautions import cautions
 from tautline.cli.run import ExitCode, run
 from tautline.cli.verbs import make_app
 from tautline.integrators.status import Status, StoppedEarly
@@ -361,6 +362,43 @@ def test_a_drum_that_is_braked_and_one_that_hauls():
 
 
 # events
+LAYERS = {"turns": 10, "core_radius": 0.48, "count": 1}
+DIAMETER = 0.04
+CAPACITY = 10 * 2.0 * np.pi * 0.5
+FILLS = {
+    "by torque": {"torque": 40.0e3} | TURNING,
+    "by tension": {"tension": 60.0e3} | TURNING,
+}
+
+
+@pytest.mark.parametrize("drive", FILLS)
+@pytest.mark.parametrize("held", [25.0, None])
+def test_a_drum_that_is_full_ends_the_run_by_name(drive, held):
+    """Ten turns of 40 mm rope on a core of 0.48 m are 31.4 m; with 25 m on it there is room for the rest."""
+    room = CAPACITY - (held or 0.0)
+    more = {} if held is None else {"rope_on_drum": held}
+    asked = hoist(drive=FILLS[drive] | {"layers": LAYERS} | more, rope={"diameter": DIAMETER}, solver={"end": 20.0})
+    asked["bodies"][0]["position"] = (12.4, 0.0, -20.0)
+    stop = stopped(asked, Status.DRUM_FULL)
+    wound = -stop.result["paid_out"][-1, 0]
+    # the last frame is at most 10 ms before, at a speed of 17 m/s at most
+    assert room - 0.17 < wound <= room and "winch" in stop.part
+    assert stop.result.attributes["status"] == "drum full"
+
+
+def test_a_drum_that_heave_compensation_fills_ends_the_run_by_name_as_it_was_warned_of():
+    """The tip heaves by 1 m sin wt, and the drum has room for half of it: w t = 30 degrees after a full turn."""
+    vessel = {"reference": [0, 0, 0], "motion": {"heave": {"harmonic": {"amplitude": 1.0, "period": 6.0, "ramp": 6.0}}}}
+    asked = hoist(
+        drive={"pay_out": 0.0, "layers": LAYERS, "rope_on_drum": CAPACITY - 0.5}, rope={"diameter": DIAMETER},
+        vessel=vessel, heave_compensation={"gain": 1.0}, solver={"end": 12.0},
+    )  # fmt: skip
+    (told,) = [caution.text for caution in cautions(parsed(asked)) if "when the drum is full" in caution.text]
+    stop = stopped(asked, Status.DRUM_FULL)
+    assert f"t = {stop.time:.2g}" in told
+    assert -stop.result["paid_out"][-1, 0] == pytest.approx(0.5, abs=0.02)
+
+
 ENDS = {
     "by pay-out": {"pay_out": {"ramp": {"to": 2.0, "over": 0.5}}},
     "by speed": {"speed": {"ramp": {"to": 4.0, "over": 0.5}}},

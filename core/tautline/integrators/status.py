@@ -21,7 +21,8 @@ class Status(IntEnum):
     OFF_WHEEL = 9
     RUN_OUT = 10
     TWO_BLOCKED = 11
-    IMBALANCE = 12
+    DRUM_FULL = 12
+    IMBALANCE = 13
 
 
 SENTENCES = {
@@ -56,6 +57,9 @@ SENTENCES = {
     Status.RUN_OUT: "all of the rope has run off its drum; pay out less, or give the drum more rope",
     Status.TWO_BLOCKED: (
         "a hook or a block has come up to the sheave above it, and nothing is left between them; stop hoisting earlier"
+    ),
+    Status.DRUM_FULL: (
+        "all layers that a drum may have are full of rope; hoist less, or give the drum more turns or layers"
     ),
     Status.IMBALANCE: (
         "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "
