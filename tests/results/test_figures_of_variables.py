@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from synthetic_crane import falls, one_fall
+from synthetic_crane import elevator, falls, one_fall
 from synthetic_crane import result as crane
 from synthetic_hose import result as hose
 from synthetic_string import result as string
@@ -105,6 +105,31 @@ def test_a_variable_against_another_gives_their_pairs(well):
     assert (plot.get_xlabel(), plot.get_ylabel()) == ("block position [m]", "hook load [kN]")
     start = plot.get_lines()[1]
     assert start.get_xdata()[0] == well["block_position"][0] and start.get_marker() == "o"
+
+
+def test_histories_of_one_thing_are_drawn_as_pairs_over_the_run(hoist):
+    (plot,) = only(draw_crane([hoist], ["drum_tension"], "paid_out")).axes
+    x, y = plot.get_lines()[0].get_data()
+    np.testing.assert_allclose(x, hoist["paid_out"][:, 0])
+    np.testing.assert_allclose(y, hoist["drum_tension"][:, 0] / 1e3)
+    (plot,) = only(draw_crane([hoist], ["wrap"], "paid_out")).axes
+    np.testing.assert_allclose(plot.get_lines()[0].get_xdata(), hoist["paid_out"][:, 0])
+
+
+def test_histories_of_the_same_things_are_drawn_each_against_its_own():
+    run = crane(elevator(), frames=10)
+    (plot,) = only(draw_crane([run], ["body_velocity:z"], "body_position:z")).axes
+    found = curves(plot)
+    for k, name in enumerate(("car", "counterweight")):
+        np.testing.assert_allclose(found[name][0], run["body_position"][:, k, 2])
+        np.testing.assert_allclose(found[name][1], run["body_velocity"][:, k, 2])
+
+
+def test_along_nodes_a_profile_is_drawn_and_so_it_is_where_times_are_named(hoist):
+    (plot,) = only(draw_crane([hoist], ["position:z"], "material")).axes
+    np.testing.assert_allclose(plot.get_lines()[0].get_xdata(), hoist["material"][-1])
+    (plot,) = only(draw_crane([hoist], ["drum_tension"], "paid_out@0")).axes
+    assert list(curves(plot)) == ["at 0 s"]
 
 
 def test_a_variable_down_the_string_is_its_profile_at_the_times_that_are_named(well):

@@ -29,6 +29,14 @@ class Chosen(NamedTuple):
     values: np.ndarray
     labels: tuple[tuple[str, ...], ...]
     """Names along each dimension after ``time``."""
+    things: bool = False
+    """Whether the members of each of these dimensions, directions left out, have names: they are no row of numbers."""
+
+    @property
+    def items(self) -> tuple[str, ...]:
+        """Dimensions after ``time`` but for directions."""
+        dims = self.dims[1:] if self.changes else self.dims
+        return dims[:-1] if dims[-1:] and dims[-1] in COMPONENTS else dims
 
     @property
     def changes(self) -> bool:
@@ -91,7 +99,8 @@ def choose(result: Result, words: str, option: str = "--what") -> Chosen:
         for dim, n in ((dim, values.shape[dims.index(dim)]) for dim in own)
     )
     text = _text(variable.long_name, name)
-    return Chosen(", ".join([text, *picked]), variable.units, tuple(dims), np.asarray(values, float), labels)
+    things = all(_named(result, dim) for dim in own if dim not in COMPONENTS)
+    return Chosen(", ".join([text, *picked]), variable.units, tuple(dims), np.asarray(values, float), labels, things)
 
 
 def _member(

@@ -42,9 +42,10 @@ def variable_figure(results: Sequence[Result], names: Sequence[str], what: str, 
     what : str
         As `tautline.view.choice.choose` takes it.
     vs : str, optional
-        Another variable to draw it against, in place of time: a history, such as ``block_position``, gives a loop; one
-        along the same dimension, such as ``measured_depth``, a profile at the last frame, or at the frames nearest to
-        times in seconds that follow it, as ``measured_depth@0,12.5``.
+        Another variable to draw it against, in place of time. A history, such as ``block_position``, gives a loop, and
+        so does one of the same things by name, such as ``paid_out`` of each drum. One along the same numbered
+        dimension, such as ``measured_depth``, gives a profile at the last frame, or at the frames nearest to times in
+        seconds that follow it, as ``measured_depth@0,12.5``.
 
     Raises
     ------
@@ -61,9 +62,20 @@ def variable_figure(results: Sequence[Result], names: Sequence[str], what: str, 
             raise ResultError("--what", f"'{what}' does not change with time", cure)
         return _history(chosen, times, names, title)
     against = _against(results, vs)
-    if all(one.dims in ((), ("time",)) and one.changes for one in against.chosen) and chosen[0].changes:
+    if all(_pairs(one, other, against) for one, other in zip(chosen, against.chosen, strict=True)):
         return _loop(chosen, against, times, names, title)
     return _profile(chosen, against, times, names, title)
+
+
+def _pairs(one: Chosen, other: Chosen, against: _Against) -> bool:
+    """Whether two variables are histories to be drawn as pairs: of one thing, or both of the same things by name.
+
+    Along numbered members, such as nodes, a profile is meant; so it is where times of one are named.
+    """
+    if not (one.changes and other.changes) or (against.times and other.items):
+        return False
+    single = other.values.size == len(other.values)
+    return single or (one.things and one.items == other.items == other.dims[1:])
 
 
 def _against(results: Sequence[Result], vs: str) -> _Against:
@@ -143,7 +155,8 @@ def _loop(
         for run, (part, other, time) in enumerate(zip(parts, against.chosen, times, strict=True)):
             many = len(part[1]) > (MOST_LINES if len(parts) == 1 else MOST_STYLED)
             for k, words, look in _looks(part[1], run, len(parts), names, many):
-                x, y = other.values / across, part[2][:, k] / factor
+                whole = other.values.reshape(len(other.values), -1) / across
+                x, y = whole[:, k if whole.shape[1] > 1 else 0], part[2][:, k] / factor
                 plot.plot(x, y, label=words, **look, **marker(time))
                 plot.plot(x[0], y[0], marker="o", ms=5, mfc="white", mec=look["color"], ls="", zorder=3)
         plot.set_xlabel(label(against.chosen[0].text, across_unit or DASH))
