@@ -15,6 +15,8 @@ from gardenhose.figures import draw as draw_hose
 from tautline.cli.catalogue import Single
 from tautline.cli.plot import plot as verb
 from tautline.results.errors import ResultError
+from tautline.results.store import Store
+from tautline.results.variable import Variable
 from tautline.view.choice import choose
 from tautline.view.curves import MOST_LINES
 
@@ -82,6 +84,26 @@ def test_directions_stand_one_below_the_other_and_things_in_one_panel(hoist):
         np.testing.assert_allclose(curves(plot)["payload"][1], hoist["body_position"][:, 0, k])
     (plot,) = only(draw_crane([hoist], ["tension:boom tip to hook"])).axes
     assert list(curves(plot)) == ["first", "last"]
+
+
+def test_directions_are_called_what_the_description_lists():
+    coordinates = {
+        "axis": ("axis", np.array(["x", "y", "z"]), "", "north, east, down"),
+        "side": ("side", np.array(["m1", "m2"]), "", "across the hole, in the Bishop frame"),
+    }
+    variables = [
+        Variable("time", ("time",), "s", "time"),
+        Variable("velocity", ("time", "body", "axis"), "m/s", "velocity north, east, down"),
+        Variable("lateral", ("time", "body", "side"), "m", "offset from the hole's axis"),
+    ]
+    with Store(None, variables, coordinates, {}) as store:
+        store.append({"time": np.arange(2.0), "velocity": np.zeros((2, 3, 3)), "lateral": np.zeros((2, 3, 2))})
+        run = store.finish()
+    plots = only(draw([run], ["velocity"])).axes
+    assert [plot.get_ylabel() for plot in plots] == [f"velocity, {way} [m/s]" for way in ("north", "east", "down")]
+    assert choose(run, "velocity:z").text == "velocity, down"
+    # what is said of m1 and m2 are not their names
+    assert choose(run, "lateral").labels[-1] == ("m1", "m2")
 
 
 def test_many_columns_are_a_band_that_holds_all_of_them_and_the_two_ends(well):

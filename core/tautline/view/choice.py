@@ -82,7 +82,7 @@ def choose(result: Result, words: str, option: str = "--what") -> Chosen:
         cure = f"{nearest(name, list(result.variables))}it has {', '.join(result.variables)}"
         raise ResultError(option, f"{result.path or 'the result'} has no variable '{name}'", cure)
     variable, values = result.variables[name], result[name]
-    dims, picked = list(variable.dims), []
+    dims, picked, text = list(variable.dims), [], variable.long_name
     if values.dtype.kind not in "fiub":
         raise ResultError(option, f"'{name}' are names, not numbers", "name a variable with values")
     own = [dim for dim in dims if dim != "time"]
@@ -91,14 +91,12 @@ def choose(result: Result, words: str, option: str = "--what") -> Chosen:
         axis = len(dims) - len(own) + own.index(dim)
         values = np.take(values, place, axis=axis)
         del dims[axis], own[own.index(dim)]
-        picked.append(member if _named(result, dim) else f"{dim} {member}")
-    labels = tuple(
-        tuple(
-            label if _named(result, dim) or dim in COMPONENTS else f"{dim} {label}" for label in _labels(result, dim, n)
-        )
-        for dim, n in ((dim, values.shape[dims.index(dim)]) for dim in own)
-    )
-    text = _text(variable.long_name, name)
+        directions = _directions(result, dim, text)
+        picked.append(directions[place] if directions else member if _named(result, dim) else f"{dim} {member}")
+    labels = tuple(tuple(_words(result, dim, values.shape[dims.index(dim)], text)) for dim in own)
+    for dim in variable.dims:
+        text = text.removesuffix(", ".join(_directions(result, dim, text)))
+    text = _text(text, name)
     things = all(_named(result, dim) for dim in own if dim not in COMPONENTS)
     return Chosen(", ".join([text, *picked]), variable.units, tuple(dims), np.asarray(values, float), labels, things)
 
@@ -142,6 +140,21 @@ def _labels(result: Result, dim: str, size: int) -> list[str]:
     if dim in result.variables and len(result[dim]) == size:
         return [str(member) for member in result[dim]]
     return [str(k) for k in range(size)]
+
+
+def _words(result: Result, dim: str, size: int, long_name: str) -> list[str]:
+    """What a figure calls the members of a dimension of a variable that is described so."""
+    labels = _labels(result, dim, size)
+    if dim in COMPONENTS or _named(result, dim):
+        return _directions(result, dim, long_name) or labels
+    return [f"{dim} {label}" for label in labels]
+
+
+def _directions(result: Result, dim: str, long_name: str) -> list[str]:
+    """Directions that a description lists at its end, as ``velocity north, east, down``, and their dimension too."""
+    told = result.variables[dim].long_name if dim in COMPONENTS and dim in result.variables else ""
+    names = told.split(", ")
+    return names if told and long_name.endswith(f" {told}") and len(names) == len(result[dim]) else []
 
 
 def _text(long_name: str, name: str) -> str:
