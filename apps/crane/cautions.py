@@ -11,22 +11,24 @@ import numpy as np
 from crane.build import compensation_of
 from crane.compensation import Compensation
 from crane.estimates import Estimate, estimate, rk4_limit
+from crane.keys import where
 from crane.loads import floating
 from crane.path import FLEET_LIMIT
 from crane.scene import CraneScene, Drum, Sheave
-from crane.supply import Supply, capacity_of, check_supply, supply_of
+from crane.supply import check_supply, hoisted_spans, reeled_of
+from crane.winch_cautions import SUDDEN, winch_cautions
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import Caution
-from tautline.system.time_functions import Samples, compile_functions
+from tautline.system.time_functions import compile_functions
 
 LEAST_RATIO = 16.0
 """Sheave over rope diameter below which bending wears a wire rope out quickly; the codes ask for 18 to 25."""
 LEAST_SAFETY = 3.0
 """Breaking load over tension at rest: a rule of thumb of offshore lifting."""
+MOST_STRAIN = 0.03
+"""Tension at rest over EA beyond which no wire rope is whole, and few of fibre."""
 STEPS_PER_PERIOD = 10.0
 FRAMES_PER_PERIOD = 4.0
-SUDDEN = 0.01
-"""Share of the tension at rest that a jump in speed may add without a word."""
 SAGGING = 0.02
 """Sag over length of a span from which it wants elements, however much it pulls."""
 ENOUGH = 8
@@ -43,11 +45,11 @@ def cautions(scene: CraneScene) -> list[Caution]:
     actuator = compensation_of(found.layout) if scene.heave_compensation is not None else None
     sentences = [
         *(("path", text) for text in found.path.warnings),
-        *_fleet(found), *_bending(scene), *_safety(found), *_sheaves(scene), *_steps(found), *_mesh(found),
-        *_compression(scene), *_supply(found, actuator), *_start(found),
+        *_fleet(found), *_bending(scene), *_safety(found), *_strain(found), *_sheaves(scene), *_steps(found),
+        *_mesh(found), *_compression(scene), *winch_cautions(found, actuator), *_start(found),
         *_held_back(actuator), *_dry(scene), *_floating(found),
     ]  # fmt: skip
-    return [Caution(where, text) for where, text in sentences]
+    return [Caution(place, text) for place, text in sentences]
 
 
 def _dry(scene: CraneScene) -> Sentences:
@@ -72,12 +74,6 @@ def _floating(found: Estimate) -> Sentences:
         yield f"bodies[{k}]", text
 
 
-def _key(scene: CraneScene, item: Any, key: str = "") -> str:
-    """Key path of an item of the path, or of a key of it."""
-    first, place, kind = scene.key_of(item)
-    return f"{first}[{place}].{kind}" + (f".{key}" if key else "")
-
-
 def fleet_angle(found: Estimate, i: int) -> float:
     """Larger of the two angles of rope and plane at an item of the path, rad, as a size."""
     angles = found.path.fleet
@@ -99,7 +95,7 @@ def _fleet(found: Estimate) -> Sentences:
                 f"the rope meets {item.name} at {math.degrees(angle):.3g} deg to its plane, more than "
                 f"{math.degrees(limit):.3g} deg: it rubs on the flange and wears; {cure}"
             )
-            yield _key(found.scene, item), text
+            yield where(found.scene, item), text
 
 
 def _bending(scene: CraneScene) -> Sentences:
@@ -120,7 +116,7 @@ def _bending(scene: CraneScene) -> Sentences:
             f"soon breaks of bending so, and {LEAST_RATIO:g} or more is usual; take a larger radius, or see whether "
             "rope.diameter is what was meant"
         )
-        yield _key(scene, item, "radius"), text
+        yield where(scene, item, "radius"), text
 
 
 def _safety(found: Estimate) -> Sentences:
@@ -136,6 +132,18 @@ def _safety(found: Estimate) -> Sentences:
     yield "rope.breaking_load", text
 
 
+def _strain(found: Estimate) -> Sentences:
+    """Rope that its load would stretch beyond what any wire bears."""
+    tension, stiffness = found.largest_tension, found.scene.rope.axial_stiffness
+    if tension > MOST_STRAIN * stiffness:
+        text = (
+            f"the tension at rest, about {tension:.3g} N, is {100.0 * tension / stiffness:.3g} % of EA = "
+            f"{stiffness:.3g} N, and the strain is about that; wire rope breaks at about 2 %; see whether "
+            "axial_stiffness and the load are what was meant"
+        )
+        yield "rope.axial_stiffness", text
+
+
 def _sheaves(scene: CraneScene) -> Sentences:
     """Friction that cannot act."""
     for item in scene.sheaves:
@@ -144,24 +152,18 @@ def _sheaves(scene: CraneScene) -> Sentences:
                 f"nothing resists {item.name}: without inertia it turns with the rope, and the friction of law: "
                 "capstan never acts; give inertia, locked: yes, or law: frictionless"
             )
-            yield _key(scene, item, "law"), text
+            yield where(scene, item, "law"), text
 
 
 def shortest(found: Estimate) -> list[float]:
     """Length of an element in every span when it is shortest, m, as far as the winches' motion is prescribed."""
     scene, path = found.scene, found.path
-    reeled = -min((float(s.paid_out.min()) for s in map(lambda d: supply_of(scene, d), scene.drums) if s), default=0.0)
-    loose = _between(scene)
+    reeled = float(reeled_of(scene)[2].max())
+    loose = hoisted_spans(scene)
     share = reeled / max(1, len(loose))
     lengths = [span.length - (share if k in loose else 0.0) for k, span in enumerate(path.spans)]
     kept = [max(length, 1e-3 * span.length) for length, span in zip(lengths, path.spans, strict=True)]
     return [length / n for length, n in zip(kept, scene.elements, strict=True)]
-
-
-def _between(scene: CraneScene) -> list[int]:
-    """Numbers of the spans of which just one end rides on a body: those that hoisting shortens."""
-    rides = [getattr(item, "body", None) is not None for item in scene.path]
-    return [k for k in range(len(rides) - 1) if rides[k] != rides[k + 1]]
 
 
 def _steps(found: Estimate) -> Sentences:
@@ -223,76 +225,6 @@ def _compression(scene: CraneScene) -> Sentences:
             "none for a rope, unless it is known to stay taut"
         )
         yield "rope.compression", text
-
-
-def _supply(found: Estimate, actuator: Compensation | None) -> Sentences:
-    """Motion of winches that begins with a jump, or goes too far."""
-    scene = found.scene
-    for drum in scene.drums:
-        supply = supply_of(scene, drum)
-        if supply is None:
-            continue
-        front = abs(float(supply.speed[0])) * found.impedance
-        if front > SUDDEN * found.largest_tension:
-            text = (
-                f"jumps to {supply.speed[0]:.3g} m/s at t = 0: a front of {front:.3g} N runs along the rope, v sqrt(EA "
-                "rho); begin at 0 with a ramp, such as {ramp: {to: "
-                f"{supply.speed[0]:.3g}, over: 1.0}}}}, unless that is what is asked"
-            )
-            yield _key(scene, drum, drum.drive), text
-        whole = _compensated(supply, actuator)
-        yield from _empty(scene, drum, whole)
-        yield from _full(scene, drum, whole)
-        yield from _too_high(found, drum, supply)
-
-
-def _compensated(supply: Supply, actuator: Compensation | None) -> Supply:
-    """Supply of the operator and of heave compensation together."""
-    if actuator is None or not isinstance(actuator.pay_out, Samples):
-        return supply
-    answered = np.interp(supply.time, actuator.pay_out.time, actuator.pay_out.value)
-    return supply._replace(paid_out=supply.paid_out + answered)
-
-
-def _empty(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
-    """A drum that runs out of rope."""
-    held, most = drum.rope_on_drum, float(supply.paid_out.max())
-    if held is not None and most > held:
-        k = int(np.argmax(supply.paid_out > held))
-        text = (
-            f"{held:.4g} m, and {most:.4g} m are paid out: the run will stop at about t = {supply.time[k]:.3g} s, when "
-            "the drum is empty; give more rope, or pay out less"
-        )
-        yield _key(scene, drum, "rope_on_drum"), text
-
-
-def _full(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
-    """A drum that heave compensation fills; one that its operator fills is refused."""
-    capacity, held = capacity_of(scene, drum), (drum.rope_on_drum or 0.0) - supply.paid_out
-    if capacity is not None and held.max() > capacity:
-        k = int(np.argmax(held > capacity))
-        text = (
-            f"the layers hold {capacity:.4g} m, and with heave compensation it comes to {float(held.max()):.4g} m: the "
-            f"run will stop at about t = {supply.time[k]:.3g} s, when the drum is full; give it more turns or layers"
-        )
-        yield _key(scene, drum, "layers"), text
-
-
-def _too_high(found: Estimate, drum: Drum, supply: Supply) -> Sentences:
-    """A load that is hoisted into what it hangs on."""
-    scene = found.scene
-    loose = _between(scene)
-    if not loose:
-        return
-    room = sum(found.path.spans[k].length for k in loose)
-    taken = -float(supply.paid_out.min())
-    if taken > room:
-        k = int(np.argmax(-supply.paid_out > room))
-        text = (
-            f"reels {taken:.4g} m in, and there are {room:.4g} m between the load and what it hangs on: the load comes "
-            f"into the sheave at about t = {supply.time[k]:.3g} s; hoist less, or end earlier"
-        )
-        yield _key(scene, drum, drum.drive), text
 
 
 def _start(found: Estimate) -> Sentences:

@@ -35,6 +35,21 @@ def supply_of(scene: CraneScene, drum: Drum) -> Supply | None:
     return Supply(time, values[:, 0], values[:, 1])
 
 
+def reeled_of(scene: CraneScene) -> tuple[list[Drum], np.ndarray, np.ndarray]:
+    """Drums that take rope in by prescription, times (n,) s, and what all prescribed ones take in together, (n,) m."""
+    supplies = [(drum, supply) for drum in scene.drums if (supply := supply_of(scene, drum)) is not None]
+    if not supplies:
+        return [], np.zeros(1), np.zeros(1)
+    taken = -np.sum([supply.paid_out for _, supply in supplies], axis=0)
+    return [drum for drum, supply in supplies if supply.paid_out.min() < 0.0], supplies[0][1].time, taken
+
+
+def hoisted_spans(scene: CraneScene) -> list[int]:
+    """Numbers of the spans of which just one end rides on a body: those that hoisting shortens."""
+    rides = [getattr(item, "body", None) is not None for item in scene.path]
+    return [k for k in range(len(rides) - 1) if rides[k] != rides[k + 1]]
+
+
 def check_supply(scene: CraneScene) -> None:
     """Refuse more rope on a drum than its layers hold, at the start or wound on in the run.
 

@@ -156,6 +156,41 @@ def test_a_drum_that_runs_out_and_a_load_hoisted_too_high_are_told_with_the_time
     assert "t = 6.75 s" in only(one_fall(path=[up, TIP, HOOK]), "path[0].drum.pay_out")
 
 
+def between_drums(*speeds):
+    """A block in two falls of 25 m between two drums."""
+    path = []
+    for k, (speed, x, way) in enumerate(zip(speeds, (0.0, 1.6), (-10.0, 10.0), strict=True)):
+        drum = {**winch(pay_out={"ramp": {"to": speed, "over": 1.0}})["drum"], "name": f"w{k + 1}"}
+        path.append([{"drum": drum | {"center": [x + way, 0, 0]}}, tip(name=f"s{k + 1}", center=[x, 0, 30])])
+    block = {"sheave": {"name": "block", "body": "payload", "radius": 0.4, "axis": [0, 1, 0], "wrap": "under"}}
+    return one_fall(path=[*path[0], block, *path[1][::-1]], bodies=[LOAD | {"position": [0.8, 0, 5]}])
+
+
+def test_two_drums_that_hoist_one_block_too_high_are_told_together():
+    """2 m/s each take 2 (t - 0.5) m: both together the 50 m of two falls at t = 13 s, one alone at 25.5 s."""
+    of = between_drums(-2.0, -2.0)
+    of = of.model_copy(update={"solver": of.solver.model_copy(update={"end": 16.0})})
+    text = only(of, "path[0].drum.pay_out")
+    assert "w1 and w2 together reel 62 m in, and there are 50 m" in text and "t = 13 s" in text
+    passed_on = between_drums(-6.0, 6.0)
+    assert told(passed_on, "path[0].drum.pay_out") == told(passed_on, "path[4].drum.pay_out") == []
+
+
+def test_a_load_that_no_rope_of_that_stiffness_bears_is_told_with_its_strain():
+    """5000 t weigh 49.05 MN, and the rope down to the load 1.6 kN."""
+    text = only(one_fall(rope={"breaking_load": None}, bodies=[LOAD | {"mass": "5000 t"}]), "rope.axial_stiffness")
+    assert "4.91e+07 N, is 61.3 % of EA = 8e+07 N" in text
+    assert told(one_fall(rope={"breaking_load": None}), "rope.axial_stiffness") == []
+
+
+def test_layers_of_an_unknown_amount_of_rope_are_told_to_count_nothing():
+    layers = {"turns": 40, "core_radius": 0.48}
+    text = only(one_fall(path=[winch(layers=layers), TIP, HOOK]), "path[0].drum.layers")
+    assert "drum_rotation and winch_torque go by the drum's radius; give rope_on_drum" in text
+    assert "as if it had begun empty" in only(layered(), "path[0].drum.layers")
+    assert told(one_fall(path=[winch(layers=layers, rope_on_drum="50 m"), TIP, HOOK]), "path[0].drum.layers") == []
+
+
 def test_motion_that_begins_at_once_is_told_and_motion_that_grows_is_not():
     sudden = {"reference": [0, 0, 0], "motion": {"heave": {"harmonic": {"amplitude": 0.5, "period": 8}}}}
     text = only(one_fall(vessel=sudden), "vessel.motion")
