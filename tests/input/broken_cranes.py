@@ -11,6 +11,7 @@ PAY_OUT = "pay_out: {ramp: {to: -2.0, over: 1.0}}"
 TIP = "inertia: 20, law: no_slip, bearing: {friction: 0.005, radius: 0.06}"
 PAYLOAD = "position: [12.4, 0, 5]"
 HOIST_VESSEL = re.search(r"(?m)^vessel:.*\n(  .*\n)+", TEXTS["hoist"])[0]
+LANDING_PAY_OUT = re.search(r"pay_out: \{table.*?\}\}", TEXTS["landing"])[0]
 LANDING_VESSEL = re.search(r"(?m)^vessel:.*\n(  .*\n)+", TEXTS["landing"])[0]
 MOTION = re.search(r"(?m)^  motion: (.*)$", TEXTS["hoist"])[1]
 BLOCK = "inertia: 12, law: capstan, friction: 0.1"
@@ -235,11 +236,18 @@ DRUMS = {
         "drum.brake.closed",
         "given together with `until`",
     ),
-    "layers of half a turn": ("landing", "turns: 40", "turns: 0.5", 9, "drum.layers.turns = 0.5", "a whole number"),
+    "layers of half a turn": (
+        "landing",
+        LANDING_PAY_OUT,
+        f"layers: {{turns: 0.5, core_radius: 1.2}}, {LANDING_PAY_OUT}",
+        9,
+        "drum.layers.turns = 0.5",
+        "a whole number",
+    ),
     "a core wider than the drum": (
         "landing",
-        "core_radius: 1.2",
-        "core_radius: 1.3",
+        LANDING_PAY_OUT,
+        f"layers: {{turns: 40, core_radius: 1.3}}, {LANDING_PAY_OUT}",
         9,
         "drum.layers.core_radius = 1.3",
         "inside the core",
@@ -251,6 +259,7 @@ DRUMS = {
         9,
         "path[0].drum.layers",
         "add `diameter:` to rope",
+        (LANDING_PAY_OUT, f"layers: {{turns: 40, core_radius: 1.2}}, {LANDING_PAY_OUT}"),
     ),
     "a drum wider than its layers": (
         "landing",
@@ -259,12 +268,12 @@ DRUMS = {
         8,
         "path[0].drum.radius = 1.5",
         "more layers",
-        ("core_radius: 1.2}", "core_radius: 1.2, count: 4}"),
+        (LANDING_PAY_OUT, f"layers: {{turns: 40, core_radius: 1.2, count: 4}}, {LANDING_PAY_OUT}"),
     ),
     "more rope than the layers hold": (
         "landing",
-        "core_radius: 1.2}",
-        "core_radius: 1.2, count: 4}, rope_on_drum: 2 km",
+        LANDING_PAY_OUT,
+        f"layers: {{turns: 40, core_radius: 1.2, count: 4}}, rope_on_drum: 2 km, {LANDING_PAY_OUT}",
         9,
         "path[0].drum.rope_on_drum = 2 km",
         "more than 4 layers of 40 turns hold",
@@ -511,7 +520,6 @@ SURROUNDINGS = {
         17,
         "water.rope_drag = 1.2",
         "add `diameter:`",
-        ("layers: {turns: 40, core_radius: 1.2},", ""),
     ),
     "ground as hard as nothing": (
         "hoist",
@@ -542,7 +550,7 @@ SURROUNDINGS = {
     "compensation without a ship": ("landing", LANDING_VESSEL, "", 13, "heave_compensation", "add `vessel:`"),
     "compensation by a drum of its own will": (
         "landing",
-        re.search(r"pay_out: \{table.*?\}\}", TEXTS["landing"])[0],
+        LANDING_PAY_OUT,
         "tension: 1 MN, inertia: 99",
         13,
         "heave_compensation",

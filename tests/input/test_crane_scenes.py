@@ -18,6 +18,7 @@ from crane.scene import (
     Drum,
     Efficiency,
     End,
+    Layers,
     Motion,
     MotionFile,
     Rope,
@@ -141,7 +142,7 @@ def test_the_landing_is_what_it_says():
     scene = read(FOLDER / "landing.yaml")
     template, (drum,) = scene.body("template"), scene.drums
     assert template.added_mass == (0.0, 0.0, 6.0e4) and template.drag.quadratic == (0.0, 0.0, 2.0e5)
-    assert isinstance(drum.pay_out, Table) and drum.layers.turns == 40
+    assert isinstance(drum.pay_out, Table) and drum.layers is None
     assert isinstance(scene.vessel.motion.heave, Spectrum) and scene.vessel.motion.heave.rao == 0.6
     assert scene.heave_compensation.limits.acceleration == 2.0 and scene.water.rope_drag == 1.2
 
@@ -192,7 +193,7 @@ def test_a_groove_wedges_the_rope():
 
 
 def test_layers_lie_in_the_hollows_of_the_ones_below():
-    layers = read(FOLDER / "landing.yaml").drums[0].layers
+    layers = Layers(turns=40, core_radius=1.2)
     assert layers.pitch_radius(1, 0.08) == pytest.approx(1.24)
     assert layers.pitch_radius(3, 0.08) == pytest.approx(1.24 + math.sqrt(3.0) * 0.08)
     assert layers.capacity(0.08) is None
