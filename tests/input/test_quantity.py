@@ -9,10 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic_core import PydanticCustomError
 
+from tautline.scene.columns import Columns
 from tautline.scene.quantity import MEANINGS, quantity
 from tautline.scene.units import TABLE, UnknownUnit, pint_registry, read_unit
 
-PINTS_NAME = {"bbl": "oil_bbl", "%": "percent", "lbm": "pound"}
+PINTS_NAME = {"bbl": "oil_bbl", "%": "percent", "lbm": "pound", "klbm": "klb", "usft": "survey_foot"}
 
 
 def si(written, unit, **bounds):
@@ -62,6 +63,9 @@ def test_every_unit_of_the_table_equals_pint(name):
         ("20 klbf ft", "N m", 20e3 * 0.3048 * 4.4482216152605),
         ("20 kip-ft", "N m", 20e3 * 0.3048 * 4.4482216152605),
         ("3000 psi", "Pa", 3000 * 4.4482216152605 / 0.0254**2),
+        ("3937 usft", "m", 1200.0),
+        ("15 kpsi", "Pa", 15e3 * 4.4482216152605 / 0.0254**2),
+        ("300 klb", "kg", 300e3 * 0.45359237),
         ("30 Mpsi", "Pa", 30e6 * 4.4482216152605 / 0.0254**2),
         ("19.5 lb/ft", "kg/m", 19.5 * 0.45359237 / 0.3048),
         ("19.5 lbm/ft", "kg/m", 19.5 * 0.45359237 / 0.3048),
@@ -82,6 +86,48 @@ def test_every_unit_of_the_table_equals_pint(name):
 )
 def test_a_quantity_is_read_in_si(written, unit, value):
     assert si(written, unit) == pytest.approx(value, rel=2e-15 if written != "2 fathom" else 1e-5)
+
+
+@pytest.mark.parametrize(
+    ("written", "unit", "value"),
+    [
+        ("12 rpm", "Hz", 0.2),
+        ("1 rad/s", "Hz", 1 / (2 * math.pi)),
+        ("360 deg/s", "Hz", 1.0),
+        ("3 turn/min", "Hz", 0.05),
+        ("12 1/min", "Hz", 0.2),
+        ("2 1/s", "Hz", 2.0),
+        ("50 mHz", "Hz", 0.05),
+        ("2 MHz", "Hz", 2e6),
+        ("2 turn/s", "rad/s", 4 * math.pi),
+        ("60 rpm/s", "rad/s^2", 2 * math.pi),
+        ("0.1 Hz", "1/s", 0.1),
+    ],
+)
+def test_a_turn_is_one_cycle_and_two_pi_radians(written, unit, value):
+    assert si(written, unit) == pytest.approx(value, rel=4e-15)
+
+
+@pytest.mark.parametrize(
+    ("written", "unit"),
+    [("60 1/min", "rad/s"), ("1 1/s", "rad/s"), ("1 Hz", "rad/s"), ("1 kHz", "rad/s"), ("0.1 Hz/s", "rad/s^2")]
+    + [("0.1 1/s^2", "rad/s^2"), ("3 N m/Hz", "N m s/rad")],
+)
+def test_a_rotary_speed_of_something_uncounted_is_refused(written, unit):
+    with pytest.raises(PydanticCustomError, match="does not say whether turns or radians are counted"):
+        si(written, unit)
+
+
+@pytest.mark.parametrize("unit", ["Hz", "rad/s", "1/s"])
+def test_decays_of_a_nuclide_are_no_frequency(unit):
+    with pytest.raises(PydanticCustomError, match="'Bq' is not the unit"):
+        si("3 Bq", unit)
+
+
+@pytest.mark.parametrize("written", ["pin", "mpsi", "kin", "mft", "Mlbf", "kmile"])
+def test_a_prefix_on_a_unit_that_takes_none_is_refused(written):
+    with pytest.raises(UnknownUnit, match="takes no such prefix"):
+        read_unit(written)
 
 
 @pytest.mark.parametrize(("written", "unit"), [("50 klb", "N"), ("100 lb", "N"), ("20000 ft-lb", "N m")])
@@ -177,3 +223,12 @@ def test_products_and_quotients_are_those_of_their_factors(names):
 def test_an_unknown_unit_is_met_with_the_nearest_known():
     with pytest.raises(UnknownUnit, match="unknown unit 'rmp'; did you mean 'rpm'"):
         read_unit("rmp")
+
+
+def test_frequencies_in_the_header_of_a_table_are_turned_into_what_is_wanted(tmp_path):
+    path = tmp_path / "speeds.csv"
+    path.write_text("frequency [rpm],speed [1/min]\n12,60\n")
+    columns = Columns(path)
+    assert columns.values(0, "Hz") == pytest.approx((0.2,))
+    with pytest.raises(PydanticCustomError, match="turns or radians"):
+        columns.values(1, "rad/s")

@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 from tautline.scene.errors import SceneError
 from tautline.scene.refusal import nearest, refusal
 from tautline.scene.text import decode
-from tautline.scene.units import Unit, UnknownUnit, read_unit
+from tautline.scene.units import Uncounted, Unit, UnknownUnit, converted, read_unit
 
 LARGEST_TABLE = 200_000_000
 HEADER = re.compile(r"\s*(?P<name>[^\[(,;]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*")
@@ -137,7 +137,11 @@ class Columns:
         if found.dimension != wanted.dimension:
             cause = f"'{written}' in the header of column {column + 1} is not a unit like {unit}"
             raise self.refuse(self.header_line, cause, f"write the header as {self.names[column]} [{unit}]")
-        return found
+        try:
+            return converted(found, wanted)
+        except Uncounted as error:
+            cause = f"'{written}' in the header of column {column + 1} {error}"
+            raise self.refuse(self.header_line, cause, f"write the header as {self.names[column]} [{unit}]") from None
 
 
 def _is_number(cell: str) -> bool:

@@ -12,7 +12,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from tautline.scene.refusal import nearest, refusal
-from tautline.scene.units import UnknownUnit, read_unit
+from tautline.scene.units import Uncounted, UnknownUnit, converted, read_unit
 
 NUMBER = re.compile(r"\s*(?P<number>[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*", re.DOTALL)
 LARGEST_EXPONENT = 400
@@ -138,10 +138,10 @@ class Quantity:
             raise refusal(
                 f"'{unit}' is not the unit of {self.meaning}", f"expected {self.meaning} such as {self.example}"
             )
-        if unit.endswith("Hz") and self.unit.startswith("rad"):
-            raise refusal("Hz does not say whether turns or radians are counted", self.cure)
         try:
-            value = read.si(Fraction(number))
+            value = converted(read, wanted).si(Fraction(number))
+        except Uncounted as error:
+            raise refusal(f"'{unit}' {error}", self.cure) from error
         except OverflowError:
             value = math.inf
         if not math.isfinite(value):
@@ -228,13 +228,12 @@ def _like(written: Any, example: str, unit: str) -> str | None:
     match, given = (NUMBER.fullmatch(text) if isinstance(text, str) else None for text in (written, example))
     if match is None or given is None or not match["unit"]:
         return None
-    if match["unit"].endswith("Hz") and unit.startswith("rad"):
-        return None  # it is the unit that was refused
     try:
         own, other, si = read_unit(match["unit"]), read_unit(given["unit"] or unit or "%"), read_unit(unit or "%")
-    except UnknownUnit:
-        return None
-    if own.dimension != si.dimension or other.dimension != si.dimension:
+        if own.dimension != si.dimension or other.dimension != si.dimension:
+            return None
+        own, other = converted(own, si), converted(other, si)
+    except (UnknownUnit, Uncounted):
         return None
     value = Fraction(given["number"]) if not given["unit"] else Fraction(other.si(Fraction(given["number"])))
     size = float(value) / own.si(Fraction(1))

@@ -18,7 +18,11 @@ from tautline.scene.refusal import nearest
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: ``factor * pi**turns`` in SI, with exponents of mass, length and time (and the rest as text)."""
+    """A unit: ``factor * pi**turns`` in SI, with exponents of mass, length and time (and the rest as text).
+
+    ``angle`` and ``cycles`` are the exponents of the radian and of the cycle that a hertz counts. Neither is a
+    dimension, but a rotary speed and a frequency differ by nothing else: see :func:`converted`.
+    """
 
     factor: Fraction
     turns: int = 0
@@ -26,11 +30,18 @@ class Unit:
     length: int = 0
     time: int = 0
     other: str = ""
+    angle: int = 0
+    cycles: int = 0
 
     @property
     def dimension(self) -> tuple[int, int, int, str]:
         """Exponents of mass, length and time, and any other dimension by name; angles have none."""
         return self.mass, self.length, self.time, self.other
+
+    @property
+    def is_rate(self) -> bool:
+        """Whether it is so many per time, or per time squared, and nothing else."""
+        return self.time < 0 and self.mass == self.length == 0 and not self.other
 
     def __mul__(self, unit: Unit) -> Unit:
         return Unit(
@@ -40,11 +51,14 @@ class Unit:
             self.length + unit.length,
             self.time + unit.time,
             " ".join(sorted(f"{self.other} {unit.other}".split())),
+            self.angle + unit.angle,
+            self.cycles + unit.cycles,
         )
 
     def __pow__(self, n: int) -> Unit:
         other = " ".join([f"({self.other})^{n}".replace(" ", "*")] if self.other and n != 1 else [self.other])
-        return Unit(self.factor**n, self.turns * n, self.mass * n, self.length * n, self.time * n, other)
+        exponents = (self.mass * n, self.length * n, self.time * n)
+        return Unit(self.factor**n, self.turns * n, *exponents, other, self.angle * n, self.cycles * n)
 
     def si(self, number: Fraction) -> float:
         """Value in SI of so many of this unit, rounded once (twice where pi is in it)."""
@@ -63,8 +77,8 @@ def _table() -> dict[str, Unit]:
         "Pa": (Unit(one, mass=1, length=-1, time=-2), ("", "k", "M", "G")),
         "J": (Unit(one, mass=1, length=2, time=-2), ("", "k", "M")),
         "W": (Unit(one, mass=1, length=2, time=-3), ("", "k", "M")),
-        "Hz": (Unit(one, time=-1), ("", "k", "m")),
-        "rad": (Unit(one), ("", "m")),
+        "Hz": (Unit(one, time=-1, cycles=1), ("", "k", "m")),
+        "rad": (Unit(one, angle=1), ("", "m")),
     }
     units = {
         prefix + name: Unit(prefixes[prefix]) * unit for name, (unit, allowed) in bases.items() for prefix in allowed
@@ -75,19 +89,20 @@ def _table() -> dict[str, Unit]:
     pound_force = Unit(Fraction(45_359_237 * 980_665, 10**13)) * newton
     gallon = Unit(Fraction(231)) * inch**3
     foot = Unit(Fraction(12)) * inch
+    psi = pound_force * inch**-2
+    degree = Unit(Fraction(1, 180), turns=1, angle=1)
     units |= {
         "t": Unit(ten**3) * kg, "tonne": Unit(ten**3) * kg,
         "min": Unit(Fraction(60)) * second, "h": Unit(Fraction(3600)) * second, "hour": Unit(Fraction(3600)) * second,
-        "deg": Unit(Fraction(1, 180), turns=1), "degree": Unit(Fraction(1, 180), turns=1),
-        "°": Unit(Fraction(1, 180), turns=1), "rpm": Unit(Fraction(1, 30), turns=1, time=-1),
+        "deg": degree, "degree": degree, "°": degree, "rpm": Unit(Fraction(1, 30), turns=1, time=-1, angle=1),
         "bar": Unit(ten**5) * pascal, "l": Unit(ten**-3) * metre**3, "L": Unit(ten**-3) * metre**3,
         "cc": Unit(ten**-6) * metre**3, "%": Unit(ten**-2),
         "in": inch, "inch": inch, "ft": foot, "foot": foot, "feet": foot,
         "lb": pound, "lbm": pound, "lbf": pound_force,
         "klbf": Unit(ten**3) * pound_force, "kip": Unit(ten**3) * pound_force,
-        "psi": pound_force * inch**-2, "ksi": Unit(ten**3) * pound_force * inch**-2,
-        "Mpsi": Unit(ten**6) * pound_force * inch**-2,
-        "lbs": pound, "kft": Unit(ten**3) * foot, "hr": Unit(Fraction(3600)) * second,
+        "psi": psi, "ksi": Unit(ten**3) * psi, "kpsi": Unit(ten**3) * psi, "Mpsi": Unit(ten**6) * psi,
+        "lbs": pound, "klb": Unit(ten**3) * pound, "klbm": Unit(ten**3) * pound,
+        "usft": Unit(Fraction(1200, 3937)) * metre, "kft": Unit(ten**3) * foot, "hr": Unit(Fraction(3600)) * second,
         "ppf": pound * foot**-1, "pcf": pound * foot**-3,
         "gal": gallon, "ppg": pound * gallon**-1, "bbl": Unit(Fraction(42)) * gallon,
         "sg": Unit(ten**3) * kg * metre**-3,
@@ -97,7 +112,11 @@ def _table() -> dict[str, Unit]:
 
 TABLE = _table()
 """Units read without pint. `bbl` is the oil barrel of 42 US gallons, `ppg` pounds per US gallon, `ppf`
-and `pcf` pounds per foot and per cubic foot, `sg` 1000 kg/m^3."""
+and `pcf` pounds per foot and per cubic foot, `sg` 1000 kg/m^3, `usft` the foot of the US survey."""
+
+METRIC = frozenset("meter gram second newton pascal joule watt hertz radian liter bar dyne erg poise stokes".split())
+"""Units, by pint's names, that take any SI prefix. Others take those in the table: pint would read `mpsi` as a
+thousandth of a psi and `pin` as a picoinch, which nobody means."""
 
 TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+(?:\.\d+)?)"
@@ -110,6 +129,31 @@ LONGEST = 80
 
 class UnknownUnit(ValueError):
     """A unit that neither the table nor pint knows, or an expression that is none; ``str()`` says which."""
+
+
+class Uncounted(ValueError):
+    """A rate that does not say whether turns or radians are counted."""
+
+
+def converted(written: Unit, wanted: Unit) -> Unit:
+    """The unit by which a number of ``written`` is read where ``wanted`` is expected: of the same dimension.
+
+    A turn is a cycle, so that 60 rpm are 1 Hz. A frequency may also be written as so many per time, ``12 1/min``. A
+    rotary speed may not, nor in Hz, as that can be meant as turns and as radians. Elsewhere a radian is one.
+
+    Raises
+    ------
+    Uncounted
+        For a rotary speed or acceleration of something that is not counted.
+    """
+    if wanted.cycles and written.angle == wanted.cycles and not written.cycles:
+        return written * TURN**-wanted.cycles
+    if wanted.angle and (written.cycles or (wanted.is_rate and written.angle != wanted.angle)):
+        raise Uncounted("does not say whether turns or radians are counted")
+    return written
+
+
+TURN = Unit(Fraction(2), turns=1, angle=1)
 
 
 @functools.lru_cache(maxsize=512)
@@ -182,21 +226,30 @@ def ask_pint(name: str) -> Unit:
     Raises
     ------
     UnknownUnit
-        If pint does not know it, or if it has an offset (a temperature scale).
+        If pint does not know it, if it has an offset (a temperature scale), or a prefix that it does not take.
     """
     registry = pint_registry()
     try:
-        base = registry.Quantity(1.0, registry.parse_units(name)).to_base_units()
+        found = registry.parse_units(name)
+        base = registry.Quantity(1.0, found).to_base_units()
         magnitude = float(base.magnitude)
         dimension = {str(key): float(value) for key, value in base.dimensionality.items()}
+        counted = {str(key): float(value) for key, value in base.unit_items()}
     except Exception as error:  # pint raises a dozen kinds, and for a name that a person typed all mean the same
         raise UnknownUnit(f"unknown unit '{name}'; {nearest(name, TABLE)}") from error
+    prefix, stem, _ = registry.parse_unit_name(name)[0]
+    if prefix and stem not in METRIC:
+        said = f"'{name}' would be a {prefix}{stem.replace('_', ' ')}, and that unit takes no such prefix"
+        raise UnknownUnit(f"{said}; {nearest(name, TABLE)}")
     exponents = {key: dimension.pop(f"[{key}]", 0.0) for key in ("mass", "length", "time")}
     if not math.isfinite(magnitude) or magnitude <= 0.0 or any(not n.is_integer() for n in exponents.values()):
         raise UnknownUnit(f"unit '{name}' cannot be used here")
+    # Counts have no dimension in pint, and are neither turns nor cycles: a becquerel is no frequency.
+    dimension |= {key: counted[key] for key in ("count",) if key in counted}
     other = " ".join(f"{key}^{value:g}" for key, value in sorted(dimension.items()))
     mass, length, time = (int(exponents[key]) for key in ("mass", "length", "time"))
-    return Unit(Fraction(magnitude), 0, mass, length, time, other)
+    angle, cycles = int(counted.get("radian", 0.0)), int(stem == "hertz")
+    return Unit(Fraction(magnitude), 0, mass, length, time, other, angle, cycles)
 
 
 @functools.cache
