@@ -11,9 +11,11 @@ from pydantic_core import PydanticCustomError
 from scipy.optimize import least_squares
 
 from drillstring.factors import Factors
+from drillstring.helix import LockedUp
 from drillstring.scene import DrillstringScene
 from drillstring.statics import Statics
 from drillstring.torque_drag import links, own_friction, require_wall
+from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.columns import Columns
 from tautline.scene.errors import Problem, SceneError
 
@@ -21,6 +23,11 @@ TOLD = 1.0e-6
 """Share of the largest derivative below which loads do not depend on a factor, or on a combination of two."""
 START, MOST = 0.2, 1.0
 """Friction factor that the fit begins with, and the largest that it tries."""
+STEP = 1.0e-3
+"""Half the difference of factors that derivatives are taken over: the statics end within a tolerance, and what that
+leaves of a load would be all of a derivative over much less."""
+BEYOND = 0.01
+"""Share of the rotating weight by which a load on the wrong side of it is off by more than the gauge."""
 COLUMNS = {
     "depth": ("depth", "measured depth", "md", "bit depth"),
     "pick_up": ("pick_up", "pick up", "pickup", "puw"),
@@ -40,13 +47,23 @@ class Measured(NamedTuple):
     lines: np.ndarray
 
 
+class Unexplained(NamedTuple):
+    """A load on the wrong side of the rotating weight, N, with the bit at a depth, m: friction acts the other way."""
+
+    depth: float
+    direction: str
+    load: float
+    rotating: float
+
+
 class Fit(NamedTuple):
     """Friction factor that fits best, and its spread; in a cased hole both factors.
 
     ``friction`` is that of the open hole. ``spread`` is the standard error of the factor, from the residuals; NaN where
     there are no more loads than factors, infinite where the loads do not tell it. ``residual`` is the root mean square
     of what the loads are off, N; ``pick_up`` and ``slack_off`` are the open hole's factors that fit each alone, NaN
-    where there are too few loads. ``cased`` and ``cased_spread`` are None in a hole without casing.
+    where there are too few loads. ``cased`` and ``cased_spread`` are None in a hole without casing. ``unexplained`` are
+    the loads that no factor explains.
     """
 
     friction: float
@@ -57,6 +74,7 @@ class Fit(NamedTuple):
     loads: int
     cased: float | None = None
     cased_spread: float | None = None
+    unexplained: tuple[Unexplained, ...] = ()
 
     def factors(self, shoe: float) -> Factors:
         """Of a hole with its casing shoe at a depth, m, or 0."""
@@ -64,7 +82,7 @@ class Fit(NamedTuple):
 
 
 def read_measured(path: Path, block: float = 0.0) -> Measured:
-    """Read a CSV file with the columns depth, pick_up and slack_off; units stand in the header, or are SI.
+    """Read a CSV file with the columns depth, pick_up and slack_off; units stand in the header.
 
     An empty cell, or a column that is missing, is a load that was not measured. The weight of the ``block``, N, which
     the rig's gauge shows with the string's, is taken off.
@@ -103,6 +121,11 @@ def _has(columns: Columns, name: str) -> bool:
 def _column(columns: Columns, name: str) -> np.ndarray:
     """A column in SI, with NaN for empty cells of loads."""
     at = columns.index(COLUMNS[name])
+    if not columns.units[at]:
+        # Hook loads come in kN, t, kip and klbf, depths in m and ft, and a guess would fit a factor all the same.
+        example = {"m": "m", "N": "kN"}[UNITS[name]]
+        cure = f"write the header as {name} [{example}], or with the unit that it is"
+        raise columns.refuse(columns.header_line, f"the column '{columns.names[at]}' has no unit", cure)
     every = columns.rows
     filled = [k for k, (_, row) in enumerate(every) if name == "depth" or (at < len(row) and row[at].strip())]
     found = np.full(len(every), np.nan)
@@ -152,7 +175,7 @@ def fit(
     SceneError
         For depths at which the string does not fit the well, by row.
     StoppedEarly
-        Where no equilibrium was found.
+        Where no equilibrium was found, naming the load.
     """
     require_wall(scene)
     strings = []
@@ -180,7 +203,8 @@ def fit(
     n, spread = len(rows), _spread(errors, slopes)
     residual = float(np.sqrt(errors @ errors / n))
     both = (float(factors[1]), float(spread[1])) if shoe > 0.0 else (None, None)
-    return Fit(float(factors[0]), float(spread[0]), residual, alone["pick_up"], alone["slack_off"], n, *both)
+    alone_and_both = (alone["pick_up"], alone["slack_off"], n, *both)
+    return Fit(float(factors[0]), float(spread[0]), residual, *alone_and_both, _unexplained(rows))
 
 
 def _least_squares(
@@ -194,11 +218,42 @@ def _least_squares(
 
     def errors(x: np.ndarray) -> np.ndarray:
         factors = Factors(float(x[0]), float(x[-1]), shoe)
-        return np.array([string.solve(factors, way).hook_load - load for string, way, load in rows]) / size
+        return np.array([_hook_load(row, factors) - row[2] for row in rows]) / size
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        columns = []
+        for k in range(count):
+            low, high = x.copy(), x.copy()
+            low[k], high[k] = max(0.0, x[k] - STEP), min(MOST, x[k] + STEP)
+            columns.append((errors(high) - errors(low)) / (high[k] - low[k]))
+        return np.column_stack(columns)
 
     begin = [START] * count if start is None else start
-    found = least_squares(errors, begin, bounds=(0.0, MOST), xtol=1e-8, ftol=1e-12, gtol=1e-12)
+    found = least_squares(errors, begin, slopes, bounds=(0.0, MOST), xtol=1e-8, ftol=1e-12, gtol=1e-12)
     return found.x, found.fun * size, found.jac * size
+
+
+def _hook_load(row: tuple[Statics, str, float], factors: Factors) -> float:
+    """Hook load of a string in the direction of a measured one, N."""
+    string, way, load = row
+    try:
+        return string.solve(factors, way).hook_load
+    except (StoppedEarly, LockedUp) as stop:
+        detail = f"friction factor {factors:g}" if isinstance(stop, StoppedEarly) else str(stop)
+        part = f"{way.replace('_', ' ')} {load / 1e3:g} kN with the bit at {string.depth:g} m"
+        detail = f"{detail}, tried to explain the load: check it, and the block's weight"
+        raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, part, detail) from None
+
+
+def _unexplained(rows: list[tuple[Statics, str, float]]) -> tuple[Unexplained, ...]:
+    """Loads that friction would have to push the other way for."""
+    found = []
+    for string, way, load in rows:
+        rotating = string.solve(0.0, "rotating").hook_load
+        lacking = rotating - load if way == "pick_up" else load - rotating
+        if lacking > BEYOND * abs(rotating):
+            found.append(Unexplained(string.depth, way, load, rotating))
+    return tuple(found)
 
 
 def _spread(errors: np.ndarray, slopes: np.ndarray) -> np.ndarray:

@@ -150,6 +150,8 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
     """
     points = [point for case in cases for point in case.points]
     found = [] if fitted is None else [(fit_in_words(fitted, system), "green")]
+    if fitted is not None and fitted.unexplained:
+        found.append((_unexplained(fitted, system), "yellow"))
     warned = [(text, "yellow") for point in points for text in _warnings(point, points, system)]
     found += warned[:MOST_SENTENCES]
     if len(warned) > MOST_SENTENCES:
@@ -221,13 +223,29 @@ def _strokes(cases: list[Case], system: str) -> list[str]:
 
 def fit_in_words(fitted: Fit, system: str = "si") -> str:
     """The factor with its spread, and what each direction alone would say."""
-    alone = [f"{value:.3f} by {word}" for value, word in ((fitted.pick_up, "pick-up"), (fitted.slack_off, "slack-off"))]
+    alone = [
+        f"{value:.3f} by {word}" if np.isfinite(value) else f"– by {word}"
+        for value, word in ((fitted.pick_up, "pick-up"), (fitted.slack_off, "slack-off"))
+    ]
     off = f"the loads are off by {shown(fitted.residual, 'N', system)} rms"
     if fitted.cased is not None and fitted.cased_spread is not None:
         cased, opened = _factor(fitted.cased, fitted.cased_spread), _factor(fitted.friction, fitted.spread)
         return f"friction factors of the {fitted.loads} measured hook loads: cased {cased}, open {opened} ({off})"
     text = f"friction factor of the {fitted.loads} measured hook loads: {_factor(fitted.friction, fitted.spread)}"
     return f"{text} ({', '.join(alone)}; {off})"
+
+
+def _unexplained(fitted: Fit, system: str) -> str:
+    """Loads that no factor explains, by the one that is furthest off."""
+    worst = max(fitted.unexplained, key=lambda one: abs(one.load - one.rotating))
+    side = "below" if worst.direction == "pick_up" else "above"
+    text = (
+        f"no friction factor explains {WORDS[worst.direction]} {shown(worst.load, 'N', system)} at "
+        f"{shown(worst.depth, 'm', system)}: it is {side} the rotating weight, {shown(worst.rotating, 'N', system)}"
+    )
+    more = len(fitted.unexplained) - 1
+    others = f" (nor {more} more of the loads)" if more else ""
+    return f"{text}{others}; check the loads, top.weight, mud and string"
 
 
 def _factor(value: float, spread: float) -> str:

@@ -57,7 +57,7 @@ MeasuredFile = Annotated[
 Reaming = Annotated[
     str | None,
     typer.Option(
-        "--reaming", metavar="SPEED", help="Also up and down at this speed while turning, m/s or with a unit: 0.3 m/s."
+        "--reaming", metavar="SPEED", help="Also up and down at this speed while turning, m/s or such as '0.3 m/s'."
     ),
 ]
 Rotary = Annotated[
@@ -222,9 +222,13 @@ def report(cases: list[Case], fitted: Fit | None, failures: list[str], block: fl
         "elements": cases[0].points[0].link_depth.size,
         "cases": every,
         "block_weight": block,
-        "fit": None if fitted is None else fitted._asdict(),
+        "fit": None if fitted is None else _fit_report(fitted),
         "failures": failures,
     }
+
+
+def _fit_report(fitted: Fit) -> dict[str, Any]:
+    return fitted._asdict() | {"unexplained": [one._asdict() for one in fitted.unexplained]}
 
 
 def _report_of(case: Case) -> dict[str, Any]:

@@ -314,6 +314,39 @@ def test_spread_of_the_factor_is_that_of_the_loads_noise(loads):
     assert found.residual == pytest.approx(2e3, rel=0.2)
 
 
+def test_standard_error_of_loads_that_disagree_is_told_by_differences_of_the_programs_own_loads(folder):
+    # One pick-up is 20 kN too large, one slack-off 20 kN too large too: what explains the one contradicts the other.
+    scene, depth, ways = read("jwell.yaml"), 3400.0, ("pick_up", "slack_off")
+    (case,) = torque_drag(scene, [0.24], [depth], 40)
+    loads = [case.hook_loads(way)[0] + 20e3 for way in ways]
+    row = f"{depth},{loads[0]},{loads[1]}"
+    Path("two.csv").write_text(f"depth [m],pick_up [N],slack_off [N]\n{row}\n", encoding="utf8")
+    found = fit(scene, read_measured(Path("two.csv")), 40)
+    below, there, above = torque_drag(scene, [found.friction + d for d in (-0.01, 0.0, 0.01)], [depth], 40)
+    slopes = np.array([above.hook_loads(way)[0] - below.hook_loads(way)[0] for way in ways]) / 0.02
+    errors = np.array([there.hook_loads(way)[0] for way in ways]) - loads
+    # s^2 (J^T J)^-1 of two loads and one factor; measured 6e-4 off, the curvature over +-0.01
+    assert found.spread == pytest.approx(np.sqrt(errors @ errors / (slopes @ slopes)), rel=5e-3)
+
+
+def test_loads_on_the_wrong_side_of_the_rotating_weight_are_told_to_be_explained_by_no_factor(drillstring_, folder):
+    # the string of the J-well rotates at 668 kN, with ten links at 681 kN
+    Path("light.csv").write_text("depth [m],pick_up [kN]\n3700,300\n3600,500\n", encoding="utf8")
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", "--measured", "light.csv", "--json", *COARSE)
+    told, text = only_object(out)["fit"]["unexplained"], " ".join(err.split())
+    assert code == 0 and [(one["depth"], one["direction"]) for one in told] == [(3700, "pick_up"), (3600, "pick_up")]
+    assert told[0]["load"] == 300e3 and told[0]["rotating"] == pytest.approx(668e3, rel=0.03)
+    assert "no friction factor explains pick up 300 kN at 3700 m: it is below the rotating weight" in text
+    assert "– by slack-off" in text and "nan" not in text
+
+
+def test_load_that_no_equilibrium_reaches_is_named(drillstring_, folder):
+    Path("stuck.csv").write_text("depth [m],slack_off [kN]\n3700,-900\n", encoding="utf8")
+    code, _, err = drillstring_("torque-drag", "jwell.yaml", "--measured", "stuck.csv", *COARSE)
+    text = " ".join(err.split())
+    assert code == 3 and "slack off -900 kN with the bit at 3700 m" in text and "Traceback" not in text
+
+
 @pytest.mark.parametrize(
     ("row", "new", "line", "words"),
     [
@@ -324,6 +357,8 @@ def test_spread_of_the_factor_is_that_of_the_loads_noise(loads):
         (1, "-5,170,130", 2, "not below the rotary table"),
         (0, "depth [ft],pick_up [m],slack_off [kip]", 1, "is not a unit like N"),
         (0, "depth [ft],up,down", 1, "pick_up"),
+        (0, "depth,pick_up [kip],slack_off [kip]", 1, "the column 'depth' has no unit"),
+        (0, "depth [ft],pick_up [kip],slack_off", 1, "the column 'slack_off' has no unit"),
     ],
 )
 def test_bad_row_of_measured_loads_is_named_by_its_number(loads, drillstring_, row, new, line, words):
