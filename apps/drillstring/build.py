@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drillstring import wellbore
+from drillstring.buoyancy import check_weight
 from drillstring.drilling import variables_of_ends
 from drillstring.end_groups import notes_of_ends
 from drillstring.ends import Controller
@@ -67,7 +68,13 @@ def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
 
 
 def tubes_of(scene: DrillstringScene, well_length: float) -> list[Tube]:
-    """Sections of the string with their material, and ``rest`` resolved; raises SceneError as check_lengths does."""
+    """Sections of the string with their material, and ``rest`` resolved.
+
+    Raises
+    ------
+    SceneError
+        As check_lengths does, and for a string that floats.
+    """
     tubes = []
     for section, length in zip(scene.string, check_lengths(scene, well_length), strict=True):
         steel = scene.material
@@ -89,6 +96,7 @@ def tubes_of(scene: DrillstringScene, well_length: float) -> list[Tube]:
                 elements=section.elements,
             )
         )
+    check_weight(scene, tubes)
     return tubes
 
 

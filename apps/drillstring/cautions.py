@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from drillstring.build import tubes_of, well_of
+from drillstring.buoyancy import buoyancy_cautions
 from drillstring.fluid import fluid_of
 from drillstring.lumped_string import lateral_mass
 from drillstring.scene import BEAM, DrillstringScene
@@ -191,6 +192,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
                 f"motion is damped by the algorithm; take {0.01 * period:.1g} s or less",
             )
         )
+    found += buoyancy_cautions(scene, lumps.tubes)
     found += _friction_cautions(scene)
     found += _block_cautions(scene, lumps)
     found += _casing_cautions(scene, lumps)

@@ -118,6 +118,13 @@ class Mud(Model):
     inside: Switch = True
     inside_density: Density | None = None
 
+    @model_validator(mode="after")
+    def _filled(self) -> Mud:
+        if self.inside_density is not None and not self.inside:
+            cause = "is given, and `inside: false` leaves the string empty"
+            raise fault("inside_density", cause, "remove one of the two")
+        return self
+
 
 class Damping(Model):
     """Viscous coefficients of one lump (c_r, c_f2 and c_fc of Table 2.4), and of the steel itself.
@@ -194,16 +201,6 @@ class DrillstringScene(Scene):
                 relation = "equal to" if section.contact_diameter == hole else "larger than"
                 cause = f"{relation} well.diameter = {hole:g}: it does not fit into the hole"
                 raise fault(("string", i, key), cause, f"widen well.diameter, or give a smaller {key}")
-        return self
-
-    @model_validator(mode="after")
-    def _buoyancy(self) -> DrillstringScene:
-        steel = min(section.density or self.material.density for section in self.string)
-        for key in ("density", "inside_density"):
-            density = None if self.mud is None else getattr(self.mud, key)
-            if density is not None and density >= steel:
-                cause = f"not less than the string's density, {steel:g} kg/m^3: the string would float"
-                raise fault(("mud", key), cause, "give the mud's density, such as 12.5 ppg")
         return self
 
     @model_validator(mode="after")

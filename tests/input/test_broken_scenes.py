@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drillstring.cautions import cautions
 from drillstring.scene import DrillstringScene, check_lengths, json_schema, read
 from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
@@ -86,7 +87,6 @@ EDITS = {
         "smaller than od",
     ),
     "two rests": ("length: 240 m", "length: rest", 15, "string[1].length", "give its length"),
-    "mud heavier than steel": ("density: 1840", "density: 9000", 17, "mud.density", "12.5 ppg"),
     "an eccentricity of one number": (
         "id: 0.1086",
         "id: 0.1, eccentricity: 0.1",
@@ -342,6 +342,12 @@ def test_a_broken_scene_is_refused_with_line_key_and_cure(name):
     assert found, message
     assert any(cure in m for m in found), message
     assert all("; " in m for m in message.splitlines()), f"a cure is missing: {message}"
+
+
+def test_mud_heavier_than_steel_is_refused_with_its_line_where_lengths_are_known():
+    scene = DrillstringScene.parse(TEXT.replace("density: 1840", "density: 9000"), "jwell.yaml")
+    with pytest.raises(SceneError, match=r"jwell.yaml:17: mud.density = 9000.*would float.*12\.5 ppg"):
+        cautions(scene)
 
 
 @pytest.mark.parametrize("key", ["well", "string", "material", "model", "solver", "output"])

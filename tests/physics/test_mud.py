@@ -5,7 +5,10 @@ import pytest
 from physics.strings import GRAVITY, Balance, E, run, straight_hole
 from physics.strings import mass_per_length as steel
 
+from drillstring.build import tubes_of, well_of
+from drillstring.cautions import cautions
 from tautline.integrators.linearise import matrices
+from tautline.scene.errors import SceneError
 
 MUD, HOLE, OD, ID = 1500.0, 0.3, 0.165, 0.0572
 OUTER, BORE = np.pi / 4 * OD**2, np.pi / 4 * ID**2
@@ -41,6 +44,46 @@ def test_mud_adds_mass_sideways_only(mud, outside, inside):
     assert along == pytest.approx(25.0 * steel(), rel=1e-12)
     assert (north, east) == pytest.approx((sideways, sideways), rel=1e-12)
     assert about == pytest.approx(25.0 * 7850.0 * np.pi / 32 * (OD**4 - ID**4), rel=1e-12)
+
+
+def string_of_two(mud, pipe):
+    """So many metres of drill pipe, 5 by 4.276 in, above so many of the collar, in 100 m of hole."""
+    sections = [
+        {"name": "pipe", "length": pipe, "od": 0.127, "id": 0.1086},
+        {"name": "collar", "length": 100.0 - pipe, "od": OD, "id": ID},
+    ]
+    return straight_hole(0.0, elements=4, diameter=HOLE, string=sections, mud=mud)
+
+
+# Archimedes, kg/m: the pipe has 26.73 of steel and displaces 12.668e-3 m^2, the collar 147.7 and 21.38e-3 m^2
+@pytest.mark.parametrize(
+    ("mud", "floats"),
+    [
+        ({"density": 2200.0, "inside": False}, ["pipe"]),  # 26.73 against 27.87
+        ({"density": 2100.0, "inside": False}, []),  # 26.73 against 26.60
+        ({"density": 2200.0}, []),
+        ({"density": 1200.0, "inside_density": 9000.0}, []),  # what is inside makes it heavier
+        ({"density": 2200.0, "inside_density": 50.0}, ["pipe"]),
+    ],
+)
+def test_a_section_floats_where_its_steel_and_contents_are_lighter_than_the_mud_it_displaces(mud, floats):
+    told = [caution.text.split()[0] for caution in cautions(string_of_two(mud, 50.0)) if "floats" in caution.text]
+    assert told == floats
+
+
+def test_a_string_that_floats_as_a_whole_is_refused():
+    # empty pipe, 100 m of it: 26.73 kg/m against 2200 kg/m^3 times 12.668e-3 m^2
+    pipe_alone = straight_hole(
+        0.0, diameter=HOLE, string=[{"name": "pipe", "length": 100.0, "od": 0.127, "id": 0.1086}],
+        mud={"density": 2200.0, "inside": False},
+    )  # fmt: skip
+    with pytest.raises(SceneError, match=r"114\.2 kg lighter"):
+        tubes_of(pipe_alone, well_of(pipe_alone).length)
+
+
+def test_what_is_inside_an_empty_string_is_a_contradiction():
+    with pytest.raises(SceneError, match="leaves the string empty"):
+        string_of_two({"density": 1200.0, "inside": False, "inside_density": 500.0}, 50.0)
 
 
 def test_a_lump_falling_sideways_in_mud_nears_the_terminal_speed_of_morisons_drag():
