@@ -23,7 +23,7 @@ from drillstring.fluid import fluid_of, mass_beside
 from drillstring.in_hole import AXES
 from drillstring.natural_modes import modes_below
 from drillstring.string import Lumps, cut
-from drillstring.string_at_rest import Vibrations, at_rest, mass_and_stiffness
+from drillstring.string_at_rest import Vibrations, at_rest, expansion, mass_and_stiffness
 from drillstring.wellbore import Wellbore
 from tautline.system.system import System
 
@@ -140,7 +140,7 @@ class BeamAtRest:
         basis = columns.matrix()
         mass, stiffness = (csc_array(basis.T @ part @ basis) for part in (self.mass, self.stiffness))
         frequency, vectors = modes_below(mass, stiffness, highest)
-        full = _expansion(self.system) @ (basis @ vectors)
+        full = expansion(self.system) @ (basis @ vectors)
         nodes = full[: NODE * (self.lumps.length.size + 1)].reshape(self.lumps.length.size + 1, NODE, -1)
         return frequency, nodes[:, first : first + count]
 
@@ -206,12 +206,3 @@ def _pressed(system: System, well: Wellbore, lumps: Lumps, q: np.ndarray) -> np.
             force = group.springs.stiffness * np.maximum(0.0, np.hypot(u, v) - group.springs.clearance)
             np.add.at(normal, points.element + (points.place > 0.5), force)
     return normal
-
-
-def _expansion(system: System) -> csc_array:
-    """How much of each free unknown is in each full degree of freedom, (full, m)."""
-    dofs = system.dofs
-    full = np.repeat(np.arange(dofs.start.size - 1), np.diff(dofs.start))
-    free = dofs.unknown >= 0
-    entries = dofs.factor[free], (full[free], dofs.unknown[free])
-    return csc_array(coo_array(entries, shape=(dofs.start.size - 1, system.size)))

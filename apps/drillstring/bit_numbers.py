@@ -128,3 +128,17 @@ def weight_at(b: np.record, rate: float, spin: float) -> float:
     if rate <= 0.0 or factor == 0.0:
         return float(b.threshold) if rate <= 0.0 else np.inf
     return float(b.threshold + (rate / factor) ** (1.0 / b.weight_exponent))
+
+
+def stiffness_of(b: np.record) -> float:
+    """Stiffness, N/m, with which the rock holds a bit that moves along the hole while the hole does not deepen.
+
+    It is that of the rock, or of the chips that blades cut and of flats that are not pushed on; 0 of a bit without
+    weight.
+    """
+    if b.weight <= 0.0:
+        return 0.0
+    if b.blades == 0.0:
+        return float(b.stiffness)
+    cuts = b.blades * b.cut_weight if b.weight > b.limit else 0.0
+    return float(cuts + (b.stiffness if b.weight < b.limit else 0.0))

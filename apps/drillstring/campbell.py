@@ -2,7 +2,8 @@
 
 They are those of small vibrations about the static equilibrium of the scene, undamped, as its model has them, lumps or
 a beam: tension and weight on bit, buoyed weight, added mass and mud inside; a contact that bears load is a spring
-across the hole, and by its normal force one around it; friction does not hold. The models have no gyroscopic and no
+across the hole, and by its normal force one around it; friction does not hold. The rock under a bit on bottom is a
+spring along the hole, which a hole that deepens by drilling would only damp. The models have no gyroscopic and no
 rotatory inertia of bending, so that frequencies do not depend on rotary speed; `Mode.turning` tells what these would
 do.
 """
@@ -16,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring import bha
+from drillstring.bit_numbers import bit_row, stiffness_of
 from drillstring.build import tubes_of, well_of
 from drillstring.lateral_modes import Support, lateral_modes
 from drillstring.natural_modes import Mode, with_errors
@@ -40,6 +42,7 @@ class Campbell:
     """What a Campbell diagram shows; speeds rad/s, frequencies Hz, depths m; links or elements of the finer mesh.
 
     ``loose`` are stabilisers that neither touch the wall nor are held; ``model`` is ``lumped`` or ``ale-ancf``.
+    ``rock`` is the stiffness that holds the bit along the hole, N/m, 0 of one that is free.
     """
 
     modes: list[Mode]
@@ -52,6 +55,7 @@ class Campbell:
     links: dict[str, int]
     loose: tuple[str, ...] = ()
     model: str = LUMPED
+    rock: float = 0.0
 
     @property
     def critical(self) -> list[Critical]:
@@ -124,7 +128,16 @@ def campbell(
     names = [scene.string[i].name for i in bha.stabilisers_of(scene)] if supports and scene.well.wall else []
     holding = {support.section for support in supports[1:]}
     loose = tuple(name for name in dict.fromkeys(names) if name not in holding)
-    return Campbell(modes, supports, upper, bottom, speeds, orders, highest, links, loose, scene.model.kind)
+    rock = _rock(scene)
+    return Campbell(modes, supports, upper, bottom, speeds, orders, highest, links, loose, scene.model.kind, rock)
+
+
+def _rock(scene: DrillstringScene) -> float:
+    """Stiffness that holds the bit along the hole, N/m."""
+    if not scene.bit.on_bottom:
+        return 0.0
+    tubes = tubes_of(scene, well_of(scene).length)
+    return stiffness_of(bit_row(scene.bit, scene.well.diameter, tubes, 0.0, False)[0])
 
 
 def _of_a_rod(scene: DrillstringScene, kind: str, highest: float) -> tuple[list[Mode], int]:

@@ -106,6 +106,8 @@ def sentences(found: Campbell, system: str = "si") -> list[tuple[str, str]]:
     said: list[tuple[str, str]] = [(f"model: {model_of(found)}", "")]
     if found.supports:
         said += [(text, "") for text in _held(found, system)]
+    if "axial" in found.links:
+        said.append((_end(found, system), ""))
     if found.loose:
         text = f"{', '.join(found.loose)}: clear of the wall as the string rests, so it holds nothing"
         said.append((f"{text}; --hold '{','.join(found.loose)}' holds it", "yellow"))
@@ -134,6 +136,14 @@ def sentences(found: Campbell, system: str = "si") -> list[tuple[str, str]]:
         terms = f"gyroscopic terms, up to ±{100 * split:.1g} % of a frequency", f"rotatory inertia, {100 * fall:.1g} %"
         said.append((f"not in the model: {terms[0]}, and {terms[1]}", ""))
     return said
+
+
+def _end(found: Campbell, system: str) -> str:
+    """What the bit is to axial modes."""
+    if found.rock == 0.0:
+        return "axial modes are those of a bit that is free along the hole"
+    text = f"axial modes are those of a bit that the rock holds by {shown(found.rock, 'N/m', system)}"
+    return f"{text}; `bit: {{on_bottom: false}}`, with its weight as `force`, frees it"
 
 
 def _held(found: Campbell, system: str) -> list[str]:

@@ -230,6 +230,7 @@ def report(found: Campbell) -> dict[str, Any]:
         "model": found.model,
         "links": found.links,
         "loose": list(found.loose),
+        "rock_stiffness": found.rock,
         "modes": [
             {
                 "kind": mode.kind,

@@ -6,9 +6,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import coo_array, csc_array
 
 from drillstring import bha
+from drillstring.bit_numbers import stiffness_of
+from drillstring.bit_rock import BladeBit, RockBit
 from drillstring.build import build, tubes_of, well_of
 from drillstring.contact import WallContact
 from drillstring.natural_modes import modes_below
@@ -42,7 +44,27 @@ def mass_and_stiffness(system: System, state: State) -> list[csc_array]:
         matrix = new_matrix(system.size, system.bandwidth, system.border)
         evaluate(system, state, 0.0, 1.0, True, *part, matrix, np.zeros(system.size))
         parts.append(csc_array(sparse(matrix)))
-    return parts
+    mass, stiffness = parts
+    return [mass, stiffness + _held_by_rock(system)]
+
+
+def _held_by_rock(system: System) -> csc_array:
+    """Stiffness (n, n) of the rock under a bit, which as a group of the run acts only once that has begun."""
+    along = np.zeros((system.dofs.start.size - 1, 1))
+    for group in system.groups:
+        if isinstance(group, (RockBit, BladeBit)):
+            along[group.places, 0] = np.sqrt(stiffness_of(group.row[0])) * group.direction
+    moved = csc_array(expansion(system).T @ csc_array(along))
+    return csc_array(moved @ moved.T)
+
+
+def expansion(system: System) -> csc_array:
+    """How much of each free unknown is in each full degree of freedom, (full, m)."""
+    dofs = system.dofs
+    full = np.repeat(np.arange(dofs.start.size - 1), np.diff(dofs.start))
+    free = dofs.unknown >= 0
+    entries = dofs.factor[free], (full[free], dofs.unknown[free])
+    return csc_array(coo_array(entries, shape=(dofs.start.size - 1, system.size)))
 
 
 class Vibrations(NamedTuple):

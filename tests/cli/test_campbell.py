@@ -19,6 +19,7 @@ KEYS = {
     "model",
     "links",
     "loose",
+    "rock_stiffness",
     "modes",
     "critical",
     "scene",

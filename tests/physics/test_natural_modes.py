@@ -12,6 +12,7 @@ import pytest
 from physics.strings import COLLAR, DENSITY, GRAVITY, G, area, mass_per_length, shipped, straight_hole
 from physics.strings import E as YOUNG
 from references import stepped_rod_modes as rods
+from scipy.optimize import brentq
 
 from drillstring.bha import assembly_of, stabilisers_of
 from drillstring.campbell import campbell
@@ -123,6 +124,22 @@ def test_torsional_and_axial_modes_of_a_uniform_string_are_those_of_a_rod_fixed_
         exact = (2 * np.arange(1, len(modes) + 1) - 1) * speed / (4 * LENGTH)
         check(modes, exact)
         assert np.argmax(np.abs(modes[0].shape)) == len(modes[0].shape) - 1
+
+
+@pytest.mark.parametrize("kind", ["lumped", "ale-ancf"])
+@pytest.mark.parametrize("rock", [1e13, 2e8])
+def test_axial_modes_on_bottom_are_those_of_a_rod_between_the_drive_and_the_rocks_spring(kind, rock):
+    # EA x/L cos x + k sin x = 0 with x = omega L/c: hard rock holds the bit, n c/(2 L), soft rock lowers that
+    bit = {"on_bottom": True, "weight": 10.0, "rock": {"stiffness": rock}, "penetration": {"rate": 0.004, "speed": 12}}
+    found = campbell(beam(bit=bit, model__kind=kind), FAST, kinds=("axial",), up_to=300.0)
+    held, soft = sqrt(YOUNG / DENSITY) / (2 * LENGTH), YOUNG * area(*COLLAR) / LENGTH
+    exact = [
+        held / pi * brentq(lambda x: soft * x * np.cos(x) + rock * np.sin(x), (n - 0.5) * pi, n * pi)
+        for n in range(1, len(found.modes) + 1)
+    ]
+    assert found.rock == rock and len(exact) > 2
+    check(found.modes, exact)
+    assert exact[0] == pytest.approx(held, rel=1e-3) if rock == 1e13 else exact[0] < 0.96 * held
 
 
 def test_torsional_and_axial_modes_of_a_stepped_string_are_the_exact_ones():
