@@ -181,22 +181,21 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
     frames = new_frames(1, system.q.size, model.own)
     frames.q[0], frames.residual[0] = state.full_q, state.residual
     seen = {name: values[0] for name, values in model.observe(frames).items()}
-    place = {name: np.asarray(model.coordinates[name][1]) for name in ("unstretched_depth", "link_length")}
+    unstretched = np.asarray(model.coordinates["unstretched_depth"][1])
     well = well_of(scene)
     lumps = cut(tubes_of(scene, well.length), scene.model.elements)
-    axial = lumps.of_links(lambda tube: tube.youngs_modulus * tube.area)
     room = model.coordinates["clearance"][1] if "clearance" in model.coordinates else np.inf
     offset = np.hypot(*seen["lateral"].T)
     return Form(
         kind=scene.model.kind,
         elements=scene.model.elements,
-        unstretched=place["unstretched_depth"],
+        unstretched=unstretched,
         measured_depth=seen["measured_depth"],
         position=seen["position"],
-        moved=seen["position"] - well.position(place["unstretched_depth"]),
+        moved=seen["position"] - well.position(unstretched),
         tension=seen["tension"],
         hook_load=float(seen["hook_load"]),
-        stretch=float((seen["tension"] * place["link_length"] / axial).sum()),
+        stretch=lumps.stretch(seen["tension"]),
         offset=offset,
         touching=int((offset > room).sum()),
         iterations=int(spent),

@@ -217,7 +217,8 @@ def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[st
         "hook_load_start": (hook[0], "N", "hook load at the start"),
         "hook_load_max": (hook.max(), "N", "largest hook load"),
         "hook_load_min": (hook.min(), "N", "smallest hook load"),
-        "stretch_start": (bit[0] - lumps.total - result["block_position"][0], "m", "stretch at the start"),
+        # Not how far the bit hangs below its place on the axis: a string that lies in a bend cuts its corner.
+        "stretch_start": (lumps.stretch(result["tension"][0]), "m", "stretch at the start"),
         "bit_travel": (np.ptp(bit), "m", "travel of the bit"),
         "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
         "contact_force_max": (result["contact_force"].max(), "N", f"largest contact force of a {part_of(result)}"),

@@ -101,6 +101,10 @@ class Lumps:
         """Unstretched length of the string, m."""
         return float(self.length.sum())
 
+    def stretch(self, tension: np.ndarray) -> float:
+        """By how much the links are longer than unstretched, m, with a tension (n,) N in each."""
+        return float((tension * self.length / self.of_links(lambda tube: tube.youngs_modulus * tube.area)).sum())
+
 
 def cut(tubes: list[Tube], elements: int) -> Lumps:
     """Cut a string into lumps.
