@@ -86,11 +86,12 @@ def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
         return []
     then = weight_at(b, feed, spin)
     found = shown(then, "N", scene.units) if np.isfinite(then) else "no steady value, for the bit does not turn"
+    moves = "raised" if feed < 0.0 else "lowered"
     return [
         Caution(
             "top.block",
-            f"is lowered at {_rate(scene, feed)} at the end and the bit drills {_rate(scene, rate)} with its weight: "
-            f"the weight on bit goes to {found}",
+            f"is {moves} at {_rate(scene, abs(feed))} at the end and the bit drills {_rate(scene, rate)} with its "
+            f"weight: the weight on bit goes to {found}",
         )
     ]
 

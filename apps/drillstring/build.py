@@ -22,7 +22,7 @@ from drillstring.string import Tube, cut
 from drillstring.survey import read_survey
 from tautline.kernels.groups import offers
 from tautline.scene.errors import SceneError
-from tautline.scene.solver import error_of_steps, longest_step
+from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
@@ -117,6 +117,8 @@ def build(scene: DrillstringScene) -> Model:
     functions = compile_functions(requests(scene))
     law, notes = _law(scene)
     notes += notes_of_ends(scene, lumps.tubes)
+    # A note and no caution: the scene may well be meant to be run by each method.
+    notes += unused_alphas(scene.solver)
     string = _assembler(scene.model.kind)(scene, well, lumps, functions, law)
     system, observer = string.system, string.observer
     solver = scene.solver

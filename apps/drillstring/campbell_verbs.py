@@ -101,6 +101,7 @@ def campbell(
     drillstring = of_kind(drillstring, parse_model(model) or drillstring.model.kind)
     speeds = parse_speeds(speed)
     kinds = tuple(words(modes, "--modes", one_of(KINDS))) or ("lateral",)
+    _check_sideways(kinds, {"--from": top, "--hold": hold})
     lines = parse_orders(orders, blades)
     highest = number(up_to, "--up-to", "Hz", HIGHEST, "ask for what the string is shaken at") if up_to else None
     upper = parse_depth(drillstring, top)
@@ -116,6 +117,16 @@ def campbell(
 
         said = {"scene": str(scene), "status": "done", "figure": str(figure), "csv": None if csv is None else str(csv)}
         print_json(said | report(found))
+
+
+def _check_sideways(kinds: tuple[str, ...], asked: dict[str, str | None]) -> None:
+    """Refuse what says how the string is held sideways where no lateral modes are asked for."""
+    if "lateral" in kinds:
+        return
+    for option, text in asked.items():
+        if text is not None:
+            cause = f"is of lateral modes, and {' and '.join(kinds)} ones are asked for"
+            raise option_error(option, text, cause, "leave it out, or add lateral to --modes")
 
 
 def parse_model(text: str | None) -> str | None:

@@ -82,7 +82,7 @@ def shortened(
     total = depth + above
     others = sum(float(section.length) for i, section in enumerate(scene.string) if i != at)
     if depth > well_length * (1.0 + 1e-9):
-        cause = f"the bit would be at {depth:g} m, below the end of the well, {well_length:g} m"
+        cause = f"the bit would be at {depth:.10g} m, below the end of the well, {well_length:.10g} m"
         raise SceneError([scene.problem("well", cause, "give depths within the well, or deepen it")])
     if total <= others * (1.0 + 1e-9):
         name = scene.string[at].name

@@ -128,7 +128,9 @@ def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
         return parse_range(text, "--weight", "N")
     own = scene.bit.weight or (scene.bit.torque.weight if scene.bit.torque is not None else None)
     if not own:
-        raise option_error("--weight", "", "is needed: the scene's own weight on bit is 0", "write 50 kN:250 kN:50 kN")
+        raise option_error(
+            "--weight", "", "is needed: the scene's own weight on bit is 0", "write '50 kN:250 kN:50 kN'"
+        )
     return [share * own for share in SHARES]
 
 

@@ -132,6 +132,8 @@ def test_units_of_the_field_are_printed_where_the_scene_asks_for_them(drillstrin
         (["hanging.yaml", "--orders", "0"], "is no multiple of the rotary speed"),
         (["hanging.yaml", "--orders", "two"], "is no multiple of the rotary speed"),
         (["hanging.yaml", "--from", "1000"], "leaves nothing of the string"),
+        (["hanging.yaml", "--modes", "axial", "--from", "100"], "--from 100: is of lateral modes, and axial ones are"),
+        (["hanging.yaml", "--modes", "torsional,axial", "--hold", "bit"], "--hold bit: is of lateral modes"),
         (["hanging.yaml", "--hold", "collars"], "is not one of drill pipe"),
         (["hanging.yaml", "--from", "1", "--up-to", "150"], "links for bending waves of 150 Hz"),
         (["hanging.yaml", "--up-to", "0"], "--up-to"),

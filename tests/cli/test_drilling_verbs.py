@@ -79,6 +79,7 @@ WARNED = {
     ),
     "nothing is drilled": (with_bit(None, "on_bottom: true, weight: 1 kN"), "top.block", "not drilled; give bit.pen"),
     "the block is too fast": (DRILLING.replace("to: 20 m/h", "to: 30 m/h"), "top.block", "goes to 150 kN"),
+    "the block comes up": (DRILLING.replace("to: 20 m/h", "to: -72 m/h"), "top.block", "is raised at 72 m/h"),
     "the block rests": (DRILLING.replace("to: 20 m/h", "to: 0 m/h"), "top.block", "goes to 0 N"),
     "a method that rings": (DRILLING.replace("rho_inf: 0.5", "rho_inf: 1"), "solver.rho_inf", "lets go too early"),
     "an explicit step": (
@@ -166,6 +167,21 @@ def test_a_result_without_a_bit_on_bottom_has_no_drilling_to_draw(drillstring_):
         with pytest.raises(ResultError, match="no bit on the bottom"):
             draw([result], [name])
     assert not {"drilling", "phase"} & set(draw([result]))
+
+
+@pytest.mark.parametrize(
+    ("solver", "told"),
+    [
+        ("newmark, rho_inf: 0.5", "note: newmark has no rho_inf and passes it over"),
+        ("rk4, alpha_m: 0, alpha_f: 0.3", "note: rk4 has no alpha_m and alpha_f and passes them over"),
+        ("generalized-alpha, rho_inf: 0.5", ""),
+    ],
+)
+def test_parameters_that_a_method_does_not_have_are_told_when_a_scene_is_checked(drillstring_, solver, told):
+    Path("other.yaml").write_text(DRILLING.replace("generalized-alpha, rho_inf: 0.5", solver), encoding="utf8")
+    code, _, err = drillstring_("check", "other.yaml")
+    said = " ".join(err.split())
+    assert code == 0 and told in said and ("passes" in said) == bool(told)
 
 
 def test_soft_torque_tells_its_gains_when_a_scene_is_checked(drillstring_):

@@ -208,6 +208,7 @@ def test_both_models_stand_beside_each_other_in_table_json_and_figure(drillstrin
         (("--depth", "3000:500:100"), ("--depth", "ends above where it begins")),
         (("--depth", "1:3000:0.001"), ("--depth", "larger step")),
         (("--depth", "0"), ("--depth",)),
+        (("--depth", "3770.7964"), ("be at 3770.7964 m, below the end of the well, 3770.796327 m",)),
         (("--depth", "5000"), ("below the end of the well", "give depths within the well")),
         (("--depth", "100"), ("nothing is left of drill pipe", "give depths of more than 240 m")),
         (("--elements", "1"), ("--elements", "fewer than the 2 sections")),

@@ -54,6 +54,20 @@ def alphas_of(method: str, rho_inf: float | None, alpha_m: float | None, alpha_f
     return (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
 
 
+def unused_alphas(solver: Any) -> list[str]:
+    """Notes of parameters of generalized-alpha beside another method; none where there are none.
+
+    Parameters
+    ----------
+    solver : Solver or CableSolver
+    """
+    given = [name for name in ("rho_inf", "alpha_m", "alpha_f") if getattr(solver, name) is not None]
+    if solver.method == "generalized-alpha" or not given:
+        return []
+    names, them = " and ".join(given), "it" if len(given) == 1 else "them"
+    return [f"{solver.method} has no {names} and passes {them} over; take generalized-alpha, or remove {them}"]
+
+
 def check_control(solver: Any, key: str) -> None:
     """Refuse step control without an error to keep to, and for a method that has none.
 
