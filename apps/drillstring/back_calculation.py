@@ -76,6 +76,11 @@ class Fit(NamedTuple):
     cased_spread: float | None = None
     unexplained: tuple[Unexplained, ...] = ()
 
+    @property
+    def out_of_reach(self) -> bool:
+        """Whether a factor ended at the largest that is tried, and would have gone beyond."""
+        return max(self.friction, self.cased or 0.0) > MOST - STEP
+
     def factors(self, shoe: float) -> Factors:
         """Of a hole with its casing shoe at a depth, m, or 0."""
         return Factors(self.friction, self.friction if self.cased is None else self.cased, shoe)

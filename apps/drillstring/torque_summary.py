@@ -152,6 +152,9 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
     found = [] if fitted is None else [(fit_in_words(fitted, system), "green")]
     if fitted is not None and fitted.unexplained:
         found.append((_unexplained(fitted, system), "yellow"))
+    if fitted is not None and fitted.out_of_reach:
+        text = "the friction factor is the largest that is tried: the loads are out of its reach"
+        found.append((f"{text}; check the loads, top.weight, mud and string", "yellow"))
     warned = [(text, "yellow") for point in points for text in _warnings(point, points, system)]
     found += warned[:MOST_SENTENCES]
     if len(warned) > MOST_SENTENCES:

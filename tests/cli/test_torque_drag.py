@@ -341,6 +341,12 @@ def test_loads_on_the_wrong_side_of_the_rotating_weight_are_told_to_be_explained
     assert "– by slack-off" in text and "nan" not in text
 
 
+def test_factor_that_ends_at_the_largest_that_is_tried_is_told_to_be_out_of_reach(drillstring_, folder):
+    Path("heavy.csv").write_text("depth [m],pick_up [kN]\n3400,9000\n", encoding="utf8")
+    _, _, err = drillstring_("torque-drag", "jwell.yaml", "--measured", "heavy.csv", *COARSE)
+    assert "the friction factor is the largest that is tried" in " ".join(err.split())
+
+
 def test_load_that_no_equilibrium_reaches_is_named(drillstring_, folder):
     Path("stuck.csv").write_text("depth [m],slack_off [kN]\n3700,-900\n", encoding="utf8")
     code, _, err = drillstring_("torque-drag", "jwell.yaml", "--measured", "stuck.csv", *COARSE)
