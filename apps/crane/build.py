@@ -19,7 +19,7 @@ from crane.summary import headline
 from crane.supply import check_supply
 from tautline.kernels.time_function import value_at
 from tautline.scene.errors import SceneError
-from tautline.scene.solver import error_of_steps, longest_step
+from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import System, assemble
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -47,7 +47,7 @@ def build(scene: CraneScene) -> Model:
     """
     check_supply(scene)
     made = assembled(scene)
-    layout, system, notes = made.layout, made.system, list(made.notes)
+    layout, system, notes = made.layout, made.system, [*made.notes, *unused_alphas(scene.solver)]
     observer = Observer(layout, system.groups, made.compensation)
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas

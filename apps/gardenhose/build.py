@@ -17,7 +17,7 @@ from tautline.cable.build import Assembly, assemble_cables
 from tautline.cable.layout import Layout
 from tautline.cable.members import records
 from tautline.elements.jet import JET, Jets
-from tautline.scene.solver import error_of_steps, longest_step
+from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 
 TOLERANCE = 1.0e-4
@@ -53,7 +53,7 @@ def build(scene: HoseScene) -> Model:
     solver, length = scene.solver, scene.hose.total_length
     alpha_m, alpha_f = solver.alphas
     error = error_of_steps(solver, STEP_ERROR * length)
-    notes = list(made.notes)
+    notes = [*made.notes, *unused_alphas(scene.solver)]
     if solver.step == "auto" and error > 0.0:
         notes.append(f"step: auto keeps the error of a step below {error:.2g} m")
     return Model(

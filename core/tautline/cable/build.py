@@ -17,7 +17,7 @@ from tautline.cable.observe import Observer, headline, variables
 from tautline.cable.scene import CableScene
 from tautline.constraints.multiplier import Multipliers
 from tautline.elements.node import SPRING, Anchors, PointMasses, Springs, TimedForces
-from tautline.scene.solver import error_of_steps, longest_step
+from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import System, assemble
 
@@ -96,6 +96,7 @@ def build(scene: CableScene) -> Model:
         As :func:`assemble_cables` does.
     """
     _, system, observer, lengths, notes = assemble_cables(scene)
+    notes += unused_alphas(scene.solver)
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
     error = error_of_steps(solver, ERROR * sum(lengths))
