@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from crane.jets import product, rotation
 from tautline.kernels.time_function import TimeFunctions, sample
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Constant
@@ -114,15 +115,15 @@ def motion_of(frames: Sequence[Frame], values: np.ndarray) -> tuple[np.ndarray, 
     for k, frame in enumerate(frames):
         jets = np.moveaxis(values[k], 2, 0)
         pivot = np.array(frame.pivot, dtype=float)
-        turn = _rotation(*jets[:, 3:].transpose(1, 0, 2))
+        turn = rotation(*jets[:, 3:].transpose(1, 0, 2))
         origin = np.ascontiguousarray(jets[:, :3].transpose(0, 2, 1)) - turn @ pivot
         origin[0] += pivot
         if frame.parent != GROUND:
             if not 0 <= frame.parent < k:
                 raise ValueError(f"frame {frame.name} stands before its parent")
             above = turns[frame.parent]
-            origin = origins[frame.parent] + _product(above, origin[..., None])[..., 0]
-            turn = _product(above, turn)
+            origin = origins[frame.parent] + product(above, origin[..., None])[..., 0]
+            turn = product(above, turn)
         origins.append(origin)
         turns.append(turn)
         placed[:, :, k, :3] = origin
@@ -380,27 +381,3 @@ def _at_middle(time: np.ndarray, entries: np.ndarray, at: np.ndarray) -> np.ndar
     h = (time[at + 1] - time[at])[:, None]
     left, right = entries[:, at], entries[:, at + 1]
     return 0.5 * (left[0] + right[0]) + h * (5.0 / 32.0 * (left[1] - right[1]) + h / 64.0 * (left[2] + right[2]))
-
-
-def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Product of matrices given with both derivatives, (3, m, i, j) and (3, m, j, k)."""
-    return np.stack((a[0] @ b[0], a[1] @ b[0] + a[0] @ b[1], a[2] @ b[0] + 2.0 * (a[1] @ b[1]) + a[0] @ b[2]))
-
-
-def _about(axis: int, angle: np.ndarray) -> np.ndarray:
-    """Rotation about a coordinate axis with both derivatives (3, m, 3, 3), from those of the angle (3, m)."""
-    q, dq, ddq = angle
-    c, s = np.cos(q), np.sin(q)
-    cosine = np.stack((c, -s * dq, -c * dq * dq - s * ddq))
-    sine = np.stack((s, c * dq, -s * dq * dq + c * ddq))
-    i, j = (axis + 1) % 3, (axis + 2) % 3
-    turn = np.zeros((3, q.size, 3, 3))
-    turn[0, :, axis, axis] = 1.0
-    turn[..., i, i] = turn[..., j, j] = cosine
-    turn[..., j, i], turn[..., i, j] = sine, -sine
-    return turn
-
-
-def _rotation(roll: np.ndarray, pitch: np.ndarray, yaw: np.ndarray) -> np.ndarray:
-    """``Rz(yaw) Ry(pitch) Rx(roll)`` with both derivatives (3, m, 3, 3), from those of the angles (3, m)."""
-    return _product(_about(2, yaw), _product(_about(1, pitch), _about(0, roll)))
