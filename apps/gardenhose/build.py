@@ -28,6 +28,8 @@ CONTRACTION = 0.3
 LONG_STEP, TIGHTEST = 2.0e-3, 1.0e-7
 """Step over L^2 sqrt((m + M)/EJ) from which TOLERANCE is as it stands, 1 ms for the hose of Table 2.2; with shorter
 steps it falls as their square, the order of the method, down to the second figure."""
+FEW = 101
+"""Looks at the water's speed for what is usual: a scale needs no more."""
 FORCE_SHARE = 1.0e-2
 """What an iteration may leave out of the axial force, over one that is usual."""
 STEP_ERROR = 1.0e-5
@@ -107,7 +109,7 @@ def tolerance_of(scene: HoseScene) -> float:
 
 def axial_force_of(scene: HoseScene) -> float:
     """Axial force that is usual for a hose, N: its weight and the thrust of its water at the fastest."""
-    fastest = float(np.abs(speeds(scene)).max())
+    fastest = float(np.abs(speeds(scene, FEW)).max())
     return _mass_of(scene) * float(np.linalg.norm(scene.gravity)) + average(scene, 1.0).thrust * fastest**2
 
 

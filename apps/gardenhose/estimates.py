@@ -96,13 +96,13 @@ class Average:
         return self.length**2 * math.sqrt((self.mass + self.water) / self.bending)
 
 
-def speeds(scene: HoseScene) -> np.ndarray:
-    """Speed of the water in the first segment through the run, m/s, (n,)."""
+def speeds(scene: HoseScene, count: int = SAMPLES) -> np.ndarray:
+    """Speed of the water in the first segment at so many times through the run, m/s, (count,)."""
     if scene.water is None:
         return np.zeros(1)
     end = scene.solver.end
     functions = compile_functions([FunctionRequest(scene.water.speed, end=end, key="water.speed")])
-    sampled = sample(functions, 0, np.linspace(0.0, end, SAMPLES))[:, 0]
+    sampled = sample(functions, 0, np.linspace(0.0, end, count))[:, 0]
     return np.clip(np.nan_to_num(sampled), -FASTEST, FASTEST)
 
 
