@@ -3,6 +3,7 @@
 from dataclasses import replace
 from importlib.resources import files
 
+import numpy as np
 import pytest
 from physics.hoses import scene
 
@@ -50,7 +51,7 @@ def test_the_error_of_a_mesh_is_that_of_the_mesh_and_not_of_the_steps_it_was_run
     step = found.reference.step
     four, many = (subject.run(Setting("generalized-alpha", step, elements=n)) for n in (4.0, 16.0))
     true = compare(found.watched.of(four.result), found.watched.of(many.result), found.watched.extent).position
-    assert found.reference.mesh_error == pytest.approx(true, rel=1.0)
+    assert found.reference.mesh_error == pytest.approx(true, rel=0.5)
     assert found.reference.mesh_error < 0.2 * min(row.errors.position for row in found.rows)
 
 
@@ -62,3 +63,15 @@ def test_a_force_that_differs_between_the_finest_runs_is_not_called_proved(monke
     doubted = replace(proved.reference, force_error=0.5)
     told = precision._warnings(doubted, None, proved.rows, 0.01, proved.watched)
     assert any("only position is proved" in warning and "50 %" in warning for warning in told)
+
+
+@pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 4.0])
+@pytest.mark.parametrize("ratio", [2.0, 1.5])
+def test_the_order_of_a_mesh_is_that_by_which_differences_from_twice_the_finest_grow(order, ratio):
+    """Errors n^-p of n, n/r and 2n elements: their differences tell p."""
+    from tautline.study.precision import MESH_ORDERS, _growth
+
+    n = 8.0
+    fine, coarse, reference = n**-order, (n / ratio) ** -order, (2.0 * n) ** -order
+    found = (coarse - reference) / (fine - reference)
+    assert _growth(ratio, order) == pytest.approx(found) and (np.diff(_growth(ratio, MESH_ORDERS)) > 0.0).all()

@@ -35,6 +35,8 @@ MANY = 20_000
 """Steps from which a run of a kind that was not run yet is first tried on a part of its time."""
 PART = 0.02
 """That part."""
+MESH_ORDERS = np.linspace(0.5, 4.0, 71)
+"""Orders, rising, with which a mesh may converge."""
 EVERY = 16
 """Looks at a run from one at which the tangent is compared to the next."""
 
@@ -282,8 +284,8 @@ def mesh_error(
     """Error of the reference's mesh, relative: zero where meshes are not compared.
 
     Runs with the reference's own method and step, so that the mesh is all in which they differ, are off a reference of
-    twice the finest by e and, of half its elements, by e'. With the order p that 2^p = e'/e gives (between one half and
-    four) the reference is off by e / (2^p - 1).
+    twice the finest by e and, of r times fewer elements, by e'. Where errors fall as n^-p these are as 1 - 2^-p to
+    r^p - 2^-p, which tells p (between one half and four), and the reference is off by e / (2^p - 1).
     """
     sizes = sorted(set(meshes))[-2:]
     if len(sizes) < 2:
@@ -296,8 +298,13 @@ def mesh_error(
             return 0.0
         found.append(compare(watched.of(trial.result), reference.history, watched.extent).position)
     (coarse, fine), (before, error) = sizes, found
-    order = np.log(max(before, 1e-300) / max(error, 1e-300)) / np.log(fine / coarse)
-    return float(error / (2.0 ** np.clip(order, 0.5, 4.0) - 1.0))
+    order = np.interp(before / max(error, 1e-300), _growth(fine / coarse, MESH_ORDERS), MESH_ORDERS)
+    return float(error / (2.0**order - 1.0))
+
+
+def _growth(ratio: float, order: np.ndarray) -> np.ndarray:
+    """Difference of a coarser mesh from one of twice the finest over that of the finest, for orders of convergence."""
+    return (ratio**order - 2.0**-order) / (1.0 - 2.0**-order)
 
 
 def _elsewhere(rows: Sequence[Row], tolerance: float, unknown: float) -> list[tuple[str, float]]:
