@@ -26,6 +26,8 @@ from tautline.view.figure import (
     widen,
 )
 
+NOTHING = 1.0e-6
+"""Damping over the largest frequency that is none: axes show no more of it."""
 STYLES = {"-": "in the plane", "--": "out of the plane"}
 """Lines of modes."""
 MOST_NAMED = 8
@@ -123,12 +125,13 @@ def flutter_figure(
     argand, growth = plots[0]
     known = np.isfinite(frequency) & np.isfinite(damping)
     wide = float(frequency[known].max(initial=0.0)) or 1.0
+    least = NOTHING * wide
     unstable = float(-damping[known].min(initial=0.0))
     # Strong damping takes high modes far up, where nothing happens: the picture is as high as it is wide.
     argand.set_xlim(-0.03 * wide, 1.08 * wide)
     top = min(float(damping[known].max(initial=0.0)), wide)
-    low = -max(1.25 * unstable, 0.15 * max(top, unstable, 1e-9))
-    argand.set_ylim(low, 1.08 * max(top, unstable, 1e-9))
+    low = -max(1.25 * unstable, 0.15 * max(top, unstable, least))
+    argand.set_ylim(low, 1.08 * max(top, unstable, least))
     argand.axhspan(low, 0.0, color=SHADE, lw=0, zorder=0)
     argand.text(0.99, 0.015, "unstable", transform=argand.transAxes, ha="right", fontsize=9, color=QUIET)
     for plot in (argand, growth):
@@ -139,7 +142,8 @@ def flutter_figure(
         for chosen, style in ((~outside[:, mode], "-"), (outside[:, mode], "--")):
             if not (chosen & known[:, mode]).any():
                 continue
-            look = {"color": colours[mode], "ls": style}
+            # One speed makes no line.
+            look = {"color": colours[mode], "ls": style, "marker": "o" if len(speed) == 1 else ""}
             # A mode that turns out of the plane keeps its line whole: the point before it belongs to both.
             chosen = chosen & known[:, mode]
             chosen = chosen | (np.append(chosen[1:], False) & known[:, mode])
@@ -161,7 +165,7 @@ def flutter_figure(
     growth.set_title("Growth rate")
     if len(speed) > 1:
         growth.set_xlim(speed.min(), speed.max())
-    growth.set_ylim(-1.08 * max(top, unstable, 1e-9), -low)
+    growth.set_ylim(-1.08 * max(top, unstable, least), -low)
     handles, _ = growth.get_legend_handles_labels()
     both = [sample_line(text, color="black", ls=style) for style, text in STYLES.items()]
     present = both if outside[known].any() else []

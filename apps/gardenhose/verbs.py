@@ -180,7 +180,8 @@ def _print_stability(found: Stability) -> None:
     if not found.critical:
         what = "unstable" if found.grows.all() else "stable" if not found.grows.any() else "unstable in part"
         what = what if found.eigenvalues.size else "nothing can move"
-        say(f"{what} from {found.speed[0]:g} to {found.speed[-1]:g} m/s", "yellow")
+        first, last = found.speed[0], found.speed[-1]
+        say(f"{what} at {first:g} m/s" if first == last else f"{what} from {first:g} to {last:g} m/s", "yellow")
 
 
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:

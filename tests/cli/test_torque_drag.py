@@ -315,19 +315,40 @@ def test_spread_of_the_factor_is_that_of_the_loads_noise(loads):
     assert found.residual == pytest.approx(2e3, rel=0.2)
 
 
-def test_standard_error_of_loads_that_disagree_is_told_by_differences_of_the_programs_own_loads(folder):
-    # One pick-up is 20 kN too large, one slack-off 20 kN too large too: what explains the one contradicts the other.
-    scene, depth, ways = read("jwell.yaml"), 3400.0, ("pick_up", "slack_off")
+STEEP = """
+well:
+  sections: [{hold: 1000 m}, {build: {radius: 500 m, to: 60 deg, azimuth: 40 deg}}, {hold: 500 m}]
+  diameter: 0.2159
+  wall: {stiffness: 1.0e9, damping: 5.0e6, friction: 0.25}
+string: [{name: pipe, length: rest, od: 0.127, id: 0.1086}, {name: collar, length: 150 m, od: 0.165, id: 0.0572}]
+material: {youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}
+mud: {density: 1200}
+model: {kind: lumped, elements: 20}
+solver: {step: 5 ms, end: 2 s}
+output: {interval: 0.1 s}
+"""
+"""A hole in which factors near 0.8 buckle the string, and rounding of the statics moves its loads."""
+
+
+@pytest.mark.parametrize(
+    ("steep", "depth", "more", "within"), [(False, 3400.0, 20e3, 5e-3), (True, 2000.0, None, 0.15)]
+)
+def test_standard_error_of_loads_that_disagree_is_told_by_differences_of_the_programs_own_loads(
+    folder, steep, depth, more, within
+):
+    # Both loads are too large, or wide apart: what explains the one contradicts the other.
+    Path("steep.yaml").write_text(STEEP, encoding="utf8")
+    scene, ways = read("steep.yaml" if steep else "jwell.yaml"), ("pick_up", "slack_off")
     (case,) = torque_drag(scene, [0.24], [depth], 40)
-    loads = [case.hook_loads(way)[0] + 20e3 for way in ways]
+    loads = [1000e3, 200e3] if more is None else [case.hook_loads(way)[0] + more for way in ways]
     row = f"{depth},{loads[0]},{loads[1]}"
     Path("two.csv").write_text(f"depth [m],pick_up [N],slack_off [N]\n{row}\n", encoding="utf8")
     found = fit(scene, read_measured(Path("two.csv")), 40)
     below, there, above = torque_drag(scene, [found.friction + d for d in (-0.01, 0.0, 0.01)], [depth], 40)
     slopes = np.array([above.hook_loads(way)[0] - below.hook_loads(way)[0] for way in ways]) / 0.02
     errors = np.array([there.hook_loads(way)[0] for way in ways]) - loads
-    # s^2 (J^T J)^-1 of two loads and one factor; measured 6e-4 off, the curvature over +-0.01
-    assert found.spread == pytest.approx(np.sqrt(errors @ errors / (slopes @ slopes)), rel=5e-3)
+    # s^2 (J^T J)^-1 of two loads and one factor; the curvature over +-0.01 makes a difference
+    assert found.spread == pytest.approx(np.sqrt(errors @ errors / (slopes @ slopes)), rel=within)
 
 
 def test_loads_on_the_wrong_side_of_the_rotating_weight_are_told_to_be_explained_by_no_factor(drillstring_, folder):
