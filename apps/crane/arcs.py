@@ -105,7 +105,7 @@ def _arc_energy(g, t, q, v, energy):
 
 
 @kernel
-def _arc_dissipation(g, t, q, v, p):
+def _arc_supply(g, t, q, v, p):
     """What wheels that turn with their frames put in while the stations stand still."""
     for i in range(g.rows.size):
         row = g.rows[i]
@@ -115,10 +115,10 @@ def _arc_dissipation(g, t, q, v, p):
         if turns or (s.wheel2 != POINT and g.wheels[s.wheel2].turns == 1):
             x = line.wheel[row.side]
             swept = dot(x[W], line.drift) / line.number[COS1 + row.side]
-            p[1] += f * (dot(x[PLANE], x[DRIFT]) - dot(x[B], x[MARK_RATE]) - swept)
+            p[0] += f * (dot(x[PLANE], x[DRIFT]) - dot(x[B], x[MARK_RATE]) - swept)
 
 
-register(Arcs, residual=_arc_residual, tangent=_arc_tangent, energy=_arc_energy, dissipation=_arc_dissipation)
+register(Arcs, residual=_arc_residual, tangent=_arc_tangent, energy=_arc_energy, supply=_arc_supply)
 
 
 def new_arcs(

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.line import AXES, COS1, LENGTH, PATH, POINT, RATE, Line, W, dot, find_line, new_line
-from crane.span import MATERIAL, STATION
+from crane.span import MATERIAL, STATION, turns_with_frame
 from crane.turning import TURNED_Z, Y, add_psi, add_turning, radius_of, sandwich
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import EMPTY, register
@@ -289,17 +289,27 @@ def _energy(g, t, q, v, energy):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    """Damping, and what wheels that turn with their frames put in while the stations stand still."""
     for i in range(g.rows.size):
         row = g.rows[i]
+        if row.damping != 0.0:
+            u = _write_kink(g, row, q, v)
+            p[0] += _viscosity(row, u) * g.number[MEAN] * _speed(g, row, v) ** 2
+
+
+@kernel
+def _supply(g, t, q, v, p):
+    """What wheels that turn with their frames put in while the stations stand still."""
+    for i in range(g.rows.size):
+        row = g.rows[i]
+        before, after = g.spans[row.first], g.spans[row.second]
+        if not (turns_with_frame(before, g.wheels) or turns_with_frame(after, g.wheels)):
+            continue
         u = _write_kink(g, row, q, v)
         h = g.number[MEAN]
-        p[1] += 0.5 * row.stiffness * _held_rate(g, 1.0 / h, -1.0 / (h * h))
+        p[0] += 0.5 * row.stiffness * _held_rate(g, 1.0 / h, -1.0 / (h * h))
         if row.damping != 0.0:
-            rate = _speed(g, row, v)
-            force = _viscosity(row, u) * h * rate
-            p[0] += force * rate
-            p[1] += force * _held_rate(g, 1.0 / (h * h), -2.0 / (h * h * h))
+            force = _viscosity(row, u) * h * _speed(g, row, v)
+            p[0] += force * _held_rate(g, 1.0 / (h * h), -2.0 / (h * h * h))
 
 
 @kernel
@@ -312,7 +322,9 @@ def _alarm(g, t, q, alarm):
             return
 
 
-register(Bends, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation, alarm=_alarm)
+register(
+    Bends, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation, supply=_supply, alarm=_alarm
+)
 
 
 def new_bends(

@@ -157,15 +157,9 @@ def _body_energy(g, t, q, v, energy):
 def _body_dissipation(g, t, q, v, p):
     for n in range(g.rows.size):
         b = g.rows[n]
-        # An impulse in the ledger's trapezoid: all of it at the end of this step, none at the start of the next.
-        p[1] -= 2.0 * g.let_go[n]
-        p[2] += 2.0 * g.let_go[n]
         for c in range(AXES):
             o = b.place + c
             p[0] += (b.linear[c] + b.quadratic[c] * abs(v[o])) * v[o] * v[o]
-            if b.functions[c] >= 0:
-                force, _, _ = evaluate(g.functions, b.functions[c], t)
-                p[1] += force * v[o]
         depth, push = _ground(g, b, q, v)
         if depth > 0.0:
             x, y = v[b.place], v[b.place + 1]
@@ -173,9 +167,22 @@ def _body_dissipation(g, t, q, v, p):
             p[0] += g.ground[3] * push * (x * x + y * y) / sqrt(x * x + y * y + STILL * STILL)
 
 
+@kernel
+def _body_supply(g, t, q, v, p):
+    for n in range(g.rows.size):
+        b = g.rows[n]
+        # An impulse in the ledger's trapezoid: all of it at the end of this step, none at the start of the next.
+        p[0] -= 2.0 * g.let_go[n]
+        p[1] += 2.0 * g.let_go[n]
+        for c in range(AXES):
+            if b.functions[c] >= 0:
+                force, _, _ = evaluate(g.functions, b.functions[c], t)
+                p[0] += force * v[b.place + c]
+
+
 register(
     Bodies, begin=_body_begin, switch=_body_switch, residual=_body_residual, mass=_body_mass, tangent=_body_tangent,
-    energy=_body_energy, dissipation=_body_dissipation, commit=_body_commit,
+    energy=_body_energy, dissipation=_body_dissipation, supply=_body_supply, commit=_body_commit,
 )  # fmt: skip
 
 

@@ -41,7 +41,7 @@ class Slips(NamedTuple):
     """Contacts (n,) of ``SLIP``.
 
     ``found`` (spans, 9) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
-    ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turns to heat, W,
+    ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turned to heat in the last step, over its length, W,
     ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts`` (1,) is 0 while an equilibrium is
     sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the first step is accepted: no contact
     has moved or been loaded before.
@@ -211,7 +211,9 @@ def _commit(g, t, h, q, v, a):
         row = g.rows[i]
         u = _travel(row, q)
         force, sign, _, _ = _trial(g, i, t, q)
-        g.power[i] = force * _travel(row, v) if sign != 0 else 0.0
+        # Of the way that F went, its spring took some; the rest is slip.
+        slipped = u - g.travel[i] - (force - g.force[i]) / row.stiffness
+        g.power[i] = force * slipped / h if sign != 0 else 0.0
         g.force[i], g.travel[i], g.now[i] = force, u, force
 
 

@@ -71,10 +71,10 @@ class Spans(NamedTuple):
 
 
 @kernel
-def _stretch(g, n, q, v):
-    """Line, lambda and force of a span."""
+def _stretch(g, n, q, v, start):
+    """Line, lambda and force of a span; the line is looked for from the direction ``start``, and left there."""
     s, line, number = g.rows[n], g.line, g.motion.number
-    find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, g.start[n], line)
+    find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, start, line)
     size, size_d = q[s.b + MATERIAL] - q[s.a + MATERIAL], v[s.b + MATERIAL] - v[s.a + MATERIAL]
     lam = line.number[PATH] / size
     path_d = line.number[RATE]
@@ -91,7 +91,15 @@ def _stretch(g, n, q, v):
         number[ENERGY] = number[ELASTIC] = 0.0
     if s.slack == 1 and number[TENSION] < 0.0:
         number[TENSION] = number[BY_LAM] = number[BY_RATE] = 0.0
-    g.found[n, FORCE], g.found[n, STRETCH] = number[TENSION], lam
+
+
+@kernel
+def _find(g, n, q, v):
+    """The same, and what other groups ask of it."""
+    _stretch(g, n, q, v, g.start[n])
+    s, line, number = g.rows[n], g.line, g.motion.number
+    size, size_d = number[L], number[L_D]
+    g.found[n, FORCE], g.found[n, STRETCH] = number[TENSION], number[LAM]
     g.found[n, FIRST_PSI], g.found[n, LAST_PSI] = line.number[PSI1], line.number[PSI2]
     g.found[n, BY_STRETCH] = (number[BY_LAM] - number[BY_RATE] * size_d / size) / size
     g.found[n, BY_SPEED] = number[BY_RATE] / size
@@ -145,7 +153,7 @@ def _residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         s = g.rows[n]
         i, j = s.a, s.b
-        _stretch(g, n, q, v)
+        _find(g, n, q, v)
         _move(g, n, q, v)
         _accelerate(g, n, v, a)
         force, lam, size = number[TENSION], number[LAM], number[L]
@@ -275,7 +283,7 @@ def _vary(g, n, q, v, a, column, cm, cc, ck):
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
         s = g.rows[n]
-        _stretch(g, n, q, v)
+        _find(g, n, q, v)
         _move(g, n, q, v)
         _accelerate(g, n, v, a)
         for column in range(2 * STATION):
@@ -310,7 +318,7 @@ def _switch(g, t, q, v, converged, changed):
     if converged:
         return
     for n in range(g.rows.size):
-        _stretch(g, n, q, v)
+        _find(g, n, q, v)
         slack = 1 if g.rows[n].slack == 1 and g.motion.number[TENSION] == 0.0 else 0
         if slack != g.is_slack[n]:
             g.is_slack[n] = slack
@@ -318,10 +326,18 @@ def _switch(g, t, q, v, converged, changed):
 
 
 @kernel
+def turns_with_frame(s, wheels):
+    """Whether a wheel at either end of a span turns with its frame."""
+    if s.wheel1 != POINT and wheels[s.wheel1].turns == 1:
+        return True
+    return s.wheel2 != POINT and wheels[s.wheel2].turns == 1
+
+
+@kernel
 def _energy(g, t, q, v, energy):
     for n in range(g.rows.size):
         s = g.rows[n]
-        _stretch(g, n, q, v)
+        _find(g, n, q, v)
         _move(g, n, q, v)
         energy[0] += g.motion.number[KINETIC]
         energy[1] += g.motion.number[L] * g.motion.number[ENERGY]
@@ -331,17 +347,29 @@ def _energy(g, t, q, v, energy):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    """Damping, and what wheels that turn with their frames put in while the stations stand still."""
+    number, start = g.motion.number, g.change[0]
+    for n in range(g.rows.size):
+        # What the accepted state has left for others stays.
+        for c in range(AXES):
+            start[c] = g.start[n, c]
+        _stretch(g, n, q, v, start)
+        p[0] += (number[TENSION] - number[ELASTIC]) * number[LAM_D] * number[L]
+
+
+@kernel
+def _supply(g, t, q, v, p):
+    """What wheels that turn with their frames put in while the stations stand still."""
     x, number, line = g.motion.point, g.motion.number, g.line
     for n in range(g.rows.size):
-        _stretch(g, n, q, v)
-        p[0] += (number[TENSION] - number[ELASTIC]) * number[LAM_D] * number[L]
+        if not turns_with_frame(g.rows[n], g.wheels):
+            continue
+        _find(g, n, q, v)
         if line.number[RATE] != 0.0 or dot(line.drift, line.drift) > 0.0:
             _move(g, n, q, v)
             rate = line.number[RATE] / number[L]
             for c in range(AXES):
-                p[1] += x[P, c] * (rate * line.e[c] + number[LAM] * line.drift[c])
-            p[1] += number[TENSION] * line.number[RATE]
+                p[0] += x[P, c] * (rate * line.e[c] + number[LAM] * line.drift[c])
+            p[0] += number[TENSION] * line.number[RATE]
 
 
 @kernel
@@ -377,7 +405,7 @@ def _record(g, out, at):
 
 
 register(
-    Spans, residual=_residual, tangent=_tangent, mass=_mass, switch=_switch, energy=_energy, dissipation=_dissipation,
+    Spans, residual=_residual, tangent=_tangent, mass=_mass, switch=_switch, energy=_energy, dissipation=_dissipation, supply=_supply,
     alarm=_alarm, record=_record,
 )  # fmt: skip
 

@@ -360,10 +360,25 @@ def _energy(g, t, q, v, energy):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    """Drag; and from outside, what the kinetic energy of the water gains by what is left out of its force."""
+    number, x = g.number, g.vector
+    for n in range(g.rows.size):
+        _immerse(g, n, q)
+        if not _set_points(g, n):
+            continue
+        _find_chord(g, n, q)
+        for k in range(2):
+            _, size = _pass(g, n, v, number[MEAN] + (2 * k - 1) * number[SPREAD])
+            p[0] += number[DRAG] * size * dot(x[N], x[N])
+
+
+@kernel
+def _supply(g, t, q, v, p):
+    """What the kinetic energy of the water gains, from outside, by what is left out of its force."""
     number, x = g.number, g.vector
     for n in range(g.rows.size):
         s = g.rows[n]
+        if s.added == 0.0:
+            continue
         _immerse(g, n, q)
         if not _set_points(g, n):
             continue
@@ -373,14 +388,13 @@ def _dissipation(g, t, q, v, p):
         grown += (v[s.b + MATERIAL] - v[s.a + MATERIAL]) / number[LENGTH]
         for k in range(2):
             side = 2 * k - 1
-            along, size = _pass(g, n, v, number[MEAN] + side * number[SPREAD])
+            along, _ = _pass(g, n, v, number[MEAN] + side * number[SPREAD])
             square = dot(x[N], x[N])
-            p[0] += number[DRAG] * size * square
             turned = dot(x[N], x[E_D]) * (along + number[CHORD] * (d_mean + side * d_spread))
-            p[1] += number[ADDED] * (0.5 * grown * square + turned)
+            p[0] += number[ADDED] * (0.5 * grown * square + turned)
 
 
-register(Wet, residual=_residual, tangent=_tangent, mass=_mass, energy=_energy, dissipation=_dissipation)
+register(Wet, residual=_residual, tangent=_tangent, mass=_mass, energy=_energy, dissipation=_dissipation, supply=_supply)
 
 
 def new_wet(rows: np.recarray, surface: float, gravity: np.ndarray, spans: Spans | None = None) -> Wet:

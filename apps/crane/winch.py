@@ -93,10 +93,10 @@ def _drum_energy(g, t, q, v, energy):
 
 
 @kernel
-def _drum_dissipation(g, t, q, v, p):
+def _drum_supply(g, t, q, v, p):
     for n in range(g.rows.size):
         d = g.rows[n]
-        p[1] += d.way * d.gear * _drum_torque(g, n, t) * v[d.p]
+        p[0] += d.way * d.gear * _drum_torque(g, n, t) * v[d.p]
 
 
 @kernel
@@ -118,7 +118,7 @@ def _drum_record(g, out, at):
 
 register(
     Drums, residual=_drum_residual, mass=_drum_mass, tangent=_drum_tangent, energy=_drum_energy,
-    dissipation=_drum_dissipation, commit=_drum_commit, record=_drum_record,
+    supply=_drum_supply, commit=_drum_commit, record=_drum_record,
 )  # fmt: skip
 
 

@@ -34,11 +34,15 @@ from tautline.kernels.jit import kernel
 PAD = np.dtype(
     [
         (name, np.float64)
-        for name in ("stiffness", "damping", "clearance", "radius", "viscous", "normal", "along", "around")
+        for name in (
+            "stiffness", "damping", "clearance", "radius", "viscous", "normal", "along", "around", "mean_along",
+            "mean_around",
+        )
     ]
 )
 """A contact: stiffness N/m; damping N s/m; radial clearance m; pipe radius m; viscous friction about the axis while in
-contact N m s; then normal force and friction along and around at the last accepted step, N."""
+contact N m s; then normal force and friction along and around at the last accepted step, N, and
+the mean of that friction and the one before."""
 
 
 class BeamContact(NamedTuple):
@@ -170,14 +174,14 @@ def _energy(g, t, q, v, e):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    """With the friction of the accepted state, which ``_commit`` has kept."""
+    """With the mean of the friction at both ends of the step, which ``_commit`` has kept."""
     for i in range(g.springs.size):
         c = press(g, i, q, v)
         spring = g.springs[i]
         p[0] += (c.normal - spring.stiffness * max(0.0, c.at.offset - spring.clearance)) * c.rate
         if c.normal > 0.0:
             spin = turned(g.hole.points[i], v)
-            p[0] += spring.viscous * spin**2 - spring.along * c.along - spring.around * c.around
+            p[0] += spring.viscous * spin**2 - spring.mean_along * c.along - spring.mean_around * c.around
 
 
 @kernel
@@ -186,9 +190,11 @@ def _commit(g, t, h, q, v, a):
         c = press(g, i, q, v)
         settle(g.law, i, c)
         along, around = force_now(g.law, i, c)
-        g.springs[i].normal = c.normal
-        g.springs[i].along = along if c.normal > 0.0 else 0.0
-        g.springs[i].around = around if c.normal > 0.0 else 0.0
+        along, around = (along, around) if c.normal > 0.0 else (0.0, 0.0)
+        share = 0.5 if h > 0.0 else 0.0
+        g.springs[i].mean_along = along + share * (g.springs[i].along - along)
+        g.springs[i].mean_around = around + share * (g.springs[i].around - around)
+        g.springs[i].normal, g.springs[i].along, g.springs[i].around = c.normal, along, around
 
 
 @kernel

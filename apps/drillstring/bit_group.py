@@ -92,11 +92,10 @@ def _energy(g, t, q, v, e):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    """With the torque of the accepted state, which ``_commit`` has kept."""
+    """With what ``_commit`` has kept: the bottom has moved on since, and cannot be asked for the middle of the step."""
     b = g.row[0]
     if b.placed == 1:
-        measure(g, t, q, v)
-        p[0] += g.value[WEIGHT] * speed_of(g, v) - stores(g, q, v) - b.force * v[g.turn]
+        p[0] += b.mean_weight * speed_of(g, v) - b.storing - b.mean_force * v[g.turn]
 
 
 @kernel
@@ -111,6 +110,19 @@ def _commit(g, t, h, q, v, a):
         return
     measure(g, t, q, v)
     settle_torque(b, v[g.turn], g.value[KINETIC], g.value[STATIC])
+    _keep_power(g, h, q, v)
+
+
+@kernel
+def _keep_power(g, h, q, v):
+    """Keep the means of weight and torque over the step, and the power that went into the rock's spring."""
+    b = g.row[0]
+    weight, stored = g.value[WEIGHT], strain(g, q)
+    b.mean_weight, b.mean_force, b.storing = weight, b.force, stores(g, q, v)
+    if h > 0.0:
+        b.mean_weight, b.mean_force = 0.5 * (weight + b.last_weight), 0.5 * (b.force + b.last_force)
+        b.storing = (stored - b.stored) / h
+    b.last_weight, b.last_force, b.stored = weight, b.force, stored
 
 
 @kernel

@@ -28,11 +28,15 @@ SPRING = np.dtype(
     [("body", np.int64)]
     + [
         (name, np.float64)
-        for name in ("stiffness", "damping", "clearance", "radius", "viscous", "normal", "along", "around")
+        for name in (
+            "stiffness", "damping", "clearance", "radius", "viscous", "normal", "along", "around", "mean_along",
+            "mean_around",
+        )
     ]
 )
 """A contact: body index; stiffness N/m; damping N s/m; radial clearance m; pipe radius m; viscous friction about the
-axis while in contact N m s; then normal force and friction along and around at the last accepted step, N."""
+axis while in contact N m s; then normal force and friction along and around at the last accepted step, N, and
+the mean of that friction and the one before."""
 
 
 class WallContact(NamedTuple):
@@ -187,14 +191,14 @@ def _energy(g, t, q, v, e):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    """With the friction of the accepted state, which ``_commit`` has kept."""
+    """With the mean of the friction at both ends of the step, which ``_commit`` has kept."""
     for i in range(g.springs.size):
         c = touch(g, i, q, v)
         depth = c.offset - g.springs[i].clearance
         p[0] += (c.normal - g.springs[i].stiffness * max(0.0, depth)) * c.rate
         if c.normal > 0.0:
             spin = v[PER_BODY * g.springs[i].body + 3]
-            p[0] += g.springs[i].viscous * spin**2 - g.springs[i].along * c.along - g.springs[i].around * c.around
+            p[0] += g.springs[i].viscous * spin**2 - g.springs[i].mean_along * c.along - g.springs[i].mean_around * c.around
 
 
 @kernel
@@ -203,9 +207,11 @@ def _commit(g, t, h, q, v, a):
         c = touch(g, i, q, v)
         settle(g.law, i, c)
         along, around = force_now(g.law, i, c)
-        g.springs[i].normal = c.normal
-        g.springs[i].along = along if c.normal > 0.0 else 0.0
-        g.springs[i].around = around if c.normal > 0.0 else 0.0
+        along, around = (along, around) if c.normal > 0.0 else (0.0, 0.0)
+        share = 0.5 if h > 0.0 else 0.0
+        g.springs[i].mean_along = along + share * (g.springs[i].along - along)
+        g.springs[i].mean_around = around + share * (g.springs[i].around - around)
+        g.springs[i].normal, g.springs[i].along, g.springs[i].around = c.normal, along, around
 
 
 @kernel

@@ -68,9 +68,9 @@ def _energy(g, t, q, v, e):
 
 
 @kernel
-def _dissipation(g, t, q, v, p):
+def _supply(g, t, q, v, p):
     torque, _ = _torque(g, t, q, v)
-    p[1] += torque * v[g.place]
+    p[0] += torque * v[g.place]
 
 
 @kernel
@@ -91,6 +91,6 @@ def _record(g, out, at):
 
 
 register(
-    TopDrive, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    TopDrive, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, supply=_supply,
     commit=_commit, record=_record,
 )  # fmt: skip

@@ -12,6 +12,7 @@ import numpy as np
 
 from tautline.integrators.critical_step import CriticalStep
 from tautline.integrators.equilibrium import find_equilibrium
+from tautline.integrators.generalized_alpha import GeneralizedAlpha, energy_set_aside
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.march import PART, STEP, WORK_LIMIT, Frames, compile_for, march, new_frames, new_pause
 from tautline.integrators.method import method_for
@@ -20,6 +21,7 @@ from tautline.integrators.relaxation import relax
 from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.schedule import frame_times, steps_to
 from tautline.integrators.state import (
+    AT_START,
     FACTORISATIONS,
     HALVINGS,
     ITERATIONS,
@@ -362,7 +364,10 @@ class Run:
 
     def energy_gained(self) -> float:
         """Energy that has come from nowhere, over what went through the system."""
-        return self.balance.gained(float(self.state.ledger[THROUGHPUT]))
+        aside, ledger = 0.0, self.state.ledger
+        if isinstance(self.method, GeneralizedAlpha):
+            aside = energy_set_aside(self.method.beta, self.method.gamma, self.step, float(ledger[AT_START]))
+        return self.balance.gained(float(ledger[THROUGHPUT]), aside)
 
     def turns_over(self) -> float:
         """Angular frequency of the motion as a whole, rad/s; zero where there is none beyond rounding."""

@@ -13,7 +13,7 @@ from tautline.system.model import Model, SolverSettings
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
 
-SUMS = ("residual", "mass", "smooth_tangent", "energy", "dissipation")
+SUMS = ("residual", "mass", "smooth_tangent", "energy", "dissipation", "supply")
 
 
 class Hooks:
@@ -117,6 +117,7 @@ def _energy(groups, q, v, e):
 @entry
 def _dissipation(groups, q, v, p):
     over.dissipation(groups, 0.0, q, v, p)
+    over.supply(groups, 0.0, q, v, p[1:])
 
 
 def run(groups, q, v, stencils, held=(), *, step, end, interval, scale=1.0):

@@ -13,7 +13,7 @@ from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
 
 FRAME = 12
-SUMS = ("residual", "mass", "smooth_tangent", "switching_tangent", "energy", "dissipation", "switch")
+SUMS = ("residual", "mass", "smooth_tangent", "switching_tangent", "energy", "dissipation", "supply", "switch")
 
 
 class Held:
@@ -93,3 +93,4 @@ def _mass(groups, q, matrix, dofs):
 def _energies(groups, q, v, e, p):
     over.energy(groups, 0.0, q, v, e)
     over.dissipation(groups, 0.0, q, v, p)
+    over.supply(groups, 0.0, q, v, p[1:])

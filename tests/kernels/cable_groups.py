@@ -292,7 +292,7 @@ def counted(kind):
 
 
 # -- hooks -------------------------------------------------------------------------------------------------------------
-HOOKS = ("begin", "residual", "energy", "dissipation", "smooth_tangent", "mass", "violation")
+HOOKS = ("begin", "residual", "energy", "dissipation", "supply", "smooth_tangent", "mass", "violation")
 
 
 @entry
@@ -301,6 +301,7 @@ def _ask(groups, t, h, beta, gamma, q, v, a, c, r, e, p, gaps, tangent, mass, do
     over.residual(groups, t, q, v, a, r)
     over.energy(groups, t, q, v, e)
     over.dissipation(groups, t, q, v, p)
+    over.supply(groups, t, q, v, p[1:])
     over.smooth_tangent(groups, t, q, v, a, c[0], c[1], c[2], tangent, dofs)
     over.mass(groups, q, mass, dofs)
     over.violation(groups, 0, q, v, gaps[0])

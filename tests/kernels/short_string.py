@@ -126,6 +126,7 @@ def _add_force(groups, t, q, v, a, r, e):
 def _lose(groups, t, q, v, a, p):
     over.commit(groups, t, 0.0, q, v, a)
     over.dissipation(groups, t, q, v, p)
+    over.supply(groups, t, q, v, p[1:])
 
 
 PARTS = ("residual", "energy", "smooth_tangent", "switching_tangent", "mass")
@@ -182,7 +183,7 @@ def evaluate(groups, state, t=0.0):
 def losses(groups, state, t=0.0):
     """Power lost and power put in by a drive, W, once the state is accepted."""
     p = np.zeros(3)
-    _lose(over.link(groups, "commit", "dissipation"), t, *state, p)
+    _lose(over.link(groups, "commit", "dissipation", "supply"), t, *state, p)
     return p[:2]
 
 

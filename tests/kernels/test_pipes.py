@@ -41,6 +41,7 @@ CASES = {
 def _ask(groups, t, q, v, e, p):
     over.energy(groups, t, q, v, e)
     over.dissipation(groups, t, q, v, p)
+    over.supply(groups, t, q, v, p[1:])
 
 
 def answers(scene, fused):
@@ -57,7 +58,7 @@ def answers(scene, fused):
         evaluate(system, state, 0.23, 1e-3, False, *part, matrix, residual)
         parts.append(dense(matrix)[np.ix_(hose, hose)])
     e, p = np.zeros(3), np.zeros(3)
-    _ask(link(system.groups, "energy", "dissipation"), 0.23, state.full_q, state.full_v, e, p)
+    _ask(link(system.groups, "energy", "dissipation", "supply"), 0.23, state.full_q, state.full_v, e, p)
     return residual[hose], np.array(parts), e, p, [type(g).__name__ for g in system.groups]
 
 

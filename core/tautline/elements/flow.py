@@ -237,12 +237,17 @@ def _carried(e, node, q, v):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    """Damping, and the energy of the material that an element takes in at its ends, which a drive must bring along."""
+    for n in range(g.rows.size):
+        if g.rows[n].damping != 0.0:
+            p[0] += g.rows[n].damping * _energies(g, n, q, v)[0]
+
+
+@kernel
+def _supply(g, t, q, v, p):
+    """The energy of the material that an element takes in at its ends, which a drive must bring along."""
     for n in range(g.rows.size):
         e = g.rows[n]
-        if e.damping != 0.0:
-            p[0] += e.damping * _energies(g, n, q, v)[0]
-        p[1] += _carried(e, e.b, q, v) - _carried(e, e.a, q, v)
+        p[0] += _carried(e, e.b, q, v) - _carried(e, e.a, q, v)
 
 
 @kernel
@@ -256,5 +261,6 @@ def watch_length(g, t, q, alarm):
 
 register(
     Flow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    supply=_supply,
     alarm=watch_length,
 )  # fmt: skip

@@ -46,13 +46,13 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 
 
 @kernel
-def _dissipation(g, t, q, v, p):
+def _supply(g, t, q, v, p):
     """Work of the thrust, which whatever drives the stream puts in."""
     for n in range(g.rows.size):
         row = g.rows[n]
         force = row.mass * row.gain * v[row.material] * v[row.material]
         for c in range(AXES):
-            p[1] -= force * q[row.node + AXES + c] * v[row.node + c]
+            p[0] -= force * q[row.node + AXES + c] * v[row.node + c]
 
 
-register(Jets, residual=_residual, tangent=_tangent, dissipation=_dissipation)
+register(Jets, residual=_residual, tangent=_tangent, supply=_supply)

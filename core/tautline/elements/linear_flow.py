@@ -193,14 +193,20 @@ def _carried(e, node, kink, q, v):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    """Damping, and the energy of the material that an element takes in at its ends, which a drive must bring along."""
+    for n in range(g.rows.size):
+        p[0] += g.rows[n].damping * _energies(g.rows[n], q, v)[0]
+
+
+@kernel
+def _supply(g, t, q, v, p):
+    """The energy of the material that an element takes in at its ends, which a drive must bring along."""
     for n in range(g.rows.size):
         e = g.rows[n]
-        p[0] += e.damping * _energies(e, q, v)[0]
-        p[1] += _carried(e, e.b, e.kinks[1], q, v) - _carried(e, e.a, e.kinks[0], q, v)
+        p[0] += _carried(e, e.b, e.kinks[1], q, v) - _carried(e, e.a, e.kinks[0], q, v)
 
 
 register(
     LinearFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    supply=_supply,
     alarm=watch_length,
 )  # fmt: skip

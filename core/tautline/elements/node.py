@@ -104,16 +104,16 @@ def _force_residual(g, t, q, v, a, r):
 
 
 @kernel
-def _force_dissipation(g, t, q, v, p):
+def _force_supply(g, t, q, v, p):
     for i in range(g.place.size):
         for c in range(AXES):
             power = g.value[i, c] * v[g.place[i] + c]
-            p[1] += g.before[i] * power
-            p[2] += (g.acts[i] - g.before[i]) * power
+            p[0] += g.before[i] * power
+            p[1] += (g.acts[i] - g.before[i]) * power
         g.before[i] = g.acts[i]
 
 
-register(TimedForces, begin=_force_begin, residual=_force_residual, dissipation=_force_dissipation)
+register(TimedForces, begin=_force_begin, residual=_force_residual, supply=_force_supply)
 
 
 class Anchors(NamedTuple):

@@ -101,13 +101,13 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 
 
 @kernel
-def _dissipation(g, t, q, v, p):
+def _supply(g, t, q, v, p):
     """The energy that comes in with the material."""
     for n in range(g.rows.size):
         row = g.rows[n]
         stored, _ = _stored(g, row, q)
         rate = v[(row.a if row.end == 0 else row.b) + MATERIAL]
-        p[1] -= stored * rate if row.end == 0 else -stored * rate
+        p[0] -= stored * rate if row.end == 0 else -stored * rate
 
 
-register(Outlets, residual=_residual, tangent=_tangent, dissipation=_dissipation)
+register(Outlets, residual=_residual, tangent=_tangent, supply=_supply)

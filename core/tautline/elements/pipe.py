@@ -362,16 +362,10 @@ def _energy(g, t, q, v, energy):
 
 @kernel
 def _dissipation(g, t, q, v, power):
-    """Damping, and the energy of the fluid that an element takes in at its ends."""
     for n in range(g.rows.size):
         row = g.rows[n]
-        i, j, length, u = row.a, row.b, row.length, v[row.flow]
+        i, j, length = row.a, row.b, row.length
         h = 1.0 / length
-        taken = 0.0
-        for c in range(AXES):
-            out, into = v[j + c] - u * q[j + 3 + c], v[i + c] - u * q[i + 3 + c]
-            taken += 0.5 * (out * out - into * into) - row.gravity[c] * (q[j + c] - q[i + c])
-        power[1] += row.fluid * taken * u
         if row.damping == 0.0:
             continue
         for k in range(g.axial.shape[0]):
@@ -393,7 +387,21 @@ def _dissipation(g, t, q, v, power):
             power[0] += p[WEIGHT] * length * row.bending * row.damping * square
 
 
+
+@kernel
+def _supply(g, t, q, v, power):
+    """The energy of the fluid that an element takes in at its ends."""
+    for n in range(g.rows.size):
+        row = g.rows[n]
+        i, j, u = row.a, row.b, v[row.flow]
+        taken = 0.0
+        for c in range(AXES):
+            out, into = v[j + c] - u * q[j + 3 + c], v[i + c] - u * q[i + 3 + c]
+            taken += 0.5 * (out * out - into * into) - row.gravity[c] * (q[j + c] - q[i + c])
+        power[0] += row.fluid * taken * u
+
+
 register(
-    Pipes, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    Pipes, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation, supply=_supply,
     constant_mass=True,
 )  # fmt: skip

@@ -193,17 +193,23 @@ def _energy(g, t, q, v, energy):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    """Damping, and the energy of the material that an element takes in at its ends, which a drive must bring along."""
     for n in range(g.rows.size):
         e = g.rows[n]
         if e.damping != 0.0:
             p[0] += e.damping * _energies(g, e, q, v)[0]
+
+
+@kernel
+def _supply(g, t, q, v, p):
+    """The energy of the material that an element takes in at its ends, which a drive must bring along."""
+    for n in range(g.rows.size):
+        e = g.rows[n]
         u = v[e.a + MATERIAL]
         taken = 0.0
         for c in range(AXES):
             out, into = v[e.b + c] - u * q[e.b + AXES + c], v[e.a + c] - u * q[e.a + AXES + c]
             taken += 0.5 * e.mass * (out * out - into * into) - e.load[c] * (q[e.b + c] - q[e.a + c])
-        p[1] += taken * u
+        p[0] += taken * u
 
 
-register(SharedFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation)
+register(SharedFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation, supply=_supply)

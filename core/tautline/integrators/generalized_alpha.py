@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.newton import DONE, SAME_STEP, Corrector, correct
-from tautline.integrators.state import WORST, enter, keep, observe_motion, restore, supplied_power, watch
+from tautline.integrators.state import WORST, book_losses, book_work, keep, observe_motion, restore, watch
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
@@ -21,7 +21,7 @@ STILL = -1
 class GeneralizedAlpha(NamedTuple):
     """Parameters of the method and its corrector; Newmark-beta is alpha_m = alpha_f = 0.
 
-    ``algebraic`` lists the unknowns that are multipliers; ``power`` (3,) is scratch; ``last_step`` (1,) the length of
+    ``algebraic`` lists the unknowns that are multipliers; ``power`` (2,) is scratch; ``last_step`` (1,) the length of
     the last accepted step, s, 0 before the first. ``tolerance`` m bounds the error of a step, 0 for no bound;
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
     of the nominal step that is taken. ``history`` (2, n) are the accelerations of the two steps before the last, and
@@ -48,6 +48,17 @@ def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
     """beta and gamma of second-order accuracy, eqs 2.81-2.82."""
     gamma = 0.5 - alpha_m + alpha_f
     return 0.25 * (gamma + 0.5) ** 2, gamma
+
+
+def energy_set_aside(beta: float, gamma: float, h: float, moving: float) -> float:
+    """Energy, J, that the method sets aside for accelerations, of which ``moving`` is the sum m a^2.
+
+    What it conserves, or damps, is not the energy E, but E + (beta - gamma / 2) h^2 a M a / 2: for a linear system the
+    identity of Newmark's method (Hughes, The Finite Element Method, section 9.2) with the auxiliary acceleration. The
+    difference comes and goes with the accelerations. What is set aside at the start, for what is let go there, is given
+    to the motion in the first steps.
+    """
+    return 0.5 * max(0.0, beta - 0.5 * gamma) * h * h * moving
 
 
 def alphas(rho_inf: float) -> tuple[float, float]:
@@ -147,8 +158,7 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     for i in range(state.q.size):
         state.auxiliary[i] += (1.0 - m.alpha_f) / (1.0 - m.alpha_m) * (state.a[i] - state.keep[2, i])
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
-    m.power.fill(0.0)
-    over.dissipation(groups, t + h, state.full_q, state.full_v, m.power)
-    enter(state.ledger, t + h, supplied_power(dofs, state) + m.power[1], m.power[0], m.power[2])
+    book_losses(groups, state, t, h, m.power)
+    book_work(groups, dofs, state, t + h, m.power)
     observe_motion(state, state.keep[1], state.keep[2], h)
     return DONE

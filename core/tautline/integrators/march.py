@@ -16,12 +16,9 @@ from tautline.integrators.state import (
     FACTORISATIONS,
     HALVINGS,
     ITERATIONS,
-    LOSS,
-    POWER,
     STEPS,
-    TIME,
     WORK,
-    supplied_power,
+    open_ledger,
 )
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held
@@ -102,14 +99,10 @@ def record_frame(groups, state, t, row, at):
 
 
 @kernel(forceinline=True)
-def open_run(groups, dofs, state, t, power):
+def open_run(groups, state, t, power):
     """Settle the laws at the start and open the ledger."""
     over.commit(groups, t, 0.0, state.full_q, state.full_v, state.full_a)
-    power.fill(0.0)
-    over.dissipation(groups, t, state.full_q, state.full_v, power)
-    state.ledger[TIME] = t
-    state.ledger[LOSS] = power[0]
-    state.ledger[POWER] = supplied_power(dofs, state) + power[1] + power[2]
+    open_ledger(groups, state, t, power)
 
 
 DOUBLED_BELOW = 1.0 / 12.0
@@ -158,7 +151,7 @@ def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, r
     at = method.corrector.changed
     for k in range(ends.size):
         if steps[k] == 0:
-            open_run(groups, dofs, state, t0, method.power)
+            open_run(groups, state, t0, method.power)
         h = (ends[k] - t0) / max(steps[k], 1)
         done = pause[STEP]
         pause[STEP] = 0
@@ -183,7 +176,7 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
     t0 = begin
     for k in range(ends.size):
         if steps[k] == 0:
-            open_run(groups, dofs, state, t0, method.power)
+            open_run(groups, state, t0, method.power)
         h = (ends[k] - t0) / max(steps[k], 1)
         done = pause[STEP]
         pause[STEP] = 0
@@ -206,7 +199,7 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
     return DONE, ends.size, t0
 
 
-_ALWAYS = ("begin", "alarm", "commit", "record", "energy", "dissipation", "residual")
+_ALWAYS = ("begin", "alarm", "commit", "record", "energy", "dissipation", "supply", "residual")
 MARCHES = {
     GeneralizedAlpha: (march_implicit, lambda m: (*_ALWAYS, "switch", "smooth_tangent", "switching_tangent")),
     RungeKutta4: (

@@ -43,7 +43,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
     length = system.scale / (system.force or system.scale.max(initial=1.0))
     length[system.algebraic] = 0.0
     return GeneralizedAlpha(
-        alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(3), np.zeros(1), system.algebraic,
+        alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
         np.zeros((2, system.size)), np.zeros(1, np.int64),
     )  # fmt: skip

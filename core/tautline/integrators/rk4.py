@@ -9,7 +9,7 @@ from numba.core import types
 from numba.extending import overload
 
 from tautline.integrators.newton import DONE, SINGULAR
-from tautline.integrators.state import WORST, enter, observe_motion, restore, supplied_power, watch
+from tautline.integrators.state import WORST, book_losses, book_work, observe_motion, restore, watch
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
 from tautline.kernels.band import NARROW
@@ -70,7 +70,7 @@ def runge_kutta_4(system: System, projection: str = "mass", stabilise: int = 1) 
         factorise_matrix(factors)
     return RungeKutta4(
         np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), has_constant_mass(system.groups),
-        np.zeros((2, n)), np.zeros(3), np.zeros(2, np.int64), bool(system.mass_couples_held and driven), driven,
+        np.zeros((2, n)), np.zeros(2), np.zeros(2, np.int64), bool(system.mass_couples_held and driven), driven,
         factors, int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
         by_mass.dofs, by_mass.order,
     )  # fmt: skip
@@ -192,18 +192,13 @@ def accelerate(method, groups, dofs, t, state):
 
 @kernel(forceinline=True)
 def account(method, groups, dofs, t, state):
-    """Book work and losses at time t, after :func:`accelerate`.
+    """Book work up to time t, after :func:`accelerate`.
 
-    The force that moves what is held depends on the free accelerations where the mass couples the two.
+    The force that moves it depends on the free accelerations where the mass couples the two.
     """
     if method.coupled:
         _react(groups, dofs, t, state)
-    method.power.fill(0.0)
-    over.dissipation(groups, t, state.full_q, state.full_v, method.power)
-    work = method.power[1]
-    if dofs.driven.size > 0:
-        work += supplied_power(dofs, state)
-    enter(state.ledger, t, work, method.power[0], method.power[2])
+    book_work(groups, dofs, state, t, method.power)
 
 
 @kernel
@@ -266,4 +261,5 @@ def rk4_step(method, groups, dofs, functions, state, t, h):
         restore(state)
         return status
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
+    book_losses(groups, state, t, h, method.power)
     return DONE

@@ -18,9 +18,9 @@ that were solved for, of all iterations together."""
 DONE, BEFORE_ALARMS = int(Status.DONE), int(Status.NO_LENGTH) - 1
 """The statuses of the groups' alarms follow one another."""
 
-TIME, POWER, LOSS, WORK, DISSIPATED, THROUGHPUT, MOVED, TURNED = range(8)
-"""Places in ``ledger``: time of the last entry (s), power supplied and lost then (W), work done on the system, energy
-lost, and work counted without its sign (J); the integrals of m v^2 (J s) and of m a^2."""
+TIME, POWER, WORK, DISSIPATED, THROUGHPUT, AT_START, MOVED, TURNED = range(8)
+"""Places in ``ledger``: time of the last entry (s) and power supplied then (W); work done on the system, energy lost
+and work counted without its sign (J); m a^2 at the start; the integrals of m v^2 (J s) and of m a^2."""
 
 
 class State(NamedTuple):
@@ -28,7 +28,8 @@ class State(NamedTuple):
 
     ``residual`` is the full residual of the last accepted state: at held degrees of freedom it is the force that
     holds them. ``keep`` (4, n) is the state at the start of the step, to go back to. ``inertia`` (n,) is the diagonal
-    of the mass matrix at the start of the run, zero for multipliers.
+    of the mass matrix at the start of the run, zero for multipliers. ``entered`` (2, n_full) are the full position and
+    residual of the last entry in the ledger, ``middle`` (2, n_full) is scratch.
     """
 
     q: np.ndarray
@@ -42,6 +43,8 @@ class State(NamedTuple):
     keep: np.ndarray
     inertia: np.ndarray
     ledger: np.ndarray
+    entered: np.ndarray
+    middle: np.ndarray
     counters: np.ndarray
 
 
@@ -51,7 +54,8 @@ def new_state(system: System) -> State:
     q, v = system.q[system.free], system.v[system.free]
     return State(
         q, v, np.zeros(n), np.zeros(n), system.q.copy(), system.v.copy(), np.zeros(full), np.zeros(full),
-        np.zeros((4, n)), np.zeros(n), np.zeros(8), np.zeros(6, dtype=np.int64),
+        np.zeros((4, n)), np.zeros(n), np.zeros(8), np.zeros((2, full)), np.zeros((2, full)),
+        np.zeros(6, dtype=np.int64),
     )  # fmt: skip
 
 
@@ -102,31 +106,72 @@ def restore(state):
 
 
 @kernel
-def supplied_power(dofs, state):
-    """Power that the held degrees of freedom put into the system, W: the force that moves them times their speed."""
-    power = 0.0
-    for k in range(dofs.held.size):
-        if dofs.motion[k] >= 0:
-            i = dofs.held[k]
-            power += state.residual[i] * state.full_v[i]
-    for i in dofs.carried:
-        for k in range(dofs.start[i], dofs.start[i + 1]):
-            if dofs.unknown[k] < 0:
-                power += dofs.factor[k] * state.residual[i] * state.full_v[-1 - dofs.unknown[k]]
-    return power
+def open_ledger(groups, state, t, power):
+    """Open the books at the start of a run."""
+    state.ledger[TIME] = t
+    state.ledger[AT_START] = 0.0
+    for i in range(state.a.size):
+        state.ledger[AT_START] += state.inertia[i] * state.a[i] * state.a[i]
+    _keep_ends(state)
+    power.fill(0.0)
+    over.supply(groups, t, state.full_q, state.full_v, power)
+    state.ledger[POWER] = power[0] + power[1]
+
+
+@kernel(forceinline=True)
+def _keep_ends(state):
+    for i in range(state.full_q.size):
+        state.entered[0, i] = state.full_q[i]
+        state.entered[1, i] = state.residual[i]
 
 
 @kernel
-def enter(ledger, t, power, loss, jump):
-    """Book work and dissipation up to time t by the trapezoidal rule; from t on the power is larger by ``jump``."""
-    h = t - ledger[TIME]
-    work = 0.5 * h * (power + ledger[POWER])
-    ledger[WORK] += work
-    ledger[THROUGHPUT] += abs(work)
-    ledger[DISSIPATED] += 0.5 * h * (loss + ledger[LOSS])
-    ledger[TIME] = t
-    ledger[POWER] = power + jump
-    ledger[LOSS] = loss
+def book_losses(groups, state, t, h, power):
+    """Book what forces have lost in the step from t to t + h, at whose end the state is.
+
+    A loss counts at the middle of the step, with the displacement of the step. That of a linear damper is then the mean
+    of its forces at both ends times what it moved, which is what the step has taken from the motion. The mean of the
+    powers at both ends is not: where a motion is faster than the step, its velocity changes sign from end to end, and
+    the body hardly moves, but force times velocity is large at both ends.
+    """
+    for i in range(state.full_q.size):
+        moved = state.full_q[i] - state.entered[0, i]
+        state.middle[0, i] = state.entered[0, i] + 0.5 * moved
+        state.middle[1, i] = moved / h
+    power.fill(0.0)
+    over.dissipation(groups, t + 0.5 * h, state.middle[0], state.middle[1], power)
+    state.ledger[DISSIPATED] += h * power[0]
+
+
+@kernel
+def book_work(groups, dofs, state, t, power):
+    """Book the work done on the system since the last entry, up to time t.
+
+    Held degrees of freedom: the mean of the force at both ends times the displacement. Other drives and what flows in:
+    the mean of the powers at both ends.
+    """
+    work = 0.0
+    for k in range(dofs.held.size):
+        if dofs.motion[k] >= 0:
+            i = dofs.held[k]
+            work += _mean_force(state, i) * (state.full_q[i] - state.entered[0, i])
+    for i in dofs.carried:
+        for k in range(dofs.start[i], dofs.start[i + 1]):
+            if dofs.unknown[k] < 0:
+                j = -1 - dofs.unknown[k]
+                work += dofs.factor[k] * _mean_force(state, i) * (state.full_q[j] - state.entered[0, j])
+    _keep_ends(state)
+    power.fill(0.0)
+    over.supply(groups, t, state.full_q, state.full_v, power)
+    work += 0.5 * (t - state.ledger[TIME]) * (power[0] + state.ledger[POWER])
+    state.ledger[TIME], state.ledger[POWER] = t, power[0] + power[1]
+    state.ledger[WORK] += work
+    state.ledger[THROUGHPUT] += abs(work)
+
+
+@kernel(forceinline=True)
+def _mean_force(state, i):
+    return 0.5 * (state.residual[i] + state.entered[1, i])
 
 
 @kernel

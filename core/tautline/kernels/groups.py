@@ -23,8 +23,11 @@ force          t, q, v, a, r                                    r -= F: the resi
 mass           q, matrix, dofs                                  matrix += M, a ``Matrix`` or its diagonal
 tangent        t, q, v, a, cm, cc, ck, matrix, dofs             matrix += cm dr/da + cc dr/dv + ck dr/dq
 energy         t, q, v, e                                       e += (kinetic, strain, potential) in J
-dissipation    t, q, v, p                                       p[0] += power lost, p[1] += power put in by a drive, W,
-                                                                p[2] += by how much that jumps at t
+dissipation    t, q, v, p                                       p[0] += power lost, W; asked once a step, after
+                                                                ``commit``, with t and q of its middle and its
+                                                                displacement over h as v
+supply         t, q, v, p                                       p[0] += power that a drive or a flow brings in at t, W,
+                                                                p[1] += by how much that jumps at t
 commit         t, h, q, v, a                                    the step to t is accepted
 record         out, at                                          writes its own numbers from ``out[at[0]]``, moves at[0]
 alarm          t, q, alarm                                      writes into ``alarm[0]`` what must not be (``EMPTY``
@@ -67,6 +70,7 @@ HOOKS = {
     },
     "energy": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "e": VECTOR},
     "dissipation": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "p": VECTOR},
+    "supply": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "p": VECTOR},
     "commit": {"t": NUMBER, "h": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
     "record": {"out": VECTOR, "at": COUNTS},
     "alarm": {"t": NUMBER, "q": VECTOR, "alarm": COUNTS},
@@ -377,6 +381,7 @@ smooth_tangent = _over_groups("smooth_tangent")
 switching_tangent = _over_groups("switching_tangent")
 energy = _over_groups("energy")
 dissipation = _over_groups("dissipation")
+supply = _over_groups("supply")
 commit = _over_groups("commit")
 record = _over_groups("record")
 alarm = _over_groups("alarm")

@@ -43,13 +43,15 @@ class Balance:
         """Energy that has come from nowhere since the start, J; negative where it is lost without account.
 
         A method that damps what its step cannot follow loses energy so: its numerical dissipation. Of a run of so many
-        `steps` it is 0 where it is no more than the rounding of as many sums of the energy that is stored.
+        `steps` it is 0 where it is no more than the rounding of as many sums of the energy that is stored. A loss that
+        is given back, by a damper or friction that pushes the way it moves, is energy from nowhere too.
         """
         if not self._rows:
             return 0.0
         first, last = self._rows[0][0], self._rows[-1][-1]
         stored = max(np.abs(first[:3]).max(), np.abs(last[:3]).max())
-        return unrounded(float(last[:3].sum() - first[:3].sum() - (last[3] - last[4])), steps * float(stored))
+        lost = max(float(rows[:, 4].max()) for rows in self._rows)
+        return unrounded(float(last[:3].sum() - first[:3].sum() - (last[3] - lost)), steps * float(stored))
 
     @property
     def moves(self) -> bool:
@@ -57,8 +59,10 @@ class Balance:
         kinetic, strain, potential, _, _ = np.concatenate(self._rows).T if self._rows else np.zeros((5, 1))
         return bool(kinetic.max() > self.idle + NOTHING * (strain.max() + np.abs(potential).max()))
 
-    def gained(self, throughput: float) -> float:
+    def gained(self, throughput: float, aside: float = 0.0) -> float:
         """Energy from nowhere over what went through the system, `throughput` J being the work counted without sign.
+
+        Of what was gained, `aside` J is what the method had set aside at the start.
 
         The most that there was at any frame, if that is more than what is lost without account at the end; and energy
         from nowhere is not counted among what went through, or it would be its own excuse.
@@ -69,6 +73,7 @@ class Balance:
         if not self._rows:
             return 0.0
         kinetic, strain, potential, work, lost = np.concatenate(self._rows).T
+        lost = np.maximum.accumulate(lost)
         total = kinetic + strain + potential
         most = float((total - total[0] - (work - lost)).max())
         through = throughput + lost[-1] + kinetic.max() + np.ptp(strain) + self.idle
@@ -76,4 +81,6 @@ class Balance:
         if through <= 0.0:
             return 0.0
         missing = self.missing()
-        return most / max(through - most, SMALL * through) if most >= abs(missing) else missing / through
+        if most < abs(missing):
+            return missing / through
+        return max(0.0, most - aside) / max(through - most, SMALL * through)
