@@ -41,10 +41,10 @@ class Slips(NamedTuple):
     """Contacts (n,) of ``SLIP``.
 
     ``found`` (spans, 9) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
-    ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turned to heat in the last step, over its length, W,
-    ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts`` (1,) is 0 while an equilibrium is
-    sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the first step is accepted: no contact
-    has moved or been loaded before.
+    ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turned to heat in the
+    last step over its length, W, ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts``
+    (1,) is 0 while an equilibrium is sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the
+    first step is accepted: no contact has moved or been loaded before.
     """
 
     rows: np.recarray

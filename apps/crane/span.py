@@ -405,8 +405,8 @@ def _record(g, out, at):
 
 
 register(
-    Spans, residual=_residual, tangent=_tangent, mass=_mass, switch=_switch, energy=_energy, dissipation=_dissipation, supply=_supply,
-    alarm=_alarm, record=_record,
+    Spans, residual=_residual, tangent=_tangent, mass=_mass, switch=_switch, energy=_energy, dissipation=_dissipation,
+    supply=_supply, alarm=_alarm, record=_record,
 )  # fmt: skip
 
 

@@ -394,7 +394,9 @@ def _supply(g, t, q, v, p):
             p[0] += number[ADDED] * (0.5 * grown * square + turned)
 
 
-register(Wet, residual=_residual, tangent=_tangent, mass=_mass, energy=_energy, dissipation=_dissipation, supply=_supply)
+register(
+    Wet, residual=_residual, tangent=_tangent, mass=_mass, energy=_energy, dissipation=_dissipation, supply=_supply
+)
 
 
 def new_wet(rows: np.recarray, surface: float, gravity: np.ndarray, spans: Spans | None = None) -> Wet:

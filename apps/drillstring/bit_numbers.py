@@ -38,8 +38,9 @@ speed rad/s below which a power of it is linear; torque: weight N on the flats a
 speed rad/s at which it is in full (0: exact); blades: N/m and N of a depth of cut, and their number; inertia kg m^2 and
 spring N m/rad against which a bit that sticks is held. Then time s, depth of the hole below its datum m, and its rate
 m/s; stiffness of sticking N m s/rad, torque on the bit N m, the way it slips, its speed rad/s; depth at which the flats
-would lie loosely m. Weight N, torque N m and energy J in the rock of the last step; the means of both over the step, and
-the power that went into the rock W. Whether the hole's bottom was placed, and the status of sticking (see bit_torque.py)."""
+would lie loosely m. Weight N, torque N m and energy J in the rock of the last step; the means of both over the step,
+and the power that went into the rock W. Whether the hole's bottom was placed, and the status of sticking (see
+bit_torque.py)."""
 
 SLOW = 0.01
 """Share of the speed at which a rate of penetration is given, below which a power of the speed becomes linear."""

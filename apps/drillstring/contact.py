@@ -198,7 +198,8 @@ def _dissipation(g, t, q, v, p):
         p[0] += (c.normal - g.springs[i].stiffness * max(0.0, depth)) * c.rate
         if c.normal > 0.0:
             spin = v[PER_BODY * g.springs[i].body + 3]
-            p[0] += g.springs[i].viscous * spin**2 - g.springs[i].mean_along * c.along - g.springs[i].mean_around * c.around
+            p[0] += g.springs[i].viscous * spin**2
+            p[0] -= g.springs[i].mean_along * c.along + g.springs[i].mean_around * c.around
 
 
 @kernel

@@ -212,4 +212,7 @@ def _supply(g, t, q, v, p):
         p[0] += taken * u
 
 
-register(SharedFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation, supply=_supply)
+register(
+    SharedFlow, residual=_residual, mass=_mass, tangent=_tangent, energy=_energy, dissipation=_dissipation,
+    supply=_supply,
+)  # fmt: skip
