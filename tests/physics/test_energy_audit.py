@@ -31,7 +31,7 @@ def hanging(damping, step, rho_inf, end=6.0, elements=10):
 
 
 def swings(times):
-    """Tip of a chain that is let go from a straight line, m: 8 theta L / (j^3 J1(j)) cos(j/2 sqrt(g/L) t), J0(j) = 0."""
+    """Tip of a chain let go from a straight line, m: 8 theta L / (j^3 J1(j)) cos(j/2 sqrt(g/L) t), J0(j) = 0."""
     roots = jn_zeros(0, 60)
     amplitudes = 8.0 * ANGLE * LENGTH / (roots**3 * j1(roots))
     return amplitudes @ np.cos(0.5 * np.sqrt(G / LENGTH) * np.outer(roots, times))
@@ -86,9 +86,7 @@ OTHERS = [("tripping", 3.0), ("landing", 8.0), ("hookblock", 5.0), ("sixteen_fal
 
 
 @pytest.mark.parametrize("factor", [0.1, 4.0])
-@pytest.mark.parametrize(
-    ("name", "end"), [*SHIPPED, *(pytest.param(*case, marks=pytest.mark.long) for case in OTHERS)]
-)
+@pytest.mark.parametrize(("name", "end"), [*SHIPPED, *(pytest.param(*case, marks=pytest.mark.long) for case in OTHERS)])
 def test_no_shipped_scene_is_called_wrong_at_a_tenth_or_four_times_its_step(name, end, factor, tmp_path):
     text = (DATA / f"{name}.yaml").read_text(encoding="utf8")
     here = tmp_path / f"{name}.yaml"
