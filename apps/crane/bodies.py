@@ -18,10 +18,18 @@ XYZ = "xyz"
 
 Mass = Annotated[float, quantity("kg", nonnegative=True, of="mass")]
 Masses = Annotated[tuple[Annotated[float, quantity("kg", nonnegative=True, of="mass")], ...], three("[0, 0, 60 t]")]
-Stiffnesses = Annotated[tuple[Annotated[float, quantity("N/m", nonnegative=True, of="spring stiffness")], ...], three("[0, 0, 1.0e6]")]
-Dampings = Annotated[tuple[Annotated[float, quantity("N s/m", nonnegative=True, of="damping coefficient")], ...], three("[0, 0, 1.0e3]")]
-Quadratics = Annotated[tuple[Annotated[float, quantity("N s^2/m^2", nonnegative=True, of="quadratic drag")], ...], three("[0, 0, 2.0e5]")]
-Inertias = Annotated[tuple[Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")], ...], three("[900, 900, 400]")]
+Stiffnesses = Annotated[
+    tuple[Annotated[float, quantity("N/m", nonnegative=True, of="spring stiffness")], ...], three("[0, 0, 1.0e6]")
+]
+Dampings = Annotated[
+    tuple[Annotated[float, quantity("N s/m", nonnegative=True, of="damping coefficient")], ...], three("[0, 0, 1.0e3]")
+]
+Quadratics = Annotated[
+    tuple[Annotated[float, quantity("N s^2/m^2", nonnegative=True, of="quadratic drag")], ...], three("[0, 0, 2.0e5]")
+]
+Inertias = Annotated[
+    tuple[Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")], ...], three("[900, 900, 400]")
+]
 Angles = Annotated[tuple[Annotated[float, quantity("rad", of="angle")], ...], three("[0, 0, 90 deg]")]
 Forces = Annotated[tuple[Annotated[FunctionOfTime, time_function("N", of="force")], ...], FORCES]
 

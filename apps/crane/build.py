@@ -9,6 +9,7 @@ import numpy as np
 from crane.compensation import Compensation, compensate
 from crane.frames import heave_of
 from crane.layout import AXES, Layout, lay_out
+from crane.limits import limits
 from crane.observe import COORDINATE_UNITS, Observer, variables
 from crane.parts import groups_of
 from crane.quaternion import QUATERNION
@@ -70,6 +71,7 @@ def build(scene: CraneScene) -> Model:
         },
         observe=observer.observe,
         headline=lambda result: headline(result, scene),
+        limits=lambda result: limits(result, scene),
         start="static" if scene.start == "static" else "as given",
         step_limit=0.3 * float(layout.path.chords.min()),
         own=observer.own,

@@ -13,7 +13,7 @@ from crane.compensation import Compensation
 from crane.estimates import Estimate, estimate, rk4_limit
 from crane.keys import where
 from crane.loads import floating
-from crane.path import FLEET_LIMIT
+from crane.path import DRUM_FLEET_LIMIT
 from crane.scene import CraneScene, Drum, Sheave
 from crane.supply import check_supply, hoisted_spans, reeled_of
 from crane.winch_cautions import SUDDEN, winch_cautions
@@ -86,7 +86,7 @@ def _fleet(found: Estimate) -> Sentences:
     for i, item in enumerate(found.scene.path):
         if not isinstance(item, (Sheave, Drum)):
             continue
-        limit = item.fleet_limit if isinstance(item, Sheave) else FLEET_LIMIT
+        limit = item.fleet_limit if isinstance(item, Sheave) else DRUM_FLEET_LIMIT
         angle = fleet_angle(found, i)
         if angle > limit:
             cure = "turn the axis or move it into the rope's way"

@@ -19,6 +19,8 @@ MOST_FRICTION = 10.0
 """Coefficient in a groove: a turn of rope then holds 10^27 times its pull, which is what can be computed with."""
 MOST_TURNS, MOST_LAYERS = 100_000, 1000
 FLEET_LIMIT = math.radians(4.0)
+DRUM_FLEET_LIMIT = math.radians(2.0)
+"""Of a grooved drum; of a smooth one 1.5 deg is usual."""
 
 
 def _named(text: str) -> str:
@@ -37,7 +39,9 @@ Name = Annotated[str, AfterValidator(_named)]
 Radius = Annotated[float, quantity("m", positive=True, of="wheel radius")]
 PinRadius = Annotated[float, quantity("m", positive=True, of="bearing radius")]
 Inertia = Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")]
-Axis = Annotated[tuple[Annotated[float, quantity("", of="direction")], ...], three("[0, 1, 0]"), AfterValidator(_not_zero)]
+Axis = Annotated[
+    tuple[Annotated[float, quantity("", of="direction")], ...], three("[0, 1, 0]"), AfterValidator(_not_zero)
+]
 Friction = Annotated[float, quantity("", nonnegative=True, at_most=2.0, of="friction factor")]
 Wrap = Annotated[Literal["over", "under", "left", "right"], word("over", "under", "left", "right")]
 
@@ -211,7 +215,9 @@ class Efficiency(Model):
 
 Law = Literal["frictionless", "no_slip", "capstan"] | Efficiency
 WORDS = Annotated[Literal["frictionless", "no_slip", "capstan"], word("frictionless", "no_slip", "capstan")]
-SHARE = Branch(Annotated[float, quantity("", positive=True, at_most=1.0, of="share")], lambda share: Efficiency(efficiency=share))
+SHARE = Branch(
+    Annotated[float, quantity("", positive=True, at_most=1.0, of="share")], lambda share: Efficiency(efficiency=share)
+)
 LAWS = OneOf("a law", {"efficiency": SHARE}, Branch(WORDS), example="no_slip or {efficiency: 0.98}")
 
 

@@ -63,7 +63,9 @@ class Rope(Model):
         length that makes the drawing true, or `as drawn` the path's own.
     """
 
-    mass_per_length: Annotated[float, quantity("kg/m", positive=True, of="mass per length")] = Field(examples=["6.5 kg/m"])
+    mass_per_length: Annotated[float, quantity("kg/m", positive=True, of="mass per length")] = Field(
+        examples=["6.5 kg/m"]
+    )
     axial_stiffness: Annotated[float, quantity("N", positive=True, of="axial stiffness")] = Field(examples=["8.0e7 N"])
     bending_stiffness: Annotated[float, quantity("N m^2", nonnegative=True, of="bending stiffness")] = 0.0
     damping: Annotated[float, quantity("s", nonnegative=True, of="damping time")] = 0.0

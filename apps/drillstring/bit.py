@@ -66,7 +66,9 @@ class Cutting(Model):
     """
 
     specific_energy: Annotated[float, quantity("Pa", positive=True, of="specific energy")] = Field(examples=["120 MPa"])
-    contact_strength: Annotated[float, quantity("Pa", nonnegative=True, of="specific energy")] = Field(0.0, examples=["60 MPa"])
+    contact_strength: Annotated[float, quantity("Pa", nonnegative=True, of="specific energy")] = Field(
+        0.0, examples=["60 MPa"]
+    )
     wear_flat: Annotated[float, quantity("m", nonnegative=True, of="wear flat")] = Field(0.0, examples=["1.2 mm"])
     friction: Annotated[float, quantity("", nonnegative=True, of="friction factor")] = 0.6
     bit_constant: Annotated[float, quantity("", positive=True, of="number of the bit")] = 1.0

@@ -118,7 +118,9 @@ class Mud(Model):
     """The fluid in the hole, and in the string where `inside`; `added_mass` and `drag` are coefficients."""
 
     density: MudDensity
-    added_mass: Annotated[float | Literal["annular"], quantity("", nonnegative=True, words=("annular",), of="added mass coefficient")] = 1.0
+    added_mass: Annotated[
+        float | Literal["annular"], quantity("", nonnegative=True, words=("annular",), of="added mass coefficient")
+    ] = 1.0
     drag: Annotated[float, quantity("", nonnegative=True, of="drag coefficient")] = 1.0
     inside: Switch = True
     inside_density: MudDensity | None = None

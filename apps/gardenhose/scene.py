@@ -170,7 +170,9 @@ class Water(Model):
     """
 
     mass_per_length: MassPerLength = Field(examples=["0.000785 kg/m"])
-    speed: Annotated[FunctionOfTime, time_function("m/s", of="flow speed")] = Field(examples=["15 m/s, or {ramp: {to: 15, over: 0.1}}"])
+    speed: Annotated[FunctionOfTime, time_function("m/s", of="flow speed")] = Field(
+        examples=["15 m/s, or {ramp: {to: 15, over: 0.1}}"]
+    )
     outlet: Annotated[float, quantity("", positive=True, of="ratio of outlet speed")] = 1.0
 
 

@@ -47,9 +47,13 @@ class CableSolver(Model):
     rho_inf: Annotated[float, quantity("", nonnegative=True, at_most=1.0, of="parameter of the method")] | None = None
     alpha_m: Annotated[float, quantity("", of="parameter of the method")] | None = None
     alpha_f: Annotated[float, quantity("", of="parameter of the method")] | None = None
-    tolerance: Annotated[float, quantity("", positive=True, below=1.0, of="parameter of the method")] = Field(1.0e-8, alias="eps_energy")
+    tolerance: Annotated[float, quantity("", positive=True, below=1.0, of="parameter of the method")] = Field(
+        1.0e-8, alias="eps_energy"
+    )
     max_iterations: Annotated[Whole, Field(ge=1, le=1000)] = Field(20, alias="maxIter")
-    mass_damping: Annotated[float, quantity("1/s", nonnegative=True, of="rate of damping")] = Field(0.0, alias="massDamp")
+    mass_damping: Annotated[float, quantity("1/s", nonnegative=True, of="rate of damping")] = Field(
+        0.0, alias="massDamp"
+    )
     step: Step = Field(alias="time_step")
     end: Time = Field(alias="time_end")
     plotpoints: Annotated[float, quantity("", nonnegative=True, of="frames a second")] = 0.0

@@ -266,7 +266,9 @@ class Function(Model):
     """Ours: a motion by any function of time; its value, m, is the degree of freedom itself."""
 
     id: Id
-    value: Annotated[FunctionOfTime, time_function("m", of="position")] = Field(examples=["{ramp: {to: 2.0, over: 1.0}}"])
+    value: Annotated[FunctionOfTime, time_function("m", of="position")] = Field(
+        examples=["{ramp: {to: 2.0, over: 1.0}}"]
+    )
 
     @model_validator(mode="after")
     def _names(self) -> Function:

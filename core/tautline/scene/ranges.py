@@ -96,16 +96,25 @@ RANGES: dict[str, Range] = {
     "rope diameter": Range("m", 2e-5, 0.5, _SMALL, "a wire, to the cable of a bridge; EN 12385 ropes are 6 to 60 mm"),
     "breaking load": Range("N", 1e-3, 1e9, _FORCES, "a thread, to a bridge's cable"),
     "modulus of the rope": Range(
-        "Pa", 1e6, 4e11, ("kN", "MN", "lbf", "klbf"), "EA over the area of its circle: rubber 5 MPa, nylon 0.5 to 5 GPa, "
-        "wire rope 50 to 130 GPa, carbon 200 GPa"
+        "Pa",
+        1e6,
+        4e11,
+        ("kN", "MN", "lbf", "klbf"),
+        "EA over the area of its circle: rubber 5 MPa, nylon 0.5 to 5 GPa, wire rope 50 to 130 GPa, carbon 200 GPa",
     ),
     "strength of the rope": Range(
-        "Pa", 1e6, 6e9, ("kN", "MN", "lbf", "klbf"), "breaking load over the area of its circle: rubber 10 MPa, wire rope "
-        "0.5 to 1.2 GPa, the best fibre 4 GPa"
+        "Pa",
+        1e6,
+        6e9,
+        ("kN", "MN", "lbf", "klbf"),
+        "breaking load over the area of its circle: rubber 10 MPa, wire rope 0.5 to 1.2 GPa, the best fibre 4 GPa",
     ),
     "density of the rope": Range(
-        "kg/m^3", 200.0, 25_000.0, ("g/m", "lb/ft", "kg/km"), "mass per length over the area of its circle: floating "
-        "fibre 600, wire rope 4000 to 5500, lead 11 300"
+        "kg/m^3",
+        200.0,
+        25_000.0,
+        ("g/m", "lb/ft", "kg/km"),
+        "mass per length over the area of its circle: floating fibre 600, wire rope 4000 to 5500, lead 11 300",
     ),
     "flow speed": Range("m/s", 1e-6, 500.0, ("mm/s", "ft/s", "km/h"), "dripping water, to gas near its sound"),
     "ratio of outlet speed": Range("", 0.01, 100.0, ("%",), "a diffuser, to a jet cutter's nozzle"),
@@ -126,11 +135,15 @@ RANGES: dict[str, Range] = {
     "response to waves": _any("the unit is that of the motion, over a metre of wave"),
     "water density": Range("kg/m^3", 500.0, 3000.0, ("sg", "pcf", "ppg", "g/cm^3"), "fresh 1000, sea 1025, brine 2300"),
     "drag coefficient": Range("", 0.001, 20.0, ("%",), "a smooth cylinder 0.5 to 1.2 (DNV-RP-C205), blades more"),
-    "added mass coefficient": Range("", 0.001, 20.0, ("%",), "1 for a cylinder (DNV-RP-C205), more in a narrow annulus"),
+    "added mass coefficient": Range(
+        "", 0.001, 20.0, ("%",), "1 for a cylinder (DNV-RP-C205), more in a narrow annulus"
+    ),
     "stroke": Range("m", 1e-4, 100.0, ("mm", "cm", "ft"), "an actuator of the laboratory, to a rope's compensator"),
     # Wells and drill strings.
     "hole diameter": Range("m", 0.004, 2.0, ("in", "mm", "cm"), "3 3/4 to 36 in are drilled; tubes of the laboratory"),
-    "pipe diameter": Range("m", 5e-4, 1.5, ("in", "mm", "cm"), "API 5DP pipe of 2 3/8 to 6 5/8 in; collars to 14 in; rods"),
+    "pipe diameter": Range(
+        "m", 5e-4, 1.5, ("in", "mm", "cm"), "API 5DP pipe of 2 3/8 to 6 5/8 in; collars to 14 in; rods"
+    ),
     "bit radius": Range("m", 0.002, 1.0, ("in", "mm", "cm"), "half of the hole's"),
     "eccentricity": Range("m", 1e-6, 0.1, ("mm", "in"), "collars 1 to 10 mm"),
     "depth": Range("m", 0.01, 15_000.0, ("ft", "km"), "the longest well is 15 km"),
@@ -138,14 +151,25 @@ RANGES: dict[str, Range] = {
     "dogleg severity": Range(
         "rad/m", 1e-7, 0.5, ("deg/30m", "deg/100ft", "deg/10m", "deg/m"), "3 to 15 deg/30m are usual, short radius 150"
     ),
-    "Young's modulus": Range("Pa", 1e9, 1.2e12, ("GPa", "Mpsi", "MPa", "ksi"), "steel 206, titanium 110, aluminium 70, "
-                             "plastics of the laboratory 2 to 4 GPa"),
+    "Young's modulus": Range(
+        "Pa",
+        1e9,
+        1.2e12,
+        ("GPa", "Mpsi", "MPa", "ksi"),
+        "steel 206, titanium 110, aluminium 70, plastics of the laboratory 2 to 4 GPa",
+    ),
     "shear modulus": Range("Pa", 3e8, 5e11, ("GPa", "Mpsi", "MPa", "ksi"), "0.38 of Young's modulus"),
-    "pipe density": Range("kg/m^3", 700.0, 23_000.0, ("sg", "pcf", "ppg", "g/cm^3"), "steel 7850, aluminium 2700, plastics 900"),
+    "pipe density": Range(
+        "kg/m^3", 700.0, 23_000.0, ("sg", "pcf", "ppg", "g/cm^3"), "steel 7850, aluminium 2700, plastics 900"
+    ),
     "pipe mass per length": Range("kg/m", 1e-4, 3000.0, ("lb/ft", "g/m"), "drill pipe 10 to 60, collars to 500 kg/m"),
     "second moment": Range("m^4", 1e-16, 0.1, ("in^4", "cm^4", "mm^4"), "pi/64 of the diameter's fourth power"),
-    "mud density": Range("kg/m^3", 200.0, 3000.0, ("ppg", "sg", "pcf", "g/cm^3"), "foam 200, water 1000, heavy mud 2400"),
-    "friction factor": Range("", 1e-4, 1.5, ("%",), "0.1 to 0.5 in a well, 0.05 to 0.2 of rope in a groove, dry rubber 1"),
+    "mud density": Range(
+        "kg/m^3", 200.0, 3000.0, ("ppg", "sg", "pcf", "g/cm^3"), "foam 200, water 1000, heavy mud 2400"
+    ),
+    "friction factor": Range(
+        "", 1e-4, 1.5, ("%",), "0.1 to 0.5 in a well, 0.05 to 0.2 of rope in a groove, dry rubber 1"
+    ),
     "slip speed": Range("m/s", 1e-12, 1.0, ("mm/s", "um/s"), "below what moves"),
     "contact stiffness": Range("N/m", 1.0, 1e14, ("kN/m", "MN/m", "lbf/ft"), "a soft wall of the laboratory, to rigid"),
     "rotary damping": Range("N m s/rad", 1e-12, 1e8, ("kN m s/rad",), "a rod of the laboratory, to a top drive"),
@@ -161,7 +185,7 @@ RANGES: dict[str, Range] = {
     "wear flat": Range("m", 1e-6, 0.2, ("mm", "in"), "cutters of 13 mm, worn by some; all blades together"),
     "number of the bit": Range("", 0.01, 10.0, (), "about 1 (Detournay and Defourny 1992)"),
     "exponent": Range("", 0.01, 3.0, (), "0.3 to 2 of fitted drilling rates"),
-}  # fmt: skip
+}
 """Name of a quantity -> what is plausible of it."""
 
 RATES = {"m": "speed", "m/s": "acceleration", "rad": "angular speed", "rad/s": "angular acceleration"}
