@@ -6,8 +6,6 @@ presses itself into the wall, over the gap that it has there, that tells.
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 
 from drillstring.fluid import fluid_of, weight_in
@@ -17,9 +15,9 @@ from drillstring.strength import tension_at_rest
 from drillstring.string import Lumps
 from drillstring.wellbore import Wellbore
 from tautline.cli.summary import shown
+from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import Caution
 from tautline.scene.ranges import RANGES
-from tautline.scene.units import read_unit
 
 DEEP = 0.5
 """Depth in the wall over the clearance that is warned of; a stabiliser's clearance is taken as `SNUG` at least."""
@@ -63,8 +61,7 @@ def wall_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list
 def _cure(scene: DrillstringScene, stiffness: float, enough: float) -> str:
     """What would be stiff enough, with the unit that was perhaps meant."""
     written = None if scene.document is None else scene.document.written("well.wall.stiffness")
-    bare = written is not None and not any(letter.isalpha() and letter not in "eE" for letter in written)
-    factors = {unit: read_unit(unit).si(Fraction(1)) for unit in RANGES["contact stiffness"].meant} if bare else {}
-    fitting = [unit for unit, factor in factors.items() if stiffness * factor >= enough]
-    asked = f"Was it meant in {fitting[0]}? Else give" if fitting else "Give"
+    row = RANGES["contact stiffness"]
+    fitting = units_that_fit(written or "", row.unit, row, scene.units == "field", lambda value: value >= enough)
+    asked = f"{meant(written, fitting[:1], row.unit)}. Else give" if written and fitting else "Give"
     return f"{asked} {shown(enough, 'N/m', scene.units)} or more; 1.0e9 N/m is usual"

@@ -73,17 +73,11 @@ def slips_of_units(model: type[Model], document: Document | None) -> list[Cautio
     found = list(_doubts(model, document, _asks(field)))
     groups: dict[tuple[str, str], list[_Doubt]] = {}
     for doubt in found:
-        if not _plausible(RANGES[doubt.of], doubt.value):
+        if not RANGES[doubt.of].holds(doubt.value):
             kind = re.sub(r"\[\d+\]", "[]", join_key(doubt.key))
             groups.setdefault((kind, doubt.of), []).append(doubt)
     cautions = [caution for group in groups.values() for caution in _outside(group, field)]
-    return cautions + _bare([doubt for doubt in found if _plausible(RANGES[doubt.of], doubt.value)])
-
-
-def _plausible(row: Range, value: float) -> bool:
-    if row.low is None or row.high is None or value == 0.0:
-        return True
-    return row.low * (1.0 - 1e-9) <= abs(value) <= row.high * (1.0 + 1e-9)
+    return cautions + _bare([doubt for doubt in found if RANGES[doubt.of].holds(doubt.value)])
 
 
 def _asks(field: bool) -> Callable[[Quantity, Any, float], None]:
@@ -95,7 +89,7 @@ def _asks(field: bool) -> Callable[[Quantity, Any, float], None]:
             return
         bare = not isinstance(written, str)
         unusual = field and bare and value != 0.0 and _field_unit(row) is not None
-        if _plausible(row, value) and not unusual:
+        if row.holds(value) and not unusual:
             return
         context = {"of": quantity.of, "unit": quantity.unit, "typed": str(written), "value": value, "bare": bare}
         raise PydanticCustomError(DOUBT, "doubtful", context)
@@ -136,20 +130,37 @@ def _place(document: Document, key: Path_) -> Path_ | None:
 
 def _units_meant(doubt: _Doubt, field: bool) -> list[tuple[str, float]]:
     """Units under which the number as typed would be plausible, and its value then."""
-    row, match = RANGES[doubt.of], NUMBER.fullmatch(doubt.typed)
+    row = RANGES[doubt.of]
+    return units_that_fit(doubt.typed, doubt.unit, row, field, row.holds)
+
+
+def units_that_fit(
+    typed: str, si: str, row: Range, field: bool, fits: Callable[[float], bool]
+) -> list[tuple[str, float]]:
+    """Units of a row under which a number would be right, and its value in SI then.
+
+    Parameters
+    ----------
+    typed : str
+        The number as it stands in the file, with its unit if it has one.
+    si : str
+        Unit of a bare number.
+    row : Range
+        Whose units are tried.
+    field : bool
+        Whether the scene is in field units, which then come first.
+    fits : callable
+        Value in SI -> whether it would be right.
+    """
+    match = NUMBER.fullmatch(typed)
     if match is None:
         return []
     units = list(row.meant)
     if field or FIELD.search(match["unit"]):
         units.sort(key=lambda unit: not (FIELD.search(unit) or unit in ALSO_FIELD))
-    found = []
-    for unit in (*units, doubt.unit):
-        if unit in (match["unit"], "") or (doubt.bare and unit == doubt.unit):
-            continue
-        value = _in_unit(match["number"], unit, doubt.unit)
-        if value is not None and _plausible(row, value):
-            found.append((unit, value))
-    return found[:OFFERED]
+    tried = [unit for unit in (*units, si) if unit not in (match["unit"] or si, "")]
+    values = [(unit, _in_unit(match["number"], unit, si)) for unit in tried]
+    return [(unit, value) for unit, value in values if value is not None and fits(value)][:OFFERED]
 
 
 def _in_unit(number: str, unit: str, wanted: str) -> float | None:
