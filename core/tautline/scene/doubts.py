@@ -24,8 +24,10 @@ from tautline.scene.units import Uncounted, UnknownUnit, converted, read_unit
 
 FIELD = re.compile(r"\b(in|ft|psi|ksi|Mpsi|lbf|klbf|lb|ppg|pcf|gal|bbl)\b")
 """Units of the oilfield: who has written one of them means another of them."""
-ALSO_FIELD = ("deg", "rpm", "m/h")
+ALSO_FIELD = ("deg", "rpm")
 """Units that the oilfield shares with everybody."""
+SELDOM = ("lbf/ft", "lbf s/ft", "lb ft^2")
+"""Units of the oilfield of what is chosen for the computation, and is as usual in SI."""
 OFFERED = 2
 """Units that are offered."""
 SHOWN = 3
@@ -114,6 +116,8 @@ def _doubts(model: type[Model], document: Document, ask: Callable[[Quantity, Any
         place = _place(document, key)
         if place is not None and key not in told:
             told.add(key)
+            if context["bare"] and place == key:
+                context["typed"] = document.written(key)  # 1.0e9 is not to become 1000000000.0
             doubts.append(_Doubt(place, document.line(place), **context))
     yield from sorted(doubts, key=lambda doubt: doubt.line or 0)
 
@@ -209,7 +213,8 @@ def _article(name: str) -> str:
 
 def _field_unit(row: Range) -> str | None:
     """The unit of the oilfield that is usual for a quantity; None where there is none."""
-    return next((unit for unit in row.meant if FIELD.search(unit) or unit in ALSO_FIELD), None)
+    usual = (unit for unit in row.meant if (FIELD.search(unit) or unit in ALSO_FIELD) and unit not in SELDOM)
+    return next(usual, None)
 
 
 def _bare(found: list[_Doubt]) -> list[Caution]:
