@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from crane.rope_cautions import rope_cautions
@@ -102,14 +103,15 @@ def test_a_wall_too_soft_for_its_string_is_warned_of_with_the_depth_and_the_unit
     (found,) = walled(STRING.replace("1.0e9", "1.0e3"))
     assert found.where == "well.wall.stiffness" and "1.0e3 kN/m = 1 MN/m" in found.text
     depth = float(re.search(r"by about ([\d.]+) m into", found.text)[1])
-    # Johancsik by hand: 19.2 lb/ft of steel of 490 pcf in mud of 12 ppg; tension over 400 m radius at the arc's top is
-    # more than the weight across at its end. In all (919 m), over 12 contacts of 1 kN/m.
-    area = 3.14159 / 4.0 * (0.127**2 - (4.276 * 0.0254) ** 2)
+    # Johancsik by hand: steel of 490 pcf in mud of 12 ppg; the weight across is most in the last of 12 elements, more
+    # than the tension over 400 m radius above. In all (919 m), over 12 contacts of 1 kN/m.
+    area = np.pi / 4.0 * (0.127**2 - (4.276 * 0.0254) ** 2)
     weight = area * (490.0 * 16.0185 - 12.0 * 119.826) * 9.81
-    length = 500.0 + 400.0 * 3.14159 / 3.0
+    length = 500.0 + 400.0 * np.pi / 3.0
     tension = weight * (500.0 + 400.0 * 0.8660) - 177.9e3
-    across = max(abs(tension) / 400.0, weight * 0.866)
-    assert depth == pytest.approx(across * length / 12.0 / 1.0e3, rel=0.05)
+    lean = np.sin(np.pi / 3.0 - length / 24.0 / 400.0)
+    across = max(abs(tension) / 400.0, weight * lean)
+    assert depth == pytest.approx(across * length / 12.0 / 1.0e3, rel=0.01)
 
 
 def test_a_small_model_of_the_laboratory_with_a_soft_wall_is_not_warned_of():
