@@ -22,9 +22,9 @@ SIDELEAD = math.radians(5.0)
 Records = Iterator[dict[str, Any]]
 
 
-def limits(result: Any, scene: CraneScene) -> list[dict[str, Any]]:
-    """Records of `tautline.results.limits`, from the stored frames."""
-    course = course_of(result, laid_out(scene))
+def limits(result: Any, scene: CraneScene, course: Course | None = None) -> list[dict[str, Any]]:
+    """Records of `tautline.results.limits`, from the stored frames; ``course`` is the rope's, where it was found."""
+    course = course or course_of(result, laid_out(scene))
     return [*_strength(result, scene), *_strain(result, scene), *_angles(result, course), *_bending(result, scene)]
 
 

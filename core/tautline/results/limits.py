@@ -16,8 +16,8 @@ AT_MOST, AT_LEAST = "at most", "at least"
 STRETCH = (0.5, 2.0)
 """Length over unstretched length, |r'|, outside of which an element is folded or overstretched."""
 STRAIN, STEEL_STRAIN, ANY_STRAIN = 0.05, 0.02, 0.2
-"""Strain that no hoisting rope bears; that none of steel does, whose wires break at about that; and that hardly any cable
-does: ropes of nylon break at 0.15 to 0.3."""
+"""Strain that no hoisting rope bears; that none of steel does, whose wires break at about that; and that hardly any
+cable does: ropes of nylon break at 0.15 to 0.3."""
 STEEL = 4.0e10
 """Young's modulus, Pa, from which a rope or pipe is taken for one of metal: wire rope has 50 to 130 GPa."""
 
