@@ -227,6 +227,12 @@ def test_a_slip_in_a_csv_file_is_told_at_the_key_that_names_the_file(tmp_path):
     assert slips_of_units(CraneScene, document) == []
 
 
+def test_a_slip_in_an_option_is_told_without_a_line_of_the_file():
+    document = Document.parse(CRANE).replaced({("solver", "step"): (5.0, "--step"), ("solver", "end"): (50.0, "--end")})
+    (found,) = slips_of_units(CraneScene, document.replaced({("output", "interval"): (5.0, "--interval")}))
+    assert found.where == "solver.step" and "line" not in found.text and "5.0 ms = 0.005 s" in found.text
+
+
 def test_numbers_of_a_rope_that_do_not_go_with_its_diameter_are_warned_of():
     assert list(rope_cautions(CraneScene.parse(CRANE))) == []
     ((key, text),) = rope_cautions(CraneScene.parse(CRANE.replace("1.1 MN", "1100")))

@@ -118,7 +118,8 @@ def _doubts(model: type[Model], document: Document, ask: Callable[[Quantity, Any
             told.add(key)
             if context["bare"] and place == key:
                 context["typed"] = document.written(key)  # 1.0e9 is not to become 1000000000.0
-            doubts.append(_Doubt(place, document.line(place), **context))
+            line = None if document.origin(place) else document.line(place)
+            doubts.append(_Doubt(place, line, **context))
     yield from sorted(doubts, key=lambda doubt: doubt.line or 0)
 
 
