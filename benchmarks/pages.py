@@ -1,7 +1,7 @@
 """Measure everything anew: run all scripts that write tables and figures into the docs, one after the other.
 
 Each has a process of its own, for it measures what else is not done in it. With --quick nothing is written but by the
-gallery, into a temporary folder, and by the table of statuses, which is as quick as it is.
+gallery, into a temporary folder, and by the tables of statuses and of ranges, which are as quick as they are.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from pathlib import Path
 
 from page import quick_asked
 
-SCRIPTS = ("validation", "report", "hose", "two_models", "gallery", "statuses")
+SCRIPTS = ("validation", "report", "hose", "two_models", "gallery", "statuses", "plausible_ranges")
 """Of docs/validation.md, docs/performance.md and the README's table, docs/hose_validation.md, a part of
 docs/drillstring.md, docs/gallery.md, and a part of docs/solver.md."""
-ALWAYS_QUICK = ("statuses",)
+ALWAYS_QUICK = ("statuses", "plausible_ranges")
 FOLDER = Path(__file__).parent
 
 

@@ -16,14 +16,22 @@ from tautline.scene.vector import Position, Velocity, listed, three
 FORCES = listed(3, "three forces: along x, y and z", "[0, 0, {ramp: {to: 1 kN, over: 2}}]")
 XYZ = "xyz"
 
-Mass = Annotated[float, quantity("kg", nonnegative=True)]
-Masses = Annotated[tuple[Annotated[float, quantity("kg", nonnegative=True)], ...], three("[0, 0, 60 t]")]
-Stiffnesses = Annotated[tuple[Annotated[float, quantity("N/m", nonnegative=True)], ...], three("[0, 0, 1.0e6]")]
-Dampings = Annotated[tuple[Annotated[float, quantity("N s/m", nonnegative=True)], ...], three("[0, 0, 1.0e3]")]
-Quadratics = Annotated[tuple[Annotated[float, quantity("N s^2/m^2", nonnegative=True)], ...], three("[0, 0, 2.0e5]")]
-Inertias = Annotated[tuple[Annotated[float, quantity("kg m^2", positive=True)], ...], three("[900, 900, 400]")]
-Angles = Annotated[tuple[Annotated[float, quantity("rad")], ...], three("[0, 0, 90 deg]")]
-Forces = Annotated[tuple[Annotated[FunctionOfTime, time_function("N")], ...], FORCES]
+Mass = Annotated[float, quantity("kg", nonnegative=True, of="mass")]
+Masses = Annotated[tuple[Annotated[float, quantity("kg", nonnegative=True, of="mass")], ...], three("[0, 0, 60 t]")]
+Stiffnesses = Annotated[
+    tuple[Annotated[float, quantity("N/m", nonnegative=True, of="spring stiffness")], ...], three("[0, 0, 1.0e6]")
+]
+Dampings = Annotated[
+    tuple[Annotated[float, quantity("N s/m", nonnegative=True, of="damping coefficient")], ...], three("[0, 0, 1.0e3]")
+]
+Quadratics = Annotated[
+    tuple[Annotated[float, quantity("N s^2/m^2", nonnegative=True, of="quadratic drag")], ...], three("[0, 0, 2.0e5]")
+]
+Inertias = Annotated[
+    tuple[Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")], ...], three("[900, 900, 400]")
+]
+Angles = Annotated[tuple[Annotated[float, quantity("rad", of="angle")], ...], three("[0, 0, 90 deg]")]
+Forces = Annotated[tuple[Annotated[FunctionOfTime, time_function("N", of="force")], ...], FORCES]
 
 
 def _once(axes: tuple[str, ...]) -> tuple[str, ...]:
@@ -60,7 +68,7 @@ class Spring(Model):
 class Release(Model):
     """The load drops: at a time, s, the mass becomes what remains, kg."""
 
-    at: Annotated[float, quantity("s", nonnegative=True)]
+    at: Annotated[float, quantity("s", nonnegative=True, of="moment")]
     remaining: Mass
 
 
@@ -91,13 +99,13 @@ class Body(Model):
     velocity: Velocity = (0.0, 0.0, 0.0)
     added_mass: Masses = (0.0, 0.0, 0.0)
     drag: Drag = Drag()
-    volume: Annotated[float, quantity("m^3", nonnegative=True)] = 0.0
+    volume: Annotated[float, quantity("m^3", nonnegative=True, of="volume")] = 0.0
     guide: Axes = ()
     spring: Spring | None = None
     inertia: Inertias | None = None
     orientation: Angles = (0.0, 0.0, 0.0)
     release: Release | None = None
-    bottom: Annotated[float, quantity("m", nonnegative=True)] = 0.0
+    bottom: Annotated[float, quantity("m", nonnegative=True, of="distance")] = 0.0
     force: Forces | None = None
 
     @property

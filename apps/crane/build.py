@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from hashlib import sha256
+from typing import Any
 
 import numpy as np
 
 from crane.compensation import Compensation, compensate
+from crane.course import Course, course_of, laid_out
 from crane.frames import heave_of
 from crane.layout import AXES, Layout, lay_out
+from crane.limits import limits
 from crane.observe import COORDINATE_UNITS, Observer, variables
 from crane.parts import groups_of
 from crane.quaternion import QUATERNION
@@ -48,7 +51,7 @@ def build(scene: CraneScene) -> Model:
     check_supply(scene)
     made = assembled(scene)
     layout, system, notes = made.layout, made.system, [*made.notes, *unused_alphas(scene.solver)]
-    observer = Observer(layout, system.groups, made.compensation)
+    observer, told = Observer(layout, system.groups, made.compensation), _Told(scene)
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
     error = error_of_steps(solver, STEP_ERROR) or (STEP_ERROR if scene.controlled else 0.0)
@@ -69,13 +72,31 @@ def build(scene: CraneScene) -> Model:
             "conventions": COORDINATE_UNITS,
         },
         observe=observer.observe,
-        headline=lambda result: headline(result, scene),
+        headline=told.headline,
+        limits=told.limits,
         start="static" if scene.start == "static" else "as given",
         step_limit=0.3 * float(layout.path.chords.min()),
         own=observer.own,
         notes=notes,
         settle=lambda state: draw_true(layout, system, state),
     )  # fmt: skip
+
+
+class _Told:
+    """What is told of a result at the end of its run: headline, then limits, which look at the same course of rope."""
+
+    def __init__(self, scene: CraneScene) -> None:
+        self.scene = scene
+        self.course: tuple[Any, Course] | None = None
+
+    def headline(self, result: Any) -> dict[str, dict[str, Any]]:
+        course = course_of(result, laid_out(self.scene))
+        self.course = result, course
+        return headline(result, self.scene, course)
+
+    def limits(self, result: Any) -> list[dict[str, Any]]:
+        known, self.course = self.course, None
+        return limits(result, self.scene, known[1] if known is not None and known[0] is result else None)
 
 
 class Assembly:

@@ -13,7 +13,8 @@ from crane.compensation import Compensation
 from crane.estimates import Estimate, estimate, rk4_limit
 from crane.keys import where
 from crane.loads import floating
-from crane.path import FLEET_LIMIT
+from crane.path import DRUM_FLEET_LIMIT
+from crane.rope_cautions import rope_cautions
 from crane.scene import CraneScene, Drum, Sheave
 from crane.supply import check_supply, hoisted_spans, reeled_of
 from crane.winch_cautions import SUDDEN, winch_cautions
@@ -45,8 +46,9 @@ def cautions(scene: CraneScene) -> list[Caution]:
     actuator = compensation_of(found.layout) if scene.heave_compensation is not None else None
     sentences = [
         *(("path", text) for text in found.path.warnings),
-        *_fleet(found), *_bending(scene), *_safety(found), *_strain(found), *_sheaves(scene), *_steps(found),
-        *_mesh(found), *_compression(scene), *winch_cautions(found, actuator), *_start(found),
+        *rope_cautions(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
+        *_sheaves(scene), *_steps(found), *_mesh(found), *_compression(scene),
+        *winch_cautions(found, actuator), *_start(found),
         *_held_back(actuator), *_dry(scene), *_floating(found),
     ]  # fmt: skip
     return [Caution(place, text) for place, text in sentences]
@@ -86,7 +88,7 @@ def _fleet(found: Estimate) -> Sentences:
     for i, item in enumerate(found.scene.path):
         if not isinstance(item, (Sheave, Drum)):
             continue
-        limit = item.fleet_limit if isinstance(item, Sheave) else FLEET_LIMIT
+        limit = item.fleet_limit if isinstance(item, Sheave) else DRUM_FLEET_LIMIT
         angle = fleet_angle(found, i)
         if angle > limit:
             cure = "turn the axis or move it into the rope's way"

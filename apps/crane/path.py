@@ -19,6 +19,8 @@ MOST_FRICTION = 10.0
 """Coefficient in a groove: a turn of rope then holds 10^27 times its pull, which is what can be computed with."""
 MOST_TURNS, MOST_LAYERS = 100_000, 1000
 FLEET_LIMIT = math.radians(4.0)
+DRUM_FLEET_LIMIT = math.radians(2.0)
+"""Of a grooved drum; of a smooth one 1.5 deg is usual."""
 
 
 def _named(text: str) -> str:
@@ -34,10 +36,13 @@ def _not_zero(axis: tuple[float, ...]) -> tuple[float, ...]:
 
 
 Name = Annotated[str, AfterValidator(_named)]
-Radius = Annotated[float, quantity("m", positive=True)]
-Inertia = Annotated[float, quantity("kg m^2", positive=True)]
-Axis = Annotated[tuple[Annotated[float, quantity("")], ...], three("[0, 1, 0]"), AfterValidator(_not_zero)]
-Friction = Annotated[float, quantity("", nonnegative=True, at_most=2.0)]
+Radius = Annotated[float, quantity("m", positive=True, of="wheel radius")]
+PinRadius = Annotated[float, quantity("m", positive=True, of="bearing radius")]
+Inertia = Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")]
+Axis = Annotated[
+    tuple[Annotated[float, quantity("", of="direction")], ...], three("[0, 1, 0]"), AfterValidator(_not_zero)
+]
+Friction = Annotated[float, quantity("", nonnegative=True, at_most=2.0, of="friction factor")]
 Wrap = Annotated[Literal["over", "under", "left", "right"], word("over", "under", "left", "right")]
 
 
@@ -85,9 +90,9 @@ class Brake(Model):
     `closed` is a function of time, 0 where the brake is open and 1 where it is closed. With neither it stays closed.
     """
 
-    torque: Annotated[float, quantity("N m", nonnegative=True)]
-    until: Annotated[float, quantity("s", nonnegative=True)] | None = None
-    closed: Annotated[FunctionOfTime, time_function("")] | None = None
+    torque: Annotated[float, quantity("N m", nonnegative=True, of="torque")]
+    until: Annotated[float, quantity("s", nonnegative=True, of="moment")] | None = None
+    closed: Annotated[FunctionOfTime, time_function("", of="share")] | None = None
 
     @model_validator(mode="after")
     def _one_way(self) -> Brake:
@@ -102,8 +107,8 @@ class Gains(Model):
     ``e = T - tension at the drum``, N; `proportional` is a number, `integral` in 1/s.
     """
 
-    proportional: Annotated[float, quantity("", nonnegative=True)] = 0.0
-    integral: Annotated[float, quantity("1/s", nonnegative=True)] = 0.0
+    proportional: Annotated[float, quantity("", nonnegative=True, of="control gain")] = 0.0
+    integral: Annotated[float, quantity("1/s", nonnegative=True, of="control gain")] = 0.0
 
 
 class Layers(Model):
@@ -152,17 +157,17 @@ class Drum(Disc):
     key: ClassVar[str] = "drum"
 
     center: Position = Field(examples=["[0, 0, 0]"])
-    pay_out: Annotated[FunctionOfTime, time_function("m/s")] | None = None
-    speed: Annotated[FunctionOfTime, time_function("rad/s")] | None = None
-    torque: Annotated[FunctionOfTime, time_function("N m")] | None = None
-    tension: Annotated[FunctionOfTime, time_function("N")] | None = None
+    pay_out: Annotated[FunctionOfTime, time_function("m/s", of="winch speed")] | None = None
+    speed: Annotated[FunctionOfTime, time_function("rad/s", of="drum speed")] | None = None
+    torque: Annotated[FunctionOfTime, time_function("N m", of="torque")] | None = None
+    tension: Annotated[FunctionOfTime, time_function("N", of="force")] | None = None
     inertia: Inertia | None = None
     brake: Brake | None = None
-    friction_torque: Annotated[float, quantity("N m", nonnegative=True)] = 0.0
+    friction_torque: Annotated[float, quantity("N m", nonnegative=True, of="torque")] = 0.0
     gains: Gains | None = None
-    torque_limit: Annotated[float, quantity("N m", positive=True)] | None = None
+    torque_limit: Annotated[float, quantity("N m", positive=True, of="torque")] | None = None
     layers: Layers | None = None
-    rope_on_drum: Annotated[float, quantity("m", positive=True)] | None = None
+    rope_on_drum: Annotated[float, quantity("m", positive=True, of="length")] | None = None
 
     @property
     def drive(self) -> str:
@@ -210,7 +215,9 @@ class Efficiency(Model):
 
 Law = Literal["frictionless", "no_slip", "capstan"] | Efficiency
 WORDS = Annotated[Literal["frictionless", "no_slip", "capstan"], word("frictionless", "no_slip", "capstan")]
-SHARE = Branch(Annotated[float, quantity("", positive=True, at_most=1.0)], lambda share: Efficiency(efficiency=share))
+SHARE = Branch(
+    Annotated[float, quantity("", positive=True, at_most=1.0, of="share")], lambda share: Efficiency(efficiency=share)
+)
 LAWS = OneOf("a law", {"efficiency": SHARE}, Branch(WORDS), example="no_slip or {efficiency: 0.98}")
 
 
@@ -225,7 +232,7 @@ class Bearing(Model):
     """Friction of a sheave's bearing: its coefficient, and the radius where it acts, m."""
 
     friction: Friction
-    radius: Radius
+    radius: PinRadius
 
 
 class Sheave(Disc):
@@ -255,13 +262,13 @@ class Sheave(Disc):
     body: str | None = None
     offset: Position = (0.0, 0.0, 0.0)
     center: Position | None = None
-    inertia: Annotated[float, quantity("kg m^2", nonnegative=True)] = 0.0
+    inertia: Annotated[float, quantity("kg m^2", nonnegative=True, of="moment of inertia")] = 0.0
     law: Annotated[Law, LAWS, BeforeValidator(_usual)] = Field(default=None, validate_default=True)
     friction: Friction | None = None
-    groove: Annotated[float, quantity("rad", positive=True, at_most=math.pi)] | None = None
+    groove: Annotated[float, quantity("rad", positive=True, at_most=math.pi, of="groove angle")] | None = None
     locked: Switch = False
     bearing: Bearing | None = None
-    fleet_limit: Annotated[float, quantity("rad", positive=True, at_most=0.5 * math.pi)] = FLEET_LIMIT
+    fleet_limit: Annotated[float, quantity("rad", positive=True, at_most=0.5 * math.pi, of="fleet angle")] = FLEET_LIMIT
 
     @property
     def groove_friction(self) -> float:

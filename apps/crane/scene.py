@@ -63,14 +63,16 @@ class Rope(Model):
         length that makes the drawing true, or `as drawn` the path's own.
     """
 
-    mass_per_length: Annotated[float, quantity("kg/m", positive=True)] = Field(examples=["6.5 kg/m"])
-    axial_stiffness: Annotated[float, quantity("N", positive=True)] = Field(examples=["8.0e7 N"])
-    bending_stiffness: Annotated[float, quantity("N m^2", nonnegative=True)] = 0.0
-    damping: Annotated[float, quantity("s", nonnegative=True)] = 0.0
-    diameter: Annotated[float, quantity("m", positive=True)] | None = None
-    breaking_load: Annotated[float, quantity("N", positive=True)] | None = None
+    mass_per_length: Annotated[float, quantity("kg/m", positive=True, of="mass per length")] = Field(
+        examples=["6.5 kg/m"]
+    )
+    axial_stiffness: Annotated[float, quantity("N", positive=True, of="axial stiffness")] = Field(examples=["8.0e7 N"])
+    bending_stiffness: Annotated[float, quantity("N m^2", nonnegative=True, of="bending stiffness")] = 0.0
+    damping: Annotated[float, quantity("s", nonnegative=True, of="damping time")] = 0.0
+    diameter: Annotated[float, quantity("m", positive=True, of="rope diameter")] | None = None
+    breaking_load: Annotated[float, quantity("N", positive=True, of="breaking load")] | None = None
     compression: Annotated[Literal["none", "elastic"], word("none", "elastic")] = "none"
-    length: Annotated[float, quantity("m", positive=True)] | None = None
+    length: Annotated[float, quantity("m", positive=True, of="length")] | None = None
 
     @model_validator(mode="after")
     def _stable(self) -> Rope:

@@ -33,7 +33,7 @@ Row = tuple[str, Any, str, str]
 """Name, value, unit and text of a figure."""
 
 
-def headline(result: Any, scene: CraneScene) -> dict[str, dict[str, Any]]:
+def headline(result: Any, scene: CraneScene, course: Course | None = None) -> dict[str, dict[str, Any]]:
     """Figures that sum a run up: name -> {value, unit, text}, SI.
 
     Parameters
@@ -41,8 +41,10 @@ def headline(result: Any, scene: CraneScene) -> dict[str, dict[str, Any]]:
     result : Result
         One frame at least.
     scene : CraneScene
+    course : Course, optional
+        The rope's, where it was found already.
     """
-    course = course_of(result, laid_out(scene))
+    course = course or course_of(result, laid_out(scene))
     rows = [
         *_tensions(result, course), *_slack(result, course), *_sheaves(result, scene), *_winches(result, scene),
         *_fatigue(result, scene), *_bending(result, course), *_bodies(result, scene), *_angles(result, course),

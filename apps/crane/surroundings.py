@@ -19,8 +19,12 @@ TRANSLATIONS, ROTATIONS = ("surge", "sway", "heave"), ("roll", "pitch", "yaw")
 COLUMNS = dict.fromkeys(("t", "time"), "s") | dict.fromkeys(TRANSLATIONS, "m") | dict.fromkeys(ROTATIONS, "rad")
 """Columns of a file of a vessel's motion, and their units in SI."""
 
-Metres = Annotated[FunctionOfTime, time_function("m")]
-Radians = Annotated[FunctionOfTime, time_function("rad")]
+Drift = Annotated[FunctionOfTime, time_function("m", of="surge or sway")]
+Heave = Annotated[FunctionOfTime, time_function("m", of="heave")]
+Tilt = Annotated[FunctionOfTime, time_function("rad", of="roll or pitch")]
+Yaw = Annotated[FunctionOfTime, time_function("rad", of="yaw")]
+Slew = Annotated[FunctionOfTime, time_function("rad", of="slew")]
+Luff = Annotated[FunctionOfTime, time_function("rad", of="luff")]
 
 
 class Frame(Model):
@@ -39,19 +43,19 @@ class Frame(Model):
     name: Name = Field(examples=["boom"])
     pivot: Position = Field(examples=["[0, 0, 0]"])
     parent: str | None = None
-    slew: Radians = ZERO
-    luff: Radians = ZERO
+    slew: Slew = ZERO
+    luff: Luff = ZERO
 
 
 class Motion(Model):
     """Six motions of a vessel, functions of time: surge, sway, heave in m; roll, pitch, yaw in rad."""
 
-    surge: Metres = ZERO
-    sway: Metres = ZERO
-    heave: Metres = ZERO
-    roll: Radians = ZERO
-    pitch: Radians = ZERO
-    yaw: Radians = ZERO
+    surge: Drift = ZERO
+    sway: Drift = ZERO
+    heave: Heave = ZERO
+    roll: Tilt = ZERO
+    pitch: Tilt = ZERO
+    yaw: Yaw = ZERO
 
 
 def _units(units: dict[str, str]) -> dict[str, str]:
@@ -89,9 +93,9 @@ class MotionFile(Model):
 
     file: str
     units: Annotated[dict[str, str], AfterValidator(_units)] = Field(default={}, examples=["{roll: deg, pitch: deg}"])
-    gap: Annotated[float, quantity("s", positive=True)] | None = None
-    ramp: Annotated[float, quantity("s", nonnegative=True)] = 0.0
-    begin: Annotated[float, quantity("s")] = 0.0
+    gap: Annotated[float, quantity("s", positive=True, of="duration")] | None = None
+    ramp: Annotated[float, quantity("s", nonnegative=True, of="duration")] = 0.0
+    begin: Annotated[float, quantity("s", of="moment")] = 0.0
 
 
 class SeaMotion(Model):
@@ -102,7 +106,7 @@ class SeaMotion(Model):
 
     sea: Spectrum = Field(examples=["{significant_height: 2.5, peak_period: 9}"])
     rao: str = Field(examples=["vessel.csv"])
-    direction: Annotated[float, quantity("rad")] | None = None
+    direction: Annotated[float, quantity("rad", of="angle")] | None = None
 
     @model_validator(mode="after")
     def _one_response(self) -> SeaMotion:
@@ -142,32 +146,32 @@ class Vessel(Model):
 class Water(Model):
     """Still water below `surface`, m; `rope_drag` and `added_mass` are coefficients of the rope across its length."""
 
-    surface: Annotated[float, quantity("m")] = Field(examples=["0"])
-    density: Annotated[float, quantity("kg/m^3", positive=True)] = Field(examples=["1025"])
-    rope_drag: Annotated[float, quantity("", nonnegative=True)] = 0.0
-    added_mass: Annotated[float, quantity("", nonnegative=True)] = 0.0
+    surface: Annotated[float, quantity("m", of="position")] = Field(examples=["0"])
+    density: Annotated[float, quantity("kg/m^3", positive=True, of="water density")] = Field(examples=["1025"])
+    rope_drag: Annotated[float, quantity("", nonnegative=True, of="drag coefficient")] = 0.0
+    added_mass: Annotated[float, quantity("", nonnegative=True, of="added mass coefficient")] = 0.0
 
 
 class Ground(Model):
     """Level ground, which bodies land on: height m, stiffness N/m, damping N s/m, coefficient of friction."""
 
-    level: Annotated[float, quantity("m")] = Field(examples=["0"])
-    stiffness: Annotated[float, quantity("N/m", positive=True)] = Field(examples=["1.0e7"])
-    damping: Annotated[float, quantity("N s/m", nonnegative=True)] = 0.0
-    friction: Annotated[float, quantity("", nonnegative=True)] = 0.0
+    level: Annotated[float, quantity("m", of="position")] = Field(examples=["0"])
+    stiffness: Annotated[float, quantity("N/m", positive=True, of="contact stiffness")] = Field(examples=["1.0e7"])
+    damping: Annotated[float, quantity("N s/m", nonnegative=True, of="damping coefficient")] = 0.0
+    friction: Annotated[float, quantity("", nonnegative=True, of="friction factor")] = 0.0
 
 
 class Limits(Model):
     """What an actuator can do: stroke m (either way), speed m/s, acceleration m/s^2; None for no limit."""
 
-    stroke: Annotated[float, quantity("m", positive=True)] | None = None
-    speed: Annotated[float, quantity("m/s", positive=True)] | None = None
-    acceleration: Annotated[float, quantity("m/s^2", positive=True)] | None = None
+    stroke: Annotated[float, quantity("m", positive=True, of="stroke")] | None = None
+    speed: Annotated[float, quantity("m/s", positive=True, of="winch speed")] | None = None
+    acceleration: Annotated[float, quantity("m/s^2", positive=True, of="acceleration")] | None = None
 
 
 class HeaveCompensation(Model):
     """Pays out what the heave of the rope's last fixed point takes in: the share `gain`, after a `delay`, s."""
 
-    gain: Annotated[float, quantity("", nonnegative=True, at_most=2.0)] = Field(examples=["0.95"])
-    delay: Annotated[float, quantity("s", nonnegative=True)] = 0.0
+    gain: Annotated[float, quantity("", nonnegative=True, at_most=2.0, of="control gain")] = Field(examples=["0.95"])
+    delay: Annotated[float, quantity("s", nonnegative=True, of="delay")] = 0.0
     limits: Limits = Limits()

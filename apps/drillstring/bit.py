@@ -11,14 +11,14 @@ from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
 
 MOST_BLADES = 20
-NeverLess = Annotated[float, quantity("N", nonnegative=True)]
+NeverLess = Annotated[float, quantity("N", nonnegative=True, of="weight on bit")]
 
 
 class Rock(Model):
     """The bottom of the hole: `stiffness` N/m and `damping` N s/m, between bit and rock."""
 
-    stiffness: Annotated[float, quantity("N/m", positive=True)] = 2.5e7
-    damping: Annotated[float, quantity("N s/m", nonnegative=True)] = 0.0
+    stiffness: Annotated[float, quantity("N/m", positive=True, of="contact stiffness")] = 2.5e7
+    damping: Annotated[float, quantity("N s/m", nonnegative=True, of="damping coefficient")] = 0.0
 
 
 class Torque(Model):
@@ -27,10 +27,10 @@ class Torque(Model):
     kinetic + (static - kinetic) exp(-speed / decay), decay in rad/s; at rest what holds the bit, up to `static`.
     """
 
-    static: Annotated[float, quantity("N m", nonnegative=True)]
-    kinetic: Annotated[float, quantity("N m", nonnegative=True)]
-    decay: Annotated[float, quantity("rad/s", positive=True)] | None = None
-    weight: Annotated[float, quantity("N", positive=True)] | None = None
+    static: Annotated[float, quantity("N m", nonnegative=True, of="bit torque")]
+    kinetic: Annotated[float, quantity("N m", nonnegative=True, of="bit torque")]
+    decay: Annotated[float, quantity("rad/s", positive=True, of="rotary speed")] | None = None
+    weight: Annotated[float, quantity("N", positive=True, of="weight on bit")] | None = None
 
     @model_validator(mode="after")
     def _falls(self) -> Torque:
@@ -47,12 +47,12 @@ class Penetration(Model):
     threshold N and for a bit that turns backwards.
     """
 
-    rate: Annotated[float, quantity("m/s", positive=True)] = Field(examples=["15 m/h"])
-    weight: Annotated[float, quantity("N", positive=True)] | None = None
-    speed: Annotated[float, quantity("rad/s", positive=True)] = Field(examples=["120 rpm"])
+    rate: Annotated[float, quantity("m/s", positive=True, of="rate of penetration")] = Field(examples=["15 m/h"])
+    weight: Annotated[float, quantity("N", positive=True, of="weight on bit")] | None = None
+    speed: Annotated[float, quantity("rad/s", positive=True, of="rotary speed")] = Field(examples=["120 rpm"])
     threshold: NeverLess = 0.0
-    weight_exponent: Annotated[float, quantity("", positive=True, at_most=3.0)] = 1.0
-    speed_exponent: Annotated[float, quantity("", positive=True, at_most=3.0)] = 1.0
+    weight_exponent: Annotated[float, quantity("", positive=True, at_most=3.0, of="exponent")] = 1.0
+    speed_exponent: Annotated[float, quantity("", positive=True, at_most=3.0, of="exponent")] = 1.0
 
 
 class Cutting(Model):
@@ -65,13 +65,15 @@ class Cutting(Model):
     drilling.
     """
 
-    specific_energy: Annotated[float, quantity("Pa", positive=True)] = Field(examples=["120 MPa"])
-    contact_strength: Annotated[float, quantity("Pa", nonnegative=True)] = Field(0.0, examples=["60 MPa"])
-    wear_flat: Annotated[float, quantity("m", nonnegative=True)] = Field(0.0, examples=["1.2 mm"])
-    friction: Annotated[float, quantity("", nonnegative=True)] = 0.6
-    bit_constant: Annotated[float, quantity("", positive=True)] = 1.0
-    inclination: Annotated[float, quantity("", positive=True)] = 0.6
-    radius: Annotated[float, quantity("m", positive=True)] | None = Field(None, examples=["4.25 in"])
+    specific_energy: Annotated[float, quantity("Pa", positive=True, of="specific energy")] = Field(examples=["120 MPa"])
+    contact_strength: Annotated[float, quantity("Pa", nonnegative=True, of="specific energy")] = Field(
+        0.0, examples=["60 MPa"]
+    )
+    wear_flat: Annotated[float, quantity("m", nonnegative=True, of="wear flat")] = Field(0.0, examples=["1.2 mm"])
+    friction: Annotated[float, quantity("", nonnegative=True, of="friction factor")] = 0.6
+    bit_constant: Annotated[float, quantity("", positive=True, of="number of the bit")] = 1.0
+    inclination: Annotated[float, quantity("", positive=True, of="number of the bit")] = 0.6
+    radius: Annotated[float, quantity("m", positive=True, of="bit radius")] | None = Field(None, examples=["4.25 in"])
     blades: Annotated[Whole, Field(ge=1, le=MOST_BLADES)] | None = None
 
 
@@ -83,13 +85,13 @@ class Bit(Model):
 
     on_bottom: Switch = False
     lateral: Annotated[Literal["free", "pinned"], word("free", "pinned")] = "free"
-    force: Annotated[float, quantity("N")] = 0.0
+    force: Annotated[float, quantity("N", of="force")] = 0.0
     weight: NeverLess | None = Field(None, examples=["100 kN"])
     rock: Rock = Rock()
     torque: Torque | None = Field(None, examples=["{static: 6 kN m, kinetic: 4 kN m}"])
     penetration: Penetration | None = Field(None, examples=["{rate: 15 m/h, speed: 120 rpm}"])
     cutting: Cutting | None = Field(None, examples=["{specific_energy: 120 MPa}"])
-    slip_speed: Annotated[float, quantity("rad/s", positive=True)] = 0.1
+    slip_speed: Annotated[float, quantity("rad/s", positive=True, of="rotary speed")] = 0.1
 
     @property
     def load(self) -> float:

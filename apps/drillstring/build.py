@@ -15,6 +15,7 @@ from drillstring.end_groups import notes_of_ends
 from drillstring.ends import Controller
 from drillstring.factors import factors_of
 from drillstring.hole import Build, Hold
+from drillstring.limits import limits
 from drillstring.lumped_model import assemble_lumps
 from drillstring.observe import COORDINATE_UNITS, headline, variables
 from drillstring.scene import BEAM, DrillstringScene, check_lengths
@@ -144,6 +145,7 @@ def build(scene: DrillstringScene) -> Model:
         },
         observe=observer.observe,
         headline=lambda result: headline(result, lumps, scene.top.weight),
+        limits=lambda result: limits(result, scene, lumps),
         start="as given" if scene.start == "straight" else scene.start,
         step_limit=string.step_limit,
         own=observer.own,

@@ -15,6 +15,7 @@ from drillstring.scene import BEAM, DrillstringScene
 from drillstring.strength import yield_cautions
 from drillstring.string import Lumps, cut
 from drillstring.variations import bars
+from drillstring.wall_cautions import wall_cautions
 from tautline.cli.summary import shown
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.kernels.time_function import sample
@@ -193,6 +194,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
             )
         )
     found += buoyancy_cautions(scene, lumps.tubes)
+    found += wall_cautions(scene, well_of(scene), lumps)
     found += _friction_cautions(scene)
     found += _block_cautions(scene, lumps)
     found += _casing_cautions(scene, lumps)

@@ -21,11 +21,11 @@ class Controller(Model):
     """
 
     kind: Annotated[Literal["pi", "soft-torque", "stiff"], word("pi", "soft-torque", "stiff")] = "pi"
-    speed: Annotated[FunctionOfTime, time_function("rad/s")] = Field(examples=["120 rpm"])
-    proportional: Annotated[float, quantity("N m s/rad", nonnegative=True)] | None = None
-    integral: Annotated[float, quantity("N m/rad", nonnegative=True)] | None = None
-    torque_limit: Annotated[float, quantity("N m", positive=True)] | None = None
-    inertia: Annotated[float, quantity("kg m^2", positive=True)] | None = None
+    speed: Annotated[FunctionOfTime, time_function("rad/s", of="rotary speed")] = Field(examples=["120 rpm"])
+    proportional: Annotated[float, quantity("N m s/rad", nonnegative=True, of="control gain")] | None = None
+    integral: Annotated[float, quantity("N m/rad", nonnegative=True, of="control gain")] | None = None
+    torque_limit: Annotated[float, quantity("N m", positive=True, of="torque")] | None = None
+    inertia: Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")] | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Controller:
@@ -41,8 +41,8 @@ class Controller(Model):
         return self
 
 
-BLOCK = time_function("m", velocity="m/s")
-ROTATION = time_function("rad/s", controller=Branch(Controller))
+BLOCK = time_function("m", velocity="m/s", of="block position", velocity_of="block speed")
+ROTATION = time_function("rad/s", controller=Branch(Controller), of="rotary speed")
 
 
 class Top(Model):
@@ -53,4 +53,4 @@ class Top(Model):
 
     block: Annotated[Position, BLOCK] = Field(Constant(value=0.0), examples=["{velocity: {ramp: {to: 0.5, over: 2}}}"])
     rotation: Annotated[FunctionOfTime | Controller, ROTATION] = Field(Constant(value=0.0), examples=["60 rpm"])
-    weight: Annotated[float, quantity("N", nonnegative=True)] = 0.0
+    weight: Annotated[float, quantity("N", nonnegative=True, of="hook load")] = 0.0

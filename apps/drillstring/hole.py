@@ -12,12 +12,15 @@ from tautline.scene.refusal import fault, refusal
 
 MOST_ELEMENTS = 100_000
 
-Length = Annotated[float, quantity("m", positive=True)]
-Distance = Annotated[float, quantity("m", nonnegative=True)]
-Angle = Annotated[float, quantity("rad")]
-Speed = Annotated[float, quantity("m/s", positive=True)]
-Factor = Annotated[float, quantity("", nonnegative=True)]
-Inclination = Annotated[float, quantity("rad", nonnegative=True, at_most=3.1415926535897936)]
+Length = Annotated[float, quantity("m", positive=True, of="length")]
+HoleDiameter = Annotated[float, quantity("m", positive=True, of="hole diameter")]
+Depth = Annotated[float, quantity("m", positive=True, of="depth")]
+BendRadius = Annotated[float, quantity("m", positive=True, of="radius of curvature")]
+Distance = Annotated[float, quantity("m", nonnegative=True, of="length")]
+Angle = Annotated[float, quantity("rad", of="angle")]
+Speed = Annotated[float, quantity("m/s", positive=True, of="slip speed")]
+Factor = Annotated[float, quantity("", nonnegative=True, of="friction factor")]
+Inclination = Annotated[float, quantity("rad", nonnegative=True, at_most=3.1415926535897936, of="inclination")]
 
 
 class Hold(Model):
@@ -29,8 +32,8 @@ class Hold(Model):
 class _Arc(Model):
     """A piece of the well of constant curvature: `radius`, or `rate` in rad/m (``3 deg/30m``)."""
 
-    radius: Length | None = Field(None, examples=["1000 m"])
-    rate: Annotated[float, quantity("rad/m", positive=True)] | None = None
+    radius: BendRadius | None = Field(None, examples=["1000 m"])
+    rate: Annotated[float, quantity("rad/m", positive=True, of="dogleg severity")] | None = None
 
     @model_validator(mode="after")
     def _one_curvature(self) -> Self:
@@ -128,7 +131,7 @@ AnyPair = OneOf(
 class Casing(Model):
     """The cased part of the hole: measured depth of its `shoe` (m), and friction above it; the law is the wall's."""
 
-    shoe: Length = Field(examples=["1200 m"])
+    shoe: Depth = Field(examples=["1200 m"])
     friction: Annotated[Pair, AnyPair] = Field(examples=["0.2"])
 
 
@@ -138,8 +141,8 @@ class Wall(Model):
     They hold for a string of `lumps` lumps; the builder scales both by diameter and tributary length.
     """
 
-    stiffness: Annotated[float, quantity("N/m", positive=True)]
-    damping: Annotated[float, quantity("N s/m", nonnegative=True)] = 0.0
+    stiffness: Annotated[float, quantity("N/m", positive=True, of="contact stiffness")]
+    damping: Annotated[float, quantity("N s/m", nonnegative=True, of="damping coefficient")] = 0.0
     lumps: Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS)] = 12
     friction: Annotated[Friction, AnyFriction] = Friction(static=0.0, kinetic=0.0)
     casing: Casing | None = None
@@ -170,7 +173,7 @@ class Well(Model):
     azimuth: Angle = 0.0
     sections: Annotated[tuple[Annotated[Hold | Build | Turn, AnySection], ...], Field(min_length=1)] | None = None
     survey: Annotated[Survey | None, AnySurvey] = None
-    diameter: Length = Field(examples=["8.5 in"])
+    diameter: HoleDiameter = Field(examples=["8.5 in"])
     wall: Annotated[Wall | None, AnyWall] = Field(examples=["none, or {stiffness: 1.0e9, friction: 0.2}"])
 
     @model_validator(mode="after")

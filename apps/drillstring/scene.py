@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from drillstring.ends import Bit, Top
-from drillstring.hole import MOST_ELEMENTS, Distance, Factor, Length, Well
+from drillstring.hole import MOST_ELEMENTS, Well
 from drillstring.tubulars import EXAMPLE, NoSuchTubular, find
 from tautline.scene.errors import SceneError
 from tautline.scene.model import Model, Scene, Switch, Whole, word
@@ -23,8 +23,13 @@ from tautline.scene.solver import Output, Solver, check_output
 
 STRING = "[{name: drill pipe, length: rest, od: 0.127, id: 0.1086}]"
 
-Density = Annotated[float, quantity("kg/m^3", positive=True)]
-Modulus = Annotated[float, quantity("Pa", positive=True)]
+Density = Annotated[float, quantity("kg/m^3", positive=True, of="pipe density")]
+MudDensity = Annotated[float, quantity("kg/m^3", positive=True, of="mud density")]
+Modulus = Annotated[float, quantity("Pa", positive=True, of="Young's modulus")]
+ShearModulus = Annotated[float, quantity("Pa", positive=True, of="shear modulus")]
+Diameter = Annotated[float, quantity("m", positive=True, of="pipe diameter")]
+Bore = Annotated[float, quantity("m", nonnegative=True, of="pipe diameter")]
+Offset = Annotated[float, quantity("m", of="eccentricity")]
 
 
 def _either(schema: dict[str, Any]) -> None:
@@ -43,20 +48,20 @@ class Section(Model):
 
     tubular: str | None = Field(None, examples=["5 in 19.50 lb/ft S135"])
     name: str = Field(examples=["drill pipe"])
-    length: Annotated[float | Literal["rest"], quantity("m", positive=True, words=("rest",))] = Field(
+    length: Annotated[float | Literal["rest"], quantity("m", positive=True, words=("rest",), of="length")] = Field(
         examples=["270 m"]
     )
-    od: Length = Field(examples=["5 in"])
-    id: Distance = Field(examples=["4.276 in"])
-    tool_joint_od: Length | None = None
-    second_moment: Annotated[float, quantity("m^4", positive=True)] | None = None
-    mass_per_length: Annotated[float, quantity("kg/m", positive=True)] | None = None
-    yield_load: Annotated[float, quantity("N", positive=True)] | None = None
-    eccentricity: tuple[Annotated[float, quantity("m")], Annotated[float, quantity("m")]] = Field(
+    od: Diameter = Field(examples=["5 in"])
+    id: Bore = Field(examples=["4.276 in"])
+    tool_joint_od: Diameter | None = None
+    second_moment: Annotated[float, quantity("m^4", positive=True, of="second moment")] | None = None
+    mass_per_length: Annotated[float, quantity("kg/m", positive=True, of="pipe mass per length")] | None = None
+    yield_load: Annotated[float, quantity("N", positive=True, of="yield load")] | None = None
+    eccentricity: tuple[Offset, Offset] = Field(
         (0.0, 0.0), examples=["[0, 1.5 mm]"], description="both components, in the frame that turns with the pipe"
     )
     youngs_modulus: Modulus | None = None
-    shear_modulus: Modulus | None = None
+    shear_modulus: ShearModulus | None = None
     density: Density | None = None
     elements: Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS)] | None = None
 
@@ -105,18 +110,20 @@ class Material(Model):
     """Of all sections that do not give their own."""
 
     youngs_modulus: Modulus
-    shear_modulus: Modulus
+    shear_modulus: ShearModulus
     density: Density
 
 
 class Mud(Model):
     """The fluid in the hole, and in the string where `inside`; `added_mass` and `drag` are coefficients."""
 
-    density: Density
-    added_mass: Annotated[float | Literal["annular"], quantity("", nonnegative=True, words=("annular",))] = 1.0
-    drag: Factor = 1.0
+    density: MudDensity
+    added_mass: Annotated[
+        float | Literal["annular"], quantity("", nonnegative=True, words=("annular",), of="added mass coefficient")
+    ] = 1.0
+    drag: Annotated[float, quantity("", nonnegative=True, of="drag coefficient")] = 1.0
     inside: Switch = True
-    inside_density: Density | None = None
+    inside_density: MudDensity | None = None
 
     @model_validator(mode="after")
     def _filled(self) -> Mud:
@@ -133,11 +140,11 @@ class Damping(Model):
     `mass_proportional` in 1/s.
     """
 
-    rotation: Annotated[float, quantity("N m s/rad", nonnegative=True)] = 0.0
-    translation: Annotated[float, quantity("N s/m", nonnegative=True)] = 0.0
-    contact_rotation: Annotated[float, quantity("N m s/rad", nonnegative=True)] = 0.0
-    structural: Annotated[float, quantity("s", nonnegative=True)] = 0.0
-    mass_proportional: Annotated[float, quantity("1/s", nonnegative=True)] = 0.0
+    rotation: Annotated[float, quantity("N m s/rad", nonnegative=True, of="rotary damping")] = 0.0
+    translation: Annotated[float, quantity("N s/m", nonnegative=True, of="damping coefficient")] = 0.0
+    contact_rotation: Annotated[float, quantity("N m s/rad", nonnegative=True, of="rotary damping")] = 0.0
+    structural: Annotated[float, quantity("s", nonnegative=True, of="damping time")] = 0.0
+    mass_proportional: Annotated[float, quantity("1/s", nonnegative=True, of="rate of damping")] = 0.0
 
 
 LUMPED, BEAM = "lumped", "ale-ancf"
@@ -172,7 +179,7 @@ class DrillstringScene(Scene):
 
     title: str | None = None
     units: Annotated[Literal["si", "field"], word("si", "field")] = "si"
-    gravity: Annotated[float, quantity("m/s^2", nonnegative=True)] = 9.81
+    gravity: Annotated[float, quantity("m/s^2", nonnegative=True, of="gravity")] = 9.81
     well: Well = Field(examples=["{sections: [{hold: 2200 m}], diameter: 0.2032, wall: none}"])
     string: Annotated[tuple[Section, ...], Field(min_length=1, examples=[STRING])]
     material: Material = Field(examples=["{youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850}"])

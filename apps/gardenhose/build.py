@@ -10,6 +10,7 @@ import numpy as np
 
 from gardenhose.cables import Stream, arc_lengths, cables_of, streams
 from gardenhose.estimates import average, speeds
+from gardenhose.limits import limits
 from gardenhose.observe import Observer, variables
 from gardenhose.scene import HoseScene
 from gardenhose.summary import headline
@@ -79,6 +80,7 @@ def build(scene: HoseScene) -> Model:
         },
         observe=observer.observe,
         headline=headline,
+        limits=limits,
         start=STARTS[scene.start],
         step_limit=0.5 * float(np.diff(arc_lengths(scene)).min()),
         notes=notes,

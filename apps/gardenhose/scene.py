@@ -26,11 +26,11 @@ FAR_AWAY = 1.0e9
 """Distance of the root from the origin, in lengths of an element, at which rounding would bend the hose."""
 PLAIN_HOSE = "{length: 0.5, elements: 10, axial_stiffness: 10, bending_stiffness: 0.00108, mass_per_length: 0.00313}"
 
-Length = Annotated[float, quantity("m", positive=True)]
-AxialStiffness = Annotated[float, quantity("N", positive=True)]
-BendingStiffness = Annotated[float, quantity("N m^2", nonnegative=True)]
-MassPerLength = Annotated[float, quantity("kg/m", positive=True)]
-Damping = Annotated[float, quantity("s", nonnegative=True)]
+Length = Annotated[float, quantity("m", positive=True, of="length")]
+AxialStiffness = Annotated[float, quantity("N", positive=True, of="axial stiffness")]
+BendingStiffness = Annotated[float, quantity("N m^2", nonnegative=True, of="bending stiffness")]
+MassPerLength = Annotated[float, quantity("kg/m", positive=True, of="mass per length")]
+Damping = Annotated[float, quantity("s", nonnegative=True, of="damping time")]
 Elements = Annotated[Whole, Field(ge=1, le=MOST_ELEMENTS, examples=["10"])]
 
 
@@ -79,7 +79,7 @@ class Hose(Model):
     clamp: Annotated[Literal["direction", "slope"], word("direction", "slope")] = "direction"
     root_support: Annotated[Literal["clamped", "pinned"], word("clamped", "pinned")] = "clamped"
     end: Annotated[Literal["free", "pinned", "clamped"], word("free", "pinned", "clamped")] = "free"
-    tip_mass: Annotated[float, quantity("kg", nonnegative=True)] = 0.0
+    tip_mass: Annotated[float, quantity("kg", nonnegative=True, of="mass")] = 0.0
     strain: Annotated[Literal["green", "engineering"], word("green", "engineering")] = "green"
 
     _water: float | None = PrivateAttr(None)
@@ -170,8 +170,10 @@ class Water(Model):
     """
 
     mass_per_length: MassPerLength = Field(examples=["0.000785 kg/m"])
-    speed: Annotated[FunctionOfTime, time_function("m/s")] = Field(examples=["15 m/s, or {ramp: {to: 15, over: 0.1}}"])
-    outlet: Annotated[float, quantity("", positive=True)] = 1.0
+    speed: Annotated[FunctionOfTime, time_function("m/s", of="flow speed")] = Field(
+        examples=["15 m/s, or {ramp: {to: 15, over: 0.1}}"]
+    )
+    outlet: Annotated[float, quantity("", positive=True, of="ratio of outlet speed")] = 1.0
 
 
 COUPLINGS = word("linear", "lagrange", "penalty", "augmented")
@@ -194,7 +196,7 @@ class HoseScene(Scene):
     hose: Hose = Field(examples=[PLAIN_HOSE])
     water: Water | None = None
     coupling: Annotated[Literal["linear", "lagrange", "penalty", "augmented"], COUPLINGS] = "linear"
-    stiffness: Annotated[float, quantity("N/m", positive=True)] | None = None
+    stiffness: Annotated[float, quantity("N/m", positive=True, of="spring stiffness")] | None = None
     gravity: Gravity = (0.0, 0.0, -9.81)
     disturbance: Velocity = (0.0, 0.0, 0.0)
     start: Annotated[Literal["straight", "static", "relaxed"], word("straight", "static", "relaxed")] = "straight"

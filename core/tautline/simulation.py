@@ -358,6 +358,7 @@ class Run:
             "phase_lag": self.phase_lag(taken),
             "warnings": [*self.warnings(taken), *warnings],
             "headline": without_rounding(self.model.headline(result), result, taken),
+            "limits": [] if self.model.limits is None else self.model.limits(result),
             **(further or {}),
         }
         return store.finish(attributes, restart=self.memory)

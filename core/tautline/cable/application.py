@@ -73,12 +73,16 @@ class Cable:
     def cautions(self, scene: CableScene) -> list[Caution]:
         """What is large compared with what, and what the reader made of oddities."""
         from tautline.cable.cautions import cautions
+        from tautline.cable.quirks import read_quirks
+        from tautline.cable.scene import WrittenCable
         from tautline.scene.content import too_fast
+        from tautline.scene.doubts import slips_of_units
         from tautline.scene.errors import Caution
 
         text = too_fast(scene, scene.solver)
         more = [Caution("GeneralizedAlpha.time_step", text)] if text else []
-        return cautions(scene) + more
+        document, _ = read_quirks(scene.document)
+        return slips_of_units(WrittenCable, document) + cautions(scene) + more
 
     def check_figures(self, scene: CableScene) -> dict[str, Any]:
         """Counts, length and mass."""

@@ -11,6 +11,7 @@ import numpy as np
 from tautline.cable.eyelets import eyelets
 from tautline.cable.joined import check_sound, constraint_groups, equations_of
 from tautline.cable.layout import Layout
+from tautline.cable.limits import limits
 from tautline.cable.material import material_coordinates
 from tautline.cable.members import element_groups, records, steady_flow, stencils
 from tautline.cable.observe import Observer, headline, variables
@@ -121,6 +122,7 @@ def build(scene: CableScene) -> Model:
         },
         observe=observer.observe,
         headline=lambda result: headline(result),
+        limits=lambda result: limits(result, scene),
         start=solver.start,
         step_limit=max(0.5 * min(lengths), 1e-9),
         notes=notes,

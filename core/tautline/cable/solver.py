@@ -44,23 +44,27 @@ class CableSolver(Model):
     method: Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS] = Field(
         "generalized-alpha", alias="type"
     )
-    rho_inf: Annotated[float, quantity("", nonnegative=True, at_most=1.0)] | None = None
-    alpha_m: Annotated[float, quantity("")] | None = None
-    alpha_f: Annotated[float, quantity("")] | None = None
-    tolerance: Annotated[float, quantity("", positive=True, below=1.0)] = Field(1.0e-8, alias="eps_energy")
+    rho_inf: Annotated[float, quantity("", nonnegative=True, at_most=1.0, of="parameter of the method")] | None = None
+    alpha_m: Annotated[float, quantity("", of="parameter of the method")] | None = None
+    alpha_f: Annotated[float, quantity("", of="parameter of the method")] | None = None
+    tolerance: Annotated[float, quantity("", positive=True, below=1.0, of="parameter of the method")] = Field(
+        1.0e-8, alias="eps_energy"
+    )
     max_iterations: Annotated[Whole, Field(ge=1, le=1000)] = Field(20, alias="maxIter")
-    mass_damping: Annotated[float, quantity("1/s", nonnegative=True)] = Field(0.0, alias="massDamp")
+    mass_damping: Annotated[float, quantity("1/s", nonnegative=True, of="rate of damping")] = Field(
+        0.0, alias="massDamp"
+    )
     step: Step = Field(alias="time_step")
     end: Time = Field(alias="time_end")
-    plotpoints: Annotated[float, quantity("", nonnegative=True)] = 0.0
+    plotpoints: Annotated[float, quantity("", nonnegative=True, of="frames a second")] = 0.0
     skip_vtk: Switch = Field(True, alias="skipVTK")
     start: Annotated[Literal["static", "relaxed", "as given"], word("static", "relaxed", "as given")] = "as given"
     projection: Annotated[Literal["mass", "identity", "none"], word("mass", "identity", "none")] = "identity"
     stabilise: Annotated[Whole, Field(ge=0, le=2)] = 2
     control: Control = "fixed"
-    step_error: Annotated[float, quantity("m", positive=True)] | None = Field(None, alias="tolerance")
+    step_error: Annotated[float, quantity("m", positive=True, of="step error")] | None = Field(None, alias="tolerance")
     newton: Newton = "modified"
-    frequency: Annotated[float, quantity("Hz", positive=True)] | None = None
+    frequency: Annotated[float, quantity("Hz", positive=True, of="frequency")] | None = None
 
     @model_validator(mode="after")
     def _alphas(self) -> CableSolver:

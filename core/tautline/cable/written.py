@@ -164,7 +164,7 @@ class Master(Model):
 
     mNode: Id
     mDof: Dof
-    factor: Annotated[float, quantity("")] = 1.0
+    factor: Annotated[float, quantity("", of="factor")] = 1.0
 
     @model_validator(mode="after")
     def _counts(self) -> Master:
@@ -226,13 +226,13 @@ class TwoNodeSpring(_OnNodes):
     nodes4: Pair | None = None
     stiffness: Stiffness
     damping: Damping = 0.0
-    length: Annotated[float, quantity("m", nonnegative=True)] | None = None
+    length: Annotated[float, quantity("m", nonnegative=True, of="distance")] | None = None
 
 
 class PointMass(_OnNodes):
     """A mass at nodes, kg; gravity acts on it."""
 
-    mass: Annotated[float, quantity("kg", positive=True)]
+    mass: Annotated[float, quantity("kg", positive=True, of="mass")]
 
 
 def _from_one(model: Any) -> Any:
@@ -266,7 +266,9 @@ class Function(Model):
     """Ours: a motion by any function of time; its value, m, is the degree of freedom itself."""
 
     id: Id
-    value: Annotated[FunctionOfTime, time_function("m")] = Field(examples=["{ramp: {to: 2.0, over: 1.0}}"])
+    value: Annotated[FunctionOfTime, time_function("m", of="position")] = Field(
+        examples=["{ramp: {to: 2.0, over: 1.0}}"]
+    )
 
     @model_validator(mode="after")
     def _names(self) -> Function:

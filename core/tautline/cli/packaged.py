@@ -65,12 +65,14 @@ class Packaged:
         return self._module("scene").json_schema()
 
     def cautions(self, scene: Any) -> list[Caution]:
-        """What is large compared with what, and a step that is too long for what drives the scene."""
+        """Slips of units, what is large compared with what, and a step that is too long for what drives the scene."""
         from tautline.scene.content import too_fast
+        from tautline.scene.doubts import slips_of_units
         from tautline.scene.errors import Caution
 
         text = too_fast(scene, scene.solver)
-        return self._module("cautions").cautions(scene) + ([Caution("solver.step", text)] if text else [])
+        found = slips_of_units(type(scene), scene.document) + self._module("cautions").cautions(scene)
+        return found + ([Caution("solver.step", text)] if text else [])
 
     def check_figures(self, scene: Any) -> dict[str, Any]:
         """What ``check`` tells of a scene in figures."""

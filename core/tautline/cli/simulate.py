@@ -10,7 +10,7 @@ from tautline.cli.catalogue import Catalogue
 from tautline.cli.console import console, print_json, say
 from tautline.cli.progress import Bar
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.summary import quantity, table, two_columns
+from tautline.cli.summary import limit_said, quantity, table, two_columns
 
 if TYPE_CHECKING:
     from tautline.cli.application import Application
@@ -189,6 +189,7 @@ def _report(scene: Path, result: Result | None, end: float | None, cautions: Seq
     report |= {key: attributes.get(key) for key in COPIED}
     report["step_error"] = result.step_error if result is not None else None
     report["warnings"] = result.warnings if result is not None else []
+    report["limits"] = result.limits if result is not None else []
     report["cautions"] = [{"where": caution.where, "text": caution.text} for caution in cautions]
     report |= {"end": attributes.get("end", end), "frames": len(times)}
     report["simulated_time"] = float(times[-1] - times[0]) if len(times) else None
@@ -205,5 +206,9 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
         say(f"wrote {result.path}: {frames}. Next: {catalogue.name} plot {result.path}", "green")
     for warning in report["warnings"]:
         say(f"warning: {warning}", "yellow")
+    system = str(result.attributes.get("units") or "si") if result is not None else "si"
+    for record in report["limits"]:
+        if not record["passed"]:
+            say(f"warning: {record['text']}: {limit_said(record, system)}", "yellow")
     if as_json:
         print_json(report)

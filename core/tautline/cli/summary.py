@@ -127,7 +127,22 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
     for name, figure in headline.items():
         label = str(figure.get("text") or name.replace("_", " "))
         rows.append((label, shown(figure.get("value"), str(figure.get("unit") or ""), system)))
+    if limits := report.get("limits"):
+        failed = [record for record in limits if not record["passed"]]
+        rows += [("", ""), ("limits kept", f"{len(limits) - len(failed)} of {len(limits)}")]
+        rows += [(record["text"], limit_said(record, system)) for record in failed]
     return two_columns(rows)
+
+
+def limit_said(record: dict[str, Any], system: str = "si") -> str:
+    """What a limit was and what came of it: ``6.2 deg, not at most 4 deg (winch, t = 3.2 s)``; angles in degrees."""
+
+    def write(value: float, unit: str) -> str:
+        return f"{significant(math.degrees(value))} deg" if unit == "rad" else shown(value, unit, system)
+
+    value, limit = (write(record[key], record["unit"]) for key in ("value", "limit"))
+    verdict = "" if record["passed"] else "not "
+    return f"{value}, {verdict}{record['sense']} {limit} ({record['place']}, t = {significant(record['time'])} s)"
 
 
 def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:

@@ -94,6 +94,12 @@ class Result:
         return json.loads(found) if isinstance(found, str) else found
 
     @property
+    def limits(self) -> list[dict[str, Any]]:
+        """What the run is judged by, passed or not, with time and place: see `tautline.results.limits`."""
+        limits = self.attributes.get("limits", [])
+        return json.loads(limits) if isinstance(limits, str) else list(limits)
+
+    @property
     def headline(self) -> dict[str, dict[str, Any]]:
         """The application's figures: name -> {value, unit, text}; empty if the run did not come to its end."""
         headline = self.attributes.get("headline", "")

@@ -128,7 +128,7 @@ class Document:
     def written(self, key: str | Path_) -> str | None:
         """Return the text of a scalar as its author wrote it, None for anything else."""
         node, path = self.tree, split_key(key)
-        if self._origin(path):
+        if self.origin(path):
             value: Any = self.root
             for part in path:
                 inside = isinstance(value, list) and part in range(len(value))
@@ -140,8 +140,8 @@ class Document:
             node = node.children[part]
         return node.scalar
 
-    def _origin(self, path: Path_) -> str | None:
-        """Where a value came from, if not from the text."""
+    def origin(self, path: Path_) -> str | None:
+        """Option that a value came from, such as ``--step``; None for what is in the text."""
         ends = range(len(path), 0, -1)
         return next((self.origins[path[:end]] for end in ends if path[:end] in self.origins), None)
 
@@ -174,7 +174,7 @@ class Document:
     def problem(self, key: str | Path_, cause: str, cure: str = "", value: str | None = None) -> Problem:
         """Build a problem at a key path; the value is shown as written."""
         path = split_key(key)
-        shown, origin = self.written(path) if value is None else value, self._origin(path)
+        shown, origin = self.written(path) if value is None else value, self.origin(path)
         if origin:
             return Problem(origin, None, join_key(path), shown, cause, cure)
         return Problem(str(self.path), self.line(path) or 1, join_key(path), shown, cause, cure)

@@ -18,12 +18,14 @@ from pydantic_core import CoreSchema, core_schema
 from tautline.scene.columns import Columns
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
 from tautline.scene.quantity import quantity
+from tautline.scene.ranges import rate_of
 from tautline.scene.refusal import fault, refusal
 
-Time = Annotated[float, quantity("s")]
-Duration = Annotated[float, quantity("s", positive=True)]
-Angle = Annotated[float, quantity("rad")]
-Number = Annotated[float, quantity("")]
+Time = Annotated[float, quantity("s", of="moment")]
+Duration = Annotated[float, quantity("s", positive=True, of="duration")]
+Period = Annotated[float, quantity("s", positive=True, of="period")]
+Angle = Annotated[float, quantity("rad", of="phase")]
+Number = Annotated[float, quantity("", of="response to waves")]
 MOST_COMPONENTS = 5000
 SHORTEST_RAMP = 1.0e-9
 
@@ -86,11 +88,11 @@ class Harmonic(Model):
     """``mean + amplitude sin(2 pi t / period + phase)``, the sine under a quintic envelope over the first `ramp`."""
 
     amplitude: float
-    period: Duration | None = None
-    frequency: Annotated[float, quantity("Hz", positive=True)] | None = None
+    period: Period | None = None
+    frequency: Annotated[float, quantity("Hz", positive=True, of="frequency")] | None = None
     phase: Angle = 0.0
     mean: float = 0.0
-    ramp: Annotated[float, quantity("s", nonnegative=True)] = 0.0
+    ramp: Annotated[float, quantity("s", nonnegative=True, of="duration")] = 0.0
 
     @model_validator(mode="after")
     def _one_period(self) -> Harmonic:
@@ -105,8 +107,8 @@ class Chirp(Model):
     """``amplitude [sin(2 pi (t - shift) / period + rate (t - shift)^2) - (the same at t = 0)]``; `rate` in rad/s^2."""
 
     amplitude: float
-    period: Duration
-    rate: Annotated[float, quantity("rad/s^2")]
+    period: Period
+    rate: Annotated[float, quantity("rad/s^2", of="angular acceleration")]
     shift: Time = 0.0
 
 
@@ -114,13 +116,13 @@ class Spectrum(Model):
     """A random sea: JONSWAP waves, times the response `rao` (the value per metre of wave)."""
 
     kind: Annotated[Literal["jonswap"], word("jonswap")] = "jonswap"
-    significant_height: Annotated[float, quantity("m", nonnegative=True)]
-    peak_period: Duration
-    gamma: Annotated[float, quantity("", positive=True, at_most=20.0)] = 3.3
+    significant_height: Annotated[float, quantity("m", nonnegative=True, of="significant wave height")]
+    peak_period: Annotated[float, quantity("s", positive=True, of="peak period")]
+    gamma: Annotated[float, quantity("", positive=True, at_most=20.0, of="peak factor")] = 3.3
     seed: Annotated[Whole, Field(ge=0)] = 0
     rao: Number = 1.0
     components: Annotated[Whole, Field(ge=1, le=MOST_COMPONENTS)] = 200
-    ramp: Annotated[float, quantity("s", nonnegative=True)] = 0.0
+    ramp: Annotated[float, quantity("s", nonnegative=True, of="duration")] = 0.0
 
 
 class Sum(Model):
@@ -142,21 +144,21 @@ Position = FunctionOfTime | Velocity
 class _Terms:
     """The list under ``sum``: read when it occurs, because functions hold functions."""
 
-    def __init__(self, unit: str) -> None:
-        self.unit = unit
+    def __init__(self, unit: str, of: str) -> None:
+        self.unit, self.of = unit, of
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         def read(value: Any, info: core_schema.ValidationInfo) -> Any:
             if not isinstance(value, list) or not value:
                 raise refusal("is not a list of functions", "write a list: sum: [{constant: 1.0}, {harmonic: ...}]")
-            return _terms(self.unit).validate_python(value, context=info.context)
+            return _terms(self.unit, self.of).validate_python(value, context=info.context)
 
         return core_schema.with_info_before_validator_function(read, core_schema.any_schema())
 
 
 @functools.cache
-def _terms(unit: str) -> TypeAdapter[Any]:
-    return TypeAdapter(list[Annotated[Any, time_function(unit)]])
+def _terms(unit: str, of: str) -> TypeAdapter[Any]:
+    return TypeAdapter(list[Annotated[Any, time_function(unit, of=of)]])
 
 
 def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
@@ -175,13 +177,13 @@ def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
 
 
 @functools.cache
-def _models(unit: str) -> dict[str, type[Model]]:
-    """Return the models of the functions whose value has a unit."""
+def _models(unit: str, of: str) -> dict[str, type[Model]]:
+    """Return the models of the functions whose value has a unit, and a row in the table of plausible ranges."""
     per_second = {"m": "m/s", "m/s": "m/s^2", "rad": "rad/s", "rad/s": "rad/s^2"}.get(
         unit, f"({unit})/s" if unit else "1/s"
     )
-    value: Any = Annotated[float, quantity(unit)]
-    slope: Any = Annotated[float, quantity(per_second)]
+    value: Any = Annotated[float, quantity(unit, of=of)]
+    slope: Any = Annotated[float, quantity(per_second, of=rate_of(unit) if of else "")]
 
     def read_file(cls: type, data: Any, info: ValidationInfo) -> Any:
         return _from_file(data, info, unit)
@@ -209,16 +211,18 @@ def _models(unit: str) -> dict[str, type[Model]]:
 
 
 @functools.cache
-def branches(unit: str) -> dict[str, Branch]:
+def branches(unit: str, of: str = "") -> dict[str, Branch]:
     """Return the ways to write a function of time whose value has a unit, by key."""
-    keyed = {"constant": Branch(Annotated[float, quantity(unit)], lambda value: Constant(value=value))}
-    keyed |= {key: Branch(model) for key, model in _models(unit).items()}
-    terms = Annotated[Any, _Terms(unit)]
+    keyed = {"constant": Branch(Annotated[float, quantity(unit, of=of)], lambda value: Constant(value=value))}
+    keyed |= {key: Branch(model) for key, model in _models(unit, of).items()}
+    terms = Annotated[Any, _Terms(unit, of)]
     return keyed | {"sum": Branch(terms, lambda terms: Sum(terms=tuple(terms)))}
 
 
-def time_function(unit: str, velocity: str | None = None, **others: Branch) -> OneOf:
-    """Annotate a function of time: ``Annotated[FunctionOfTime, time_function("m/s")]``.
+def time_function(
+    unit: str, velocity: str | None = None, *, of: str = "", velocity_of: str = "", **others: Branch
+) -> OneOf:
+    """Annotate a function of time: ``Annotated[FunctionOfTime, time_function("m/s", of="winch speed")]``.
 
     Parameters
     ----------
@@ -226,12 +230,14 @@ def time_function(unit: str, velocity: str | None = None, **others: Branch) -> O
         SI unit of the value.
     velocity : str, optional
         Unit of the value's rate: the function may then also be written ``{velocity: function}``, read as `Velocity`.
+    of, velocity_of : str
+        Rows of value and rate in the table of plausible ranges, `tautline.scene.ranges`.
     **others : Branch
         Further keys allowed in its place.
     """
-    keyed = dict(branches(unit))
+    keyed = dict(branches(unit, of))
     if velocity is not None:
-        inner = Annotated[Any, time_function(velocity)]
+        inner = Annotated[Any, time_function(velocity, of=velocity_of)]
         keyed["velocity"] = Branch(inner, lambda function: Velocity(velocity=function))
-    plain = Branch(Annotated[float, quantity(unit)], lambda value: Constant(value=value))
+    plain = Branch(Annotated[float, quantity(unit, of=of)], lambda value: Constant(value=value))
     return OneOf("a function of time", keyed | others, plain, example="{ramp: {to: 2.0, over: 1.0}}")

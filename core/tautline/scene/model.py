@@ -19,6 +19,8 @@ from tautline.scene.refusal import KIND, nearest, refusal
 MARK = "|"
 """Begins the tag of a branch that is no key of the file; dropped from key paths."""
 
+DOUBT = "doubt"
+"""The error type of a number that is sound and doubtful: see `tautline.scene.doubts`."""
 MOST_FAULTS = 100
 """Faults of one mapping that are told; a table of words for numbers has as many as rows."""
 
@@ -73,6 +75,8 @@ def _detail(model: type[Model], error: Any) -> InitErrorDetails:
     elif len(place) == 1 and kind == "extra_forbidden":
         comma = "is it a decimal comma? Write 0.127 with a point" if str(place[0]).isdigit() else ""
         known = refusal("unknown key", comma or nearest(str(place[0]), model._keys()))
+    elif kind == DOUBT:
+        known = PydanticCustomError(DOUBT, "doubtful", context)
     elif kind == KIND or "error" in context:
         words = {"cause": error["msg"]} | {k: v for k, v in context.items() if k != "error"}
         if len(place) == 1 and "cure" in words and (stated := model._stated(str(place[0]))):

@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from tautline.scene.ranges import RANGES
 from tautline.scene.refusal import nearest, refusal
 from tautline.scene.units import Uncounted, UnknownUnit, converted, read_unit
 
@@ -54,7 +55,8 @@ MEANINGS = {
 class Quantity:
     """Annotation of a float: unit, bounds, and words allowed in place of a number.
 
-    Bounds are in SI. `words` are accepted as they stand (``length: rest``).
+    Bounds are in SI. `words` are accepted as they stand (``length: rest``). `of` is its row in the table of plausible
+    ranges (`tautline.scene.ranges`): every key of a scene has one.
     """
 
     unit: str
@@ -63,6 +65,12 @@ class Quantity:
     below: float | None = None
     at_most: float | None = None
     words: tuple[str, ...] = ()
+    of: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse a row that is not in the table, or is one of another unit: a slip of who declares the key."""
+        if self.of and (RANGES[self.of].low is not None and RANGES[self.of].unit != self.unit):
+            raise ValueError(f"the plausible range of '{self.of}' is not in {self.unit or 'pure numbers'}")
 
     @property
     def meaning(self) -> str:
@@ -162,7 +170,15 @@ class Quantity:
             raise refusal(f"must not be more than {self.at_most:g}{unit}", self.cure)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
+        return core_schema.with_info_plain_validator_function(self._validate)
+
+    def _validate(self, written: Any, info: core_schema.ValidationInfo) -> float | str:
+        value = self.read(written)
+        # A second validation, of a scene that is sound, asks for what is doubtful: pydantic knows the key, and we not.
+        doubt = (info.context or {}).get("doubt")
+        if doubt is not None and not isinstance(value, str):
+            doubt(self, written, value)
+        return value
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         number: dict[str, Any] = {"type": "number"}
@@ -175,7 +191,7 @@ class Quantity:
         )
         choices = [number, text] + ([{"enum": list(self.words)}] if self.words else [])
         what = f"{self.meaning}, in {self.unit} unless a unit is given" if self.unit else self.meaning
-        return {"anyOf": choices, "description": f"{what}; {self.example}"}
+        return {"anyOf": choices, "description": f"{what}; {self.example}"} | ({"quantity": self.of} if self.of else {})
 
 
 def quantity(
@@ -186,8 +202,9 @@ def quantity(
     below: float | None = None,
     at_most: float | None = None,
     words: tuple[str, ...] = (),
+    of: str = "",
 ) -> Quantity:
-    """Annotate a float: ``Length = Annotated[float, quantity("m", positive=True)]``.
+    """Annotate a float: ``Length = Annotated[float, quantity("m", positive=True, of="length")]``.
 
     Parameters
     ----------
@@ -199,8 +216,11 @@ def quantity(
         Upper bound in SI, excluded or included.
     words : tuple of str
         Words allowed in place of a number.
+    of : str
+        Row of the table of plausible ranges, `tautline.scene.ranges`. Every key of a scene names one; the options of a
+        command need none.
     """
-    return Quantity(unit, 0.0 if positive else None, 0.0 if nonnegative else None, below, at_most, words)
+    return Quantity(unit, 0.0 if positive else None, 0.0 if nonnegative else None, below, at_most, words, of)
 
 
 def suited(cure: str, written: Any, example: str | None = None) -> str:

@@ -20,8 +20,8 @@ METHODS = word(
     aliases={"G-alpha": "generalized-alpha", "generalised-alpha": "generalized-alpha", "runge-kutta": "rk4"},
 )
 Method = Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS]
-Time = Annotated[float, quantity("s", positive=True)]
-Step = Annotated[float | Literal["auto"], quantity("s", positive=True, words=("auto",))]
+Time = Annotated[float, quantity("s", positive=True, of="time simulated")]
+Step = Annotated[float | Literal["auto"], quantity("s", positive=True, words=("auto",), of="time step")]
 Newton = Annotated[Literal["modified", "full"], word("modified", "full")]
 Control = Annotated[Literal["fixed", "error"], word("fixed", "error")]
 
@@ -121,15 +121,15 @@ class Solver(Model):
     """
 
     method: Method = "generalized-alpha"
-    rho_inf: Annotated[float, quantity("", nonnegative=True, at_most=1.0)] | None = None
-    alpha_m: Annotated[float, quantity("")] | None = None
-    alpha_f: Annotated[float, quantity("")] | None = None
+    rho_inf: Annotated[float, quantity("", nonnegative=True, at_most=1.0, of="parameter of the method")] | None = None
+    alpha_m: Annotated[float, quantity("", of="parameter of the method")] | None = None
+    alpha_f: Annotated[float, quantity("", of="parameter of the method")] | None = None
     step: Step
     end: Time
     control: Control = "fixed"
-    step_error: Annotated[float, quantity("m", positive=True)] | None = None
-    tolerance: Annotated[float, quantity("", positive=True, below=1.0)] | None = None
-    frequency: Annotated[float, quantity("Hz", positive=True)] | None = None
+    step_error: Annotated[float, quantity("m", positive=True, of="step error")] | None = None
+    tolerance: Annotated[float, quantity("", positive=True, below=1.0, of="parameter of the method")] | None = None
+    frequency: Annotated[float, quantity("Hz", positive=True, of="frequency")] | None = None
     max_iterations: Annotated[Whole, Field(ge=1, le=1000)] = 20
     max_halvings: Annotated[Whole, Field(ge=0, le=40)] = 10
     newton: Newton = "modified"
@@ -160,7 +160,7 @@ class Solver(Model):
 class Output(Model):
     """What is kept: a frame every `interval`."""
 
-    interval: Annotated[float, quantity("s", positive=True)]
+    interval: Annotated[float, quantity("s", positive=True, of="interval of frames")]
 
 
 def check_output(solver: Solver, output: Output) -> None:

@@ -38,10 +38,10 @@ def three(example: str) -> BeforeValidator:
     return listed(3, "three numbers: x, y and z", example)
 
 
-Position = Annotated[tuple[Annotated[float, quantity("m")], ...], three("[0, 0, 0]")]
-Direction = Annotated[tuple[Annotated[float, quantity("")], ...], three("[1, 0, 0]")]
-Velocity = Annotated[tuple[Annotated[float, quantity("m/s")], ...], three("[0, 0.01, 0]")]
-Acceleration = Annotated[tuple[Annotated[float, quantity("m/s^2")], ...], three("[0, 0, -9.81]")]
+Position = Annotated[tuple[Annotated[float, quantity("m", of="position")], ...], three("[0, 0, 0]")]
+Direction = Annotated[tuple[Annotated[float, quantity("", of="direction")], ...], three("[1, 0, 0]")]
+Velocity = Annotated[tuple[Annotated[float, quantity("m/s", of="speed")], ...], three("[0, 0.01, 0]")]
+Acceleration = Annotated[tuple[Annotated[float, quantity("m/s^2", of="gravity")], ...], three("[0, 0, -9.81]")]
 
 
 class _Downwards:
@@ -51,7 +51,7 @@ class _Downwards:
         def tag(value: Any) -> str:
             return f"{MARK}vector" if isinstance(value, (list, tuple)) else f"{MARK}number"
 
-        number = handler.generate_schema(Annotated[float, quantity("m/s^2", nonnegative=True)])
+        number = handler.generate_schema(Annotated[float, quantity("m/s^2", nonnegative=True, of="gravity")])
         choices: dict[Any, CoreSchema] = {
             f"{MARK}vector": handler.generate_schema(Acceleration),
             f"{MARK}number": core_schema.no_info_after_validator_function(lambda g: (0.0, 0.0, 0.0 - g), number),

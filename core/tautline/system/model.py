@@ -75,6 +75,8 @@ class Model:
     settle : callable or None
         Brings the run's state to the static equilibrium that it starts from, where that takes more than finding it: a
         rope of the length that makes its drawing true.
+    limits : callable or None
+        Result -> records of what it is judged by (`tautline.results.limits`).
     """
 
     system: System
@@ -89,3 +91,4 @@ class Model:
     own: int = 0
     notes: list[str] = field(default_factory=list)
     settle: Callable[[Any], None] | None = None
+    limits: Callable[[Any], list[dict[str, Any]]] | None = None

@@ -1,0 +1,15 @@
+"""What the run of a hose is judged by: how far its elements fold or stretch."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tautline.results.limits import stretch_limits
+
+
+def limits(result: Any) -> list[dict[str, Any]]:
+    """Records of `tautline.results.limits`, from the stored frames. A hose of rubber may stretch, so no strain is."""
+    places = [f"{x:.4g} m from the root" for x in np.asarray(result["arc_length"])]
+    return stretch_limits(result.time, np.linalg.norm(np.asarray(result["slope"]), axis=-1), places)

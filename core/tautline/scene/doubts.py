@@ -1,0 +1,235 @@
+"""Warnings of numbers that are probably a slip of a unit, by the table of plausible ranges.
+
+A scene that is sound is validated once more, and now every quantity outside of its range raises an error of a kind of
+its own: pydantic says under which key it stands, whatever the scene is made of.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import PydanticCustomError
+
+from tautline.scene.document import Document, Path_, join_key
+from tautline.scene.errors import Caution
+from tautline.scene.model import DOUBT, MARK, Model
+from tautline.scene.quantity import NUMBER, Quantity
+from tautline.scene.ranges import RANGES, Range, in_range, sized
+from tautline.scene.units import Uncounted, UnknownUnit, converted, read_unit
+
+FIELD = re.compile(r"\b(in|ft|psi|ksi|Mpsi|lbf|klbf|lb|ppg|pcf|gal|bbl)\b")
+"""Units of the oilfield: who has written one of them means another of them."""
+ALSO_FIELD = ("deg", "rpm")
+"""Units that the oilfield shares with everybody."""
+SELDOM = ("lbf/ft", "lbf s/ft", "lb ft^2")
+"""Units of the oilfield of what is chosen for the computation, and is as usual in SI."""
+OFFERED = 2
+"""Units that are offered."""
+SHOWN = 3
+"""Numbers of one kind that are told one by one."""
+LISTED = 8
+"""Numbers without a unit that are told one by one in a scene of field units."""
+
+
+@dataclass(frozen=True)
+class _Doubt:
+    """A doubtful number: where, its row, what was typed, and its value in SI."""
+
+    key: Path_
+    line: int | None
+    of: str
+    unit: str
+    typed: str
+    value: float
+    bare: bool
+
+    @property
+    def shown(self) -> str:
+        """What was typed, with the unit it is read in."""
+        return f"{self.typed} {self.unit}".strip() if self.bare else self.typed
+
+
+def slips_of_units(model: type[Model], document: Document | None) -> list[Caution]:
+    """Warn of the numbers of a scene that are outside of their plausible range, or lack a field unit.
+
+    Parameters
+    ----------
+    model : type
+        Of the scene, as it is written.
+    document : Document or None
+        A file that was read and is valid; None for a scene made in Python, of which nothing is known to be typed.
+
+    Returns
+    -------
+    list of Caution
+        In the order of the file; of many numbers of one kind only one, which counts the others.
+    """
+    if document is None:
+        return []
+    field = document.root.get("units") == "field"
+    found = list(_doubts(model, document, _asks(field)))
+    groups: dict[tuple[str, str], list[_Doubt]] = {}
+    for doubt in found:
+        if not RANGES[doubt.of].holds(doubt.value):
+            kind = re.sub(r"\[\d+\]", "[]", join_key(doubt.key))
+            groups.setdefault((kind, doubt.of), []).append(doubt)
+    cautions = [caution for group in groups.values() for caution in _outside(group, field)]
+    return cautions + _bare([doubt for doubt in found if RANGES[doubt.of].holds(doubt.value)])
+
+
+def _asks(field: bool) -> Callable[[Quantity, Any, float], None]:
+    """What raises the doubts of a quantity."""
+
+    def doubt(quantity: Quantity, written: Any, value: float) -> None:
+        row = RANGES.get(quantity.of)
+        if row is None:
+            return
+        bare = not isinstance(written, str)
+        unusual = field and bare and value != 0.0 and _field_unit(row) is not None
+        if row.holds(value) and not unusual:
+            return
+        context = {"of": quantity.of, "unit": quantity.unit, "typed": str(written), "value": value, "bare": bare}
+        raise PydanticCustomError(DOUBT, "doubtful", context)
+
+    return doubt
+
+
+def _doubts(model: type[Model], document: Document, ask: Callable[[Quantity, Any, float], None]) -> Iterator[_Doubt]:
+    try:
+        model.model_validate(document.root, context={"folder": document.folder, "doubt": ask})
+    except ValidationError as error:
+        errors = error.errors(include_url=False, include_input=False)
+    else:
+        return
+    told: set[Path_] = set()
+    doubts = []
+    for one in errors:
+        if one["type"] != DOUBT:
+            continue
+        key = tuple(part for part in one["loc"] if not (isinstance(part, str) and part.startswith(MARK)))
+        context: Any = one.get("ctx") or {}
+        place = _place(document, key)
+        if place is not None and key not in told:
+            told.add(key)
+            if context["bare"] and place == key:
+                context["typed"] = document.written(key)  # 1.0e9 is not to become 1000000000.0
+            line = None if document.origin(place) else document.line(place)
+            doubts.append(_Doubt(place, line, **context))
+    yield from sorted(doubts, key=lambda doubt: doubt.line or 0)
+
+
+def _place(document: Document, key: Path_) -> Path_ | None:
+    """Where a number was written: its own key, or that of the file it came from; None for what nobody has written."""
+    if document.written(key) is not None:
+        return key
+    ends = [i for i, part in enumerate(key) if isinstance(part, str)]
+    if ends and document.written((*key[: ends[-1]], "file")) is not None:
+        return (*key[: ends[-1]], "file")
+    return None
+
+
+def _units_meant(doubt: _Doubt, field: bool) -> list[tuple[str, float]]:
+    """Units under which the number as typed would be plausible, and its value then."""
+    row = RANGES[doubt.of]
+    return units_that_fit(doubt.typed, doubt.unit, row, field, row.holds)
+
+
+def units_that_fit(
+    typed: str, si: str, row: Range, field: bool, fits: Callable[[float], bool]
+) -> list[tuple[str, float]]:
+    """Units of a row under which a number would be right, and its value in SI then.
+
+    Parameters
+    ----------
+    typed : str
+        The number as it stands in the file, with its unit if it has one.
+    si : str
+        Unit of a bare number.
+    row : Range
+        Whose units are tried.
+    field : bool
+        Whether the scene is in field units, which then come first.
+    fits : callable
+        Value in SI -> whether it would be right.
+    """
+    match = NUMBER.fullmatch(typed)
+    if match is None:
+        return []
+    units = list(row.meant)
+    if field or FIELD.search(match["unit"]):
+        units.sort(key=lambda unit: not (FIELD.search(unit) or unit in ALSO_FIELD))
+    tried = [unit for unit in (*units, si) if unit not in (match["unit"] or si, "")]
+    values = [(unit, _in_unit(match["number"], unit, si)) for unit in tried]
+    return [(unit, value) for unit, value in values if value is not None and fits(value)][:OFFERED]
+
+
+def _in_unit(number: str, unit: str, wanted: str) -> float | None:
+    """A number of a unit in SI; None where the two do not go together."""
+    try:
+        return converted(read_unit(unit), read_unit(wanted or "%")).si(Fraction(number))
+    except (UnknownUnit, Uncounted, OverflowError):
+        return None
+
+
+def meant(typed: str, options: list[tuple[str, float]], unit: str) -> str:
+    """The sentence that names the units that were probably meant."""
+    match = NUMBER.fullmatch(typed)
+    if match is None or not options:
+        return "Check the number and its unit"
+    offers = [_both(f"{match['number']} {other}", sized(value, unit)) for other, value in options]
+    return f"Was {' or '.join(offers)} meant? Then write the unit"
+
+
+def _both(typed: str, read: str) -> str:
+    """What was typed and how it is read, where that is not the same text."""
+    return typed if typed == read else f"{typed} = {read}"
+
+
+def _outside(group: list[_Doubt], field: bool) -> Iterator[Caution]:
+    """Warnings of numbers of one key outside of their range; of many the first, and how many there are."""
+    told = group if len(group) <= SHOWN else group[:1]
+    for doubt in told:
+        row = RANGES[doubt.of]
+        read = doubt.shown if doubt.bare else _both(doubt.typed, sized(doubt.value, doubt.unit))
+        line = f" (line {doubt.line})" if doubt.line else ""
+        more = f" So are {len(group) - 1} more numbers there." if len(group) > SHOWN else ""
+        text = (
+            f"{read}{line} is unusual for {_article(doubt.of)}: {in_range(row)} is plausible. "
+            f"{meant(doubt.typed, _units_meant(doubt, field), doubt.unit)}.{more}"
+        )
+        yield Caution(join_key(doubt.key), text)
+
+
+def _article(name: str) -> str:
+    """A name with its article, where it has one."""
+    if name in ("slew", "luff", "heave", "gravity", "yaw", "surge or sway", "roll or pitch", "time simulated"):
+        return name
+    return f"{'an' if name[0] in 'aeio' else 'a'} {name}"
+
+
+def _field_unit(row: Range) -> str | None:
+    """The unit of the oilfield that is usual for a quantity; None where there is none."""
+    usual = (unit for unit in row.meant if (FIELD.search(unit) or unit in ALSO_FIELD) and unit not in SELDOM)
+    return next(usual, None)
+
+
+def _bare(found: list[_Doubt]) -> list[Caution]:
+    """One warning of all numbers without a unit, in a scene that says that it is in field units."""
+    if not found:
+        return []
+    readings = []
+    for doubt in found[:LISTED]:
+        unit = _field_unit(RANGES[doubt.of]) or ""
+        value = _in_unit(doubt.typed, unit, doubt.unit)
+        other = "" if value is None else f", and {doubt.typed} {unit} would be {sized(value, doubt.unit)}"
+        line = f" (line {doubt.line})" if doubt.line else ""
+        readings.append(f"{join_key(doubt.key)} = {doubt.typed}{line} is {doubt.shown}{other}")
+    more = f"; and {len(found) - LISTED} more" if len(found) > LISTED else ""
+    numbers = "1 number has" if len(found) == 1 else f"{len(found)} numbers have"
+    text = f"field, and {numbers} no unit. A number without a unit is read in SI: {'; '.join(readings)}{more}"
+    return [Caution("units", f"{text}. Write the unit that is meant")]
