@@ -165,11 +165,13 @@ def _other_runs(
     if not parts:
         return None
 
-    def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
+    def begin() -> None:
         if not quiet:
             say(f"estimating the error from {SHARES[parts[0]]}; --no-verify leaves it out")
-        bar.again(len(parts) * float(result.time[-1]), "estimating the error")
-        found = estimate(Subject(application, scene), result, progress=bar, parts=parts)
+        bar.again(len(parts) * float(model.solver.end), "estimating the error")
+
+    def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
+        found = estimate(Subject(application, scene), result, progress=bar, parts=parts, begin=begin)
         if isinstance(found, str):
             return {}, [f"the error due to the time step is not known: {found}"] if found else []
         return {"step_error": found._asdict()}, [found.warning] if found.warning else []

@@ -87,10 +87,13 @@ class StepError(NamedTuple):
         told = f"the {self.place} may be off by {self.distance:.2g} m, {100.0 * self.position:.2g} % of its motion"
         if self.force is not None:
             told += f", and the amplitude of the {self.force_place} by {100.0 * self.force:.2g} %"
-        return (
-            f"{told}. This is estimated from runs with steps of {_listed(self.steps or (self.step,))}. Take a shorter "
-            "step and compare. Where friction decides what slips first, a shorter step need not do better"
-        )
+        text = f"{told}. This is estimated from runs with steps of {_listed(self.steps or (self.step,))}. "
+        if len(self.steps) > 1 and self.steps[1] < self.steps[0]:
+            return text + (
+                "Take a shorter step and compare. Where friction decides what slips first, a shorter step need not do "
+                "better"
+            )
+        return text + "Take a shorter step, or --verify, which estimates it more closely from shorter steps"
 
 
 def tells_nothing_itself(model: Model) -> bool:
@@ -154,8 +157,12 @@ def estimate(
     setting: Setting | None = None,
     progress: Callable[[float, float], None] | None = None,
     parts: Sequence[float] = SHORTER,
+    begin: Callable[[], None] | None = None,
 ) -> StepError | str:
-    """The same as `step_error`, but a sentence that says why where the error is not known; empty if nothing moves."""
+    """The same as `step_error`, but a sentence that says why where the error is not known; empty if nothing moves.
+
+    ``begin`` is called before the first of the other runs.
+    """
     if len(result.time) < 2:
         return "the result has a single frame"
     try:
@@ -164,6 +171,8 @@ def estimate(
         return error.cause
     if not watched.moves:
         return ""
+    if begin is not None:
+        begin()
     given = setting or Setting()
     own = _step_taken(subject.model(given))
     histories, steps = [watched.of(result)], [own]
