@@ -1,4 +1,4 @@
-"""Scenes on which the error that `simulate` states is measured: half to choose the estimate by, half to prove it with."""
+"""Scenes on which the error that `simulate` states is measured: half to choose it by, half to prove it with."""
 
 from __future__ import annotations
 

@@ -145,15 +145,16 @@ def measure(quick: bool) -> Section:
 
 
 EACH = (
-    "half", "scene", "simulated, s", "step, s", "error of position, %", "stated, %", "error of the force's amplitude, %",
-    "stated, %", "steps of all runs over those of the run", "Newton iterations of all runs, likewise",
+    "half", "scene", "simulated, s", "step, s", "error of position, %", "stated, %",
+    "error of the force's amplitude, %", "stated, %", "steps of all runs over those of the run", "Newton iterations of all runs, likewise",
 )  # fmt: skip
 OVERALL = (
     "half", "of", "scenes", "stated is at least the error", "smallest stated over error", "median", "largest",
 )  # fmt: skip
 SHIPPED = (
-    "Every shipped scene as it stands. A dash stands where `simulate` says nothing unasked: crane scenes with ropes that go "
-    "slack control the error of each step. Scenes in which nothing moves are left out. "
+    "Every shipped scene as it stands. A dash stands where `simulate` states nothing unasked, for RK4 and where the "
+    "error of each step is controlled, as it is for ropes that carry no compression. Scenes in which nothing moves are "
+    "left out. "
     "An error in brackets is not proved: the two references differ by more than a quarter of it."
 )
 
@@ -162,7 +163,7 @@ def _text() -> str:
     return (
         "`simulate` estimates the error that is due to its steps: with dry friction from runs with a half and a third "
         "of the step, as of a method of first order; else from twice and four times the step by the grid convergence "
-        "index ([study.md](study.md#what-every-run-says-of-itself)). Here it stands beside the error itself, against runs "
+        "index ([study.md](study.md#the-estimated-error)). Here it stands beside the error itself, against runs "
         f"with {FINER[0]:g} and {FINER[1]:g} steps in place of one, of which the larger counts. One half of the scenes "
         "was used to choose the estimate; the other, with other parameters, was not. Only errors that are proved count "
         "in the first table."

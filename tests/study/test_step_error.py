@@ -38,8 +38,8 @@ def found(text, parts=SHORTER):
 
 @pytest.mark.parametrize("frames", [1250, 2500], ids=["two steps a frame", "one step a frame"])
 def test_shorter_steps_state_one_and_a_half_times_the_lag_of_an_implicit_method(frames):
-    """The lag of generalized-alpha is lag_constant (omega h)^2 of the angle. Its half misses three quarters of it, which
-    at first order is doubled."""
+    """The lag of generalized-alpha is lag_constant (omega h)^2 of the angle. From half the step it differs by three
+    quarters of that, which first order doubles."""
     h = 0.002
     told = found(oscillator(time_step=h, plotpoints=frames / 5.0))
     lag = lag_constant(0.8) * (OMEGA * h) ** 2 * TURNS
@@ -134,7 +134,7 @@ def test_an_event_that_a_step_and_its_half_both_miss_is_in_the_stated_error(thre
 
 @pytest.mark.parametrize(("static", "columns", "least"), [(0.3, (1, 2, 3), 0.020), (0.25, (4, 5, 6), 0.015)])
 def test_the_j_well_states_at_least_its_error_where_a_step_and_its_half_miss_the_same_event(static, columns, least):
-    """Errors of 2.2 and 1.7 % of which half the step shows 0.48 and 0.44 %; references see their file."""
+    """Errors of 2.2 and 1.7 % of which half the step shows 0.48 and 0.44 %; the references tell their origin."""
     from drillstring.application import Drillstring
 
     scene = drillstring.scene.read(JWELL)
