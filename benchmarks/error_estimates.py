@@ -146,7 +146,8 @@ def measure(quick: bool) -> Section:
 
 EACH = (
     "half", "scene", "simulated, s", "step, s", "error of position, %", "stated, %",
-    "error of the force's amplitude, %", "stated, %", "steps of all runs over those of the run", "Newton iterations of all runs, likewise",
+    "error of the force's amplitude, %", "stated, %", "steps of all runs over those of the run",
+    "Newton iterations of all runs, likewise",
 )  # fmt: skip
 OVERALL = (
     "half", "of", "scenes", "stated is at least the error", "smallest stated over error", "median", "largest",

@@ -1,4 +1,4 @@
-"""What a run with half the step tells of a run's own, against what the methods are known to do to an oscillation."""
+"""The error that a run states of itself, against what the methods are known to do to an oscillation and to events."""
 
 import sys
 from pathlib import Path
@@ -22,8 +22,15 @@ from tautline.scene.model import validate
 from tautline.simulation import simulate
 from tautline.study import trial as trial_module
 from tautline.study.step_error import (
-    LONGER, SHORTER, estimate, from_longer, from_shorter, runs_for, step_error, tells_nothing_itself,
-)  # fmt: skip
+    LONGER,
+    SHORTER,
+    estimate,
+    from_longer,
+    from_shorter,
+    runs_for,
+    step_error,
+    tells_nothing_itself,
+)
 from tautline.study.trial import Setting, Subject, Trial
 
 JWELL = Path(__file__).parents[2] / "data" / "jwell.yaml"
