@@ -215,8 +215,9 @@ def test_where_nothing_moves_nothing_is_stated():
 
 def test_progress_goes_on_from_one_run_to_the_next():
     text, reached = oscillator(), []
-    estimate(subject(text), run(text), progress=lambda simulated, wall: reached.append(simulated))
-    assert reached == sorted(reached) and reached[-1] == pytest.approx(10.0)
+    estimate(subject(text), run(text), progress=lambda *times: reached.append(times))
+    simulated, wall = zip(*reached, strict=True)
+    assert list(simulated) == sorted(simulated) and list(wall) == sorted(wall) and simulated[-1] == pytest.approx(10.0)
 
 
 # on the command line

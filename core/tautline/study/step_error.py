@@ -138,7 +138,7 @@ def step_error(
     setting : Setting or None
         How it was run, if not as the scene says.
     progress : callable or None
-        Called with simulated and wall time, s; simulated time goes on from one of the other runs to the next.
+        Called with simulated and wall time, s; both go on from one of the other runs to the next.
     parts : sequence of float
         Steps of the other runs over those of the first: ``SHORTER`` or ``LONGER``.
 
@@ -175,13 +175,15 @@ def estimate(
         begin()
     given = setting or Setting()
     own = _step_taken(subject.model(given))
-    histories, steps = [watched.of(result)], [own]
+    histories, steps, spent = [watched.of(result)], [own], 0.0
     for number, part in enumerate(parts):
-        trial = _other(subject, result, given, own * part, part, _onward(progress, number * float(result.time[-1])))
+        onward = _onward(progress, number * float(result.time[-1]), spent)
+        trial = _other(subject, result, given, own * part, part, onward)
         if isinstance(trial, str) or not trial.done or trial.result is None:
             if number and part > 1.0:
                 break  # four times the step may be too long to run at all; twice the step has told something
             return trial if isinstance(trial, str) else _why(trial, own * part)
+        spent += trial.wall_time or 0.0
         histories.append(watched.of(trial.result))
         steps.append(float(trial.result.attributes["step"]))
     return _stated(result, watched, histories, steps)
@@ -218,8 +220,11 @@ def _why(trial: Trial, step: float) -> str:
     return f"the run with steps of {step:.3g} s {how}: {trial.sentence or trial.status}"
 
 
-def _onward(progress: Callable[[float, float], None] | None, since: float) -> Callable[[float, float], None] | None:
-    return None if progress is None else lambda simulated, wall: progress(since + simulated, wall)
+def _onward(
+    progress: Callable[[float, float], None] | None, since: float, spent: float
+) -> Callable[[float, float], None] | None:
+    """What shows progress, for a run that comes after others of so much simulated and wall time, s."""
+    return None if progress is None else lambda simulated, wall: progress(since + simulated, spent + wall)
 
 
 def _stated(result: Result, watched: Watched, histories: list[History], steps: list[float]) -> StepError | str:
