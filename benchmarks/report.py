@@ -6,11 +6,11 @@ import accuracy
 import cable_speed
 import cold_start
 import cranes
+import error_estimates
 import hose
 import jwell
 import real_time
 import scaling
-import step_errors
 import table_2_5
 from page import Section, between, load, machine, quick_asked, table
 
@@ -37,7 +37,7 @@ def headline(sections: list[Section], measured: str) -> str:
 def main() -> None:
     quick = quick_asked(__doc__)
     before = load()
-    modules = (real_time, cold_start, scaling, cable_speed, hose, cranes, accuracy, step_errors, table_2_5)
+    modules = (real_time, cold_start, scaling, cable_speed, hose, cranes, accuracy, error_estimates, table_2_5)
     sections = [module.measure(quick) for module in modules]
     measured = machine(before)
     text, part = page(sections, measured), headline(sections, measured)

@@ -23,7 +23,7 @@ class Bar:
     """
 
     def __init__(self, end: float | None, shown: bool = True) -> None:
-        self.end = end
+        self.end, self.what = end, ""
         self.progress: Progress | None = None
         self.task: TaskID | None = None
         if shown and console().is_terminal:
@@ -51,6 +51,12 @@ class Bar:
         rate = f"{simulated / wall:.3g} x real time" if wall > 0.0 else ""
         self.progress.update(self.task, completed=simulated, reached=self._reached(simulated), rate=rate)
 
+    def again(self, end: float, what: str) -> None:
+        """Begin anew, with further runs that come to so much simulated time, s; what they are for stands in front."""
+        self.end, self.what = end, f"{what}: "
+        if self.progress is not None and self.task is not None:
+            self.progress.reset(self.task, total=end, reached=self._reached(0.0), rate="")
+
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
@@ -58,7 +64,8 @@ class Bar:
             self.progress.stop()
 
     def _reached(self, simulated: float) -> str:
-        return f"{simulated:.1f} s" if self.end is None else f"{simulated:.1f} of {self.end:g} s"
+        reached = f"{simulated:.1f} s" if self.end is None else f"{simulated:.1f} of {self.end:g} s"
+        return self.what + reached
 
 
 class Counter:

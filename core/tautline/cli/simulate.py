@@ -26,6 +26,9 @@ COPIED = (
 )  # fmt: skip
 """Keys of the report that are attributes of the result."""
 
+SHARES = {0.5: "runs with a half and a third of the step", 2.0: "runs with twice and four times the step"}
+"""Other runs by the step of the first of them, over the run's own."""
+
 
 def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None = None) -> None:
     """Validate a scene, print its warnings and what it comes to, and draw it if a `figure` is asked for.
@@ -95,7 +98,8 @@ def simulate(
     resume : Path or None
         An earlier result to go on from.
     verify : bool or None
-        Whether to run the scene once more with half the step; None does so where a run tells nothing of its steps.
+        Whether to estimate the error from runs with shorter steps; None does so where friction acts between fixed
+        steps of an implicit method, and from longer steps without friction.
 
     Raises
     ------
@@ -127,10 +131,10 @@ def simulate(
         say(f"simulating {scene}{length}")
     try:
         with Bar(end, shown=not quiet) as bar:
-            second = _second_run(application, read, model, verify, earlier, bar, quiet)
+            others = _other_runs(application, read, model, verify, earlier, bar, quiet)
             result = march(
                 model, target, progress=bar, resume=earlier, announce=lambda _: say(FIRST_RUN, "cyan"),
-                afterwards=second,
+                afterwards=others,
             )  # fmt: skip
     except StoppedEarly as stop:
         report = _report(scene, stop.result, end, cautions) | {
@@ -148,25 +152,28 @@ def simulate(
     _finish(catalogue, _report(scene, result, end, cautions) | {"status": "done"}, result, as_json, quiet)
 
 
-def _second_run(
+def _other_runs(
     application: Application, scene: Any, model: Any, verify: bool | None, earlier: Result | None, bar: Bar, quiet: bool
 ) -> Afterwards | None:
-    """What compares a run with one of half the step; None where that was not asked for and the run itself tells."""
-    rubs = getattr(getattr(model, "system", None), "has_friction", False)
-    if verify is False or (verify is None and (earlier is not None or not rubs)):
+    """What estimates a run's error from runs with other steps; None where that is not to be done."""
+    if verify is False or (verify is None and earlier is not None) or getattr(model, "system", None) is None:
         return None
-    from tautline.study.step_error import step_error, tells_nothing_itself
+    from tautline.study.step_error import estimate, runs_for
     from tautline.study.trial import Subject
 
-    if verify is None and not tells_nothing_itself(model):
+    parts = runs_for(model, verify)
+    if not parts:
         return None
 
-    def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
+    def begin() -> None:
         if not quiet:
-            say("once more with half the step, to see what steps do; --no-verify leaves it out")
-        found = step_error(Subject(application, scene), result, progress=bar)
-        if found is None:
-            return {}, ["the run with half the step gave nothing to compare with: what the step does is not known"]
+            say(f"estimating the error from {SHARES[parts[0]]}; --no-verify leaves it out")
+        bar.again(len(parts) * float(model.solver.end), "estimating the error")
+
+    def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
+        found = estimate(Subject(application, scene), result, progress=bar, parts=parts, begin=begin)
+        if isinstance(found, str):
+            return {}, [f"the error due to the time step is not known: {found}"] if found else []
         return {"step_error": found._asdict()}, [found.warning] if found.warning else []
 
     return compared

@@ -146,10 +146,10 @@ def limit_said(record: dict[str, Any], system: str = "si") -> str:
 
 
 def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:
-    """Rows of what another step has changed."""
+    """Rows of the error that runs with other steps have shown."""
     way, force = (None if x is None else f"{significant(100.0 * x, 2)} %" for x in (found["position"], found["force"]))
     moved = f"{shown(found['distance'], 'm', system)} ({way}), {found['place']}"
-    rows = [(f"change by steps of {quantity(found['step'], 's')}", moved)]
+    rows = [("estimated error due to the step", moved)]
     if force is not None:
         rows.append(("", f"{force}, amplitude of {found['force_place']}"))
     return rows

@@ -34,8 +34,8 @@ Verify = Annotated[
     bool | None,
     typer.Option(
         "--verify/--no-verify",
-        help="Run it once more with half the step, and tell how far apart the two are. "
-        "[dim]\\[default: where there is friction][/]",
+        help="Estimate the error from two more runs with shorter steps, for any scene. "
+        "[dim]\\[default: with friction; without, from longer steps][/]",
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors and warnings only.")]
