@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from tautline.scene.magnitude import LARGEST, OUTSIDE, is_outside
 from tautline.scene.refusal import nearest, refusal
 from tautline.scene.units import Uncounted, UnknownUnit, converted, read_unit
 
@@ -54,7 +55,8 @@ MEANINGS = {
 class Quantity:
     """Annotation of a float: unit, bounds, and words allowed in place of a number.
 
-    Bounds are in SI. `words` are accepted as they stand (``length: rest``).
+    Bounds are in SI. `words` are accepted as they stand (``length: rest``). A number whose powers cannot be computed with
+    is none, but for one of `any_size`, such as a part of a direction, which is scaled before it is used.
     """
 
     unit: str
@@ -63,6 +65,7 @@ class Quantity:
     below: float | None = None
     at_most: float | None = None
     words: tuple[str, ...] = ()
+    any_size: bool = False
 
     @property
     def meaning(self) -> str:
@@ -160,6 +163,10 @@ class Quantity:
             raise refusal(f"must be less than {self.below:g}{unit}", self.cure)
         if self.at_most is not None and not value <= self.at_most:
             raise refusal(f"must not be more than {self.at_most:g}{unit}", self.cure)
+        # What may not be negative is a size, by which things are divided; what may be is a place, and added to others.
+        is_size = self.above is not None or self.at_least is not None
+        if not self.any_size and (is_outside(value) if is_size else abs(value) > LARGEST):
+            raise refusal(*OUTSIDE)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -186,6 +193,7 @@ def quantity(
     below: float | None = None,
     at_most: float | None = None,
     words: tuple[str, ...] = (),
+    any_size: bool = False,
 ) -> Quantity:
     """Annotate a float: ``Length = Annotated[float, quantity("m", positive=True)]``.
 
@@ -199,8 +207,10 @@ def quantity(
         Upper bound in SI, excluded or included.
     words : tuple of str
         Words allowed in place of a number.
+    any_size : bool
+        Whether it may be smaller or larger than what can be computed with.
     """
-    return Quantity(unit, 0.0 if positive else None, 0.0 if nonnegative else None, below, at_most, words)
+    return Quantity(unit, 0.0 if positive else None, 0.0 if nonnegative else None, below, at_most, words, any_size)
 
 
 def suited(cure: str, written: Any, example: str | None = None) -> str:

@@ -39,7 +39,7 @@ def three(example: str) -> BeforeValidator:
 
 
 Position = Annotated[tuple[Annotated[float, quantity("m")], ...], three("[0, 0, 0]")]
-Direction = Annotated[tuple[Annotated[float, quantity("")], ...], three("[1, 0, 0]")]
+Direction = Annotated[tuple[Annotated[float, quantity("", any_size=True)], ...], three("[1, 0, 0]")]
 Velocity = Annotated[tuple[Annotated[float, quantity("m/s")], ...], three("[0, 0.01, 0]")]
 Acceleration = Annotated[tuple[Annotated[float, quantity("m/s^2")], ...], three("[0, 0, -9.81]")]
 
