@@ -1,7 +1,7 @@
 """Runs a case as the console scripts do, and says what is wrong with how it ended.
 
-Good is: exit code 0, 2 or 3; one JSON object, in which no number is NaN or infinite; no traceback, no warning of NumPy's;
-bad input named with its file, once, and nothing written for it; results that hold finite numbers; all within the limit.
+Good is: exit code 0, 2 or 3; one JSON object, in which no number is NaN or infinite; no traceback, no warning of
+NumPy's; bad input named with its file, once, and nothing written for it; finite numbers in results; within a limit.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from unittest import mock
 
 import numpy as np
 import typer
-from extremes.mutations import Case, run_case, scene_case, table_case
+from extremes.mutations import Case, run_case, scene_case
+from extremes.tables import table_case
 
 from crane.application import Crane
 from drillstring.application import Drillstring

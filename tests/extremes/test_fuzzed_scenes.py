@@ -1,7 +1,7 @@
 """Broken scenes and tables by the thousand: each is run, or refused with one message; see `fuzzing` for what is good.
 
 The suite looks at the first few hundred. ``pytest -m long tests/extremes`` looks at all: 10,000 scenes and 1,000 tables
-through `check`, 1,000 scenes through `simulate`. A case is made from its number alone. Its files are kept when it fails;
+through `check`, 1,000 scenes through `simulate`. A case is made from its number alone. Files of one that fails stay;
 ``cd tests && python -m extremes.fuzzing check 574`` makes and runs it again.
 """
 
@@ -11,14 +11,14 @@ from pathlib import Path
 
 import pytest
 from extremes import fuzzing
-from extremes.mutations import table_case
+from extremes.tables import table_case
 
 FULL = {"check": 10_000, "table": 1_000, "simulate": 1_000}
 REDUCED = {"check": 300, "table": 80}
 BLOCKS = 20
 """Parts of the full study, so that several processes can share it."""
 QUICK_RUNS = ()
-"""Runs of the reduced study: of numbers alone, so that no other groups are compiled than those of the shipped scenes."""
+"""Runs of the reduced study, for which no other groups are compiled than those of the shipped scenes."""
 
 
 def look(kind, numbers, folder):

@@ -55,8 +55,8 @@ MEANINGS = {
 class Quantity:
     """Annotation of a float: unit, bounds, and words allowed in place of a number.
 
-    Bounds are in SI. `words` are accepted as they stand (``length: rest``). A number whose powers cannot be computed with
-    is none, but for one of `any_size`, such as a part of a direction, which is scaled before it is used.
+    Bounds are in SI. `words` are accepted as they stand (``length: rest``). Numbers whose powers overflow are refused,
+    but for one of `any_size`, such as a part of a direction, which is scaled before it is used.
     """
 
     unit: str
