@@ -42,8 +42,9 @@ FACTORS = (
 )  # fmt: skip
 TEXTS = (
     "", " ", "nan", "inf", "12", "1e5", "5 parsec", "3 kg", "2 m", "1e400 m", "1e-400 s", "4 m m", "90 deg", "10 kN",
-    "1 s", "-3 rpm", "1/2", "1_000", "٣ m", "５ m", "none", "rest", "auto", "static", "no", "~", "true", "missing", "x" * 5000,
-    "Ω≈ç√", "\u202egnp.exe", "a\tb", "é", "🛢", "[1, 2", "{a: b}", "!!python/object:os.system", "*a", "&a b", "<<", "%",
+    "1 s", "-3 rpm", "1/2", "1_000", "٣ m", "５ m", "none", "rest", "auto", "static", "no", "~", "true", "missing",
+    "x" * 5000, "Ω≈ç√", "\u202egnp.exe", "a\tb", "é", "🛢", "[1, 2", "{a: b}",
+    "!!python/object:os.system", "*a", "&a b", "<<", "%",
     "5 %", "../../etc/passwd", "/dev/null", ".",
     "missing.csv", "\u0000", "\u0085", "__class__", "{0}", "%s",
     "0x1F", "1.",
