@@ -278,7 +278,12 @@ def check_lengths(scene: DrillstringScene, well_length: float) -> tuple[float, .
         cause = f"the string is {given:g} m long, and the hole {well_length:g} m"
         cure = "shorten the string (`length: rest` fills the hole), or deepen the well"
         raise SceneError([scene.problem(("string", longest, "length"), cause, cure)])
-    return tuple(left if section.length == "rest" else section.length for section in scene.string)
+    lengths = tuple(left if section.length == "rest" else section.length for section in scene.string)
+    shortest = min(range(len(lengths)), key=lengths.__getitem__)
+    if lengths[shortest] <= 1e-9 * well_length:
+        cause = f"is so short that it would be lost in rounding: the hole is {well_length:g} m long"
+        raise SceneError([scene.problem(("string", shortest, "length"), cause, "give both lengths in the same unit")])
+    return lengths
 
 
 def json_schema() -> dict[str, Any]:

@@ -165,6 +165,8 @@ def _drill_turn(turn: Turn, index: int, inclination: float, azimuth: float):
         )
     count = math.ceil(abs(change) / TURN_STEP)
     length = turn.radius * math.sin(inclination) * abs(change) / count
+    # Many turns round, an azimuth is rounded to more than the steps between the arcs.
+    azimuth = _short_way(0.0, azimuth)
     tangents = direction(inclination, azimuth + change * np.linspace(0.0, 1.0, count + 1))
     pieces = []
     for upper, lower in pairwise(tangents):

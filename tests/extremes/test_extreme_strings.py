@@ -222,3 +222,20 @@ def test_a_pull_of_5_mn_on_the_bit_is_carried_to_the_hook():
     top = 7850.0 * GRAVITY * pi / 4 * (0.127**2 - 0.1086**2) * balance.model.coordinates["link_length"][1][0] / 2
     assert balance["tension"][0] == pytest.approx(weight - top + 5e6, rel=1e-6)
     assert balance["hook_load"] == pytest.approx(weight + 5e6, rel=1e-6)
+
+
+# turned about the vertical, and under other gravity
+@pytest.mark.parametrize("azimuth", ["37 deg", "90 deg", "180 deg", "-90 deg", "359.999 deg", "3600 deg"])
+def test_a_well_that_is_turned_about_the_vertical_bears_its_string_as_before(azimuth):
+    usual = Balance(shipped("jwell"))
+    sections = [{"hold": 2200.0}, {"build": {"radius": 1000.0, "to": "90 deg", "azimuth": azimuth}}]
+    turned = Balance(shipped("jwell", well__sections=sections))
+    for name in ("hook_load", "tension", "contact_force"):
+        assert turned[name] == pytest.approx(usual[name], rel=1e-7, abs=1e-2), name
+
+
+@pytest.mark.parametrize("gravity", [1e-6, 1.62, 24.8, 981.0])
+@pytest.mark.parametrize("elements", [1, 7])
+def test_a_plumb_string_weighs_in_proportion_to_gravity(gravity, elements):
+    hangs = Balance(straight_hole(0.0, elements=elements, gravity=gravity))
+    assert hangs["hook_load"] == pytest.approx(steel() * 100.0 * gravity, rel=1e-7)

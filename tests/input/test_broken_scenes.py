@@ -199,7 +199,7 @@ EDITS = {
     "a ramp to nowhere": ("{constant: 0 rpm}", "{ramp: {over: 1}}", 21, "top.rotation.ramp.to", "or `rate: slope`"),
     "a ramp in next to no time": (
         "{constant: 0 rpm}",
-        "{ramp: {to: 1, over: 1e-120}}",
+        "{ramp: {to: 1, over: 1e-20}}",
         21,
         "ramp.over",
         "in which anything can move",

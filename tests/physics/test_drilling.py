@@ -165,7 +165,8 @@ def test_blades_that_cut_what_the_last_one_left_swing_as_the_delay_equation_says
         length, 1, spin, bit={"cutting": cutting}, top__block=block, solver__end=end, solver__step=5e-4,
         output__interval=1e-2, solver__rho_inf=1.0,
     )  # fmt: skip
-    result = run(scene)
+    # The blades cut upwards more than around: where the bit moves up the rock gives back what nobody put into it.
+    result = run(scene, energy=0.02)
     mass, spring = mass_per_length() * length / 2.0, E * SECTION / length
     delay, stiff = 2.0 * pi / (blades * spin), blades * a_zeta_eps
     pieces = []

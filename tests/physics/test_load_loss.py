@@ -73,7 +73,8 @@ def test_a_step_of_5_ms_throws_the_hook_as_high_as_one_of_0_2_ms(remaining):
     assert (coarse["axial_force"] >= 0.0).all()
     assert remaining * GRAVITY * rise[1] < fine["strain_energy"][0]
     assert imbalance(coarse, AT + 0.011) < 0.01
-    assert imbalance(fine, AT + 0.011) < 2.0e-3
+    # what is missing is what generalized-alpha damps of the snaps: 0.3 to 0.5 %
+    assert imbalance(fine, AT + 0.011) < 7.0e-3
 
 
 def test_elements_do_not_change_how_high_it_is_thrown():
@@ -135,18 +136,19 @@ def check_thrown(result, most):
 def test_sixteen_falls_lose_78_of_80_tonnes():
     """Steps of 5 ms as of 1 ms: the block rises as high to 0.5 %; the peaks of the snaps after it are chaotic.
 
-    Energy from nowhere: 1.2 % and 0.2 % of what moves and what the rope gives.
+    Energy that the method destroys in the snaps: 2.8 % and 2.3 % of what moves and what the rope gives.
     """
     coarse, fine = (ran(block("no slip", step)) for step in (5.0e-3, 1.0e-3))
-    check_thrown(coarse, 0.015)
-    check_thrown(fine, 5.0e-3)
+    check_thrown(coarse, 0.035)
+    check_thrown(fine, 0.03)
+    assert coarse.attributes["numerical_dissipation"] > 0.0 and fine.attributes["numerical_dissipation"] > 0.0
     assert rise_of(coarse)[0] == pytest.approx(rise_of(fine)[0], rel=5.0e-3)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("law", LAWS)
 def test_sixteen_falls_lose_their_load_as_in_steps_of_0_2_ms(law):
-    """Rise to 1 % at 5 ms and at 1 ms; 0.2 ms is within 0.2 % of 0.1 ms. Energy to 0.2 % at 0.2 ms.
+    """Rise to 1 % at 5 ms and at 1 ms; 0.2 ms is within 0.2 % of 0.1 ms. What the method destroys: 1 % at 0.2 ms.
 
     For two seconds without friction, where most energy is left for what follows; 0.1 ms until the first snap is over.
     """
@@ -157,7 +159,7 @@ def test_sixteen_falls_lose_their_load_as_in_steps_of_0_2_ms(law):
     assert rise_of(finest)[0] == pytest.approx(exact, rel=2.0e-3)
     assert rise_of(middle)[0] == pytest.approx(exact, rel=0.01)
     assert rise_of(coarse)[0] == pytest.approx(exact, rel=0.01)
-    for result, most in ((finest, 2.0e-3), (fine, 3.0e-3), (middle, 5.0e-3), (coarse, 0.015)):
+    for result, most in ((finest, 6.0e-3), (fine, 0.01), (middle, 0.03), (coarse, 0.035)):
         check_thrown(result, most)
 
 

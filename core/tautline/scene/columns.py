@@ -11,6 +11,7 @@ from pathlib import Path
 from pydantic_core import PydanticCustomError
 
 from tautline.scene.errors import SceneError
+from tautline.scene.magnitude import LARGEST, OUTSIDE
 from tautline.scene.refusal import nearest, refusal
 from tautline.scene.text import decode
 from tautline.scene.units import Uncounted, Unit, UnknownUnit, converted, read_unit
@@ -121,7 +122,13 @@ class Columns:
                 raise self.refuse(line, f"{shown} in column {column + 1} is not a finite number", "give a number")
             values.append(value)
         factor = scale.si(Fraction(1))
-        return tuple(value * factor for value in values) if factor != 1.0 else tuple(values)
+        if factor != 1.0:
+            values = [value * factor for value in values]
+        if (largest := max(values, key=abs)) and abs(largest) > LARGEST:
+            line, row = self.rows[values.index(largest)]
+            cause, cure = OUTSIDE
+            raise self.refuse(line, f"'{row[column].strip()}' in column {column + 1} {cause}", cure)
+        return tuple(values)
 
     def _scale(self, column: int, unit: str) -> Unit:
         wanted = read_unit(unit) if unit else read_unit("m/m")

@@ -16,6 +16,7 @@ from pydantic import Field, GetCoreSchemaHandler, TypeAdapter, ValidationInfo, c
 from pydantic_core import CoreSchema, core_schema
 
 from tautline.scene.columns import Columns
+from tautline.scene.magnitude import SMALLEST
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
 from tautline.scene.quantity import quantity
 from tautline.scene.ranges import rate_of
@@ -81,6 +82,8 @@ class Table(Model):
             if not later > earlier:
                 cause = f"must be later than the one before ({earlier:g} s)"
                 raise fault(("time", i), cause, "put the times in increasing order, each once")
+            if later - earlier < SMALLEST:
+                raise fault(("time", i), "is no time after the one before", "give times that are some steps apart")
         return self
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from tautline.scene.magnitude import LARGEST, OUTSIDE, is_outside
 from tautline.scene.ranges import RANGES
 from tautline.scene.refusal import nearest, refusal
 from tautline.scene.units import Uncounted, UnknownUnit, converted, read_unit
@@ -56,7 +57,8 @@ class Quantity:
     """Annotation of a float: unit, bounds, and words allowed in place of a number.
 
     Bounds are in SI. `words` are accepted as they stand (``length: rest``). `of` is its row in the table of plausible
-    ranges (`tautline.scene.ranges`): every key of a scene has one.
+    ranges (`tautline.scene.ranges`): every key of a scene has one. Numbers whose powers overflow are refused, but for
+    one of `any_size`, such as a part of a direction, which is scaled before it is used.
     """
 
     unit: str
@@ -66,6 +68,7 @@ class Quantity:
     at_most: float | None = None
     words: tuple[str, ...] = ()
     of: str = ""
+    any_size: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a row that is not in the table, or is one of another unit: a slip of who declares the key."""
@@ -168,6 +171,10 @@ class Quantity:
             raise refusal(f"must be less than {self.below:g}{unit}", self.cure)
         if self.at_most is not None and not value <= self.at_most:
             raise refusal(f"must not be more than {self.at_most:g}{unit}", self.cure)
+        # What may not be negative is a size, by which things are divided; what may be is a place, and added to others.
+        is_size = self.above is not None or self.at_least is not None
+        if not self.any_size and (is_outside(value) if is_size else abs(value) > LARGEST):
+            raise refusal(*OUTSIDE)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._validate)
@@ -203,6 +210,7 @@ def quantity(
     at_most: float | None = None,
     words: tuple[str, ...] = (),
     of: str = "",
+    any_size: bool = False,
 ) -> Quantity:
     """Annotate a float: ``Length = Annotated[float, quantity("m", positive=True, of="length")]``.
 
@@ -219,8 +227,11 @@ def quantity(
     of : str
         Row of the table of plausible ranges, `tautline.scene.ranges`. Every key of a scene names one; the options of a
         command need none.
+    any_size : bool
+        Whether it may be smaller or larger than what can be computed with.
     """
-    return Quantity(unit, 0.0 if positive else None, 0.0 if nonnegative else None, below, at_most, words, of)
+    low = 0.0 if nonnegative else None
+    return Quantity(unit, 0.0 if positive else None, low, below, at_most, words, of, any_size)
 
 
 def suited(cure: str, written: Any, example: str | None = None) -> str:

@@ -39,7 +39,7 @@ def three(example: str) -> BeforeValidator:
 
 
 Position = Annotated[tuple[Annotated[float, quantity("m", of="position")], ...], three("[0, 0, 0]")]
-Direction = Annotated[tuple[Annotated[float, quantity("", of="direction")], ...], three("[1, 0, 0]")]
+Direction = Annotated[tuple[Annotated[float, quantity("", of="direction", any_size=True)], ...], three("[1, 0, 0]")]
 Velocity = Annotated[tuple[Annotated[float, quantity("m/s", of="speed")], ...], three("[0, 0.01, 0]")]
 Acceleration = Annotated[tuple[Annotated[float, quantity("m/s^2", of="gravity")], ...], three("[0, 0, -9.81]")]
 

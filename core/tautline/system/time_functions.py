@@ -304,7 +304,8 @@ def _limited(h: np.ndarray, secant: np.ndarray) -> np.ndarray:
     before, after = secant[:-1], secant[1:]
     same = before * after > 0.0
     weight = h[:-1] + 2.0 * h[1:], 2.0 * h[:-1] + h[1:]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    # A secant of next to nothing has a weight of infinity, and a mean of nothing.
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         mean = (weight[0] + weight[1]) / (weight[1] / before + weight[0] / after)
     most = 2.0 * np.minimum(np.abs(before), np.abs(after))
     return np.where(same, np.clip(np.where(same, mean, 0.0), -most, most), 0.0)
