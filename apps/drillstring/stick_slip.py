@@ -245,9 +245,24 @@ def _processes(document: Document, jobs: int) -> Iterator[Executor]:
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(jobs, context, initializer=_read, initargs=(document,))
     try:
-        yield pool
+        with _without_current_folder():  # a process is started when there is work for it
+            yield pool
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _without_current_folder() -> Iterator[None]:
+    """Have processes that are started inside look for no module in the current folder."""
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = before
 
 
 _scene: list[DrillstringScene] = []

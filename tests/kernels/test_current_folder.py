@@ -61,3 +61,25 @@ def test_a_command_runs_nothing_of_the_current_folder(case, verb):
         pytest.skip("the command is not installed beside this Python")
     done = subprocess.run([command, verb[0], "jwell.yaml", *verb[1:]], capture_output=True, text=True, cwd=case)
     assert (done.returncode, was_run(case)) == (0, []), done.stderr
+
+
+SURVEY = """
+import os
+from pathlib import Path
+from drillstring import stick_slip
+from tautline.scene.document import Document
+
+if __name__ == "__main__":
+    with stick_slip._processes(Document.read(Path("jwell.yaml")), 2) as pool:
+        print(*[each.result() is not None for each in [pool.submit(os.getpid) for _ in range(2)]])
+    print(os.environ.get("PYTHONSAFEPATH"))
+"""
+
+
+def test_processes_of_a_survey_run_nothing_of_the_current_folder(case, tmp_path):
+    (tmp_path / "survey.py").write_text(SURVEY)
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+    done = subprocess.run(
+        [sys.executable, tmp_path / "survey.py"], capture_output=True, text=True, cwd=case, env=environment
+    )
+    assert (done.stdout.split(), was_run(case)) == (["True", "True", "None"], []), done.stderr[-1000:]
