@@ -242,13 +242,14 @@ def _run_all(scene: DrillstringScene, asked: Sequence[tuple[float, float, float 
 @contextmanager
 def _processes(document: Document, jobs: int) -> Iterator[Executor]:
     """Fresh processes that have read the scene; on the way out what waits is given up."""
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(jobs, context, initializer=_read, initargs=(document,))
-    try:
-        with _without_current_folder():  # a process is started when there is work for it
+    # A process is started when there is work for it, and one beside them as soon as there is a pool.
+    with _without_current_folder():
+        context = multiprocessing.get_context("spawn")
+        pool = ProcessPoolExecutor(jobs, context, initializer=_read, initargs=(document,))
+        try:
             yield pool
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
 
 
 @contextmanager
