@@ -3,8 +3,7 @@
 It acts on the functions that it decorates alone: numba's compiler, its cache and its settings are what they were for
 all other code of the process. What is done otherwise than numba does it is in :mod:`tautline.kernels.parts` (how inner
 kernels are compiled), :mod:`tautline.kernels.indices` (what a subscript means) and :mod:`tautline.kernels.caching`
-(where compiled code is kept).
-``TAUTLINE_PLAIN_NUMBA=1`` leaves the first two to numba; results are the same to the bit.
+(where compiled code is kept). ``TAUTLINE_PLAIN_NUMBA=1`` leaves the first two to numba.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from numba.core.registry import CPUDispatcher
 from numba.extending import is_jitted, overload
 
 from tautline.kernels.caching import KernelCache
-from tautline.kernels.parts import PLAIN, compiler_for
+from tautline.kernels.parts import PLAIN, UNFUSED, compiler_for
 from tautline.kernels.sources import is_ours
 
 OPTIONS = {
@@ -26,7 +25,7 @@ OPTIONS = {
     "error_model": "numpy",
     "no_cfunc_wrapper": True,
     "_nrt": False,
-    "fastmath": {"contract"},
+    "fastmath": False if UNFUSED else {"contract"},
 }
 """``_nrt=False`` takes numba's reference counts away: they are half of the time of a small kernel, and without them
 code that would allocate an array does not compile. The time loop allocates nothing, by construction. ``contract`` lets

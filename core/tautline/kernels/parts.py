@@ -23,7 +23,13 @@ from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, Lite
 from tautline.kernels.indices import TrustedIndices
 
 PLAIN = os.environ.get("TAUTLINE_PLAIN_NUMBA", "") not in ("", "0")
-"""Whether kernels are compiled by numba's own steps, with nothing of ours; results are the same to the bit."""
+"""Whether kernels are compiled by numba's own steps, with nothing of ours; results are the same to rounding.
+
+The operations are. Which products and sums become one instruction is LLVM's choice, and it may choose otherwise in code
+that it has optimised twice.
+"""
+UNFUSED = os.environ.get("TAUTLINE_UNFUSED", "") not in ("", "0")
+"""Whether no product and sum become one instruction: then both ways give the same to the bit."""
 
 
 class PartLibrary(JITCodeLibrary):

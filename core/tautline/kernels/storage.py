@@ -18,7 +18,7 @@ import tempfile
 from pathlib import Path
 
 from tautline.kernels import sources
-from tautline.kernels.parts import PLAIN
+from tautline.kernels.parts import PLAIN, UNFUSED
 
 FOLDERS_KEPT = 6
 """Cache folders kept beside the one in use: other checkouts and versions that a user may go back to."""
@@ -54,7 +54,7 @@ def root() -> Path:
 @functools.cache
 def name() -> str:
     """Name of this version's folder."""
-    return sources.hash_of_sources("plain" if PLAIN else "parts")
+    return sources.hash_of_sources("plain" if PLAIN else "parts", "unfused" if UNFUSED else "fused")
 
 
 @functools.cache
