@@ -96,7 +96,7 @@ def test_a_kernel_of_others_counts_from_the_end_and_one_of_ours_trusts_its_indic
     a = np.array([1.0, 2.0, 4.0])
     theirs = entry(lambda a, i: a[i] + a[i - 1])
     assert theirs(a, 0) == 1.0 + 4.0
-    assert "select" in next(iter(theirs.inspect_llvm().values())) or theirs(a, -1) == 4.0 + 2.0
+    assert theirs(a, -1) == 4.0 + 2.0
 
     def read(a, i):
         return a[i]
