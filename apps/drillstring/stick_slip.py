@@ -242,12 +242,28 @@ def _run_all(scene: DrillstringScene, asked: Sequence[tuple[float, float, float 
 @contextmanager
 def _processes(document: Document, jobs: int) -> Iterator[Executor]:
     """Fresh processes that have read the scene; on the way out what waits is given up."""
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(jobs, context, initializer=_read, initargs=(document,))
+    # A process is started when there is work for it, and one beside them as soon as there is a pool.
+    with _without_current_folder():
+        context = multiprocessing.get_context("spawn")
+        pool = ProcessPoolExecutor(jobs, context, initializer=_read, initargs=(document,))
+        try:
+            yield pool
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _without_current_folder() -> Iterator[None]:
+    """Have processes that are started inside look for no module in the current folder."""
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
     try:
-        yield pool
+        yield
     finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        if before is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = before
 
 
 _scene: list[DrillstringScene] = []

@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 
 import drillstring
 import tautline
-from tautline.kernels import jit
+from tautline.kernels import sources, storage
 
 HERE = Path(__file__).parent
 RUN = """
@@ -136,12 +137,28 @@ def test_a_kernel_that_only_kernels_call_is_machine_code_within_its_callers_only
 @pytest.fixture
 def kernels(tmp_path, monkeypatch):
     """Three kernel files, and a function that gives the cache folder for them as a new process would."""
-    sources = [tmp_path / name for name in ("contact.py", "link.py", "body.py")]
-    for source in sources:
-        source.write_text("force = 1.0  # kernel\n")
+    files = [tmp_path / name for name in ("contact.py", "link.py", "body.py")]
+    for file in files:
+        file.write_text("force = 1.0  # kernel\n")
     monkeypatch.setenv("TAUTLINE_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(jit, "kernel_sources", lambda: sources)
-    return sources, jit.cache_folder.__wrapped__
+    monkeypatch.setattr(sources, "kernel_sources", lambda: files)
+    return files, fresh
+
+
+def fresh():
+    """The folder that a new process would write to."""
+    for known in (storage.name, storage.kept_folder, storage.folder_to_write):
+        known.cache_clear()
+    return storage.folder_to_write()
+
+
+@pytest.fixture(autouse=True)
+def _as_before():
+    yield
+    for known in (storage.name, storage.kept_folder, storage.folder_to_write):
+        known.cache_clear()
+    storage.say.cache_clear()
+    storage._told.clear()
 
 
 def test_a_changed_kernel_means_a_new_folder_and_a_change_undone_the_old_one(kernels):
@@ -166,16 +183,136 @@ def test_an_added_kernel_means_a_new_folder(kernels):
 def test_old_folders_go_and_the_last_few_stay(kernels):
     sources, folder = kernels
     made = []
-    for i in range(jit.FOLDERS_KEPT + 4):
+    for i in range(storage.FOLDERS_KEPT + 4):
         sources[0].write_text(f"force = {i}  # kernel\n")
         made.append(folder())
         os.utime(made[-1], (1000.0 + i, 1000.0 + i))
-    assert [f.exists() for f in made] == [False] * 3 + [True] * (jit.FOLDERS_KEPT + 1)
+    assert [f.exists() for f in made] == [False] * 3 + [True] * (storage.FOLDERS_KEPT + 1)
 
 
 def test_every_file_of_core_and_applications_that_compiles_is_watched():
-    watched = set(jit.kernel_sources())
+    watched = set(sources.kernel_sources())
     roots = [Path(package.__file__).parent for package in (tautline, drillstring)]
     texts = {f: f.read_text() for root in roots for f in root.rglob("*.py")}
     compiling = [f for f, text in texts.items() if "import numba" in text or "jit import" in text]
     assert compiling and watched.issuperset(compiling)
+
+
+def test_nothing_is_removed_that_does_not_carry_our_mark(kernels, tmp_path):
+    """Folders of the user beside ours, or of our form, and what links lead to, stay."""
+    files, folder = kernels
+    for i in range(12):
+        (tmp_path / "cache" / f"project {i}").mkdir(parents=True)
+        (tmp_path / "cache" / f"project {i}" / "thesis.tex").write_text("years of work")
+    ours = folder().parent
+    assert ours.parent == tmp_path / "cache"
+    theirs = ours / "0123456789abcdef"
+    theirs.mkdir()
+    (theirs / "data.csv").write_text("1")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / storage.MARK).write_text("")
+    (ours / "fedcba9876543210").symlink_to(elsewhere)
+    for kept in (theirs, elsewhere):
+        os.utime(kept, (1.0, 1.0))
+    for i in range(storage.FOLDERS_KEPT + 4):
+        files[0].write_text(f"force = {i}  # kernel\n")
+        folder()
+    assert len(list((tmp_path / "cache").glob("project */thesis.tex"))) == 12
+    assert (theirs / "data.csv").exists() and (elsewhere / storage.MARK).exists()
+    assert len([f for f in ours.iterdir() if storage._is_our_own(f)]) == storage.FOLDERS_KEPT + 1
+
+
+@pytest.mark.parametrize("named", ["", "  "])
+def test_an_empty_name_of_a_cache_is_none(named, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "user"))
+    monkeypatch.setenv("TAUTLINE_CACHE", named)
+    monkeypatch.chdir(tmp_path)
+    assert storage.root().is_absolute() and tmp_path not in (storage.root().parent, storage.root())
+
+
+def test_the_home_of_a_cache_is_expanded(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("TAUTLINE_CACHE", "~/kept")
+    assert storage.root() == tmp_path / "kept" / storage.OWN
+
+
+DAMAGE = {
+    "truncated": lambda data: data[: len(data) // 2],
+    "empty": lambda data: b"",
+    "garbage": lambda data: b"\x80garbage" * 50,
+    "one bit": lambda data: data[: len(data) // 2] + bytes([data[len(data) // 2] ^ 1]) + data[len(data) // 2 + 1 :],
+    "another version": lambda data: pickle.dumps("0.1.0", protocol=-1) + pickle.dumps(({}, {})),
+    "a class that is not there": lambda data: b"cno.such.module\nThing\n.",
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+def test_a_damaged_file_is_written_anew(tmp_path, kind, damage):
+    """The results are those of before; the run after it compiles nothing."""
+    script = tmp_path / "parts.py"
+    script.write_text(PARTS)
+
+    def value():
+        done = subprocess.run(
+            [sys.executable, str(script), "whole"], capture_output=True, text=True, cwd=tmp_path,
+            env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
+        )  # fmt: skip
+        assert (done.returncode, done.stderr) == (0, "")
+        return json.loads(done.stdout)[0]
+
+    assert value() == 6.0
+    held = list((tmp_path / "cache").rglob(f"*.{kind}"))
+    assert held
+    for file in held:
+        file.write_bytes(DAMAGE[damage](file.read_bytes()))
+    damaged = files(tmp_path / "cache")
+    assert value() == 6.0
+    mended = files(tmp_path / "cache")
+    assert mended != damaged
+    assert value() == 6.0 and files(tmp_path / "cache") == mended
+
+
+@pytest.mark.parametrize("named", ["file", "file/below", "link", "~nobody-of-this-name/x", "/proc/cache"])
+def test_where_nothing_can_be_kept_a_temporary_folder_takes_its_place_which_is_said_once(tmp_path, named):
+    (tmp_path / "file").write_text("not a folder")
+    (tmp_path / "link").symlink_to("/proc/nowhere")
+    (tmp_path / "tmp").mkdir()
+    script = tmp_path / "parts.py"
+    script.write_text(PARTS)
+    done = subprocess.run(
+        [sys.executable, str(script), "whole"], capture_output=True, text=True, cwd=tmp_path,
+        env={**os.environ, "TAUTLINE_CACHE": named, "TMPDIR": str(tmp_path / "tmp")},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)[0] == 6.0
+    assert done.stderr.count("warning: ") == 1 and "temporary folder" in done.stderr
+    assert not any((tmp_path / "tmp").iterdir())
+
+
+def test_a_disk_that_is_full_is_said_once_and_the_run_goes_on(tmp_path):
+    script = tmp_path / "parts.py"
+    full = """
+import errno, tautline.kernels.caching as caching
+def full(*_):
+    raise OSError(errno.ENOSPC, "No space left on device")
+caching.Files._save_data = full
+"""
+    script.write_text(full + PARTS)
+    done = subprocess.run(
+        [sys.executable, str(script), "whole"], capture_output=True, text=True, cwd=tmp_path,
+        env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
+    )  # fmt: skip
+    assert done.returncode == 0 and json.loads(done.stdout)[0] == 6.0
+    assert done.stderr.count("warning: ") == 1 and "No space left on device" in done.stderr
+
+
+def test_a_folder_removed_while_running_is_made_again(tmp_path):
+    script = tmp_path / "parts.py"
+    script.write_text(PARTS + "import shutil, os\nshutil.rmtree(os.environ['TAUTLINE_CACHE'])\nprint(another(6.0))\n")
+    done = subprocess.run(
+        [sys.executable, str(script), "whole"], capture_output=True, text=True, cwd=tmp_path,
+        env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr, done.stdout.split()[-1]) == (0, "", "5.0")

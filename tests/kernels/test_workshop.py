@@ -13,7 +13,7 @@ from tautline.elements.load import Loads
 from tautline.integrators.march import compile_for
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state
-from tautline.kernels import jit
+from tautline.kernels import storage
 from tautline.system.model import SolverSettings
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
@@ -85,11 +85,11 @@ def cache(tmp_path):
     )  # fmt: skip
     method = METHODS["generalized-alpha"](system, SolverSettings("generalized-alpha", 0, 1, 1, 0.5, 0.5))
     compile_for(method, system, new_state(system))
-    known, cache = jit.cache_folder(), tmp_path / "cache"
+    known, cache = storage.folder_to_write(), tmp_path / "cache"
     loops = [[*known.rglob(name)] for name in ("march.march_implicit*", "linearise.evaluate_scene*")]
     assert all(loops)
     for file in (file for files in loops for file in files if file.suffix != ".lock"):
-        copy = cache / known.name / file.relative_to(known)
+        copy = cache / storage.OWN / known.name / file.relative_to(known)
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(file, copy)
     return cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
@@ -73,8 +74,11 @@ def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:
         Always.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
-    left_at_exit()
-    with collected_rarely():
+    # A process that was started for this command; one that has other things to do keeps its own ways.
+    ours = arguments is None
+    if ours:
+        left_at_exit()
+    with collected_rarely() if ours else nullcontext():
         code = _outcome(app, given)
     try:
         sys.stdout.flush()

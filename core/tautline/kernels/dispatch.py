@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from numba import types
 from numba.core.typing.templates import AbstractTemplate, infer_global
+
+from tautline.kernels.caching import KERNELS_OF
+
+TABLES: list[dict[type, Callable[..., Any]]] = []
+"""All that kernels are chosen from."""
 
 
 def by_type(table: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
@@ -24,6 +29,8 @@ def by_type(table: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
     callable
         To be called from compiled code, or from Python where compilation is off.
     """
+
+    TABLES.append(table)
 
     def chosen(first, *args):
         return table[type(first)](first, *args)
@@ -44,3 +51,11 @@ def by_type(table: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
 
     infer_global(chosen, types.Function(Choice))
     return chosen
+
+
+def _chosen_for(kind: type) -> Iterator[Any]:
+    """The kernels that stand for a class."""
+    return (table[kind] for table in TABLES if kind in table)
+
+
+KERNELS_OF.append(_chosen_for)

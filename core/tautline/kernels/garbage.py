@@ -1,7 +1,8 @@
 """Python's search for garbage: objects that refer to one another in a circle, which no count tells to be left.
 
 Python searches after every 700 objects that it makes, now and then among all that there are. A compiler makes millions,
-of which most are needed to its end: the search took a fifteenth of a first run, and a tenth of a short one.
+of which most are needed to its end: the search took a fifteenth of a first run, and a tenth of a short one. This is for
+processes of our own: the command line and what compiles beside it. In a user's own process the search stays as it is.
 """
 
 from __future__ import annotations

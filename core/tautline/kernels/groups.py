@@ -49,6 +49,7 @@ from numba.core import cgutils, types
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
+from tautline.kernels.caching import KERNELS_OF
 from tautline.kernels.dofs import DOFS
 from tautline.kernels.jit import address_of, addressed, stands_for
 from tautline.kernels.matrix import MATRIX
@@ -150,10 +151,25 @@ def register(kind: type, *, constant_mass: bool = False, friction: bool = False,
         if name not in HOOKS:
             raise ValueError(f"{kind.__name__}: no hook is called {name!r}: one of {', '.join(HOOKS)}")
     KINDS[kind] = hooks
+    _forget(kind)
     if constant_mass or "mass" not in hooks:
         CONSTANT_MASS.add(kind)
     if friction:
         FRICTION.add(kind)
+
+
+def _forget(kind: type) -> None:
+    """Forget what is compiled with the kernels that a kind had before: it may be registered anew, as in a notebook."""
+    for signature in [s for s in getattr(run_hook, "overloads", ()) if s[1].instance_type.instance_class is kind]:
+        del run_hook.overloads[signature]
+
+
+def _kernels_of(kind: type) -> Any:
+    """The kernels of a kind, which its hooks take in."""
+    return KINDS.get(kind, {}).values()
+
+
+KERNELS_OF.append(_kernels_of)
 
 
 def without_friction(groups: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import contextlib
 import sys
+from collections.abc import Iterator
 from importlib import util
 from importlib.machinery import PathFinder
+from typing import Any
 
 import llvmlite.binding
 from numba import config, types
@@ -20,21 +22,37 @@ from tautline.kernels.jit import entry
 ROUTINES = "scipy.linalg.cython_lapack"
 
 
-def _load_alone(name: str) -> None:
-    """Load an extension module of SciPy without the packages that it lies in, whose import takes 0.2 s.
+@contextlib.contextmanager
+def _loaded_alone(name: str) -> Iterator[None]:
+    """Have an extension module of SciPy without the packages that it lies in, whose import takes 0.2 s.
 
-    Where that fails, for whatever reason, it is imported as usual by whoever asks for it.
+    It is known by its name inside only: imported later, by anybody, it is made a part of its package as ever. Where it
+    cannot be loaded so, for whatever reason, it is imported as usual by whoever asks for it.
     """
+    module = None if name in sys.modules else _module_alone(name)
+    if module is None:
+        yield
+        return
+    sys.modules[name] = module
+    try:
+        yield
+    finally:
+        if sys.modules.get(name) is module:
+            del sys.modules[name]
+
+
+def _module_alone(name: str) -> Any:
     top, package, _ = name.split(".")
     found = util.find_spec(top)
     places = found.submodule_search_locations if found else None
     spec = PathFinder.find_spec(name, [f"{place}/{package}" for place in places]) if places else None
-    if name in sys.modules or spec is None or spec.loader is None:
-        return
+    if spec is None or spec.loader is None:
+        return None
     with contextlib.suppress(ImportError):
         module = util.module_from_spec(spec)
         spec.loader.exec_module(module)
-        sys.modules[name] = module
+        return module
+    return None
 
 
 def _routine(name: str, arguments: int) -> types.ExternalFunction:
@@ -43,9 +61,9 @@ def _routine(name: str, arguments: int) -> types.ExternalFunction:
     return types.ExternalFunction(symbol, types.void(*[types.uintp] * arguments))
 
 
-_load_alone(ROUTINES)
-_dgetrf = _routine("dgetrf", 6)
-_dgetrs = _routine("dgetrs", 9)
+with _loaded_alone(ROUTINES):
+    _dgetrf = _routine("dgetrf", 6)
+    _dgetrs = _routine("dgetrs", 9)
 _NO_TRANSPOSE = ord("N")
 
 

@@ -4,18 +4,111 @@ Numba optimises every function and turns it into machine code on its own, then l
 optimises and translates it there again. A kernel that only kernels call is never run from its own copy. So it is left
 as it was lowered, as LLVM's intermediate code, in memory and in the cache; it is optimised once with all that surrounds
 it, where it is used. A first run of the J-well takes a third less time for it.
+
+All of it is in classes of our own, which only our decorators name: functions of others are compiled by numba as ever.
 """
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import llvmlite.binding as llvm
-from numba.core.codegen import CPUCodeLibrary, JITCPUCodegen
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import NativeLowering, NopythonRewrites
+from numba.core.typed_passes import NativeLowering, NopythonRewrites, NopythonTypeInference
 from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, LiteralUnroll, WithLifting
+
+from tautline.kernels.indices import TrustedIndices
+
+PLAIN = os.environ.get("TAUTLINE_PLAIN_NUMBA", "") not in ("", "0")
+"""Whether kernels are compiled by numba's own steps, with nothing of ours; results are the same to rounding.
+
+The operations are. Which products and sums become one instruction is LLVM's choice, and it may choose otherwise in code
+that it has optimised twice.
+"""
+UNFUSED = os.environ.get("TAUTLINE_UNFUSED", "") not in ("", "0")
+"""Whether no product and sum become one instruction: then both ways give the same to the bit."""
+
+
+class PartLibrary(JITCodeLibrary):
+    """A function as it was lowered: neither optimised nor translated, and cached as LLVM's code."""
+
+    @property
+    def codegen(self) -> Any:
+        """What numba hands the environment of a function to."""
+        return _NoEnvironment(self._codegen)
+
+    def _optimize_final_module(self) -> None:
+        """Leave the code as it is."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        """There is no object code."""
+        return self.serialize_using_bitcode()
+
+
+class _NoEnvironment:
+    """Numba's code generator for a part, which has no machine code that could refer to an environment."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Do nothing."""
+
+
+class CachedLibrary(JITCodeLibrary):
+    """Machine code from the cache, whose LLVM code is read when a caller is compiled: most runs compile none."""
+
+    unread: bytes | None = None
+
+    def _get_module_for_linking(self) -> Any:
+        if self.unread is not None:
+            self._shared_module, self.unread = llvm.parse_bitcode(self.unread), None
+        return super()._get_module_for_linking()
+
+
+class Reader:
+    """Numba's target for what is read from the cache: its own, but for the class of the library."""
+
+    def __init__(self, context: Any, names: tuple[str, ...]) -> None:
+        """Take numba's target, and the names by which the function may be asked for in this process."""
+        self._context, self._names = context, names
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)
+
+    def codegen(self) -> Reader:
+        """What reads a library."""
+        return self
+
+    def unserialize_library(self, stored: tuple[str, str, Any]) -> JITCodeLibrary:
+        """Make a library of what numba's own wrote."""
+        name, kind, data = stored
+        codegen = self._context.codegen()
+        if kind == "bitcode":
+            part = PartLibrary(codegen, name)
+            part._final_module = llvm.parse_bitcode(data)
+            part._finalize_final_module()
+            return part
+        code, bitcode = data
+        whole = CachedLibrary(codegen, name)
+        whole.unread = bitcode
+        whole.enable_object_caching()
+        whole._set_compiled_object(code)
+        whole._finalize_final_module()
+        # The table of symbols of the LLVM code holds names as they are.
+        codegen._engine._defined_symbols.update(each for each in self._names if each.encode() in bitcode)
+        return whole
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
@@ -27,8 +120,8 @@ class PartLowering(NativeLowering):
     def run_pass(self, state: Any) -> bool:
         """Lower the function to LLVM's code."""
         if state.library is None:
-            state.library = state.targetctx.codegen().create_library(state.func_id.func_qualname)
-        state.library.is_part = True
+            state.library = PartLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library.enable_object_caching()
         return super().run_pass(state)
 
 
@@ -40,12 +133,20 @@ class KernelCompiler(CompilerBase):
     """Numba's own steps for compiled code, without those that find nothing to do in a kernel."""
 
     lowering = NativeLowering
+    indices: tuple[Any, ...] = ()
+    """Steps after those that find the types."""
 
     def define_pipelines(self) -> list[Any]:
         """The steps."""
         steps = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        needed = [(step, why) for step, why in steps.passes if step not in NEEDLESS]
-        steps.passes = [(self.lowering if step is NativeLowering else step, why) for step, why in needed]
+        passes: list[Any] = []
+        for step, why in steps.passes:
+            if step in NEEDLESS:
+                continue
+            passes.append((self.lowering if step is NativeLowering else step, why))
+            if step is NopythonTypeInference:
+                passes += [(extra, "indices of kernels") for extra in self.indices]
+        steps.passes = passes
         steps.finalize()
         return [steps]
 
@@ -56,66 +157,22 @@ class PartCompiler(KernelCompiler):
     lowering = PartLowering
 
 
-def _keep_parts() -> None:
-    """Have numba's libraries know parts: neither optimised nor translated, and cached as LLVM's code.
+class OurCompiler(KernelCompiler):
+    """For code of the core and of installed applications, none of which counts from the end of an array."""
 
-    The LLVM code of a whole, which only a caller that is compiled later needs, is read when it is asked for.
-    """
-    optimise, finish = CPUCodeLibrary._optimize_final_module, CPUCodeLibrary._finalize_final_module
-    store, for_linking = CPUCodeLibrary.serialize_using_object_code, CPUCodeLibrary._get_module_for_linking
-    set_env = JITCPUCodegen.set_env
-
-    def optimise_whole(self: CPUCodeLibrary) -> None:
-        if not self.is_part:
-            optimise(self)
-
-    def finish_whole(self: CPUCodeLibrary) -> None:
-        if not self.is_part:
-            return finish(self)
-        self._finalize_dynamic_globals()
-        self._verify_declare_only_symbols()
-        self._finalized = True
-
-    def store_as_it_is(self: CPUCodeLibrary) -> tuple[Any, ...]:
-        if self.is_part:
-            return self.serialize_using_bitcode()
-        name, kind, (code, bitcode) = store(self)
-        module = self._final_module
-        symbols = [s.name for held in (module.functions, module.global_variables) for s in held if not s.is_declaration]
-        return name, kind, (code, bitcode, symbols)
-
-    def load_as_it_is(cls: type, codegen: Any, stored: tuple[Any, ...]) -> CPUCodeLibrary:
-        name, kind, data = stored
-        library = codegen.create_library(name)
-        if kind == "bitcode":
-            library.is_part = True
-            library._final_module = llvm.parse_bitcode(data)
-        else:
-            code, library.unread, symbols = data
-            library.enable_object_caching()
-            library._set_compiled_object(code)
-            codegen._engine._defined_symbols.update(symbols)
-        library._finalize_final_module()
-        return library
-
-    def read_for_linking(self: CPUCodeLibrary) -> Any:
-        # A run that compiles nothing never asks for it.
-        if self.unread is not None:
-            self._shared_module, self.unread = llvm.parse_bitcode(self.unread), None
-        return for_linking(self)
-
-    def set_env_of_whole(self: JITCPUCodegen, name: str, env: Any) -> None:
-        # A part has no machine code that could refer to its environment.
-        if self._engine.is_symbol_defined(name):
-            set_env(self, name, env)
-
-    CPUCodeLibrary.is_part, CPUCodeLibrary.unread = False, None
-    CPUCodeLibrary._get_module_for_linking = read_for_linking
-    CPUCodeLibrary._optimize_final_module = optimise_whole
-    CPUCodeLibrary._finalize_final_module = finish_whole
-    CPUCodeLibrary.serialize_using_object_code = store_as_it_is
-    CPUCodeLibrary._unserialize = classmethod(load_as_it_is)
-    JITCPUCodegen.set_env = set_env_of_whole
+    indices = (TrustedIndices,)
 
 
-_keep_parts()
+class OurPartCompiler(PartCompiler):
+    """The same for a part."""
+
+    indices = (TrustedIndices,)
+
+
+def compiler_for(part: bool, ours: bool) -> type[CompilerBase]:
+    """The compiler of a function; ``ours`` is that of the core and of installed applications."""
+    if PLAIN:
+        return Compiler
+    if ours:
+        return OurPartCompiler if part else OurCompiler
+    return PartCompiler if part else KernelCompiler

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import json
 import os
 import pickle
 import subprocess
@@ -21,6 +22,7 @@ from typing import IO, Any
 from numba import config
 from numba.core import types
 
+from tautline.kernels import storage
 from tautline.kernels.garbage import collected_rarely, left_at_exit
 from tautline.kernels.jit import is_compiled
 
@@ -50,31 +52,55 @@ def compile_all(jobs: list[Job], announce: Callable[[int], None] | None = None) 
         announce(len(waiting))
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     helpers = min(HELPERS, processors - 1, len(waiting) // WORTH)
+    if helpers > 0 and storage.base_to_write() is None:
+        helpers = 0  # what they compile could not be handed over
     threads = [threading.Thread(target=_employ, args=(waiting,), daemon=True) for _ in range(helpers)]
     for thread in threads:
         thread.start()
-    with collected_rarely():
-        while waiting:
-            with contextlib.suppress(IndexError):
-                function, signature = waiting.popleft()
-                function.compile(signature)
-        for thread in threads:
-            thread.join()
-        for function, signature in jobs:
-            if signature not in function.overloads:
-                function.compile(signature)
+    while waiting:
+        with contextlib.suppress(IndexError):
+            function, signature = waiting.popleft()
+            function.compile(signature)
+    for thread in threads:
+        thread.join()
+    for function, signature in jobs:
+        if signature not in function.overloads:
+            function.compile(signature)
 
 
 def _employ(waiting: deque[Job]) -> None:
     """Start a helper and send it the jobs at the end of the list, one after another, until there are none."""
-    command = [sys.executable, "-c", "from tautline.kernels import workshop; workshop.help_out()"]
+    # Without the current folder on its path (-P) from the first import on; not even PYTHONPATH may put it there (-E).
+    folders = [json.dumps(each) for each in ([*map(str, sys.path)], _unsafe_folders())]
+    command = [sys.executable, "-E", "-P", "-c", BEGIN, *folders]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    environment = os.environ | {"TAUTLINE_CACHE": str(storage.base_to_write())}
     with contextlib.suppress(OSError, IndexError), subprocess.Popen(command, env=environment, **pipes) as helper:
         assert helper.stdin and helper.stdout
         while helper.stdout.read(1):
             function, signature = waiting.pop()
             _send(helper.stdin, (function.__module__, function.__name__, signature))
+
+
+BEGIN = """
+import json, os, sys
+path, unsafe = (json.loads(given) for given in sys.argv[1:3])
+unsafe = set(unsafe) - {os.path.realpath(p) for p in sys.path}
+sys.path[:] = [p for p in path if os.path.isabs(p) and os.path.realpath(p) not in unsafe]
+from tautline.kernels import workshop
+workshop.help_out()
+"""
+"""What a helper runs: it looks for modules where this process does, but not in the folders that are unsafe."""
+
+
+def _unsafe_folders() -> list[str]:
+    """The current folder and that of the script that runs: no file there may stand in for a module of Python's.
+
+    A kernel that is defined there is compiled by this process, which has loaded it.
+    """
+    script = getattr(sys.modules.get("__main__"), "__file__", None)
+    folders = [os.getcwd(), *([os.path.dirname(os.path.abspath(script))] if script else [])]
+    return [os.path.realpath(folder) for folder in folders]
 
 
 def _send(stream: IO[bytes], job: Any) -> None:
