@@ -127,7 +127,7 @@ def simulate(
         try:
             compile_for(run.method, model.system, run.state, announce)
             if earlier is not None:
-                store.append(earlier)
+                store.append(earlier, run.memory, run.progress())
             else:
                 run.start()
                 run.store_first(store)
@@ -177,7 +177,7 @@ class Run:
         """Go on from an earlier result; returns its frames."""
         place = earlier.path or "result"
         if not earlier.restart:
-            cure = "a run that was killed leaves none: run the scene from its start"
+            cure = "run the scene from its start"
             raise ResultError(place, "holds no state to go on from", cure)
         made = {"method": earlier.attributes.get("method"), "physics": earlier.attributes.get("physics")}
         now = {"method": self.model.solver.method, "physics": self.model.attributes.get("physics")}
@@ -323,11 +323,18 @@ class Run:
         part = Frames(*(array[:filled] for array in frames))
         stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
-        store.append(stored)
         if not stopped:
             self.memory, self.remembered = remember(*self._parts()), self.time
+        store.append(stored, self.memory, self.progress())
         if self.look is not None:
             self.look(self.state, self.time, self.method)
+
+    def progress(self) -> dict[str, Any]:
+        """What a run that is killed must leave beside its state, to be gone on with."""
+        return {
+            "method": self.model.solver.method, "restart_time": self.remembered, "wall_time": self.wall,
+            "cpu_time": self.cpu,
+        }  # fmt: skip
 
     def finish(
         self, store: Store, status: str, further: dict[str, Any] | None = None, warnings: Sequence[str] = ()
