@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -11,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from tautline.integrators.critical_step import CriticalStep
-from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.generalized_alpha import GeneralizedAlpha, energy_set_aside
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.march import PART, STEP, WORK_LIMIT, Frames, compile_for, march, new_frames, new_pause
@@ -20,7 +20,7 @@ from tautline.integrators.period import STEPS_PER_PERIOD, lag_of_step
 from tautline.integrators.relaxation import relax
 from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.schedule import frame_times, steps_to
-from tautline.integrators.stability import count_negative
+from tautline.integrators.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.state import (
     AT_START,
     FACTORISATIONS,
@@ -70,6 +70,10 @@ POOR_BALANCE = 0.05
 """Error of the energy balance from which a run's accuracy is in doubt."""
 LATE = 0.5 * math.pi
 """Lag of a free oscillation at the end of a run, rad, that is warned of."""
+PLACE = re.compile(r"[ r][xyz]$")
+"""Names of unknowns that are places in space."""
+FAR_FROM_DRAWN = 0.1
+"""Share of the size of a scene by which a start that lies further from its drawing is warned of."""
 LOOKS = 200
 """Times, about, that a run which is watched is looked at."""
 
@@ -168,7 +172,8 @@ class Run:
         self.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
         self.memory: dict[str, np.ndarray] = {}
         self.remembered = 0.0
-        self.negative_pivots = -1
+        self.began: dict[str, Any] = {}
+        self._starts_far = False
         self.frames = self._room(1)
         self.critical, self.unchecked = CriticalStep(model.system), FRAMES_UNCHECKED
 
@@ -212,11 +217,13 @@ class Run:
 
     def start(self) -> None:
         """Find the equilibrium the scene asks for, and set it moving."""
-        model = self.model
+        model, drawn = self.model, self.state.q.copy()
         if model.start == "static" and model.settle is not None:
             model.settle(self.state)
+            self._judge_start(*count_negative(model.system, self.state)[:2], drawn)
         elif model.start == "static":
-            find_equilibrium(model.system, self.state, model.step_limit)
+            found = find_stable_equilibrium(model.system, self.state, model.step_limit)
+            self._judge_start(found.negative, found.worst, drawn)
         elif model.start == "relaxed":
             fresh = remember((), model.system.groups, ())
             relax(model.system, self.state, self.method, self._stable_step(), model.own)
@@ -224,31 +231,44 @@ class Run:
             if np.any(model.system.v):
                 # The scene begins in motion: what stuck while it came to rest has let go.
                 recall(fresh, (), model.system.groups, ())
-        if model.start == "static":
-            self._check_stable()
         start_moving(self.model.system, self.state, self.step)
 
-    def _check_stable(self) -> None:
-        """Refuse an equilibrium that the least disturbance would leave: a strut of rope, a column that buckles."""
-        system = self.model.system
-        self.negative_pivots, worst = count_negative(system, self.state)
-        # A wall bounds how far a pressed string buckles: such a start is reported, not refused.
-        walled = any("Contact" in type(group).__name__ for group in system.groups)
-        if self.negative_pivots > 0 and not walled:
+    def _judge_start(self, negative: int, worst: int, drawn: np.ndarray) -> None:
+        """Refuse an equilibrium that the least disturbance would leave, and keep how far it lies from the drawing."""
+        names = self.model.system.names
+        if negative > 0 and not self.model.confined:
             detail = (
-                f"the equilibrium that was found is unstable: its tangent has {self.negative_pivots} negative pivots, "
-                "as where a rope is pressed, a column is loaded beyond its buckling load, or a load stands on its "
-                "head; draw the scene closer to how it hangs, or give start: relaxed"
+                f"the equilibrium that was found is unstable: the tangent has {negative} negative pivots, as where a "
+                "rope without bending stiffness is pressed, a column carries more than Euler's load, or a load stands on "
+                "its head; draw the scene closer to how it hangs, or take start: relaxed"
             )
-            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)
+            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, names[worst], detail)
+        places = [i for i, name in enumerate(names) if PLACE.search(name)]
+        way = np.abs(self.state.q - drawn)[places]
+        far = int(way.argmax()) if places else 0
+        self.began = {
+            "stable": None if negative < 0 else negative == 0,
+            "negative_pivots": None if negative < 0 else negative,
+            "moved": float(way[far]) if places else None,
+            "moved_most": names[places[far]] if places else None,
+        }
+        extent = max((float(np.ptp(drawn[places[k::3]])) for k in range(3)), default=0.0) if len(places) > 2 else 0.0
+        self._starts_far = bool(places) and float(way[far]) > FAR_FROM_DRAWN * max(extent, 1e-300) > 0.0
 
     def _of_start(self) -> list[str]:
-        if self.negative_pivots <= 0:
-            return []
-        return [
-            f"the static start is unstable: its tangent has {self.negative_pivots} negative pivots, so the string is "
-            "pressed beyond its buckling load and will buckle until the wall holds it; start: relaxed begins buckled"
-        ]
+        found = []
+        if self.began.get("negative_pivots"):
+            found.append(
+                f"the static start is unstable: the tangent has {self.began['negative_pivots']} negative pivots. The "
+                "string is pressed beyond its buckling load, and buckles until the wall holds it. start: relaxed begins "
+                "buckled"
+            )
+        if self._starts_far:
+            found.append(
+                f"the static start lies far from the drawing: {self.began['moved_most']} has moved by "
+                f"{self.began['moved']:.3g} m. Look at the first frame, and draw the scene as it hangs"
+            )
+        return found
 
     def store_first(self, store: Store) -> None:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
@@ -373,7 +393,7 @@ class Run:
         taken = self.reached / counters[STEPS] if counters[STEPS] else self.step
         attributes: dict[str, Any] = {
             "status": status,
-            "start_negative_pivots": self.negative_pivots,
+            "start": self.began,
             "method": solver.method,
             "step": taken if solver.automatic else self.step,
             "end": float(solver.end),

@@ -196,6 +196,7 @@ def _report(scene: Path, result: Result | None, end: float | None, cautions: Seq
     report |= {key: attributes.get(key) for key in COPIED}
     report["step_error"] = result.step_error if result is not None else None
     report["warnings"] = result.warnings if result is not None else []
+    report["start"] = attributes.get("start") or None
     report["limits"] = result.limits if result is not None else []
     report["cautions"] = [{"where": caution.where, "text": caution.text} for caution in cautions]
     report |= {"end": attributes.get("end", end), "frames": len(times)}

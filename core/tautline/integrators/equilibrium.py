@@ -75,6 +75,12 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst])
 
 
+def search_from(system: System, state: State, step_limit: float, shift: float, tolerance: float = 1e-10) -> bool:
+    """One search with the mass matrix as a shift, 1/s^2, that fades; whether it found an equilibrium."""
+    _, size, _ = _search(system, state, step_limit, tolerance, shift)
+    return size <= tolerance
+
+
 ROUNDING = 4.0 * np.finfo(float).eps
 """Residual that rounding leaves in a row, over the sum of its stiffnesses times positions."""
 

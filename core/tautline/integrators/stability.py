@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.integrators.equilibrium import find_equilibrium, search_from
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
 from tautline.kernels.matrix import Matrix, dense, factorise_matrix, new_factors, replace_by_identity
@@ -22,16 +23,55 @@ SMALL = 600
 
 
 class Stability(NamedTuple):
-    """How many independent motions lower the energy, and the unknown that the first of them moves most.
+    """How many independent motions lower the energy, the unknown that one of them moves most, and that motion (n,).
 
     ``negative`` is -1 where it is not known: the tangent is not symmetric, or too large beside multipliers.
     """
 
     negative: int
     worst: int
+    mode: np.ndarray
 
 
-UNKNOWN = Stability(-1, 0)
+UNKNOWN = Stability(-1, 0, np.zeros(0))
+FROM_UNSTABLE = (1.0, 100.0, 1.0e4, 1.0e6, 1.0e8)
+"""Shifts, 1/s^2, with which a search leaves an unstable equilibrium."""
+ASIDE = 0.1
+"""Share of the largest change of an unknown by which it is pushed off."""
+
+
+def find_stable_equilibrium(system: System, state: State, step_limit: float) -> Stability:
+    """Move the state to a static equilibrium at t = 0, and to a stable one if that can be found.
+
+    What :func:`~tautline.integrators.equilibrium.find_equilibrium` finds may be a maximum or a saddle of the energy. It
+    is left then along the motion that lowers the energy most, and searched on by pseudo-transient continuation, an
+    overdamped motion downhill.
+
+    Returns
+    -------
+    Stability
+        Of where the state is left: the first equilibrium, unstable, if none that is stable was found.
+
+    Raises
+    ------
+    StoppedEarly
+        NO_EQUILIBRIUM, where none was found at all.
+    """
+    find_equilibrium(system, state, step_limit)
+    first = count_negative(system, state)
+    if first.negative <= 0:
+        return first
+    found = state.q.copy()
+    for shift in FROM_UNSTABLE:
+        state.q[:] = found + ASIDE * step_limit * first.mode
+        if search_from(system, state, step_limit, shift):
+            now = count_negative(system, state)
+            if now.negative == 0:
+                return now
+    state.q[:] = found
+    again = new_factors(system.size, system.bandwidth, system.border).matrix
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, again, np.zeros(system.size))
+    return first
 
 
 def count_negative(system: System, state: State) -> Stability:
@@ -43,7 +83,7 @@ def count_negative(system: System, state: State) -> Stability:
     for row in system.at_rest:
         replace_by_identity(factors.matrix, row)
     if n == 0:
-        return Stability(0, 0)
+        return Stability(0, 0, np.zeros(0))
     if system.border or system.algebraic.size or n <= SMALL:
         return _by_eigenvalues(system, factors.matrix) if n <= SMALL else UNKNOWN
     band, k = factors.matrix.band, system.bandwidth
@@ -54,7 +94,10 @@ def count_negative(system: System, state: State) -> Stability:
     if factorise_matrix(factors):
         return UNKNOWN
     wrong = np.flatnonzero(factors.inverse < 0.0)
-    return Stability(wrong.size, int(wrong[0]) if wrong.size else 0)
+    # Any disturbance has a part along the motion that grows.
+    mode = np.random.default_rng(1).uniform(-1.0, 1.0, n)
+    mode[system.at_rest] = 0.0
+    return Stability(wrong.size, int(wrong[0]) if wrong.size else 0, mode)
 
 
 def _symmetric(band: np.ndarray, k: int) -> bool:
@@ -84,5 +127,7 @@ def _by_eigenvalues(system: System, matrix: Matrix) -> Stability:
         free = directions[rank:].T
     values, modes = np.linalg.eigh(free.T @ full[np.ix_(moves, moves)] @ free)
     negative = int((values < -NEUTRAL).sum())
-    worst = int(moves[np.argmax(np.abs((free @ modes[:, 0]) * unit[moves]))]) if negative else 0
-    return Stability(negative, worst)
+    mode = np.zeros(system.size)
+    mode[moves] = (free @ modes[:, 0]) * unit[moves]
+    worst = int(np.argmax(np.abs(mode)))
+    return Stability(negative, worst, mode / np.abs(mode[worst]))

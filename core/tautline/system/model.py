@@ -72,6 +72,8 @@ class Model:
         Numbers that the groups record each frame.
     notes : list of str
         What the builder decided that the user should know.
+    confined : bool
+        Whether a wall bounds how far an unstable equilibrium is left: such a start is warned of, others are refused.
     settle : callable or None
         Brings the run's state to the static equilibrium that it starts from, where that takes more than finding it: a
         rope of the length that makes its drawing true.
@@ -90,5 +92,6 @@ class Model:
     step_limit: float = 1.0
     own: int = 0
     notes: list[str] = field(default_factory=list)
+    confined: bool = False
     settle: Callable[[Any], None] | None = None
     limits: Callable[[Any], list[dict[str, Any]]] | None = None
