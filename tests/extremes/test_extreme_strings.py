@@ -70,7 +70,8 @@ def test_a_straight_string_without_gravity_stays_unloaded():
 
 
 def test_the_jwell_string_follows_the_block_without_gravity():
-    result = run(shipped("jwell", gravity=0.0, **BRIEF))
+    # weightless lumps strike the wall again and again; generalized-alpha takes 7 J of 3 kJ from that
+    result = run(shipped("jwell", gravity=0.0, **BRIEF), energy=2e-3)
     assert np.abs(result["bit_depth"] - result["bit_depth"][0] - result["block_position"]).max() < 0.5
 
 
