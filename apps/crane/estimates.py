@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crane.layout import Layout, lay_out
+from crane.layout import Layout, carries_nothing, lay_out, sags_of
 from crane.loads import load_of, pull
 from crane.reeving import Path
 from crane.scene import CraneScene, Drum, End, Sheave
@@ -29,7 +29,8 @@ class Estimate:
     scene : CraneScene
     layout : Layout
     tension : (spans, 2) array or None
-        At rest at both ends of every span, N, without friction; None where nothing hangs on the rope.
+        At rest at both ends of every span, N, without friction; of a rope that holds no body what its own weight and
+        its ends make of it. None where a body is held by something else.
     frequency : float or None
         Of the load's bounce on the whole rope as one spring, Hz; None where nothing can bounce.
     """
@@ -67,10 +68,13 @@ def estimate(scene: CraneScene) -> Estimate:
 
 
 def static_tension(scene: CraneScene, path: Path) -> np.ndarray | None:
-    """Tensions that hold the loads, (spans, 2) N; None where nothing hangs on the rope.
+    """Tensions that hold the loads or, without a load, the rope, (spans, 2) N; None where they are not known.
 
     Without friction there is one level all along the rope, but for the weight of what hangs below each point.
     """
+    if carries_nothing(scene):
+        tension = np.array([sag.tension for sag in sags_of(scene, path)])
+        return tension if tension.max() > 0.0 else None
     g = np.array(scene.gravity, float)
     size = float(np.linalg.norm(g))
     if size == 0.0:

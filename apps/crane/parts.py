@@ -20,7 +20,7 @@ from crane.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.scene import Drum, End, Sheave
 from crane.slip import SLIP, Slips
 from crane.sockets import SOCKET, Sockets, new_sockets
-from crane.span import SPAN, STATION, Spans, new_spans
+from crane.span import BETWEEN, SPAN, STATION, Spans, new_spans
 from crane.supply import capacity_of
 from crane.wet import WET, Wet, new_wet
 from crane.winch import DRUM, Drums, Supplies
@@ -99,7 +99,17 @@ def _spans(layout: Layout) -> Spans:
             one = i if k == first and radius[i] != 0.0 else POINT
             two = i + 1 if k == last - 1 and radius[i + 1] != 0.0 else POINT
             rows.append({"a": layout.station[k], "b": layout.station[k + 1], "wheel1": one, "wheel2": two, **common})
-    return new_spans(_records(SPAN, rows), layout.wheels)
+    return new_spans(_records(SPAN, rows), layout.wheels, _between(layout))
+
+
+def _between(layout: Layout) -> np.recarray:
+    """Items that a sheave or a drum can meet, two by two."""
+    on = [i if radius != 0.0 else POINT for i, radius in enumerate(layout.wheels.radius)]
+    rows = [
+        {"a": layout.station[first], "b": layout.station[last], "wheel1": on[i], "wheel2": on[i + 1]}
+        for i, (first, last) in enumerate(layout.spans)
+    ]
+    return _records(BETWEEN, [row for row in rows if (row["wheel1"], row["wheel2"]) != (POINT, POINT)])
 
 
 def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunctions) -> Slips:

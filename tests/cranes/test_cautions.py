@@ -2,7 +2,9 @@
 
 import math
 
+import numpy as np
 import pytest
+from references.cables import catenary
 from results.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
 
 from crane.cautions import cautions, describe, figures
@@ -71,7 +73,8 @@ def test_tension_at_rest_is_the_load_on_its_falls_and_the_rope_below():
     tension = estimate(falls(16)).tension
     on_the_block = [tension[2 * k + 1, 1] + tension[2 * k + 2, 0] for k in range(8)]
     assert sum(on_the_block) == pytest.approx(50e3 * GRAVITY, rel=1e-9)
-    assert estimate(fixed_rope()).tension is None
+    exact = catenary(10.0, 0.0, 10.0, 8.0e7, 6.5 * GRAVITY)
+    assert estimate(fixed_rope()).tension[0] == pytest.approx(np.linalg.norm(exact.end_forces, axis=1), rel=0.01)
 
 
 def test_the_bounce_is_that_of_the_load_on_the_whole_rope():
