@@ -117,9 +117,9 @@ def test_rk4_is_told_its_step_at_the_start_and_when_the_spans_are_short():
 def test_the_step_of_rk4_is_that_of_an_element_and_less_where_damping_rules():
     plain = one_fall()
     wave = math.sqrt(plain.rope.axial_stiffness / plain.rope.mass_per_length)
-    assert rk4_limit(plain, 6.25) == pytest.approx(math.sqrt(2.0 / 3.0) * 6.25 / wave)
+    assert rk4_limit(plain, 6.25, 0.0) == pytest.approx(math.sqrt(2.0 / 3.0) * 6.25 / wave)
     damped = one_fall(rope={"damping": 0.05})
-    assert rk4_limit(damped, 0.1) < 0.1 * rk4_limit(plain, 0.1)
+    assert rk4_limit(damped, 0.1, damped.rope.damping) < 0.1 * rk4_limit(plain, 0.1, 0.0)
 
 
 def test_elements_long_for_a_sagging_rope_are_told_span_by_span():

@@ -64,8 +64,8 @@ SENTENCES = {
         "all layers that a drum may have are full of rope; hoist less, or give the drum more turns or layers"
     ),
     Status.SLACK_ON_WHEEL: (
-        "slack rope has fallen back onto the wheel that it leaves, and how it lies there is not known. A winch pays out "
-        "faster than the load can follow, or goes on paying out after the load has landed, or a load is thrown up; pay "
+        "slack rope has fallen back onto the wheel that it leaves, and how it lies there is not known. A winch pays "
+        "out faster than the load can follow, or goes on paying out after the load has landed, or a load is thrown up; pay "
         "out slower, stop when the load has landed, or take fewer elements for that span"
     ),
     Status.IMBALANCE: (
