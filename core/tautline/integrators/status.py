@@ -65,8 +65,8 @@ SENTENCES = {
     ),
     Status.SLACK_ON_WHEEL: (
         "slack rope has fallen back onto the wheel that it leaves, and how it lies there is not known. A winch pays "
-        "out faster than the load can follow, or goes on paying out after the load has landed, or a load is thrown up; pay "
-        "out slower, stop when the load has landed, or take fewer elements for that span"
+        "out faster than the load can follow, or goes on paying out after the load has landed, or a load is thrown up; "
+        "pay out slower, stop when the load has landed, or take fewer elements for that span"
     ),
     Status.IMBALANCE: (
         "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "
