@@ -31,7 +31,7 @@ def test_a_rope_whose_damping_is_not_given_snaps_as_the_closed_form_with_few_ele
 
 def test_damping_of_nothing_is_told_before_and_after_a_run():
     scene = dropped(1.0, 4, 0.0)
-    assert any(caution.place == "rope.damping" for caution in cautions(parsed(scene)))
+    assert any(caution.where == "rope.damping" for caution in cautions(parsed(scene)))
     result = snapped(4, 0.0)
     assert result.headline["safety_factor"]["value"] < 1.0
     assert result.headline["undamped_snaps"]["value"] > 0
