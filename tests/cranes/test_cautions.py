@@ -109,7 +109,7 @@ def test_frames_too_few_to_see_the_bounce_are_told():
 def test_rk4_is_told_its_step_at_the_start_and_when_the_spans_are_short():
     hoisting = [winch(pay_out={"ramp": {"to": -2.0, "over": 1.0}}), TIP, HOOK]
     text = only(one_fall(path=hoisting, solver={"method": "rk4"}), "solver.step")
-    assert "0.0015 s here" in text and "when the spans are shortest" in text and "5" in text
+    assert "0.0012 s here" in text and "when the spans are shortest" in text and "5" in text
     assert told(one_fall(solver={"method": "rk4", "step": "0.1 ms"}), "solver.step") == []
     assert "rk4 takes steps" in only(one_fall(solver={"method": "rk4", "step": "auto"}), "solver.method")
 
