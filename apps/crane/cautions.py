@@ -14,6 +14,7 @@ from crane.estimates import Estimate, estimate, rk4_limit
 from crane.keys import where
 from crane.loads import floating
 from crane.path import DRUM_FLEET_LIMIT
+from crane.ringing import damping_of
 from crane.rope_cautions import rope_cautions
 from crane.scene import CraneScene, Drum, Sheave
 from crane.supply import check_supply, hoisted_spans, reeled_of
@@ -47,7 +48,7 @@ def cautions(scene: CraneScene) -> list[Caution]:
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *rope_cautions(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
-        *_sheaves(scene), *_steps(found), *_mesh(found), *_compression(scene),
+        *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
         *winch_cautions(found, actuator), *_start(found),
         *_held_back(actuator), *_dry(scene), *_floating(found),
     ]  # fmt: skip
@@ -172,8 +173,12 @@ def _steps(found: Estimate) -> Sentences:
     scene, frequency = found.scene, found.frequency
     solver, interval = scene.solver, scene.output.interval
     if solver.method == "rk4":
-        begin = min(span.length / n for span, n in zip(found.path.spans, scene.elements, strict=True))
-        critical, later = rk4_limit(scene, begin), rk4_limit(scene, min(shortest(found)))
+        begin = [span.length / n for span, n in zip(found.path.spans, scene.elements, strict=True)]
+        damping = damping_of(scene, found.path)
+        critical, later = (
+            min(rk4_limit(scene, length, c) for length, c in zip(lengths, damping, strict=True))
+            for lengths in (begin, shortest(found))
+        )
         falls = f", and {later:.2g} s when the spans are shortest" if later < 0.9 * critical else ""
         if solver.step == "auto" or float(solver.step) > later:
             long = "" if solver.step == "auto" else f": {solver.step:g} s will be unstable"
@@ -218,6 +223,18 @@ def _mesh(found: Estimate) -> Sentences:
                 f"straight pieces; take {ENOUGH} or more for that span"
             )
             yield "mesh.elements_per_span", text
+
+
+def _undamped(scene: CraneScene) -> Sentences:
+    """A rope that may go slack and that nothing damps: it rings between its nodes when it snaps."""
+    rope = scene.rope
+    if rope.damping == 0.0 and rope.compression == "none" and max(scene.elements) > 1:
+        text = (
+            "0: when slack rope snaps taut, its nodes ring and nothing damps them; tensions are then up to 1.5 times "
+            "too high with few elements, and so is what is said of the breaking load. Remove `damping:`, for as much "
+            "as the mesh needs, or give what the rope has"
+        )
+        yield "rope.damping", text
 
 
 def _compression(scene: CraneScene) -> Sentences:

@@ -7,17 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crane.layout import Layout, lay_out
+from crane.layout import Layout, carries_nothing, lay_out, sags_of
 from crane.loads import load_of, pull
 from crane.reeving import Path
-from crane.scene import CraneScene, Drum, End, Sheave
+from crane.ringing import HIGHEST, bounce
+from crane.scene import CraneScene, End, Sheave
 
 REAL_LIMIT = 2.785294
 """Decay rate times step beyond which RK4 is unstable: 1 - x + x^2/2 - x^3/6 + x^4/24 = 1."""
 IMAGINARY_LIMIT = 2.0 * math.sqrt(2.0)
 """Angular frequency times step beyond which RK4 is unstable."""
-HIGHEST = 2.0 * math.sqrt(3.0)
-"""Highest angular frequency of linear elements with consistent mass, in wave speeds over their length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +28,8 @@ class Estimate:
     scene : CraneScene
     layout : Layout
     tension : (spans, 2) array or None
-        At rest at both ends of every span, N, without friction; None where nothing hangs on the rope.
+        At rest at both ends of every span, N, without friction; of a rope that holds no body what its own weight and
+        its ends make of it. None where a body is held by something else.
     frequency : float or None
         Of the load's bounce on the whole rope as one spring, Hz; None where nothing can bounce.
     """
@@ -63,14 +63,17 @@ class Estimate:
 def estimate(scene: CraneScene) -> Estimate:
     """Lay a scene out and estimate it; raises SceneError for a path that no rope can take."""
     layout = lay_out(scene)
-    return Estimate(scene, layout, static_tension(scene, layout.path), _bounce(scene, layout.path))
+    return Estimate(scene, layout, static_tension(scene, layout.path), bounce(scene, layout.path))
 
 
 def static_tension(scene: CraneScene, path: Path) -> np.ndarray | None:
-    """Tensions that hold the loads, (spans, 2) N; None where nothing hangs on the rope.
+    """Tensions that hold the loads or, without a load, the rope, (spans, 2) N; None where they are not known.
 
     Without friction there is one level all along the rope, but for the weight of what hangs below each point.
     """
+    if carries_nothing(scene):
+        tension = np.array([sag.tension for sag in sags_of(scene, path)])
+        return tension if tension.max() > 0.0 else None
     g = np.array(scene.gravity, float)
     size = float(np.linalg.norm(g))
     if size == 0.0:
@@ -105,36 +108,11 @@ def _of_weight(scene: CraneScene, path: Path, name: str, weight: np.ndarray, up:
     return total
 
 
-def _bounce(scene: CraneScene, path: Path) -> float | None:
-    """Frequency with the whole rope as one spring EA / L: omega^2 = EA / L times the sum of pull^2 / mass."""
-    rope, mobility = scene.rope, 0.0
-    for name, force in pull(scene, path).items():
-        body = scene.body(name)
-        for c, axis in enumerate("xyz"):
-            # A third of the rope's mass on it goes with the load, as with any spring.
-            mass = body.mass + body.added_mass[c] + rope.mass_per_length * _hanging(scene, path, name) / 3.0
-            # A pull of less is that of a fall a little off plumb: there the load swings, and does not bounce.
-            if axis not in body.guide and mass > 0.0 and abs(force[c]) > 0.3:
-                mobility += float(force[c]) ** 2 / mass
-    for item in scene.path:
-        if isinstance(item, Drum) and not item.prescribed and item.inertia:
-            mobility += item.radius**2 / item.inertia
-    if mobility == 0.0:
-        return None
-    return math.sqrt(rope.axial_stiffness / path.length * mobility) / (2.0 * math.pi)
-
-
-def _hanging(scene: CraneScene, path: Path, name: str) -> float:
-    """Length of the spans that touch a body, m."""
-    on = {i for i, item in enumerate(scene.path) if isinstance(item, (End, Sheave)) and item.body == name}
-    return sum(span.length for k, span in enumerate(path.spans) if k in on or k + 1 in on)
-
-
-def rk4_limit(scene: CraneScene, length: float) -> float:
-    """Longest step of RK4, s, by rope elements of a length, m."""
+def rk4_limit(scene: CraneScene, length: float, damping: float) -> float:
+    """Longest step of RK4, s, by rope elements of a length, m, and the damping of their span, s."""
     rope = scene.rope
     omega = HIGHEST * math.sqrt(rope.axial_stiffness / rope.mass_per_length) / length
-    ratio = 0.5 * rope.damping * omega
+    ratio = 0.5 * damping * omega
     if ratio <= 1.0:
         return IMAGINARY_LIMIT / omega
     return REAL_LIMIT / (omega * (ratio + math.sqrt(ratio * ratio - 1.0)))

@@ -105,8 +105,9 @@ def overview(runs: Sequence[_Run]) -> Figure:
 
 
 def _height(result: Result) -> np.ndarray | None:
-    position = result["body_position"]
-    return position[:, 0, 2] if position.shape[1] else None
+    if "body_position" not in result or not result["body_position"].shape[1]:
+        return None
+    return result["body_position"][:, 0, 2]
 
 
 def _of(result: Result, name: str) -> np.ndarray | None:
@@ -172,10 +173,10 @@ def _tensions(plot: Axes, run: _Run, values: np.ndarray, ink: Any) -> None:
 @styled
 def payload(runs: Sequence[_Run]) -> Figure:
     """Coordinates of the bodies; those in which nothing moves are left out."""
-    positions = [run.result["body_position"] for run in runs]
-    for run, position in zip(runs, positions, strict=True):
-        if not position.shape[1]:
+    for run in runs:
+        if "body_position" not in run.result or not run.result["body_position"].shape[1]:
             raise _lacks(run, "bodies")
+    positions = [run.result["body_position"] for run in runs]
     motion = [max(float(np.ptp(position[:, :, c], axis=0).max()) for position in positions) for c in range(3)]
     moving = [c for c in range(3) if motion[c] > max(STILL, LITTLE * max(motion))] or [2]
     figure, plots = axes(len(moving), 1, 8.0, 2.0 * len(moving) + 0.7, _title(runs), sharex=True)

@@ -17,8 +17,10 @@ from crane.line import WHEEL
 from crane.loads import floating
 from crane.quaternion import QUATERNION, quaternion_of, rotation_of
 from crane.reeving import Path, ReevingError, Wheel, reeve, sigma_of
+from crane.sagging import Sag, sagging
 from crane.scene import Anchor, Body, CraneScene, End, Sheave
 from crane.span import MATERIAL, STATION
+from crane.strength import longest_strain
 from crane.vessel import frames_of
 from tautline.kernels.time_function import value_at
 from tautline.scene.errors import SceneError
@@ -27,6 +29,8 @@ from tautline.system.system import Degrees
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 AXES = 3
+ROUNDING = 1.0e-9
+"""Share of its length by which a rope that is as long as its path may seem shorter."""
 IDENTITY = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
 
 
@@ -159,6 +163,7 @@ def lay_out(scene: CraneScene) -> Layout:
     ]
     _refuse_load_above(scene, wheels)
     path = _reeved(scene, wheels)
+    _refuse_short(scene, path)
     _refuse_floating(scene, path)
     builder = _Builder(scene, frames, entries, requests)
     records = np.zeros(len(wheels), WHEEL).view(np.recarray)
@@ -239,6 +244,53 @@ def _reeved(scene: CraneScene, wheels: list[Wheel]) -> Path:
         raise SceneError([scene.problem(key, error.message, error.cure)]) from None
 
 
+def carries_nothing(scene: CraneScene) -> bool:
+    """Whether the rope holds no body, and nothing but its own weight and its ends makes its tension."""
+    return all(getattr(item, "body", None) is None for item in scene.path)
+
+
+def sags_of(scene: CraneScene, path: Path) -> list[Sag]:
+    """How the spans of a rope hang that carries nothing; each has its share of what is too much or too little."""
+    weight = scene.rope.mass_per_length * np.array(scene.gravity, dtype=float)
+    length = scene.rope.length
+    spare = 1.0 if length is None else length / float(path.chords.sum())
+    return [
+        sagging(
+            path.tangents[i],
+            span.length + (spare - 1.0) * float(path.chords[i]), scene.elements[i], weight, scene.rope.axial_stiffness,
+        )
+        for i, span in enumerate(path.spans)
+    ]  # fmt: skip
+
+
+def _drawn(scene: CraneScene, path: Path) -> list[np.ndarray]:
+    """Points that divide each span, (n + 1, 3): on its chord, or where rest is looked for of a rope that only sags."""
+    if scene.start == "static" and carries_nothing(scene):
+        return [sag.points for sag in sags_of(scene, path)]
+    found = []
+    for i, count in enumerate(scene.elements):
+        first, last = path.tangents[i]
+        found.append(np.array([first + k / count * (last - first) for k in range(count + 1)]))
+    return found
+
+
+def _refuse_short(scene: CraneScene, path: Path) -> None:
+    """Refuse a rope that would have to be stretched beyond what it bears to reach along its path."""
+    length, way = scene.rope.length, float(path.chords.sum())
+    if length is None:
+        return
+    most = longest_strain(scene)
+    if length * (1.0 + most) >= way * (1.0 - ROUNDING):
+        return
+    cause = (
+        f"{length:.6g} m of rope are shorter than the path, which is {way:.6g} m from end to end with the arcs on its "
+        f"wheels: it would be stretched by {100.0 * (way / length - 1.0):.3g} %, and {100.0 * most:.3g} % is the most "
+        "that it bears"
+    )
+    cure = f"give {way:.6g} m or more, move the items of the path together, or remove `length:`"
+    raise SceneError([scene.problem("rope.length", cause, cure)])
+
+
 class _Builder:
     """Numbers degrees of freedom in the order: frames, bodies, stations, rims."""
 
@@ -284,14 +336,15 @@ class _Builder:
     def finish(self, records: np.recarray, wheels: list[Wheel], on: list[int], path: Path) -> Layout:
         """Add the rope's stations and rims, and tie what is tied."""
         scene = self.scene
-        station, item = [], []
+        station, item, points = [], [], _drawn(scene, path)
         for i, wheel in enumerate(wheels):
             item.append(len(station))
             station.append(self._add(wheel.name, STATION, (*wheel.center, 0.0)))
             if i < len(wheels) - 1:
                 count = scene.elements[i]
+                drawn = points[i]
                 for k in range(1, count):
-                    at = path.tangents[i][0] + k / count * (path.tangents[i][1] - path.tangents[i][0])
+                    at = drawn[k]
                     station.append(
                         self._add(f"rope {wheel.name} to {wheels[i + 1].name}, node {k}", STATION, (*at, 0.0))
                     )

@@ -11,8 +11,9 @@ import numpy as np
 from crane.course import Course, course_of, laid_out, nodes_of
 from crane.path import DRUM_FLEET_LIMIT, Drum, Sheave
 from crane.scene import CraneScene
+from crane.strength import strain_bound
 from crane.summary import ends_of, hook_angles, hook_span, span_ends
-from tautline.results.limits import AT_LEAST, STEEL, STEEL_STRAIN, STRAIN, judged, strain_limit, stretch_limits
+from tautline.results.limits import AT_LEAST, judged, strain_limit, stretch_limits
 
 LEAST_RATIO = 16.0
 """Sheave over rope diameter; codes ask for 16 to 25 (ISO 16625)."""
@@ -34,14 +35,6 @@ def _strength(result: Any, scene: CraneScene) -> Records:
         return
     text = "largest tension, and the breaking load"
     yield judged("breaking_load", text, "N", result.time, ends_of(result), scene.rope.breaking_load, span_ends(scene))
-
-
-def strain_bound(scene: CraneScene) -> float:
-    """Strain that the rope cannot bear: where a diameter tells that it is of steel, that of steel."""
-    rope = scene.rope
-    if rope.diameter is None:
-        return STRAIN
-    return STEEL_STRAIN if rope.axial_stiffness / (0.25 * math.pi * rope.diameter**2) > STEEL else STRAIN
 
 
 def _strain(result: Any, scene: CraneScene) -> Records:

@@ -39,6 +39,10 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("sheave_rotation", sheave, "rad", "rotation of the sheave about its axis"),
         Variable("slipping", sheave, "", "1 where the rope slips forwards over the sheave, -1 where backwards, else 0"),
     ]
+    of_bodies = [
+        Variable("body_position", body, "m", "position of a body"),
+        Variable("body_velocity", body, "m/s", "velocity of a body"),
+    ]
     of_drums = [
         Variable("drum_tension", drum, "N", "tension at the drum"),
         Variable("paid_out", drum, "m", "unstretched rope paid out since the start"),
@@ -55,8 +59,7 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("tension", span, "N", "tension at the beginning and at the end of a span"),
         *(of_sheaves if observer.sheaves else []),
         *(of_drums if observer.drums else []),
-        Variable("body_position", body, "m", "position of a body"),
-        Variable("body_velocity", body, "m/s", "velocity of a body"),
+        *(of_bodies if observer.scene.bodies else []),
         *(
             [Variable("body_turn", ("time", "body", "part"), "", "quaternion of a body; 1, 0, 0, 0 of a point")]
             if observer.layout.turn
@@ -104,8 +107,9 @@ class Observer:
             "axis": ("axis", np.array(["x", "y", "z"]), "", "axis"),
             "span": ("span", np.array([f"{a.name} to {b.name}" for a, b in pairwise(path)]), "", "span"),
             "end": ("end", np.array(["first", "last"]), "", "where the rope comes from, and where it goes"),
-            "body": ("body", np.array([body.name for body in self.scene.bodies]), "", "body"),
         }
+        if self.scene.bodies:
+            made["body"] = ("body", np.array([body.name for body in self.scene.bodies]), "", "body")
         if self.sheaves:
             made["sheave"] = ("sheave", np.array([path[i].name for i in self.sheaves]), "", "sheave")
             made["sheave_radius"] = ("sheave", np.array([path[i].radius for i in self.sheaves]), "m", "pitch radius")
@@ -136,7 +140,8 @@ class Observer:
             "tension": np.stack((at_first, at_last), axis=-1),
         }
         bodies = np.array([self.layout.body[body.name] for body in self.scene.bodies], dtype=int)
-        made["body_position"], made["body_velocity"] = (x[:, bodies[:, None] + three] for x in (q, v))
+        if self.scene.bodies:
+            made["body_position"], made["body_velocity"] = (x[:, bodies[:, None] + three] for x in (q, v))
         if self.sheaves:
             made |= self._sheaves(frames, found)
         if self.drums:

@@ -17,10 +17,11 @@ from crane.line import POINT
 from crane.masses import BODY, Bodies, Rims, Springs
 from crane.quaternion import QUATERNION
 from crane.rigid import FREQUENCY, RIGID, Rigids, new_rigids
+from crane.ringing import damping_of
 from crane.scene import Drum, End, Sheave
 from crane.slip import SLIP, Slips
 from crane.sockets import SOCKET, Sockets, new_sockets
-from crane.span import SPAN, STATION, Spans, new_spans
+from crane.span import BETWEEN, SPAN, STATION, Spans, new_spans
 from crane.supply import capacity_of
 from crane.wet import WET, Wet, new_wet
 from crane.winch import DRUM, Drums, Supplies
@@ -69,10 +70,12 @@ def _bending(layout: Layout, spans: Spans) -> tuple[Bends, Arcs]:
     """Bending stiffness of the rope at its nodes, and on the wheels that it is laid about."""
     rope, path = layout.scene.rope, layout.scene.path
     longest = max(float(chord) / count for chord, count in zip(layout.path.chords, layout.scene.elements, strict=True))
-    smoothing = SMOOTHING / longest if rope.damping > 0.0 else 0.0
+    # What a mesh needs is damping of stretching: bending is damped where the scene asks for it.
+    damping = rope.damping or 0.0
+    smoothing = SMOOTHING / longest if damping > 0.0 else 0.0
     stored = isinstance(path[0], Drum), isinstance(path[-1], Drum)
     return (
-        new_bends(spans.rows, spans.wheels, rope.bending_stiffness, rope.damping, smoothing),
+        new_bends(spans.rows, spans.wheels, rope.bending_stiffness, damping, smoothing),
         new_arcs(spans.rows, spans.wheels, rope.bending_stiffness, stored),
     )
 
@@ -89,17 +92,28 @@ def _spans(layout: Layout) -> Spans:
     common = {
         "stiffness": rope.axial_stiffness,
         "mass": rope.mass_per_length,
-        "damping": rope.damping,
         "load": rope.mass_per_length * np.array(layout.scene.gravity, dtype=float),
         "slack": int(rope.compression == "none"),
     }
     radius = layout.wheels.radius
+    damping = damping_of(layout.scene, layout.path)
     for i, (first, last) in enumerate(layout.spans):
         for k in range(first, last):
             one = i if k == first and radius[i] != 0.0 else POINT
             two = i + 1 if k == last - 1 and radius[i + 1] != 0.0 else POINT
-            rows.append({"a": layout.station[k], "b": layout.station[k + 1], "wheel1": one, "wheel2": two, **common})
-    return new_spans(_records(SPAN, rows), layout.wheels)
+            ends = {"a": layout.station[k], "b": layout.station[k + 1], "wheel1": one, "wheel2": two}
+            rows.append({**ends, "damping": damping[i], **common})
+    return new_spans(_records(SPAN, rows), layout.wheels, _between(layout))
+
+
+def _between(layout: Layout) -> np.recarray:
+    """Items that a sheave or a drum can meet, two by two."""
+    on = [i if radius != 0.0 else POINT for i, radius in enumerate(layout.wheels.radius)]
+    rows = [
+        {"a": layout.station[first], "b": layout.station[last], "wheel1": on[i], "wheel2": on[i + 1]}
+        for i, (first, last) in enumerate(layout.spans)
+    ]
+    return _records(BETWEEN, [row for row in rows if (row["wheel1"], row["wheel2"]) != (POINT, POINT)])
 
 
 def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunctions) -> Slips:

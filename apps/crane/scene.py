@@ -53,7 +53,8 @@ class Rope(Model):
     mass_per_length, axial_stiffness, bending_stiffness : float
         kg/m; EA, N; EJ, N m^2, where 0 leaves no curvature terms anywhere.
     damping : float
-        Stress over rate of strain, as a share of the stiffness, s.
+        Stress over rate of strain, as a share of the stiffness, s; None for as much as damps what the mesh cannot carry
+        (`crane.ringing`).
     diameter, breaking_load : float or None
         m and N.
     compression : str
@@ -68,7 +69,7 @@ class Rope(Model):
     )
     axial_stiffness: Annotated[float, quantity("N", positive=True, of="axial stiffness")] = Field(examples=["8.0e7 N"])
     bending_stiffness: Annotated[float, quantity("N m^2", nonnegative=True, of="bending stiffness")] = 0.0
-    damping: Annotated[float, quantity("s", nonnegative=True, of="damping time")] = 0.0
+    damping: Annotated[float, quantity("s", nonnegative=True, of="damping time")] | None = None
     diameter: Annotated[float, quantity("m", positive=True, of="rope diameter")] | None = None
     breaking_load: Annotated[float, quantity("N", positive=True, of="breaking load")] | None = None
     compression: Annotated[Literal["none", "elastic"], word("none", "elastic")] = "none"

@@ -18,7 +18,7 @@ import numpy as np
 
 from crane.line import AXES, FOUND, LENGTH, PATH, POINT, PSI1, PSI2, RATE, Line, dot, find_line, new_line, vary_gradient
 from tautline.kernels.dofs import add_block
-from tautline.kernels.groups import EMPTY, OFF_WHEEL, TWO_BLOCKED, register
+from tautline.kernels.groups import EMPTY, OFF_WHEEL, SLACK_ON_WHEEL, TWO_BLOCKED, register
 from tautline.kernels.jit import kernel
 
 STATION = 4
@@ -31,11 +31,15 @@ SPAN = np.dtype(
     ]
 )  # fmt: skip
 """A span: its stations' places, the wheels there or ``POINT``, EA N, rhoA kg/m, c s, weight N/m, whether it slacks."""
+BETWEEN = np.dtype([("a", "i8"), ("b", "i8"), ("wheel1", "i8"), ("wheel2", "i8")])
+"""Two items between which a span of the path runs: their places, and the wheels there or ``POINT``."""
 FORCE, FIRST, LAST, FIRST_PSI, LAST_PSI, STRETCH, BY_STRETCH, BY_SPEED, INERTIA, SIZE = range(10)
 """Places in ``found``: N in the middle (N), what is left of the tension at either end beside what turns the rope's
 momentum, T - rhoA u^2 (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m), rhoA L / 6 (kg)."""
 MET = 0.05
 """Straight rope between a sheave and what hangs from it, over the radius, below which the two have met."""
+FALLEN = 0.5
+"""Distance of a node from its wheel, over the rope between, below which the rope has fallen onto the wheel."""
 RECORDED = 6
 """How many of them are recorded; the direction (3,) follows."""
 
@@ -54,12 +58,15 @@ L, L_D, LAM, LAM_D, K, K_D, TENSION, ENERGY, ELASTIC, TAU, KINETIC, P_E, BY_LAM,
 class Spans(NamedTuple):
     """Spans (n,) of ``SPAN`` over ``wheels`` (m,) of ``WHEEL``.
 
+    ``items`` (k,) of ``BETWEEN`` are whole spans of the path, each with a wheel at one of its ends at least.
+
     ``found`` (n, 4) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
     ``is_slack`` (n,) whether each was slack when its tangent was made. Scratch: ``line``, ``motion``, ``change``
     (11, 3) and ``block`` (8, 8).
     """
 
     rows: np.recarray
+    items: np.recarray
     wheels: np.recarray
     found: np.ndarray
     start: np.ndarray
@@ -373,17 +380,40 @@ def _supply(g, t, q, v, p):
 
 
 @kernel
+def _met(g, q, alarm):
+    """Two items that have come together: it is the rope between them that counts, and not an element's."""
+    direction = g.change[0]
+    for n in range(g.items.size):
+        item = g.items[n]
+        direction.fill(0.0)
+        find_line(item.a, item.b, item.wheel1, item.wheel2, g.wheels, q, q, direction, g.line)
+        left = g.line.number[LENGTH] if g.line.number[FOUND] == 1.0 else 0.0
+        for wheel in (item.wheel1, item.wheel2):
+            if wheel != POINT and left < MET * abs(g.wheels[wheel].radius):
+                alarm[0], alarm[1] = TWO_BLOCKED, item.a
+
+
+@kernel
 def _alarm(g, t, q, alarm):
+    _met(g, q, alarm)
+    if alarm[0] != 0:
+        return
     for n in range(g.rows.size):
         s = g.rows[n]
         find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, q, g.start[n], g.line)
         if not (q[s.b + MATERIAL] > q[s.a + MATERIAL] and g.line.number[PATH] > 0.0 and g.line.number[FOUND] == 1.0):
             alarm[0], alarm[1] = EMPTY, s.a
             return
-        for wheel in (s.wheel1, s.wheel2):
-            if wheel != POINT and g.line.number[LENGTH] < MET * abs(g.wheels[wheel].radius):
-                alarm[0], alarm[1] = TWO_BLOCKED, s.a
-                return
+        # A node of taut rope is as near to its wheel as its element is short. Where less than half of the rope that is
+        # not laid on the wheel reaches to the node, a slack rope has fallen there.
+        straight = g.line.number[LENGTH]
+        material = q[s.b + MATERIAL] - q[s.a + MATERIAL] - (g.line.number[PATH] - straight)
+        if s.slack == 1 and straight < FALLEN * material:
+            for side in range(2):
+                wheel = s.wheel1 if side == 0 else s.wheel2
+                if wheel != POINT and straight < MET * abs(g.wheels[wheel].radius):
+                    alarm[0], alarm[1] = SLACK_ON_WHEEL, s.a if side == 0 else s.b
+                    return
         g.found[n, FIRST_PSI], g.found[n, LAST_PSI] = g.line.number[PSI1], g.line.number[PSI2]
         # A wheel between two spans has rope on it as long as the rope runs on before it leaves.
         if n > 0 and s.wheel1 != POINT and g.rows[n - 1].wheel2 == s.wheel1:
@@ -410,11 +440,12 @@ register(
 )  # fmt: skip
 
 
-def new_spans(rows: np.recarray, wheels: np.recarray) -> Spans:
-    """Group of spans with its scratch."""
+def new_spans(rows: np.recarray, wheels: np.recarray, items: np.recarray | None = None) -> Spans:
+    """Group of spans with its scratch; without ``items`` nobody asks whether two of them have met."""
     n = len(rows)
+    items = np.zeros(0, BETWEEN).view(np.recarray) if items is None else items
     return Spans(
-        rows, wheels, np.zeros((n, SIZE)), np.zeros((n, 3)), np.zeros(n, np.int64), new_line(),
+        rows, items, wheels, np.zeros((n, SIZE)), np.zeros((n, 3)), np.zeros(n, np.int64), new_line(),
         Motion(np.zeros((13, 3)), np.zeros(14)), np.zeros((14, 3)), np.zeros((8, 8)),
     )  # fmt: skip
 

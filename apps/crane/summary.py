@@ -149,6 +149,9 @@ def _slack(result: Any, course: Course) -> Iterator[Row]:
     if snaps:
         snap, event = max(snaps, key=lambda pair: pair[0])
         yield "max_snap", snap, "N", f"largest tension after slack ({event.span}, at {event.snap_time:.4g} s)"
+        if scene.rope.damping == 0.0 and max(scene.elements) > 1:
+            text = "snaps of a rope without damping: tensions up to 1.5 times too high; remove rope.damping"
+            yield "undamped_snaps", len(snaps), "", text
 
 
 def _sheaves(result: Any, scene: CraneScene) -> Iterator[Row]:

@@ -22,7 +22,8 @@ class Status(IntEnum):
     RUN_OUT = 10
     TWO_BLOCKED = 11
     DRUM_FULL = 12
-    IMBALANCE = 13
+    SLACK_ON_WHEEL = 13
+    IMBALANCE = 14
 
 
 SENTENCES = {
@@ -56,10 +57,16 @@ SENTENCES = {
     ),
     Status.RUN_OUT: "all of the rope has run off its drum; pay out less, or give the drum more rope",
     Status.TWO_BLOCKED: (
-        "a hook or a block has come up to the sheave above it, and nothing is left between them; stop hoisting earlier"
+        "a hook or a block has come up to the sheave or drum that its rope leads to, and nothing is left between them; "
+        "where a winch pulled it up, stop hoisting earlier; where it was thrown up, look at what let it go"
     ),
     Status.DRUM_FULL: (
         "all layers that a drum may have are full of rope; hoist less, or give the drum more turns or layers"
+    ),
+    Status.SLACK_ON_WHEEL: (
+        "slack rope has fallen back onto the wheel that it leaves, and how it lies there is not known. A winch pays "
+        "out faster than the load can follow, or goes on paying out after the load has landed, or a load is thrown up; "
+        "pay out slower, stop when the load has landed, or take fewer elements for that span"
     ),
     Status.IMBALANCE: (
         "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "

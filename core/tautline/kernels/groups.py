@@ -79,7 +79,7 @@ HOOKS = {
 }  # fmt: skip
 """Names and types of each hook's arguments after the group."""
 
-EMPTY, LOOSE, OFF_WHEEL, RUN_OUT, TWO_BLOCKED, DRUM_FULL = 1, 2, 3, 4, 5, 6
+EMPTY, LOOSE, OFF_WHEEL, RUN_OUT, TWO_BLOCKED, DRUM_FULL, SLACK_ON_WHEEL = 1, 2, 3, 4, 5, 6, 7
 """Alarms: an element has lost its length; a node may slide along its rope without moving any of it; a rope has left a
 wheel that it ran over; all of a rope has run off its drum; what hangs on a rope has come up to its wheel; a drum holds
 all the rope that it can."""

@@ -1,0 +1,75 @@
+"""Rope between fixed places, which carries nothing but itself: how it sags, and what tension that takes.
+
+A parabola stands for the catenary: as the shape from which rest is looked for, and for estimates before a run.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+STATIONS = 400
+"""Points at which the length of a parabola is measured."""
+
+
+class Sag(NamedTuple):
+    """How a span hangs: `points` (n + 1, 3), as much rope between each and the next; `tension` (2,) at its ends, N."""
+
+    points: np.ndarray
+    tension: np.ndarray
+
+
+def sagging(ends: np.ndarray, length: float, count: int, weight: np.ndarray, stiffness: float) -> Sag:
+    """Let a rope hang between two points.
+
+    Parameters
+    ----------
+    ends : (2, 3) array
+        m.
+    length : float
+        Unstretched rope between them, m; it may be more or less than their distance.
+    count : int
+        Pieces that it is divided into.
+    weight : (3,) array
+        N/m.
+    stiffness : float
+        EA, N.
+    """
+    chord = ends[1] - ends[0]
+    distance = float(np.linalg.norm(chord))
+    e = chord / distance
+    load = float(np.linalg.norm(weight))
+    across = float(np.linalg.norm(weight - (weight @ e) * e))
+    share = np.linspace(0.0, 1.0, STATIONS + 1)
+    if load == 0.0 or across <= 1.0e-9 * load:
+        # It hangs along its chord; what is too long of it finds its own way.
+        level = max(0.0, stiffness * (distance / length - 1.0))
+        return Sag(ends[0] + np.linspace(0.0, 1.0, count + 1)[:, None] * chord, _ends(level, e, weight * length))
+
+    def curve(sag: float) -> np.ndarray:
+        return ends[0] + share[:, None] * chord + (4.0 * sag * share * (1.0 - share))[:, None] * (weight / load)
+
+    def pull(sag: float) -> float:
+        """Force along the chord that bears the weight, whose sag is measured along the weight, N."""
+        return load * length * distance / (8.0 * sag)
+
+    def lacking(sag: float) -> float:
+        """Length of the curve less that of the rope which its tension stretches."""
+        way = float(np.linalg.norm(np.diff(curve(sag), axis=0), axis=1).sum())
+        return way - length * (1.0 + pull(sag) / stiffness)
+
+    high = distance + length
+    sag = float(brentq(lacking, 1.0e-12 * distance, 4.0 * high, xtol=1.0e-12 * distance))
+    line = curve(sag)
+    along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))))
+    at = np.linspace(0.0, along[-1], count + 1)
+    points = np.column_stack([np.interp(at, along, line[:, c]) for c in range(3)])
+    return Sag(points, _ends(pull(sag), e, weight * length))
+
+
+def _ends(pull: float, e: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Tension at both ends of a span that is pulled along its chord, and whose ends bear half its weight each, N."""
+    first, last = pull * e + 0.5 * weight, pull * e - 0.5 * weight
+    return np.linalg.norm([first, last], axis=1) if pull > 0.0 else np.array([0.0, 0.0])
