@@ -1,4 +1,4 @@
-"""Ctrl-C that is not lost: Python drops what is raised while it clears away an object."""
+"""Ctrl-C, and the signal to end, that are not lost: Python drops what is raised while it clears away an object."""
 
 from __future__ import annotations
 
@@ -25,16 +25,47 @@ class Ear:
             raise KeyboardInterrupt
 
 
+_ears: list[Ear] = []
+"""Who listens now."""
+
+
+def _in_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()
+
+
 @contextmanager
 def listening() -> Iterator[Ear]:
     """Listen to Ctrl-C; only in the main thread, where it is raised, and where nobody else does already."""
     ear = Ear()
-    plain = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if not plain or threading.current_thread() is not threading.main_thread():
+    if not _in_main_thread():
         yield ear
         return
-    signal.signal(signal.SIGINT, ear.press)
+    plain = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if plain:
+        signal.signal(signal.SIGINT, ear.press)
+    _ears.append(ear)
     try:
         yield ear
     finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        _ears.remove(ear)
+        if plain:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _terminate(number: int, frame: object) -> None:
+    for ear in _ears:
+        ear.heard = True
+    raise KeyboardInterrupt
+
+
+@contextmanager
+def ended_by_signal() -> Iterator[None]:
+    """Take SIGTERM as Ctrl-C: for a process that is a command of ours, and where nobody else handles the signal."""
+    if not _in_main_thread() or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        yield
+        return
+    signal.signal(signal.SIGTERM, _terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)

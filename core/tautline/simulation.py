@@ -20,6 +20,7 @@ from tautline.integrators.period import STEPS_PER_PERIOD, lag_of_step
 from tautline.integrators.relaxation import relax
 from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.schedule import frame_times, steps_to
+from tautline.integrators.stability import count_negative
 from tautline.integrators.state import (
     AT_START,
     FACTORISATIONS,
@@ -127,7 +128,7 @@ def simulate(
         try:
             compile_for(run.method, model.system, run.state, announce)
             if earlier is not None:
-                store.append(earlier)
+                store.append(earlier, run.memory, run.progress())
             else:
                 run.start()
                 run.store_first(store)
@@ -167,6 +168,7 @@ class Run:
         self.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
         self.memory: dict[str, np.ndarray] = {}
         self.remembered = 0.0
+        self.negative_pivots = -1
         self.frames = self._room(1)
         self.critical, self.unchecked = CriticalStep(model.system), FRAMES_UNCHECKED
 
@@ -177,7 +179,7 @@ class Run:
         """Go on from an earlier result; returns its frames."""
         place = earlier.path or "result"
         if not earlier.restart:
-            cure = "a run that was killed leaves none: run the scene from its start"
+            cure = "run the scene from its start"
             raise ResultError(place, "holds no state to go on from", cure)
         made = {"method": earlier.attributes.get("method"), "physics": earlier.attributes.get("physics")}
         now = {"method": self.model.solver.method, "physics": self.model.attributes.get("physics")}
@@ -222,7 +224,31 @@ class Run:
             if np.any(model.system.v):
                 # The scene begins in motion: what stuck while it came to rest has let go.
                 recall(fresh, (), model.system.groups, ())
+        if model.start == "static":
+            self._check_stable()
         start_moving(self.model.system, self.state, self.step)
+
+    def _check_stable(self) -> None:
+        """Refuse an equilibrium that the least disturbance would leave: a strut of rope, a column that buckles."""
+        system = self.model.system
+        self.negative_pivots, worst = count_negative(system, self.state)
+        # A wall bounds how far a pressed string buckles: such a start is reported, not refused.
+        walled = any("Contact" in type(group).__name__ for group in system.groups)
+        if self.negative_pivots > 0 and not walled:
+            detail = (
+                f"the equilibrium that was found is unstable: its tangent has {self.negative_pivots} negative pivots, "
+                "as where a rope is pressed, a column is loaded beyond its buckling load, or a load stands on its "
+                "head; draw the scene closer to how it hangs, or give start: relaxed"
+            )
+            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)
+
+    def _of_start(self) -> list[str]:
+        if self.negative_pivots <= 0:
+            return []
+        return [
+            f"the static start is unstable: its tangent has {self.negative_pivots} negative pivots, so the string is "
+            "pressed beyond its buckling load and will buckle until the wall holds it; start: relaxed begins buckled"
+        ]
 
     def store_first(self, store: Store) -> None:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
@@ -323,11 +349,18 @@ class Run:
         part = Frames(*(array[:filled] for array in frames))
         stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
-        store.append(stored)
         if not stopped:
             self.memory, self.remembered = remember(*self._parts()), self.time
+        store.append(stored, self.memory, self.progress())
         if self.look is not None:
             self.look(self.state, self.time, self.method)
+
+    def progress(self) -> dict[str, Any]:
+        """What a run that is killed must leave beside its state, to be gone on with."""
+        return {
+            "method": self.model.solver.method, "restart_time": self.remembered, "wall_time": self.wall,
+            "cpu_time": self.cpu,
+        }  # fmt: skip
 
     def finish(
         self, store: Store, status: str, further: dict[str, Any] | None = None, warnings: Sequence[str] = ()
@@ -340,6 +373,7 @@ class Run:
         taken = self.reached / counters[STEPS] if counters[STEPS] else self.step
         attributes: dict[str, Any] = {
             "status": status,
+            "start_negative_pivots": self.negative_pivots,
             "method": solver.method,
             "step": taken if solver.automatic else self.step,
             "end": float(solver.end),
@@ -356,7 +390,7 @@ class Run:
             "numerical_dissipation": -self.balance.missing(int(counters[STEPS])),
             "motion_frequency": self.turns_over() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken),
-            "warnings": [*self.warnings(taken), *warnings],
+            "warnings": [*self._of_start(), *self.warnings(taken), *warnings],
             "headline": without_rounding(self.model.headline(result), result, taken),
             "limits": [] if self.model.limits is None else self.model.limits(result),
             **(further or {}),

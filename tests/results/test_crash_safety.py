@@ -14,6 +14,7 @@ import pytest
 import xarray
 from writing_process import batch, variables
 
+from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.results.store import Store
 
@@ -133,16 +134,28 @@ def test_leftovers_of_a_killed_run_are_removed_by_the_next(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["run.nc"]
 
 
-def test_two_runs_into_one_file_leave_one_of_them_whole(tmp_path):
-    path = tmp_path / "run.nc"
-    first, second = (Store(path, variables(), {}, {"scene": "a: 1"}) for _ in range(2))
-    for number in range(4):
-        first.append(batch(20 * number))
-        second.append(batch(20 * number))
-    first.finish()
-    second.finish()
-    assert_whole(path, 80)
-    assert [file.name for file in tmp_path.iterdir()] == ["run.nc"]
+@pytest.mark.parametrize("by", ["its name", "a link to its folder"])
+def test_a_second_run_into_one_file_is_refused_while_the_first_writes(tmp_path, by):
+    folder, path = tmp_path / "real", tmp_path / "real" / "run.nc"
+    folder.mkdir()
+    (tmp_path / "link").symlink_to(folder)
+    again = path if by == "its name" else tmp_path / "link" / "run.nc"
+    process = start(path)
+    try:
+        while frames_promised([process.stdout.readline()]) < 20:
+            pass
+        with pytest.raises(ResultError, match=f"process {process.pid} is writing this result"):
+            Store(again, variables(), {}, {"scene": "b: 2"})
+        assert frames_promised([process.stdout.readline()]) > 20, "the first goes on"
+    finally:
+        process.kill()
+        process.communicate()
+    # the lock went with its process
+    with Store(again, variables(), {}, {"scene": "a: 1"}) as store:
+        store.append(batch(0))
+        store.finish()
+    assert_whole(path, 20)
+    assert [file.name for file in folder.iterdir()] == ["run.nc"]
 
 
 def test_a_result_deleted_in_mid_run_is_there_again_after_the_next_batch(tmp_path):
@@ -200,6 +213,7 @@ def test_a_full_disk_is_a_named_error_and_what_was_stored_is_kept(tmp_path):
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(WRITER.parent), *sys.path])}
     done = subprocess.run(command, capture_output=True, text=True, env=environment)
     assert done.returncode == 0, done.stderr
-    assert "cannot be written any more: File too large; free some space" in done.stdout
+    frames = len(Result.read(path).time)
+    assert f"cannot be written any more: File too large; {frames} frames are kept in it; free some space" in done.stdout
     assert_whole(path, 100)
     assert [file.name for file in tmp_path.iterdir()] == ["run.nc"]

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from tautline.cli.console import abandon_output, print_json, say
+from tautline.interruption import ended_by_signal
 from tautline.kernels.garbage import collected_rarely, left_at_exit
 from tautline.scene.errors import Problem, SceneError
 
@@ -78,7 +79,7 @@ def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:
     ours = arguments is None
     if ours:
         left_at_exit()
-    with collected_rarely() if ours else nullcontext():
+    with collected_rarely() if ours else nullcontext(), ended_by_signal() if ours else nullcontext():
         code = _outcome(app, given)
     try:
         sys.stdout.flush()

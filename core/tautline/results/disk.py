@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import shutil
@@ -34,6 +35,52 @@ def is_open_elsewhere(path: Path) -> bool:
         except OSError as error:
             return error.errno == errno.EAGAIN
     return False
+
+
+class Lock:
+    """A lock on a name, of the process that writes there; it goes with its process, however that ends.
+
+    The file of the lock is hidden beside the name and removed when the lock is given back. Where the system or the file
+    system knows no such locks, it is always granted.
+    """
+
+    def __init__(self, path: Path) -> None:
+        folder = path.parent.resolve()
+        self.file = folder / f".{path.name}.lock"
+        self._number: int | None = None
+
+    def take(self) -> int | None:
+        """Take the lock; returns None, or the number of the process that holds it (0 if that is not known)."""
+        try:
+            import fcntl
+        except ImportError:
+            return None
+        while self._number is None:
+            number = os.open(self.file, os.O_RDWR | os.O_CREAT, 0o666)
+            try:
+                fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                held = os.read(number, 20)
+                os.close(number)
+                if error.errno in (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES):
+                    return int(held) if held.isdigit() else 0
+                return None
+            # Who held it before may have removed the file between our opening and locking it: then it locks nothing.
+            if os.fstat(number).st_nlink == 0:
+                os.close(number)
+                continue
+            self._number = number
+            os.ftruncate(number, 0)
+            with contextlib.suppress(OSError):
+                os.write(number, str(os.getpid()).encode())
+        return None
+
+    def give_back(self) -> None:
+        """Remove the lock and its file."""
+        if self._number is not None:
+            self.file.unlink(missing_ok=True)
+            os.close(self._number)
+            self._number = None
 
 
 def reserve(path: Path, amount: int) -> None:

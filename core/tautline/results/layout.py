@@ -175,7 +175,14 @@ def write_attributes(file: h5py.File, attributes: Mapping[str, Any]) -> None:
 
 
 def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
-    """Keep arrays as they are in the group ``restart``; their dimensions are named by their sizes."""
+    """Keep arrays as they are in the group ``restart``; their dimensions are named by their sizes.
+
+    Where the group is there, its arrays are replaced: those of one run keep their names and shapes.
+    """
+    if "restart" in file:
+        for name, values in arrays.items():
+            file["restart"][name][...] = values
+        return
     group, scales = file.create_group("restart"), {}
     for name, values in arrays.items():
         values = np.asarray(values)

@@ -33,7 +33,7 @@ import h5py
 import numpy as np
 
 from tautline.results import disk, layout
-from tautline.results.errors import WriteError
+from tautline.results.errors import ResultError, WriteError
 from tautline.results.result import Result
 from tautline.results.target import check_target
 from tautline.results.variable import Variable
@@ -66,7 +66,7 @@ class Store:
     Raises
     ------
     ResultError
-        If the path cannot be written to. Nothing is written before the first batch.
+        If the path cannot be written to, or another run is writing there. Nothing is written before the first batch.
     """
 
     def __init__(
@@ -84,14 +84,25 @@ class Store:
         self.frames = 0
         self._batches: list[tuple[int, dict[str, np.ndarray]]] = []
         self._copies = None if self.path is None else _Copies(self.path)
+        self._restart: Mapping[str, np.ndarray] = {}
+        self._now: dict[str, Any] = {}
 
-    def append(self, frames: Mapping[str, np.ndarray]) -> None:
+    def append(
+        self,
+        frames: Mapping[str, np.ndarray],
+        restart: Mapping[str, np.ndarray] | None = None,
+        attributes: Mapping[str, Any] | None = None,
+    ) -> None:
         """Add a batch of frames; on return it is safe from anything that befalls this process.
 
         Parameters
         ----------
         frames : dict of str to (n, ...) array
             Every variable, ``time`` among them, with time as the leading axis. n = 0 does nothing.
+        restart : dict of str to array, optional
+            The raw state to go on from, kept in the group ``restart`` until the next is given: names and shapes stay.
+        attributes : dict, optional
+            What is known of the run so far, such as the time of that state.
 
         Raises
         ------
@@ -107,6 +118,7 @@ class Store:
             layout.dimensions(self.variables, self.coordinates, batch)
         self._batches.append((self.frames, batch))
         self.frames += len(batch["time"])
+        self._restart, self._now = restart or self._restart, self._now | dict(attributes or {})
         if self._copies is not None:
             self._write(self._copies)
             self._copies.publish()
@@ -130,6 +142,7 @@ class Store:
         """
         self.attributes |= {"status": "done", **(attributes or {})}
         if self.frames == 0:
+            self.close()
             return None
         if self._copies is None:
             return self._in_memory(restart or {})
@@ -142,7 +155,7 @@ class Store:
                     layout.write_restart(file, restart)
             self._copies.publish()
         except (OSError, RuntimeError) as error:
-            raise _failure(self._copies.path, error) from error
+            raise self._failure(self._copies, error) from error
         finally:
             self.close()
         return Result(self._copies.path)
@@ -172,11 +185,24 @@ class Store:
                 disk.reserve(copies.due, layout.room([self._batches[0][1]]) + layout.size(self.attributes))
                 layout.create(copies.due, self.variables, self.coordinates, self.attributes, self._batches[0][1])
             copies.append(self._batches, self.frames)
+            if self._restart or self._now:
+                disk.reserve(copies.due, layout.room([]) + layout.size(self._restart) + layout.size(self._now))
+                with h5py.File(copies.due, "r+", libver=("earliest", "v110")) as file:
+                    layout.write_restart(file, self._restart)
+                    layout.write_attributes(file, self._now)
         except (OSError, RuntimeError) as error:
             copies.discard()
-            raise _failure(copies.path, error) from error
+            raise self._failure(copies, error) from error
         self._batches = [(start, batch) for start, batch in self._batches if start >= copies.least]
         return copies.due
+
+    def _failure(self, copies: _Copies, error: Exception) -> WriteError:
+        reason = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
+        kept = max(copies.held)
+        left = f"; {kept} frames are kept in it" if kept else "; nothing was stored"
+        cure = "free some space, or name another folder with -o"
+        cure += f"; then go on with --resume {copies.path}" if kept else ""
+        return WriteError(copies.path, f"cannot be written any more: {reason}{left}", cure)
 
     def _checked(self, frames: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         names = {variable.name for variable in self.variables}
@@ -214,6 +240,11 @@ class _Copies:
         self.link = path.parent / f"{stem}n.part"
         self.held = [0, 0]
         self.turn = 0
+        self.lock = disk.Lock(path)
+        writer = self.lock.take()
+        if writer is not None:
+            who = f"process {writer}" if writer else "another process"
+            raise ResultError(path, f"{who} is writing this result", "wait until it has ended, or name another with -o")
         self._remove_stale()
 
     @property
@@ -278,6 +309,7 @@ class _Copies:
         """Delete the hidden names."""
         for file in (*self.files, self.link):
             file.unlink(missing_ok=True)
+        self.lock.give_back()
 
     def _remove_stale(self) -> None:
         """Delete what runs of this machine that were killed have left for the same result."""
@@ -313,8 +345,3 @@ def _coordinate(name: str, given: Any) -> layout.Coordinate:
         dims, values, units, long_name = given
         return (dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), units, long_name
     return (name,), np.asarray(given), "", ""
-
-
-def _failure(path: Path, error: Exception) -> WriteError:
-    reason = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
-    return WriteError(path, f"cannot be written any more: {reason}", "free some space, or name another folder with -o")
