@@ -20,6 +20,7 @@ from crane.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.span import MATERIAL, STATION
 from crane.summary import headline
 from crane.supply import check_supply
+from tautline.integrators.attainable import within_rounding
 from tautline.kernels.time_function import value_at
 from tautline.scene.errors import SceneError
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
@@ -55,7 +56,7 @@ def build(scene: CraneScene) -> Model:
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
     error = error_of_steps(solver, STEP_ERROR) or (STEP_ERROR if scene.controlled else 0.0)
-    return Model(
+    model = Model(
         system=system,
         solver=SolverSettings(
             solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
@@ -80,6 +81,7 @@ def build(scene: CraneScene) -> Model:
         notes=notes,
         settle=lambda state: draw_true(layout, system, state),
     )  # fmt: skip
+    return within_rounding(model)
 
 
 class _Told:

@@ -18,6 +18,7 @@ from drillstring.torque_drag import links, own_friction, require_wall
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.columns import Columns
 from tautline.scene.errors import Problem, SceneError
+from tautline.threads import one_thread
 
 TOLD = 1.0e-6
 """Share of the largest derivative below which loads do not depend on a factor, or on a combination of two."""
@@ -212,6 +213,9 @@ def fit(
     return Fit(float(factors[0]), float(spread[0]), residual, *alone_and_both, _unexplained(rows))
 
 
+@one_thread()
+
+
 def _least_squares(
     rows: list[tuple[Statics, str, float]], shoe: float, start: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -259,6 +263,9 @@ def _unexplained(rows: list[tuple[Statics, str, float]]) -> tuple[Unexplained, .
         if lacking > BEYOND * abs(rotating):
             found.append(Unexplained(string.depth, way, load, rotating))
     return tuple(found)
+
+
+@one_thread()
 
 
 def _spread(errors: np.ndarray, slopes: np.ndarray) -> np.ndarray:

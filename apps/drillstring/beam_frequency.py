@@ -9,12 +9,16 @@ from drillstring.beam_points import Points
 from drillstring.fluid import Fluid, mass_beside
 from drillstring.hole import Wall
 from tautline.kernels.hermite import SHAPE, table
+from tautline.threads import one_thread
 
 CONSISTENT = np.array(
     [[156.0, 22.0, 54.0, -13.0], [22.0, 4.0, 13.0, -3.0], [54.0, 13.0, 156.0, -22.0], [-13.0, -3.0, -22.0, 4.0]]
 )
 CONSISTENT /= 420.0
 """Mass matrix of an element of length and mass one."""
+
+
+@one_thread()
 
 
 def contact_frequency(points: Points, wall: Wall, fluid: Fluid, hole_diameter: float) -> float:

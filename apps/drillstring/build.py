@@ -21,6 +21,7 @@ from drillstring.observe import COORDINATE_UNITS, headline, variables
 from drillstring.scene import BEAM, DrillstringScene, check_lengths
 from drillstring.string import Tube, cut
 from drillstring.survey import read_survey
+from tautline.integrators.attainable import within_rounding
 from tautline.kernels.groups import offers
 from tautline.scene.errors import SceneError
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
@@ -125,7 +126,7 @@ def build(scene: DrillstringScene) -> Model:
     solver = scene.solver
     alpha_m, alpha_f = solver.alphas
     criterion = solver.criterion or ("force" if offers(system.groups, "switch") else "energy")
-    return Model(
+    model = Model(
         system=system,
         solver=SolverSettings(
             solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
@@ -152,6 +153,7 @@ def build(scene: DrillstringScene) -> Model:
         own=observer.own,
         notes=notes,
     )  # fmt: skip
+    return within_rounding(model)
 
 
 def _assembler(kind: str) -> Any:

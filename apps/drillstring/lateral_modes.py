@@ -13,6 +13,7 @@ from drillstring.scene import DrillstringScene
 from drillstring.string import Lumps
 from drillstring.string_at_rest import U, V, X
 from tautline.scene.errors import SceneError
+from tautline.threads import one_thread
 
 SAME = 1e-5
 """Relative difference below which two frequencies are those of one mode in either plane."""
@@ -30,6 +31,9 @@ class Support(NamedTuple):
     section: str
     how: str
     force: float
+
+
+@one_thread()
 
 
 def lateral_modes(

@@ -10,6 +10,8 @@ from scipy.linalg import eigh
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import eigsh
 
+from tautline.threads import one_thread
+
 KINDS = ("lateral", "torsional", "axial")
 DENSE = 1500
 """Unknowns up to which all modes are found by dense algebra."""
@@ -47,6 +49,9 @@ class Mode(NamedTuple):
     def rotatory(self) -> float:
         """Relative fall of the frequency by rotatory inertia, to first order."""
         return 0.25 * self.turning
+
+
+@one_thread()
 
 
 def modes_below(mass: np.ndarray | csc_array, stiffness: csc_array, highest: float) -> tuple[np.ndarray, np.ndarray]:

@@ -18,6 +18,7 @@ from tautline.cable.build import Assembly, assemble_cables
 from tautline.cable.layout import Layout
 from tautline.cable.members import records
 from tautline.elements.jet import JET, Jets
+from tautline.integrators.attainable import within_rounding
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 
@@ -59,7 +60,7 @@ def build(scene: HoseScene) -> Model:
     notes = [*made.notes, *unused_alphas(scene.solver)]
     if solver.step == "auto" and error > 0.0:
         notes.append(f"step: auto keeps the error of a step below {error:.2g} m")
-    return Model(
+    model = Model(
         system=made.system,
         solver=SolverSettings(
             solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
@@ -85,6 +86,7 @@ def build(scene: HoseScene) -> Model:
         step_limit=0.5 * float(np.diff(arc_lengths(scene)).min()),
         notes=notes,
     )  # fmt: skip
+    return within_rounding(model)
 
 
 def assembled(scene: HoseScene, fused: bool = True) -> Assembly:

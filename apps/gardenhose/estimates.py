@@ -18,6 +18,7 @@ from tautline.integrators.critical_step import critical_step
 from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, lobatto, table
 from tautline.kernels.time_function import sample
 from tautline.system.time_functions import FunctionRequest, compile_functions
+from tautline.threads import one_thread
 
 ONSET = np.array(
     [
@@ -210,7 +211,8 @@ def _largest(scene: HoseScene, stiffness: Callable[[Segment], float], order: int
     if free.size == 0:
         return 0.0
     try:
-        return float(eigvalsh(k[np.ix_(free, free)], m[np.ix_(free, free)])[-1])
+        with one_thread():
+            return float(eigvalsh(k[np.ix_(free, free)], m[np.ix_(free, free)])[-1])
     except (LinAlgError, ValueError):  # numbers of no hose, whose matrices overflow or lose their rank
         return math.nan
 

@@ -18,13 +18,14 @@ from gardenhose.static import Form, form
 from tautline.integrators.vibrations import DENSE, Vibrations, vibrations
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.threads import one_thread
 
 MODES = 8
 """Pairs of eigenvalues that are followed."""
 DOFS, SLOWEST = 6, 60
 """Unknowns of an element, and how many motions are sought of a hose that has too many for all."""
-SPEEDS = 61
-"""Speeds of a search that is not told where to look."""
+SPEEDS = 48
+"""Intervals, about, of a range of speeds that is not told, from zero to half as much again as the critical one."""
 PRECISION = 1.0e-10
 """Relative precision of the critical speed."""
 STILL, ROUNDING = 1.0e-7, 10.0
@@ -33,6 +34,8 @@ BEYOND = 1.0e-3
 """How far past a critical speed the way in which it becomes unstable is looked at, relative to it."""
 REAL = 1.0e-6
 """Frequency over the size of the eigenvalue below which a hose diverges and does not flutter."""
+TRIALS = 10
+"""Speeds up to the estimated critical one at which it is looked for."""
 FARTHEST = 4.0
 """Multiple of the estimated critical speed up to which one is looked for."""
 
@@ -122,6 +125,9 @@ def _tied(scene: HoseScene) -> HoseScene:
     return validate(HoseScene, scene.document.replaced(values))
 
 
+@one_thread()
+
+
 def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: int = MODES) -> Stability:
     """Eigenvalues over a range of speeds, and where motions begin to grow.
 
@@ -154,20 +160,26 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     return Stability(grid, values, shares, grows, sorted(found, key=lambda one: abs(one.speed)))
 
 
+@one_thread()
+
+
 def crossings(scene: HoseScene, speeds: Sequence[float], plane: Plane = "any") -> list[Critical]:
     """Every speed in a range at which motions of a plane begin to grow; between two of them they have ceased to."""
     return _crossings(_Linear(scene), np.array(speeds, float), plane)
 
 
 def _range(linear: _Linear) -> np.ndarray:
-    """Speeds from zero to half as much again as the first critical one."""
+    """Speeds from zero to half as much again as the first critical one, those that were tried among them."""
     guess = _guess(linear.scene)
-    step, speed = guess / 10.0, 0.0
-    while speed < FARTHEST * guess:
-        speed += step
-        if _grows(linear, speed, "any"):
+    tried = 0
+    while tried < TRIALS * FARTHEST:
+        tried += 1
+        if _grows(linear, guess * tried / TRIALS, "any"):
             break
-    return np.linspace(0.0, 1.5 * speed, SPEEDS)
+    finer = max(1, round(SPEEDS / (1.5 * tried)))
+    count = int(np.ceil(1.5 * tried * finer))
+    # A speed that was tried is found again to the bit: whole numbers are divided last.
+    return np.array([guess * (i / finer) / TRIALS for i in range(count + 1)])
 
 
 def _guess(scene: HoseScene) -> float:
@@ -199,7 +211,8 @@ def _locate(linear: _Linear, left: float, right: float, plane: Plane) -> Critica
     """Critical speed between one at which nothing grows and one at which something does."""
     size = max(abs(left), abs(right))
     speed = float(brentq(lambda u: linear.growth(u, plane)[0], left, right, xtol=PRECISION * size, rtol=1e-12))
-    _, value = linear.growth(speed * (1.0 + PRECISION), plane)
+    # The speed that the search ends with is one at which it has solved.
+    _, value = linear.growth(speed, plane)
     # Where a pair meets at zero rounding has a say in what it looks like: the eigenvalue past it says which it is.
     _, past = linear.growth(speed * (1.0 + BEYOND), plane)
     diverges = abs(past.imag) <= REAL * abs(past)

@@ -18,6 +18,7 @@ from tautline.cable.observe import Observer, headline, variables
 from tautline.cable.scene import CableScene
 from tautline.constraints.multiplier import Multipliers
 from tautline.elements.node import SPRING, Anchors, PointMasses, Springs, TimedForces
+from tautline.integrators.attainable import within_rounding
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import System, assemble
@@ -103,7 +104,7 @@ def build(scene: CableScene) -> Model:
     error = error_of_steps(solver, ERROR * sum(lengths))
     if solver.step == "auto" and error > 0.0:
         notes.append(f"time_step: auto keeps the error of a step below {error:.2g} m")
-    return Model(
+    model = Model(
         system=system,
         solver=SolverSettings(
             solver.method, longest_step(solver, solver.interval), solver.end, solver.interval,
@@ -127,6 +128,7 @@ def build(scene: CableScene) -> Model:
         step_limit=max(0.5 * min(lengths), 1e-9),
         notes=notes,
     )  # fmt: skip
+    return within_rounding(model, "eps_energy")
 
 
 def _physics(scene: CableScene) -> str:

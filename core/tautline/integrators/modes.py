@@ -13,6 +13,7 @@ from tautline.integrators.state import State
 from tautline.kernels.dofs import HELD
 from tautline.kernels.matrix import dense, new_matrix, sparse
 from tautline.system.system import System
+from tautline.threads import one_thread
 
 DENSE = 1500
 """Unknowns up to which all modes are found by dense algebra."""
@@ -36,6 +37,9 @@ class Modes(NamedTuple):
     def frequency(self) -> np.ndarray:
         """Frequencies, Hz."""
         return self.omega / (2.0 * np.pi)
+
+
+@one_thread()
 
 
 def modes(system: System, state: State, count: int | None = None) -> Modes:

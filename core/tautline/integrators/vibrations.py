@@ -14,6 +14,7 @@ from tautline.integrators.modes import expand_shapes
 from tautline.integrators.state import State
 from tautline.kernels.matrix import dense, new_matrix, sparse
 from tautline.system.system import System
+from tautline.threads import one_thread
 
 DENSE = 700
 """Unknowns up to which all eigenvalues are found by dense algebra."""
@@ -39,6 +40,9 @@ class Vibrations(NamedTuple):
     def growth(self) -> float:
         """Largest growth rate, 1/s; minus infinity where nothing can move."""
         return float(self.value.real.max(initial=-np.inf))
+
+
+@one_thread()
 
 
 def vibrations(system: System, state: State, count: int | None = None) -> Vibrations:

@@ -13,6 +13,7 @@ from tautline.integrators.state import State
 from tautline.kernels.matrix import dense, new_matrix
 from tautline.study.trial import Setting, Subject, run_model
 from tautline.system.system import System
+from tautline.threads import one_thread
 
 MOST = 600
 """Unknowns up to which the condition number is worked out."""
@@ -46,6 +47,9 @@ def conditioning(subject: Subject) -> list[Condition]:
     if 0 < model.system.size <= MOST:
         run_model(model, Setting("generalized-alpha"), announce=subject.announce, look=look)
     return found
+
+
+@one_thread()
 
 
 def _conditions(system: System, state: State, t: float, method: GeneralizedAlpha) -> list[Condition]:

@@ -22,6 +22,7 @@ from tautline.scene.errors import SceneError
 from tautline.simulation import Run
 from tautline.study.trial import Setting, Subject, run_model
 from tautline.system.system import System
+from tautline.threads import one_thread
 
 DENSE = 250
 """Unknowns up to which all eigenvalues are found, and not the fastest alone."""
@@ -121,6 +122,9 @@ def critical_step_of(value: complex) -> float:
     if value.imag == 0.0:
         return critical_step(0.0, abs(value))
     return critical_step(abs(value) ** 2, max(0.0, -2.0 * value.real))
+
+
+@one_thread()
 
 
 def eigenvalues(system: System, state: State, t: float) -> np.ndarray:

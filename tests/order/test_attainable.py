@@ -1,0 +1,52 @@
+"""A tolerance below what rounding leaves is not sought: it costs halvings and iterations in vain, and is said."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from gardenhose.application import Gardenhose
+from tautline.cable.application import Cable
+from tautline.simulation import simulate
+
+DATA = Path(__file__).parents[2] / "data"
+SCENES = {
+    "hose": (Gardenhose, "hose.yaml", "solver: {", "solver: {tolerance: %s, ", "solver.tolerance"),
+    "cable": (Cable, "reeled_span.yaml", r"eps_energy: 1.0e-8", "eps_energy: %s", "eps_energy"),
+}
+
+
+def built(name, folder, tolerance=None):
+    application, file, old, new, _ = SCENES[name]
+    text = (DATA / file).read_text(encoding="utf-8")
+    if tolerance is not None:
+        assert old in text
+        text = text.replace(old, new % tolerance)
+    path = folder / file
+    path.write_text(text, encoding="utf-8")
+    made = application()
+    model = made.build(made.read(path))
+    return replace(model, solver=replace(model.solver, end=60 * model.solver.step, interval=10 * model.solver.step))
+
+
+@pytest.mark.parametrize("tolerance", ["1.0e-16", "1.0e-30"])
+@pytest.mark.parametrize("name", SCENES)
+def test_a_tolerance_below_rounding_is_said_and_costs_no_halvings(name, tolerance, tmp_path):
+    # the hose halved its steps 148 times in 0.3 s and took ten times the iterations
+    usual, asked = built(name, tmp_path), built(name, tmp_path, tolerance)
+    (note,) = [one for one in asked.notes if "rounding" in one]
+    assert note.startswith(f"{SCENES[name][4]} = {float(tolerance):g} ")
+    assert float(re.search(r"uses (\S+)$", note)[1]) == pytest.approx(asked.solver.tolerance, rel=0.06)
+    assert 1e-16 < asked.solver.tolerance < 1e-10
+    one, other = simulate(usual).attributes, simulate(asked)
+    assert other.attributes["tolerance"] == asked.solver.tolerance
+    assert other.attributes["steps"] == one["steps"]
+    assert other.attributes["halvings"] == 0
+    assert other.attributes["newton_iterations"] < 4 * one["newton_iterations"]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_tolerance_that_can_be_reached_is_kept_as_it_is(name, tmp_path):
+    assert built(name, tmp_path, "1.0e-12").solver.tolerance == 1e-12
+    assert not any("rounding" in note for note in built(name, tmp_path).notes)
