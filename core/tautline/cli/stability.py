@@ -148,7 +148,7 @@ def _table(variants: Sequence[Variant]) -> Table:
         outcome = Text(v.outcome + (", SILENT" if v.silent else ""), style="red" if v.silent else COLOUR[v.outcome])
         error = "–" if v.error is None else f"{100.0 * v.error:.2g} %"
         own = f"late by {v.lag:.1g} rad, energy {v.energy_error:.1g}" if v.outcome == "inaccurate" else ""
-        own += f", {100.0 * v.change:.1g} % by half the step" if v.change else ""
+        own += f", states {100.0 * v.stated:.2g} %" if v.stated else ""
         warned = f"{len(v.told)} x" if v.told else own
         table.add_row(v.name, outcome, error, v.status, warned)
     return table

@@ -218,7 +218,8 @@ def _report(path: Path, stem: Path, found: Study, as_json: bool) -> None:
     for warning in found.warnings:
         say(f"warning: {warning}", "yellow")
     tell_of(path, found.stop)
-    say(found.advice, "green" if found.reference is not None and found.reference.converged else "yellow")
+    proved = found.reference is not None and found.reference.converged
+    say(found.advice, "green" if proved and not found.unseen else "yellow")
     files = []
     if records:
         kept = {key: value for key, value in (whole["reference"] or {}).items() if isinstance(value, (str, int, float))}

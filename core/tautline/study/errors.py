@@ -59,10 +59,14 @@ def apart(run: History, exact: History, extent: float) -> tuple[float, float, fl
 
     The last two are relative, as in :class:`Errors`.
     """
-    way = np.linalg.norm(exact.position - exact.position[0], axis=1).max()
-    size = max(float(way), RESTING * extent) or 1.0
     distance = float(np.linalg.norm(run.position - exact.position, axis=1).max())
-    return distance, distance / size, _force(run.force, exact.force)
+    return distance, distance / motion(exact, extent), _force(run.force, exact.force)
+
+
+def motion(history: History, extent: float) -> float:
+    """The largest distance that a point moves, m, and no less than what counts as rest in a scene of that extent."""
+    moved = np.linalg.norm(history.position - history.position[0], axis=1).max()
+    return max(float(moved), RESTING * extent) or 1.0
 
 
 def at_times(history: History, time: np.ndarray) -> History:

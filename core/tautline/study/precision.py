@@ -23,7 +23,7 @@ from tautline.study.grid import Grid as Grid
 from tautline.study.grid import settings
 from tautline.study.history import Watched, watch
 from tautline.study.judge import choose_reference
-from tautline.study.omissions import of_study
+from tautline.study.omissions import of_study, unseen
 from tautline.study.reference import CLEAR, Reference
 from tautline.study.trial import Setting, Subject, Trial, run_model
 from tautline.system.model import Model
@@ -74,6 +74,8 @@ class Study:
         What a quick look has not tried.
     stop : StoppedEarly or None
         How the scene as it stands stopped, if it did; other settings have come to their end then.
+    unseen : str
+        Which part of the run was not looked at, and what happens there; empty where all was.
     """
 
     rows: tuple[Row, ...]
@@ -86,6 +88,7 @@ class Study:
     left_out: tuple[str, ...] = ()
     interrupted: bool = False
     stop: StoppedEarly | None = None
+    unseen: str = ""
 
     @property
     def advice(self) -> str:
@@ -163,7 +166,9 @@ def study(
     load = before, os.getloadavg()[0]
     warnings = () if interrupted else tuple(_warnings(found, tangent, rows, tolerance, watched))
     left_out = of_study(subject, grid.steps is not None) if reduced else ()
-    return Study(rows, found, watched, tolerance, tangent, load, warnings, left_out, interrupted, stop)
+    return Study(
+        rows, found, watched, tolerance, tangent, load, warnings, left_out, interrupted, stop, unseen(subject)
+    )  # fmt: skip
 
 
 def require_tolerance(tolerance: float) -> None:

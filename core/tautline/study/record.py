@@ -77,6 +77,7 @@ def study_record(study: Study) -> dict[str, Any]:
         "load": list(study.load),
         "warnings": list(study.warnings),
         "left_out": list(study.left_out),
+        "unseen": study.unseen,
     }
 
 
@@ -157,7 +158,7 @@ def variant_record(variant: Variant) -> dict[str, Any]:
         "silent": variant.silent,
         "phase_lag": variant.lag,
         "energy_error": variant.energy_error,
-        "change": variant.change,
+        "stated_error": variant.stated,
         "warned": "; ".join(variant.told),
         "wall_time": variant.wall_time,
     }

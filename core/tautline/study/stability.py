@@ -147,6 +147,10 @@ def _warnings(critical: Critical, tangent: float | None, found: list[Variant]) -
             text = f"real runs are unstable from {high:.3g} s on, below the {least:.3g} s of the eigenvalues"
             told.append(f"{text}: what the state does between the looks, or a wrong tangent, makes it less")
     told += [
-        f"{v.name}: wrong by {100.0 * (v.error or 0.0):.2g} %, and the run said nothing" for v in found if v.silent
+        f"{v.name}: wrong by {100.0 * (v.error or 0.0):.2g} %, and the run {_said(v)}" for v in found if v.silent
     ]
     return told
+
+
+def _said(variant: Variant) -> str:
+    return f"states {100.0 * variant.stated:.2g} %" if variant.stated else "said nothing"

@@ -16,7 +16,7 @@ from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.study.errors import compare
 from tautline.study.history import History, Watched, watch
-from tautline.study.step_error import step_error, tells_nothing_itself
+from tautline.study.step_error import estimate, runs_for
 from tautline.study.trial import GIVEN_UP, Setting, Subject, Trial
 
 STIFFNESSES = (1e-3, 1e-2, 1e-1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
@@ -29,8 +29,8 @@ CONTACTS = (1e4, 1e6, 1e8, 1e10, 1e12)
 DIVIDED = (4.0, 16.0)
 """Parts of the step of the runs by which a variant is judged."""
 MEANT = 2.0
-"""Times a run's own estimate, of its lag in radians or of its change by half the step, that an error of position may be
-without being a surprise."""
+"""Times what a run states of its own error, as lag in radians or from runs with other steps, that an error of position
+may be without being a surprise."""
 DOUBT = 0.5
 """Share of an error by which its estimate may be off; a finer run is asked for above."""
 
@@ -66,8 +66,9 @@ class Variant:
         Its own estimate of how late free oscillations are, rad, and the error of its energy balance.
     wall_time : float or None
         s.
-    change : float
-        Relative change of position with half the step, where `simulate` would have found it out; else 0.
+    stated : float
+        Relative error of position that `simulate` states, from runs with other steps; 0 where it states none, and where
+        nothing depends on it.
     """
 
     name: str
@@ -78,16 +79,16 @@ class Variant:
     wall_time: float | None = None
     lag: float = 0.0
     energy_error: float = 0.0
-    change: float = 0.0
+    stated: float = 0.0
 
     @property
     def silent(self) -> bool:
         """Whether it was wrong without a word: no warning, and more than what the run says of itself explains.
 
-        That is its lag, its change with half the step, and its energy: motion that has lost a share of it is off by
-        the root of the share.
+        That is its lag, the error that it states, and its energy: motion that has lost a share of it is off by the root
+        of the share.
         """
-        explained = max(MEANT * self.lag, MEANT * self.change, math.sqrt(self.energy_error))
+        explained = max(MEANT * self.lag, MEANT * self.stated, math.sqrt(self.energy_error))
         return self.outcome == "inaccurate" and not self.told and (self.error or 0.0) > explained
 
 
@@ -175,14 +176,26 @@ def _judged(
     if error is None:
         return Variant(change.name, "unjudged", None, known, told, trial.wall_time)
     outcome = "right" if error <= tolerance else "inaccurate"
-    by_half = 0.0
-    if outcome == "inaccurate" and not told and tells_nothing_itself(subject.model(setting)):
-        # What `simulate` finds out by itself, by a second run, is asked for only where it decides.
-        found = step_error(subject, trial.result, setting)
-        if found is not None:
-            told, by_half = (found.warning,) if found.warning else (), found.position
+    stated = 0.0
+    if outcome == "inaccurate" and not told:
+        # What `simulate` finds out by itself, by further runs, is asked for only where it decides.
+        stated, told = _stated(subject, setting, trial.result)
     own = (float(trial.attribute(name) or 0.0) for name in ("phase_lag", "energy_error"))
-    return Variant(change.name, outcome, error, "done", told, trial.wall_time, *own, by_half)
+    return Variant(change.name, outcome, error, "done", told, trial.wall_time, *own, stated)
+
+
+def _stated(subject: Subject, setting: Setting, result: Result) -> tuple[float, tuple[str, ...]]:
+    """The error of position that ``simulate`` would state of a run, unasked, or the warning that it is not known.
+
+    A statement is no warning here: whether it is near enough is to be seen.
+    """
+    parts = runs_for(subject.model(setting))
+    if not parts:
+        return 0.0, ()
+    found = estimate(subject, result, setting, parts=parts)
+    if isinstance(found, str):
+        return 0.0, (f"the error due to the time step is not known: {found}",) if found else ()
+    return found.position, ()
 
 
 def _told(subject: Subject, setting: Setting, trial: Trial) -> tuple[str, ...]:
