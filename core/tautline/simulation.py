@@ -239,8 +239,8 @@ class Run:
         if negative > 0 and not self.model.confined:
             detail = (
                 f"the equilibrium that was found is unstable: the tangent has {negative} negative pivots, as where a "
-                "rope without bending stiffness is pressed, a column carries more than Euler's load, or a load stands on "
-                "its head; draw the scene closer to how it hangs, or take start: relaxed"
+                "rope without bending stiffness is pressed, a column carries more than Euler's load, or a load stands "
+                "on its head; draw the scene closer to how it hangs, or take start: relaxed"
             )
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, names[worst], detail)
         places = [i for i, name in enumerate(names) if PLACE.search(name)]
@@ -260,8 +260,8 @@ class Run:
         if self.began.get("negative_pivots"):
             found.append(
                 f"the static start is unstable: the tangent has {self.began['negative_pivots']} negative pivots. The "
-                "string is pressed beyond its buckling load, and buckles until the wall holds it. start: relaxed begins "
-                "buckled"
+                "string is pressed beyond its buckling load, and buckles until the wall holds it. start: relaxed "
+                "begins buckled"
             )
         if self._starts_far:
             found.append(
