@@ -221,3 +221,17 @@ def test_names_of_variants_are_each_others_only():
     names = [change.name for change in changes(False)]
     assert len(set(names)) == len(names)
     assert {change.name for change in changes(True)} < set(names)
+
+
+# what the run states
+def test_a_smooth_run_is_asked_for_what_simulate_states_of_its_error(monkeypatch):
+    """Without friction nobody asked: what is found out by longer steps stands beside the error now."""
+    only(monkeypatch, "rho_inf 0")
+    found = varied(oscillator(time_end=4.0, rho_inf=0.5))["rho_inf 0"]
+    assert found.outcome == "inaccurate" and not found.told
+    assert found.error <= found.stated <= 3.0 * found.error
+
+
+@pytest.mark.parametrize(("share", "silent"), [(0.4, True), (0.6, False)])
+def test_a_run_that_states_less_than_half_of_its_error_is_silent(share, silent):
+    assert Variant("x", "inaccurate", 0.19, "done", stated=share * 0.19).silent == silent
