@@ -27,8 +27,11 @@ COPIED = (
 )  # fmt: skip
 """Keys of the report that are attributes of the result."""
 
-SHARES = {0.5: "runs with a half and a third of the step", 2.0: "runs with twice and four times the step"}
-"""Other runs by the step of the first of them, over the run's own."""
+SHARES = {
+    1.0 / 3.0: "runs with a half and a third of the step",
+    4.0: "runs with twice and four times the step", 0.5: "a run with half the step",
+}  # fmt: skip
+"""Other runs by the step of the last of them, over the run's own."""
 
 
 def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None = None) -> None:
@@ -172,7 +175,7 @@ def _other_runs(
 
     def begin() -> None:
         if not quiet:
-            say(f"estimating the error from {SHARES[parts[0]]}; --no-verify leaves it out")
+            say(f"estimating the error from {SHARES[parts[-1]]}; --no-verify leaves it out")
         bar.again(len(parts) * float(model.solver.end), "estimating the error")
 
     def compared(result: Result) -> tuple[dict[str, Any], list[str]]:

@@ -31,8 +31,9 @@ from tautline.study.history import History, Place, Watched, watch
 from tautline.study.trial import GIVEN_UP, Setting, Subject, Trial
 from tautline.system.model import Model
 
-SHORTER, LONGER = (0.5, 1.0 / 3.0), (2.0, 4.0)
-"""Steps of the other runs over those of the first: with dry friction or where it is asked for, and without."""
+SHORTER, LONGER, HALF = (0.5, 1.0 / 3.0), (2.0, 4.0), (0.5,)
+"""Steps of the other runs over those of the first: with dry friction or where it is asked for, without, and for an
+explicit method, which longer steps make unstable."""
 SAFETY = 1.25
 """Roache's factor of safety for an order that was observed in three runs."""
 ORDER, LOWEST = 2.0, 0.5
@@ -107,10 +108,12 @@ def runs_for(model: Model, asked: bool | None = None) -> tuple[float, ...]:
     Parameters
     ----------
     asked : bool or None
-        Whether an estimate was asked for; None takes one where steps are fixed and the method is implicit.
+        Whether an estimate was asked for; None takes one where steps are fixed.
     """
-    if asked is False or (asked is None and not _fixed(model)):
+    if asked is False or (asked is None and (model.solver.automatic or model.solver.step_error > 0.0)):
         return ()
+    if asked is None and not _fixed(model):
+        return HALF
     return SHORTER if asked or model.system.has_friction else LONGER
 
 
