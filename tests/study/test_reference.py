@@ -8,6 +8,7 @@ from physics.strings import straight_hole
 from drillstring.application import Drillstring
 from tautline.results.result import Result
 from tautline.results.variable import Variable
+from tautline.study import reference
 from tautline.study.history import History, watch
 from tautline.study.precision import Grid, study
 from tautline.study.reference import ORDERS, find_reference
@@ -198,3 +199,34 @@ def test_without_three_runs_there_is_no_reference_and_the_study_says_so(monkeypa
     assert found.reference is None and all(row.errors is None for row in found.rows)
     assert any("no reference" in warning for warning in found.warnings)
     assert found.advice == "no advice: there is no reference to judge by"
+
+
+# the floor of rounding
+class FarAway(MadeUp):
+    """The same a thousand kilometres from the origin, where a coordinate is known to 1e-10 m."""
+
+    def run(self, setting):
+        trial = super().run(setting)
+        trial.result["position"][...] += 1e6
+        return trial
+
+
+def test_a_reference_at_the_floor_of_rounding_is_proved():
+    """Differences of 2e-9 that do not fall are what the digits of such coordinates leave, and no lack of order."""
+    found = found_for(FarAway(lambda step: 1e-9 * (-1) ** round(np.log2(0.1 / step))))
+    assert found.converged and found.why == "" and found.observed_order is None
+    assert 2e-9 <= 3.0 * found.error <= 1e-6
+
+
+def test_what_does_not_fall_and_is_no_rounding_is_not_proved():
+    found = found_for(MadeUp(lambda step: 1e-9 * (-1) ** round(np.log2(0.1 / step))), budget=1.0)
+    assert not found.converged and "observed orders" in found.why
+
+
+def test_the_rounding_of_large_coordinates_hides_the_order_as_any_rounding_does():
+    """A millimetre of motion a thousand kilometres from the origin is known to seven digits of it."""
+    far = np.zeros((TIME.size, 3))
+    far[:, 0] = 1e6 + 1e-3 * np.sin(TIME)
+    assert reference._rounding(History(TIME, far, np.zeros(0)), 1.0, 100) > 1e-6
+    near = History(TIME, far - far[0], np.zeros(0))
+    assert reference._rounding(near, 1.0, 100) == reference.ROUNDING

@@ -170,11 +170,11 @@ def test_only_friction_between_fixed_implicit_steps_is_looked_at_unasked():
 
 
 def test_which_runs_are_made_unasked():
-    """Friction takes shorter steps, all else longer ones; nothing is said of explicit and of controlled steps."""
+    """Friction takes shorter steps, explicit methods half the step, all else longer ones; controlled steps none."""
     model, explicit = (subject(text).model(Setting()) for text in (oscillator(), oscillator(**rk4())))
     assert runs_for(drillstring.build.build(drillstring.scene.read(JWELL))) == SHORTER
     assert runs_for(model) == LONGER and runs_for(model, True) == SHORTER and runs_for(model, False) == ()
-    assert runs_for(explicit) == () and runs_for(explicit, True) == SHORTER
+    assert runs_for(explicit) == (0.5,) and runs_for(explicit, True) == SHORTER
 
 
 def test_runs_with_other_steps_cost_no_more_than_twice_what_a_run_with_half_the_step_did():

@@ -21,13 +21,9 @@ SHARE = 0.1
 CLEAR = 4.0
 """Times the reference's own error that a run must be off, for its error to mean something."""
 ROUNDING = 1.0e-11
-"""Relative difference of two runs that is rounding: no order is to be seen below."""
+"""Relative difference of two runs that is rounding at least: no order is to be seen below."""
 SUMS = 8.0 * float(np.finfo(float).eps)
 """Rounding of a coordinate over its size, of the few sums of a step: steps add up as a random walk."""
-FLAT = 2
-"""Differences in a row that make a floor."""
-STALLED = 0.5
-"""Share of a difference below which the next, of half the step, still falls."""
 ENOUGH = 4
 """Runs that a reference takes: two orders are seen in them, and one of them may be luck."""
 MOST = 14
@@ -46,11 +42,11 @@ class Reference:
     differences : tuple of (float, float)
         Step, s, and difference of position to the run of half that step, relative.
     observed_order : float or None
-        From the last three runs, or from the last three above a floor of rounding; None where rounding hides it.
+        From the last three runs; None where rounding hides it.
     error : float
         Of the reference's position, relative, estimated after Richardson with the observed order (at least one half).
     converged : bool
-        Whether the error is small enough and the order is the method's, or was until rounding hid it.
+        Whether the error is small enough and the order is the method's.
     why : str
         What is lacking, for people; empty if converged.
     mesh_error : float
@@ -145,22 +141,6 @@ def _rounding(history: History, extent: float, steps: int) -> float:
     return max(ROUNDING, SUMS * steps**0.5 * float(np.abs(history.position).max(initial=0.0)) / size)
 
 
-def _proved_above(found: Sequence[tuple[float, float]], seen: Sequence[float | None], order: float) -> int | None:
-    """The last difference of those that have fallen in the method's order down to a floor; None where they have not.
-
-    Two orders in a row are those of the method, and no difference after them is larger than the last that they are
-    seen in, or falls any further: these are rounding, or what the tolerance of the iterations leaves.
-    """
-    good = [each is not None and abs(each - order) <= WITHIN for each in seen]
-    ends = [i + 1 for i in range(1, len(good)) if good[i - 1] and good[i]]
-    if not ends or ends[-1] >= len(found) - 1:
-        return None
-    last = ends[-1]
-    after = [difference for _, difference in found[last + 1 :]]
-    level = all(later > STALLED * before for before, later in itertools.pairwise(after))
-    return last if max(after) <= found[last][1] and level and len(after) >= FLAT else None
-
-
 def _order(coarse: tuple[float, float], fine: tuple[float, float], floor: float = ROUNDING) -> float | None:
     """Order that two differences show, steps being what they are; None where rounding hides it."""
     (step, first), (shorter, second) = coarse, fine
@@ -180,25 +160,20 @@ def _judged(runs: list[tuple[Trial, History]], watched: Watched, tolerance: floa
         force = errors.force
     second = found[-1][1]
     floor = _rounding(runs[-1][1], watched.extent, int(runs[-1][0].attribute("steps") or 1))
-    seen = [_order(coarse, fine, floor) for coarse, fine in itertools.pairwise(found)]
-    orders = seen[-2:]
+    orders = [_order(found[i], found[i + 1], floor) for i in (-3, -2)]
     observed = orders[-1]
     gain = 2.0 ** (order if observed is None else float(np.clip(observed, 0.5, order))) - 1.0
     error = max(second, floor) / gain
     odd = [each for each in orders if each is not None and abs(each - order) > WITHIN]
-    proved = _proved_above(found, seen, order)
     if odd and observed is not None:
         # Orders that jump promise nothing: the larger of the last differences may come again.
         error = max(found[-2][1], second) / (2.0**0.5 - 1.0)
-        if proved is not None:
-            error = max(difference for _, difference in found[proved + 1 :]) / (2.0**0.5 - 1.0)
-            observed, odd = seen[proved - 1], []
     why = []
     if error > SHARE * tolerance:
         why.append(f"its own error is about {error:.1e}, more than a tenth of the tolerance {tolerance:.1e}")
     if odd and observed is not None:
-        told = ", ".join("hidden" if each is None else f"{each:.2g}" for each in orders)
-        why.append(f"the observed orders are {told}, not {order:g}: laws that switch, or steps still too long")
+        seen = ", ".join("hidden" if each is None else f"{each:.2g}" for each in orders)
+        why.append(f"the observed orders are {seen}, not {order:g}: laws that switch, or steps still too long")
     trial, history = runs[-1]
     return Reference(
         trial, history, trial.setting, tuple(found), observed, error, not why, "; ".join(why), force_error=force
