@@ -13,7 +13,7 @@ import pytest
 
 DATA = Path(__file__).parents[2] / "data"
 COMMAND = [sys.executable, "-c", "import sys; from tautline.cli.main import main; sys.argv[0] = 'tautline'; main()"]
-RUNS = {"jwell": "40 s", "hoist": "30 s", "hose": "5 s", "reeled_span": "10 s"}
+RUNS = {"jwell": "40 s", "hoist": "12 s", "hose": "5 s", "reeled_span": "10 s"}
 STEP = "0.05 ms"
 """So short that a run takes some seconds."""
 

@@ -1,6 +1,7 @@
 """The one sentence that a study ends with, for made-up runs."""
 
 import re
+from dataclasses import replace
 
 from tautline.study.advice import advice, good_enough, real_time
 from tautline.study.errors import Errors
@@ -24,9 +25,13 @@ def row(name, error, factor, status="done", step=0.01):
     return Row(trial, None if error is None else Errors(error, None, None, 0.0))
 
 
-def made(*rows, tolerance=0.01, own=1e-5, mesh=0.0, reference=True):
-    judge = Reference(None, None, Setting("rk4", 1e-4), (), 4.0, own, True, "", mesh) if reference else None
-    return Study(tuple(rows), judge, None, tolerance, None, (0.0, 0.0))
+def made(*rows, tolerance=0.01, own=1e-5, mesh=0.0, reference=True, force=None, unseen=""):
+    judge = Reference(None, None, Setting("rk4", 1e-4), (), 4.0, own, True, "", mesh, force) if reference else None
+    return Study(tuple(rows), judge, None, tolerance, None, (0.0, 0.0), unseen=unseen)
+
+
+def with_errors(name, factor, position=1e-4, force=None, phase=None):
+    return replace(row(name, position, factor), errors=Errors(position, force, phase, 0.0))
 
 
 def names(rows):
@@ -106,3 +111,34 @@ def test_runs_are_good_enough_by_their_price_and_live_by_their_error():
 def test_advice_is_one_sentence():
     for rows in ((SLOW, FAIR, QUICK), (SLOW,), (QUICK,), ()):
         assert not re.search(r"\.\s|\n|\.$", advice(made(*rows)))
+
+
+# force and phase
+def test_a_run_whose_force_is_wrong_is_not_advised_however_right_its_position():
+    wrong, right = with_errors("wrong", 0.1, force=0.3), with_errors("right", 0.5, force=2e-3)
+    assert names(good_enough(made(wrong, right))) == ["right"]
+    assert "right, step 0.01 s (error 0.01 %, of the force 0.2 %" in advice(made(wrong, right))
+    text = advice(made(wrong))
+    assert text.startswith("no run has an error below 1 %") and "of the force 30 %" in text
+
+
+def test_a_run_whose_oscillation_is_late_is_not_advised_however_right_its_position():
+    """A small oscillation on a long way: a radian of it is no share of the way."""
+    late, right = with_errors("late", 0.1, phase=0.4), with_errors("right", 0.5, phase=1e-3)
+    assert names(good_enough(made(late, right))) == ["right"]
+    assert "phase 0.001 rad" in advice(made(late, right))
+    assert names(real_time(made(late, right))) == ["right", "late"]
+
+
+def test_a_force_that_the_reference_does_not_know_is_not_judged_and_that_is_said():
+    text = advice(made(with_errors("fair", 0.1, force=0.3), force=0.05))
+    assert text.startswith("cheapest with an error below 1 % in position and phase")
+    near = with_errors("near", 0.1, force=7e-3)
+    assert names(good_enough(made(near, force=1e-3))) == ["near"] and names(good_enough(made(near, force=5e-3))) == []
+
+
+# a part of a run
+def test_a_look_at_a_part_of_a_run_advises_nothing_for_the_whole():
+    text = advice(made(SLOW, FAIR, unseen="only the first 4 s of 40 s"))
+    assert text.startswith("no advice for the whole run: only the first 4 s of 40 s; in what was looked at: cheapest")
+    assert advice(made(unseen="only the first 4 s of 40 s")) == "no advice: no run came to its end"
