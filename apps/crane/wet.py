@@ -401,7 +401,9 @@ register(
 
 def new_wet(rows: np.recarray, surface: float, gravity: np.ndarray, spans: Spans | None = None) -> Wet:
     """Group of rope in water with its scratch; the rows are those of the spans, where these are given."""
-    found, direction = (np.zeros((len(rows), SIZE)), np.zeros((len(rows), 3))) if spans is None else spans[2:4]
+    found, direction = np.zeros((len(rows), SIZE)), np.zeros((len(rows), 3))
+    if spans is not None:
+        found, direction = spans.found, spans.start
     number, vector, block = np.zeros(14), np.zeros((12, 3)), np.zeros((2 * STATION, 2 * STATION))
     return Wet(rows, float(surface), np.array(gravity, dtype=float), found, direction, number, vector, block)
 

@@ -149,7 +149,7 @@ def build(scene: DrillstringScene) -> Model:
         limits=lambda result: limits(result, scene, lumps),
         start="as given" if scene.start == "straight" else scene.start,
         step_limit=string.step_limit,
-        confined=scene.well.wall is not None and scene.well.wall != "none",
+        confined=True,
         own=observer.own,
         notes=notes,
     )  # fmt: skip

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from tautline.integrators.critical_step import CriticalStep
+from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.generalized_alpha import GeneralizedAlpha, energy_set_aside
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.march import PART, STEP, WORK_LIMIT, Frames, compile_for, march, new_frames, new_pause
@@ -221,6 +222,9 @@ class Run:
         if model.start == "static" and model.settle is not None:
             model.settle(self.state)
             self._judge_start(*count_negative(model.system, self.state)[:2], drawn)
+        elif model.start == "static" and model.confined:
+            find_equilibrium(model.system, self.state, model.step_limit)
+            self._judge_start(*count_negative(model.system, self.state)[:2], drawn)
         elif model.start == "static":
             found = find_stable_equilibrium(model.system, self.state, model.step_limit)
             self._judge_start(found.negative, found.worst, drawn)
@@ -252,16 +256,16 @@ class Run:
             "moved": float(way[far]) if places else None,
             "moved_most": names[places[far]] if places else None,
         }
-        extent = max((float(np.ptp(drawn[places[k::3]])) for k in range(3)), default=0.0) if len(places) > 2 else 0.0
-        self._starts_far = bool(places) and float(way[far]) > FAR_FROM_DRAWN * max(extent, 1e-300) > 0.0
+        extent = float(np.ptp(self.model.system.q)) if places else 0.0
+        self._starts_far = bool(places) and float(way[far]) > FAR_FROM_DRAWN * extent
 
     def _of_start(self) -> list[str]:
         found = []
         if self.began.get("negative_pivots"):
             found.append(
                 f"the static start is unstable: the tangent has {self.began['negative_pivots']} negative pivots. The "
-                "string is pressed beyond its buckling load, and buckles until the wall holds it. start: relaxed "
-                "begins buckled"
+                "string is pressed beyond its buckling load (Euler's, with its weight). A perfectly straight hole "
+                "does not show it; where something pushes the string aside, it buckles until the wall holds it"
             )
         if self._starts_far:
             found.append(

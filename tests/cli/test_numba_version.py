@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tautline.cli.numba_version import numba_note
+from tautline.cli.numba_version import version_note
 
 ROOT = Path(__file__).parents[2]
 ASKED = ["numpy>=1.26", "numba<0.69,>=0.60"]
@@ -13,7 +13,7 @@ ASKED = ["numpy>=1.26", "numba<0.69,>=0.60"]
 
 @pytest.mark.parametrize("installed", ["0.59.1", "0.69.0", "0.70.0rc1", "1.0.0"])
 def test_a_numba_outside_of_what_was_tested_is_named_with_a_cure(installed):
-    note = numba_note(installed, ASKED)
+    note = version_note(installed, ASKED)
     assert note is not None
     assert f"numba {installed} is not tested" in note
     assert "pip install 'numba>=0.60,<0.69'" in note
@@ -21,7 +21,7 @@ def test_a_numba_outside_of_what_was_tested_is_named_with_a_cure(installed):
 
 @pytest.mark.parametrize("installed", ["0.60.0", "0.68.1", "0.68.2"])
 def test_a_numba_that_was_tested_is_not_spoken_of(installed):
-    assert numba_note(installed, ASKED) is None
+    assert version_note(installed, ASKED) is None
 
 
 def test_the_lowest_version_of_every_package_is_read_from_its_requirement():

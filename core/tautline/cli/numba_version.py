@@ -8,7 +8,7 @@ from importlib import metadata
 _NUMBERS = re.compile(r"(\d+)\.(\d+)")
 
 
-def numba_note(installed: str | None = None, requirements: list[str] | None = None) -> str | None:
+def version_note(installed: str | None = None, requirements: list[str] | None = None) -> str | None:
     """What to tell of a numba outside the range that tautline asks for; None where it is within, or nothing is known.
 
     pip refuses such a numba unless it is told not to look.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tautline.cli.catalogue import Catalogue
 from tautline.cli.console import console, print_json, say
-from tautline.cli.numba_version import numba_note
+from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.summary import limit_said, quantity, table, two_columns
@@ -50,7 +50,7 @@ def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None 
     if figure is not None:
         _draw(application, read, figure)
     # What only the builder can tell, such as a constraint said twice, is refused here too; nothing is run.
-    if note := numba_note():
+    if note := version_note():
         say(f"warning: {note}", "yellow")
     model = application.build(read)
     for note in getattr(model, "notes", ()):
@@ -123,7 +123,7 @@ def simulate(
     cautions = application.cautions(read)
     print_cautions(cautions)
 
-    if note := numba_note():
+    if note := version_note():
         say(f"warning: {note}", "yellow")
     model = application.build(read)
 

@@ -73,7 +73,7 @@ class Model:
     notes : list of str
         What the builder decided that the user should know.
     confined : bool
-        Whether a wall bounds how far an unstable equilibrium is left: such a start is warned of, others are refused.
+        Whether an unstable equilibrium is kept and warned of, as of a pressed string in its hole; others are left.
     settle : callable or None
         Brings the run's state to the static equilibrium that it starts from, where that takes more than finding it: a
         rope of the length that makes its drawing true.
