@@ -8,8 +8,10 @@ from numba import config, njit
 
 from tautline.kernels.garbage import RARELY, collected_rarely
 from tautline.kernels.jit import entry, kernel
+from tautline.kernels.parts import PLAIN
 
 compiled = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="is about what is compiled")
+own_steps = pytest.mark.skipif(bool(config.DISABLE_JIT) or PLAIN, reason="is about our own steps of compiling")
 
 
 @kernel
@@ -22,7 +24,7 @@ def sum_of_three(x):
     return scaled(0, x) + scaled(1, x) + scaled(7, x)
 
 
-@compiled
+@own_steps
 def test_a_kernel_called_with_several_whole_numbers_is_compiled_once():
     assert sum_of_three(2.0) == 2.0 * (1 + 2 + 8)
     assert len(scaled.overloads) == 1
@@ -90,7 +92,7 @@ def test_code_of_others_may_have_closures_and_expressions_of_whole_arrays():
     assert made(a, 3) == made.py_func(a, 3)
 
 
-@compiled
+@own_steps
 def test_a_kernel_of_others_counts_from_the_end_and_one_of_ours_trusts_its_indices():
     """Only the core and installed applications promise that no index is negative."""
     a = np.array([1.0, 2.0, 4.0])
