@@ -147,7 +147,7 @@ def _lengthen(layout: Layout, system: System, state: State, weights: dict[int, f
         way = "higher" if off > 0.0 else "lower"
         detail = (
             f"no length of rope was found that makes the drawing true: at rest the load is {abs(off):.4g} m {way} than "
-            "it is drawn; give rope.length, or start: as drawn"
+            "it is drawn; give rope.length"
         )
         raise StoppedEarly(
             Status.NO_EQUILIBRIUM, 0.0, system.places[max(weights, key=lambda place: abs(weights[place]))], detail

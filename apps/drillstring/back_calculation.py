@@ -214,8 +214,6 @@ def fit(
 
 
 @one_thread()
-
-
 def _least_squares(
     rows: list[tuple[Statics, str, float]], shoe: float, start: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -266,8 +264,6 @@ def _unexplained(rows: list[tuple[Statics, str, float]]) -> tuple[Unexplained, .
 
 
 @one_thread()
-
-
 def _spread(errors: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """Standard errors of the factors (m,): infinite of one that the loads do not tell."""
     n, m = slopes.shape

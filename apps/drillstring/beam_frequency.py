@@ -19,8 +19,6 @@ CONSISTENT /= 420.0
 
 
 @one_thread()
-
-
 def contact_frequency(points: Points, wall: Wall, fluid: Fluid, hole_diameter: float) -> float:
     """Largest frequency across the hole of one element alone on the springs of the wall, rad/s.
 

@@ -24,6 +24,7 @@ from tautline.integrators.march import new_frames
 from tautline.integrators.method import method_for
 from tautline.integrators.relaxation import MOST_STEPS, relax
 from tautline.integrators.rk4 import RungeKutta4
+from tautline.integrators.stability import count_negative
 from tautline.integrators.state import new_state
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.model import validate
@@ -64,6 +65,8 @@ class Form(NamedTuple):
         Lumps that press on the wall.
     iterations : int
         Of the static solver, or steps of the relaxation.
+    negative : int
+        Negative pivots of the tangent: 0 for a stable shape, -1 where they prove nothing.
     """
 
     kind: str
@@ -78,6 +81,7 @@ class Form(NamedTuple):
     offset: np.ndarray
     touching: int
     iterations: int
+    negative: int
 
 
 class Reference(NamedTuple):
@@ -199,6 +203,7 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
         offset=offset,
         touching=int((offset > room).sum()),
         iterations=int(spent),
+        negative=count_negative(system, state).negative,
     )
 
 

@@ -129,6 +129,7 @@ def report(path: Path, found: Finding) -> dict[str, Any]:
                 "stretch": one.stretch,
                 "touching": one.touching,
                 "iterations": one.iterations,
+                "negative_pivots": None if one.negative < 0 else one.negative,
             }
             for one in found.forms
         ],
@@ -228,6 +229,13 @@ def _print(scenes: list[Path], found: list[Finding], system: str) -> None:
         if touching := one.finest.touching:
             parts = "lumps" if one.finest.kind == "lumped" else "nodes"
             say(f"{path.stem}: {touching} of the {one.finest.elements + 1} {parts} lie on the wall", "yellow")
+        for form_ in one.forms:
+            if form_.negative > 0:
+                text = (
+                    f"{path.stem}, {form_.elements} elements: this shape is unstable. The string is pressed beyond its "
+                    "buckling load. The least push moves it aside"
+                )
+                say(text, "yellow")
 
 
 def _unit(system: str) -> tuple[float, str]:

@@ -34,8 +34,6 @@ class Support(NamedTuple):
 
 
 @one_thread()
-
-
 def lateral_modes(
     scene: DrillstringScene, highest: float, top: float | None, held: frozenset[str]
 ) -> tuple[list[Mode], list[Support], float, int]:

@@ -52,8 +52,6 @@ class Mode(NamedTuple):
 
 
 @one_thread()
-
-
 def modes_below(mass: np.ndarray | csc_array, stiffness: csc_array, highest: float) -> tuple[np.ndarray, np.ndarray]:
     """Modes of K x = omega^2 M x up to a frequency, Hz; what moves as a whole, without a spring, is no vibration.
 

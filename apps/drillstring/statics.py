@@ -238,7 +238,7 @@ class Statics:
                 state.q[:], self.system.dofs.offset[self.block] = kept, block
                 part *= 0.5
                 if part < SMALLEST_PART or factors.largest == 0.0:
-                    detail = f"bit at {self.depth:g} m, friction factor {factors.times(goal):g}"
+                    detail = f"bit at {self.depth:g} m, friction factor {factors.times(goal):g}: {stop.detail}"
                     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, stop.part, detail) from None
                 continue
             here, part = goal, min(1.0, 2.0 * part)

@@ -126,8 +126,6 @@ def _tied(scene: HoseScene) -> HoseScene:
 
 
 @one_thread()
-
-
 def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: int = MODES) -> Stability:
     """Eigenvalues over a range of speeds, and where motions begin to grow.
 
@@ -161,8 +159,6 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
 
 
 @one_thread()
-
-
 def crossings(scene: HoseScene, speeds: Sequence[float], plane: Plane = "any") -> list[Critical]:
     """Every speed in a range at which motions of a plane begin to grow; between two of them they have ceased to."""
     return _crossings(_Linear(scene), np.array(speeds, float), plane)

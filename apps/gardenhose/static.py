@@ -11,6 +11,7 @@ from gardenhose.build import assembled
 from gardenhose.cables import arc_lengths
 from gardenhose.scene import HoseScene, with_speed
 from tautline.integrators.equilibrium import find_equilibrium
+from tautline.integrators.stability import count_negative
 from tautline.integrators.state import State, new_state
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.hermite import SHAPE, table
@@ -35,6 +36,11 @@ class Form(NamedTuple):
     def tip(self) -> np.ndarray:
         """Position of the tip (3,), m."""
         return self.position[-1]
+
+    @property
+    def negative(self) -> int:
+        """Negative pivots of the tangent: 0 for a stable shape, -1 where they prove nothing, as with a free tip."""
+        return count_negative(self.system, self.state).negative
 
     def curve(self, arc_length: np.ndarray) -> np.ndarray:
         """Points along the elements' own cubic (m, 3), m."""
@@ -73,7 +79,7 @@ def _next(scene: HoseScene, speed: float, near: Form | None) -> Form:
         return _find(scene, speed, near)
     except StoppedEarly as stop:
         if near is None:
-            detail = f"at a flow of {speed:g} m/s"
+            detail = f"at a flow of {speed:g} m/s: {stop.detail}"
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, stop.part, detail) from None
     here, part = near, 0.5
     while here.speed != speed:
@@ -84,7 +90,7 @@ def _next(scene: HoseScene, speed: float, near: Form | None) -> Form:
         except StoppedEarly as stop:
             part *= 0.5
             if part < SMALLEST_PART:
-                detail = f"at a flow of {goal:g} m/s"
+                detail = f"at a flow of {goal:g} m/s: {stop.detail}"
                 raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, stop.part, detail) from None
     return here
 

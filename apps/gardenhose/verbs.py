@@ -50,14 +50,17 @@ def static(scene: Scene, speed: StaticSpeeds = None, output: Picture = None, as_
     speeds = parse_speeds(speed) if speed is not None else _up_to_fastest(hose)
     figure = check_figure(output or Path(f"{scene.stem}_static.png"))
     found = searched(scene, as_json, lambda: forms(hose, speeds))
+    negative = [one.negative for one in found]
     _print_forms(found)
+    _warn_of_unstable(found, negative)
     _draw_forms(hose, found, figure)
     if as_json:
         from tautline.cli.console import print_json
 
         tips = [one.tip for one in found]
+        pivots = [None if count < 0 else count for count in negative]
         report = {"scene": str(scene), "status": "done", "figure": str(figure)}
-        print_json(report | {"speed": [one.speed for one in found], "tip": tips})
+        print_json(report | {"speed": [one.speed for one in found], "tip": tips, "negative_pivots": pivots})
 
 
 def flutter(
@@ -149,6 +152,16 @@ def _print_forms(found: list[Form]) -> None:
     for one in found:
         table.add_row(f"{one.speed:g}", *(f"{x + 0.0:.6f}" for x in one.tip))
     console().print(table)
+
+
+def _warn_of_unstable(found: list[Form], negative: list[int]) -> None:
+    from tautline.cli.console import say
+
+    for one, count in zip(found, negative, strict=True):
+        if count > 0:
+            pivots = "one negative pivot" if count == 1 else f"{count} negative pivots"
+            text = f"the shape at {one.speed:g} m/s is unstable: the tangent has {pivots}; the least push moves it away"
+            say(text, "yellow")
 
 
 def _draw_forms(hose: HoseScene, found: list[Form], path: Path) -> None:

@@ -218,16 +218,9 @@ class Run:
 
     def start(self) -> None:
         """Find the equilibrium the scene asks for, and set it moving."""
-        model, drawn = self.model, self.state.q.copy()
-        if model.start == "static" and model.settle is not None:
-            model.settle(self.state)
-            self._judge_start(*count_negative(model.system, self.state)[:2], drawn)
-        elif model.start == "static" and model.confined:
-            find_equilibrium(model.system, self.state, model.step_limit)
-            self._judge_start(*count_negative(model.system, self.state)[:2], drawn)
-        elif model.start == "static":
-            found = find_stable_equilibrium(model.system, self.state, model.step_limit)
-            self._judge_start(found.negative, found.worst, drawn)
+        model = self.model
+        if model.start == "static":
+            self._start_at_rest()
         elif model.start == "relaxed":
             fresh = remember((), model.system.groups, ())
             relax(model.system, self.state, self.method, self._stable_step(), model.own)
@@ -237,14 +230,35 @@ class Run:
                 recall(fresh, (), model.system.groups, ())
         start_moving(self.model.system, self.state, self.step)
 
+    def _start_at_rest(self) -> None:
+        """Find an equilibrium, a stable one where there is a choice, and judge it."""
+        model, system, drawn = self.model, self.model.system, self.state.q.copy()
+        try:
+            if model.settle is not None:
+                model.settle(self.state)
+                found = count_negative(system, self.state)
+            elif model.confined:
+                find_equilibrium(system, self.state, model.step_limit)
+                found = count_negative(system, self.state)
+            else:
+                found = find_stable_equilibrium(system, self.state, model.step_limit)
+        except StoppedEarly as stop:
+            detail = f"{stop.detail}; or take {self._other_start()}" if stop.detail else ""
+            raise StoppedEarly(stop.status, stop.time, stop.part, detail) from None
+        self._judge_start(found.negative, found.worst, drawn)
+
+    def _other_start(self) -> str:
+        """The way to begin that needs no equilibrium: ropes over sheaves have no relaxation."""
+        return "start: relaxed" if self.model.settle is None else "start: as drawn"
+
     def _judge_start(self, negative: int, worst: int, drawn: np.ndarray) -> None:
         """Refuse an equilibrium that the least disturbance would leave, and keep how far it lies from the drawing."""
         names = self.model.system.names
         if negative > 0 and not self.model.confined:
             detail = (
-                f"the equilibrium that was found is unstable: the tangent has {negative} negative pivots, as where a "
-                "rope without bending stiffness is pressed, a column carries more than Euler's load, or a load stands "
-                "on its head; draw the scene closer to how it hangs, or take start: relaxed"
+                f"the equilibrium that was found is unstable: the tangent has {_pivots(negative)}, as where a rope "
+                "without bending stiffness is pressed, a column carries more than Euler's load, or a load stands on "
+                f"its head; draw the scene closer to how it hangs, or take {self._other_start()}"
             )
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, names[worst], detail)
         places = [i for i, name in enumerate(names) if PLACE.search(name)]
@@ -263,7 +277,7 @@ class Run:
         found = []
         if self.began.get("negative_pivots"):
             found.append(
-                f"the static start is unstable: the tangent has {self.began['negative_pivots']} negative pivots. The "
+                f"the static start is unstable: the tangent has {_pivots(self.began['negative_pivots'])}. The "
                 "string is pressed beyond its buckling load (Euler's, with its weight). A perfectly straight hole "
                 "does not show it; where something pushes the string aside, it buckles until the wall holds it"
             )
@@ -460,3 +474,7 @@ class Run:
                 f"the method's own period error: take a step of {step * math.sqrt(LATE / lag):.2g} s where that matters"
             )
         return found
+
+
+def _pivots(count: int) -> str:
+    return "one negative pivot" if count == 1 else f"{count} negative pivots"

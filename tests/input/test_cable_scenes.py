@@ -193,6 +193,12 @@ EDITS = {
         "LinearCoupl.sDof = 3",
         "set its BC to 0 there (entry 3)",
     ),
+    "a coupling that does not hold": (
+        *added(COUPLED.replace("f0: 0", "f0: 0.1")),
+        22,
+        "LinearCoupl",
+        "the slave begins at 1, its masters put it at 1.1; let them begin alike, or give f0: 0",
+    ),
     "a slave twice": (*added(COUPLED, COUPLED.replace("id: 1", "id: 2")), 23, "LinearCoupl.sDof", "in line 22 already"),
     "a degree of freedom of none": (*added(COUPLED.replace("sDof: 1", "sDof: 8")), 22, "sDof = 8", "at most 7"),
     "a degree of freedom zero": (
@@ -548,6 +554,18 @@ def test_check_refuses_what_only_the_builder_can_tell(tmp_path, capsys):
     with pytest.raises(SystemExit) as left:
         run(make_app(Installed()), ["check", str(path)])
     assert left.value.code == 2 and "node 1 may slide along the rope" in "".join(capsys.readouterr())
+
+
+def test_check_refuses_an_element_that_its_functions_leave_no_length(tmp_path, capsys):
+    """A function puts one node of a linear element where the other stands."""
+    moved = LINEAR.replace("BC: [0, 0, 0, 1]", "BC: [1, 1, 1, 1], BC_functions: [2, 0, 0, 0]")
+    old, new = added("Function: {id: 2, value: 0}", moved)
+    path = tmp_path / "lost.yaml"
+    path.write_text(TEXT.replace(old, new, 1), encoding="utf8")
+    with pytest.raises(SystemExit) as left:
+        run(make_app(Installed()), ["check", str(path)])
+    assert left.value.code == 2
+    assert "both of its nodes at one point once functions and couplings hold" in "".join(capsys.readouterr())
 
 
 def test_the_linear_alternative_by_itself_is_read_and_its_slope_constraints_are_ignored():

@@ -2,13 +2,19 @@
 
 import numpy as np
 import pytest
+from physics.hoses import pipe
 from physics.rope_text import GRAVITY, PINNED, chain, model_of
 from references.cables import catenary
 
+from crane.build import build as build_crane
+from crane.scene import CraneScene
+from gardenhose.static import form
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.state import new_state
 from tautline.integrators.status import Status, StoppedEarly
+from tautline.scene.document import Document
+from tautline.scene.model import validate
 from tautline.simulation import simulate
 
 LENGTH, SPAN, MASS, EA = 120.0, 80.0, 3.7, 2.0e7
@@ -87,3 +93,50 @@ def test_an_equilibrium_that_stays_unstable_is_refused_by_name(monkeypatch):
         simulate(model_of(straight(7.9, 8.0), gravity=(0.0, 0.0, 0.0), start="static"))
     assert stop.value.status is Status.NO_EQUILIBRIUM
     assert "6 negative pivots" in stop.value.sentence and "Euler" in stop.value.sentence
+
+
+def test_where_nothing_balances_the_amount_the_cause_and_the_cure_are_told():
+    """A rope that falls freely, and one that is held too."""
+    xyz = np.outer(np.linspace(0.0, 2.0, 3), [1.0, 0.0, 0.0])
+    with pytest.raises(StoppedEarly) as stop:
+        simulate(model_of(chain(xyz, np.linspace(0.0, 2.0, 3), {}, EJ=1.0, EA=1e3), start="static"))
+    assert stop.value.status == Status.NO_EQUILIBRIUM
+    for words in ("% of the scene's largest force is still out of balance", "nothing holds a part of the scene",
+                  "hold it", "take start: relaxed"):  # fmt: skip
+        assert words in stop.value.sentence
+
+
+CAR = """
+rope: {mass_per_length: 1.0, axial_stiffness: 1.0e7, bending_stiffness: 0, damping: 1.0e-4, diameter: 13 mm}
+bodies:
+  - {name: car, mass: 800, position: [0, 0, 2], guide: [x, y]}
+  - {name: counterweight, mass: 800, position: [2, 0, 20], guide: [x, y]}
+path:
+  - end: {name: car end, body: car}
+  - sheave: {name: traction, center: [1, 0, 30], radius: 1.0, axis: [0, 1, 0], wrap: over, inertia: 20, law: no_slip}
+  - end: {name: weight end, body: counterweight}
+mesh: {elements_per_span: 4}
+gravity: [0, 0, -9.81]
+start: static
+solver: {method: generalized-alpha, rho_inf: 0.6, step: 5 ms, end: 2 s}
+output: {interval: 50 ms}
+"""
+
+
+def test_a_car_that_its_counterweight_balances_on_a_heavy_rope_is_refused_as_unstable():
+    """Equal masses over one sheave: the longer side pulls, whichever it is, so that the only balance is unstable."""
+    with pytest.raises(StoppedEarly, match=r"unstable: the tangent has one negative pivot.*take start: as drawn"):
+        simulate(build_crane(validate(CraneScene, Document.parse(CAR, "car.yaml"))))
+
+
+@pytest.mark.parametrize(("share", "negative"), [(0.97, 0), (1.03, 2)])
+def test_a_hose_held_at_both_ends_is_at_rest_but_unstable_beyond_its_critical_flow(share, negative):
+    """Pinned at both ends, u = pi (Paidoussis, Fluid-Structure Interactions vol. 1, section 3.4): the straight shape
+    is an equilibrium at any speed, and beyond it a motion in each plane leaves it."""
+    hose = pipe(0.25, 12, {"root_support": "pinned", "end": "pinned"})
+    assert form(hose, share * np.pi / np.sqrt(0.25)).negative == negative
+
+
+def test_whether_a_shape_with_a_free_tip_is_stable_is_not_told_by_pivots():
+    """What leaves a free tip pushes along the tip, wherever it points: its forces have no potential."""
+    assert form(pipe(0.25, 6), 2.0).negative == -1

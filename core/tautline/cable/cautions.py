@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from tautline.cable.geometry import arc_length, chord
+from tautline.cable.joints import APART, coupling_gap, value_of
 from tautline.cable.material import material_coordinates
 from tautline.cable.parts import Element, Node, Place, Tie
 from tautline.cable.scene import CableScene
@@ -23,8 +24,6 @@ STIFF_PENALTY = 1.0e6
 """Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
 PRESTRETCHED = 0.05
 """Strain at the start that is more likely a slip of the pen than meant."""
-APART = 1.0e-9
-"""Gap of a constraint at the start, m or as a share of the node's place, that is no rounding."""
 WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
 
 
@@ -200,29 +199,18 @@ def _gaps(scene: CableScene) -> Sentences:
             )
             yield (*tie.place, "constr"), text
     for coupling in scene.couplings:
-        value = _value(nodes[coupling.slave[0]], coupling.slave[1], p)
-        masters = [factor * _value(nodes[node], dof, p) for node, dof, factor in coupling.masters]
-        gap = value - coupling.f0 - sum(masters)
-        if abs(gap) > APART * max(1.0, abs(value), *map(abs, masters)):
-            text = (
-                f"does not hold at the start: the slave begins at {value:.6g}, its masters put it at "
-                f"{value - gap:.6g}; let them begin alike, or give f0: {coupling.f0 + gap:.6g}"
-            )
+        gap, text = coupling_gap(coupling, nodes, p)
+        if gap > 0.0:
             yield coupling.place, text
     for node in scene.nodes:
         for i, function in enumerate(node.functions[:-1]):
-            place = _value(node, i + 1, p)
+            place = value_of(node, i + 1, p)
             if function and abs(begins[function] - place) > APART * max(1.0, abs(place)):
                 text = (
                     f"function {function} begins at {begins[function]:.6g}, and the node stands at {place:.6g}: it is "
                     "put where the function begins; give the function that first value"
                 )
                 yield (*node.place, "BC_functions", i), text
-
-
-def _value(node: Node, dof: int, p: dict[int, float]) -> float:
-    """First value of a degree of freedom, numbered from one."""
-    return (*node.position, *(node.slope or ()), p[node.id])[dof - 1]
 
 
 def _apart(tie: Tie, first: Node, second: Node, p: dict[int, float]) -> float:

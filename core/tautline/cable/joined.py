@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.cable.geometry import COINCIDENT
 from tautline.cable.layout import Layout
+from tautline.cable.material import SHORTEST
 from tautline.cable.members import length_of
 from tautline.cable.parts import Tie
 from tautline.constraints.equations import equations
@@ -78,9 +80,28 @@ def check_sound(layout: Layout, made: Sequence[Equation]) -> None:
         problems.append(
             layout.scene.problem(rows[i].tie.place, cause, "remove it: a constraint said twice has no force")
         )
+    problems += _lost(layout)
     problems += _null_motions(layout, rows)
     if problems:
         raise SceneError(problems)
+
+
+def _lost(layout: Layout) -> list[Problem]:
+    """Elements without length once each node stands where its function begins and its masters put it."""
+    scene, q = layout.scene, layout.initial
+    problems = []
+    for element in scene.elements:
+        first, second = (q[layout.start[n] : layout.start[n] + 3] for n in element.nodes)
+        material = q[layout.material(element.nodes[1])] - q[layout.material(element.nodes[0])]
+        if not material > SHORTEST:
+            cause = f"has {material:.3g} m of cable between its nodes once functions and couplings hold"
+        elif element.kind == "linear" and not np.linalg.norm(second - first) > COINCIDENT:
+            cause = "has both of its nodes at one point once functions and couplings hold"
+        else:
+            continue
+        cure = "let the functions and couplings of its nodes begin where the nodes are drawn"
+        problems.append(scene.problem(element.place, cause, cure))
+    return problems
 
 
 def _null_motions(layout: Layout, rows: Sequence[Equation]) -> list[Problem]:

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from tautline.cable import written as w
 from tautline.cable.entries import DOFS
-from tautline.cable.parts import Coupling, Dof, Tie
-from tautline.scene.errors import Caution
+from tautline.cable.parts import Coupling, Dof, Node, Tie
+from tautline.scene.errors import Caution, Problem, SceneError
 
 if TYPE_CHECKING:
     from tautline.cable.references import Register
+    from tautline.cable.scene import CableScene
 
 METHODS = {"LagMultipl": "multiplier", "Penalty": "penalty", "AugLagrange": "augmented"}
+APART = 1.0e-9
+"""Gap of a constraint at the start, m or as a share of the node's place, that is no rounding."""
+FAR = 1.0e-3
+"""Gap of a coupling, as a share of the shortest element at the slave, that no drawing is rounded by."""
 
 
 def ties(register: Register) -> tuple[tuple[Tie, ...], list[Caution]]:
@@ -97,3 +103,49 @@ def _ring(start: Dof, slaves: dict[Dof, Coupling]) -> list[Dof] | None:
                 seen.add((node, dof))
                 stack.append([*way, (node, dof)])
     return None
+
+
+def value_of(node: Node, dof: int, p: Mapping[int, float]) -> float:
+    """Value at the start of a degree of freedom, numbered from one, as the scene draws it; ``p`` by node id, m."""
+    return (*node.position, *(node.slope or ()), p[node.id])[dof - 1]
+
+
+def coupling_gap(coupling: Coupling, nodes: Mapping[int, Node], p: Mapping[int, float]) -> tuple[float, str]:
+    """How far a slave is drawn from where its masters put it, m or 1, and the sentence that says so; 0 for rounding."""
+    value = value_of(nodes[coupling.slave[0]], coupling.slave[1], p)
+    masters = [factor * value_of(nodes[node], dof, p) for node, dof, factor in coupling.masters]
+    gap = value - coupling.f0 - sum(masters)
+    if abs(gap) <= APART * max(1.0, abs(value), *map(abs, masters)):
+        return 0.0, ""
+    fits = coupling.f0 + gap
+    fits = 0.0 if abs(fits) <= APART * max(abs(coupling.f0), abs(gap)) else fits
+    text = (
+        f"does not hold at the start: the slave begins at {value:.6g}, its masters put it at {value - gap:.6g}; let "
+        f"them begin alike, or give f0: {fits:.6g}"
+    )
+    return abs(gap), text
+
+
+def check_couplings(scene: CableScene, p: Mapping[int, float]) -> None:
+    """Refuse couplings that would pull a slave far from where it is drawn.
+
+    Far is more than ``FAR`` of the shortest element at the slave's node, or of one for slopes: what is drawn is then
+    not what would run, and an element may have no length left.
+
+    Raises
+    ------
+    SceneError
+        Naming each such coupling, where the slave is drawn, and where it would be.
+    """
+    nodes = {node.id: node for node in scene.nodes}
+    problems: list[Problem] = []
+    for coupling in scene.couplings:
+        node, dof = coupling.slave
+        is_slope = 3 < dof < nodes[node].kind
+        lengths = [abs(p[e.nodes[1]] - p[e.nodes[0]]) for e in scene.elements if node in e.nodes]
+        gap, text = coupling_gap(coupling, nodes, p)
+        if gap > FAR * (1.0 if is_slope else min(lengths, default=1.0)):
+            cause, cure = text.split("; ", 1)
+            problems.append(scene.problem(coupling.place, cause, cure))
+    if problems:
+        raise SceneError(problems)

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from tautline.cable.joints import check_couplings
 from tautline.cable.material import material_coordinates
 from tautline.cable.parts import (
     Anchor as Anchor,
@@ -152,5 +153,6 @@ def _scene(document: Document) -> CableScene:
         **{name: value for name, value in vars(parts).items() if name != "cautions"},
         cautions=(*cautions, *parts.cautions),
     )
-    material_coordinates(scene)  # a scene whose lengths contradict each other is refused here, not when it is built
+    # A scene whose lengths or couplings contradict each other is refused here, not when it is built.
+    check_couplings(scene, material_coordinates(scene))
     return scene

@@ -30,6 +30,9 @@ AHEAD = 160
 PART_ITERATIONS = 100
 """Iterations over a part of the rows between two over all of them: a front passes a lump in each."""
 
+AWAY = 20.0
+"""Extents of a scene by which no part of it moves into balance."""
+
 
 class Equilibrium(NamedTuple):
     """How the search ended: iterations, and the largest residual over its scale."""
@@ -65,20 +68,53 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
     StoppedEarly
         NO_EQUILIBRIUM, naming the unknown that is worst.
     """
-    origin, worst, spent = state.q.copy(), 0, 0
+    origin, spent = state.q.copy(), 0
+    tried: list[_Ended] = []
     for shift in SHIFTS:
         state.q[:] = origin
-        iterations, size, worst = _search(system, state, step_limit, tolerance, shift)
-        spent += iterations
-        if size <= tolerance:
-            return Equilibrium(spent, size)
-    raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst])
+        ended = _search(system, state, step_limit, tolerance, shift)
+        spent += ended.iterations
+        if ended.found:
+            return Equilibrium(spent, ended.residual)
+        tried.append(ended)
+    nearest = min(tried, key=lambda ended: ended.residual)
+    detail = _why(system, nearest, spent, tried[0].loose)
+    raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[nearest.worst], detail)
+
+
+class _Ended(NamedTuple):
+    """How one search ended: iterations, residual over its scale, its row, whether it is balance, and whether the
+    stiffness was singular or the scene went far away."""
+
+    iterations: int
+    residual: float
+    worst: int
+    found: bool = False
+    loose: bool = False
+    away: bool = False
+
+
+def _why(system: System, ended: _Ended, spent: int, loose: bool) -> str:
+    """Amount, cause and cure of a search that failed."""
+    share = f"{100.0 * ended.residual:.2g} %"
+    if not np.isfinite(ended.residual):
+        amount = f"after {spent} iterations the search has left what numbers can hold"
+    elif ended.worst in system.algebraic:
+        amount = f"after {spent} iterations this constraint is still open by {share} of what is large in the scene"
+    else:
+        amount = f"after {spent} iterations {share} of the scene's largest force is still out of balance there"
+    if ended.away or loose:
+        cause = "nothing holds a part of the scene: it moves without resistance"
+        cure = "hold it, or give it stiffness or tension"
+    else:
+        cause = "what is drawn is too far from any shape in balance, or there is none"
+        cure = "draw it closer to how it hangs, or take finer elements"
+    return f"{amount}; {cause}; {cure}"
 
 
 def search_from(system: System, state: State, step_limit: float, shift: float, tolerance: float = 1e-10) -> bool:
     """One search with the mass matrix as a shift, 1/s^2, that fades; whether it found an equilibrium."""
-    _, size, _ = _search(system, state, step_limit, tolerance, shift)
-    return size <= tolerance
+    return _search(system, state, step_limit, tolerance, shift).found
 
 
 ROUNDING = 4.0 * np.finfo(float).eps
@@ -93,13 +129,13 @@ def _balances(system: System, matrix: Matrix, q: np.ndarray, x: np.ndarray, tole
     return bool(np.all(np.abs(x) <= limit + ROUNDING * (abs(rows_of(matrix)) @ size)))
 
 
-def _search(
-    system: System, state: State, step_limit: float, tolerance: float, first_shift: float
-) -> tuple[int, float, int]:
-    """One search; returns iterations, the residual it ended with, and the worst row."""
+def _search(system: System, state: State, step_limit: float, tolerance: float, first_shift: float) -> _Ended:
+    """One search."""
     n = system.size
     factors = new_factors(n, system.bandwidth, system.border)
-    x, shift, previous, worst = np.zeros(n), first_shift, np.inf, 0
+    x, shift, previous = np.zeros(n), first_shift, np.inf
+    origin, extent = state.q.copy(), max(float(np.ptp(state.q)) if n else 0.0, step_limit)
+    nearest = _Ended(0, np.inf, 0)
     for iteration in range(ITERATIONS):
         evaluate(system, state, 0.0, 1.0, True, shift, 0.0, 1.0, factors.matrix, x)
         for row in system.at_rest:
@@ -108,21 +144,25 @@ def _search(
         sizes = np.abs(x) / system.scale
         size, worst = float(sizes.max(initial=0.0)), int(sizes.argmax()) if n else 0
         if not np.isfinite(size):
-            return iteration, np.inf, worst
+            return nearest._replace(iterations=iteration, away=True)
         if _balances(system, factors.matrix, state.q, x, tolerance, worst):
-            return iteration, min(size, tolerance), worst
+            return _Ended(iteration, min(size, tolerance), worst, found=True)
+        if size < nearest.residual:
+            nearest = _Ended(iteration, size, worst)
         if np.isfinite(previous) and shift > 0.0:
             shift *= min(4.0, max(0.1, size / previous))
         previous = size
         if factorise_matrix(factors):
-            return iteration, np.inf, worst
+            return nearest._replace(iterations=iteration, loose=True)
         solve_matrix(factors, x)
         # A multiplier is no way gone: it may change as it must.
         largest = float(np.abs(np.delete(x, system.algebraic)).max(initial=0.0))
         state.q[:] -= x * min(1.0, step_limit / largest) if largest > 0.0 else 0.0
         if shift == 0.0 and system.window.size > 0 and n > 4 * AHEAD:
             _balance_part(system, state, step_limit, tolerance, factors, x)
-    return ITERATIONS, np.inf, worst
+    moved = np.delete(np.abs(state.q - origin), system.algebraic)
+    away = bool(moved.max(initial=0.0) > AWAY * extent)
+    return nearest._replace(iterations=ITERATIONS, away=away)
 
 
 def _balance_part(

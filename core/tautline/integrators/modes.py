@@ -40,8 +40,6 @@ class Modes(NamedTuple):
 
 
 @one_thread()
-
-
 def modes(system: System, state: State, count: int | None = None) -> Modes:
     """Undamped modes about a state at rest, with the constraints of the scene.
 

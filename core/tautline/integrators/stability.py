@@ -16,8 +16,8 @@ NEUTRAL = 1e-8
 """Share of a row's own stiffness below which a negative stiffness counts as none: rounding and the balance's tolerance
 leave that much in a mode that nothing resists, such as a free rotation."""
 SKEW = 1e-6
-"""Share of the largest entry above which a tangent is not symmetric: its forces have no potential, and the sign of its
-pivots then proves nothing."""
+"""Share of the stiffness of its two rows by which an entry may differ from its mirror. Beyond it a tangent is not
+symmetric: its forces have no potential, and the sign of its pivots proves nothing."""
 SMALL = 600
 """Unknowns up to which eigenvalues are taken in full: a second opinion, and the only one beside multipliers."""
 
@@ -101,9 +101,12 @@ def count_negative(system: System, state: State) -> Stability:
 
 
 def _symmetric(band: np.ndarray, k: int) -> bool:
-    limit = SKEW * float(np.abs(band).max(initial=0.0))
-    below = ((band[:-d, 2 * k + d], band[d:, 2 * k - d]) for d in range(1, min(k, band.shape[0] - 1) + 1))
-    return all(np.abs(low - high).max() <= limit for low, high in below)
+    size = np.sqrt(np.abs(band[:, 2 * k]))
+    size[size == 0.0] = 1.0
+    below = (
+        (band[:-d, 2 * k + d], band[d:, 2 * k - d], size[:-d] * size[d:]) for d in range(1, min(k, size.size - 1) + 1)
+    )
+    return all(np.all(np.abs(low - high) <= SKEW * both) for low, high, both in below)
 
 
 def _by_eigenvalues(system: System, matrix: Matrix) -> Stability:
@@ -111,13 +114,13 @@ def _by_eigenvalues(system: System, matrix: Matrix) -> Stability:
     full[system.at_rest] = 0.0
     full[:, system.at_rest] = 0.0
     full[system.at_rest, system.at_rest] = 1.0
-    if np.abs(full - full.T).max() > SKEW * np.abs(full).max():
-        return UNKNOWN
     unit = np.abs(np.diagonal(full)).copy()
     unit[unit == 0.0] = 1.0
     unit[system.algebraic] = 1.0
     unit = 1.0 / np.sqrt(unit)
     full *= unit[:, None] * unit
+    if np.abs(full - full.T).max() > SKEW:
+        return UNKNOWN
     held = full[system.algebraic]
     moves = np.setdiff1d(np.arange(system.size), system.algebraic)
     free = np.eye(moves.size)

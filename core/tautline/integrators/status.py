@@ -86,6 +86,8 @@ class StoppedEarly(Exception):
         Simulated time reached, s.
     part : str
         The unknown that was worst.
+    detail : str
+        What is known of the case beyond its status.
     sentence : str
         What it means and what to do, with the numbers of the case where there are any.
     result : Result or None
@@ -93,7 +95,7 @@ class StoppedEarly(Exception):
     """
 
     def __init__(self, status: Status, time: float, part: str, detail: str = "", result: Any = None) -> None:
-        self.status, self.time, self.part, self.result = status, time, part, result
+        self.status, self.time, self.part, self.detail, self.result = status, time, part, detail, result
         self.sentence = SENTENCES[status] + (f" ({detail})" if detail else "")
         super().__init__(f"{status.name} at t = {time:.6g} s, {part}: {self.sentence}")
 

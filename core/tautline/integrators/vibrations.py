@@ -43,8 +43,6 @@ class Vibrations(NamedTuple):
 
 
 @one_thread()
-
-
 def vibrations(system: System, state: State, count: int | None = None) -> Vibrations:
     """Solve (lambda^2 M + lambda C + K) x = 0 about a state at rest, material that flows steadily flowing on.
 

@@ -50,8 +50,6 @@ def conditioning(subject: Subject) -> list[Condition]:
 
 
 @one_thread()
-
-
 def _conditions(system: System, state: State, t: float, method: GeneralizedAlpha) -> list[Condition]:
     """Of the state after a step: M, C and K are those of the groups as that step has left them."""
     kept = state.residual.copy()

@@ -125,8 +125,6 @@ def critical_step_of(value: complex) -> float:
 
 
 @one_thread()
-
-
 def eigenvalues(system: System, state: State, t: float) -> np.ndarray:
     """Eigenvalues, 1/s, of small motions about a state that moves, its constraints kept: (k,) complex."""
     parts = []
