@@ -1,5 +1,9 @@
 """What is drawn: the right thing at the right place in the right colour, at any frame."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from drawn import NODES, TIME, appearance, load, rope, tension
@@ -197,3 +201,23 @@ def test_what_is_picked_shows_the_history_of_the_nearest_node(window):
     window.show(30)
     window.pick([500.0, 0.0, 0.0])
     assert window.picked == (0, 2)
+
+
+def test_drawing_leaves_the_theme_the_environment_and_the_logger_of_the_process_as_they_were(monkeypatch):
+    """A first picture in a process of its own, without a display, in which the user has set a theme."""
+    code = (
+        "import os, pyvista\n"
+        "from vtkmodules.vtkCommonCore import vtkLogger\n"
+        "pyvista.global_theme.background = 'black'\n"
+        "def seen(): return dict(os.environ), pyvista.global_theme.to_dict(), vtkLogger.GetCurrentVerbosityCutoff()\n"
+        "before = seen()\n"
+        "from drawn import appearance\n"
+        "from tautline.view.stage import Stage\n"
+        "made = Stage(appearance())\n"
+        "made.picture()\n"
+        "made.close()\n"
+        "assert seen() == before, [(a, b) for a, b in zip(seen(), before) if a != b]\n"
+    )
+    monkeypatch.delenv("DISPLAY", raising=False)
+    ran = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parent, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr

@@ -6,6 +6,7 @@ import contextlib
 import ctypes
 import os
 import sys
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -25,25 +26,49 @@ def has_display() -> bool:
 
 @cache
 def graphics() -> Any:
-    """Return PyVista, ready to draw off screen where there is no display.
+    """Return PyVista, once it is known that it can draw.
 
     Raises
     ------
     ResultError
         If it is not installed, or OpenGL is missing.
     """
-    if not has_display():
-        # Without a display VTK would try the X server first, and complain.
-        os.environ.setdefault(WINDOW_SYSTEM, "vtkEGLRenderWindow")
     try:
         import pyvista
-        from vtkmodules.vtkCommonCore import vtkLogger
     except ImportError as error:
         raise ResultError("render", f"cannot draw: {error}", "`pip install pyvista`; " + CURE) from None
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
     check_opengl()
-    pyvista.global_theme.allow_empty_mesh = True
     return pyvista
+
+
+def new_plotter(**given: Any) -> Any:
+    """A PyVista plotter that draws off screen where there is no display; raises ResultError as `graphics` does.
+
+    It has a theme of its own: that of the process stays as the user has set it.
+    """
+    pyvista = graphics()
+    theme = pyvista.themes.Theme()
+    theme.load_theme(pyvista.global_theme)
+    theme.allow_empty_mesh = True
+    with _without_a_word():
+        return pyvista.Plotter(theme=theme, **given)
+
+
+@contextlib.contextmanager
+def _without_a_word() -> Iterator[None]:
+    """Let render windows be made inside without a search for an X server that is not there, and its complaints."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    before, loud = os.environ.get(WINDOW_SYSTEM), vtkLogger.GetCurrentVerbosityCutoff()
+    if before is None and not has_display():
+        os.environ[WINDOW_SYSTEM] = "vtkEGLRenderWindow"
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(vtkLogger.ConvertToVerbosity(int(loud)))
+        if before is None:
+            os.environ.pop(WINDOW_SYSTEM, None)
 
 
 def opens_windows() -> bool:
@@ -53,7 +78,8 @@ def opens_windows() -> bool:
     graphics()
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
-    window = vtkRenderWindow()
+    with _without_a_word():
+        window = vtkRenderWindow()
     return not (window.IsA("vtkEGLRenderWindow") or window.IsA("vtkOSOpenGLRenderWindow"))
 
 
@@ -70,10 +96,12 @@ def check_opengl() -> None:
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (it makes render windows real)
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
-    window = vtkRenderWindow()
-    window.SetOffScreenRendering(1)
-    without = window.IsA("vtkOSOpenGLRenderWindow") and not _loads(*OSMESA)
-    if without or not window.SupportsOpenGL():
+    with _without_a_word():
+        window = vtkRenderWindow()
+        window.SetOffScreenRendering(1)
+        without = window.IsA("vtkOSOpenGLRenderWindow") and not _loads(*OSMESA)
+        draws = not without and window.SupportsOpenGL()
+    if not draws:
         raise ResultError("render", "there is no OpenGL to draw with", CURE)
 
 

@@ -18,7 +18,7 @@ from tautline.view.appearance import Appearance, Arrows, Line, Solid
 from tautline.view.camera import ANGLE, CLOSE, Aim, aim, fitted
 from tautline.view.colours import Shading, shading
 from tautline.view.figure import round_numbers, scale_in
-from tautline.view.graphics import graphics
+from tautline.view.graphics import graphics, new_plotter
 from tautline.view.mesh import turned_about
 from tautline.view.tube import rings, skin
 
@@ -100,7 +100,7 @@ class Stage:
         self.shading: Shading | None = shading(appearance, colour)
         self.scale = min(size[0] / SIZE[0], size[1] / SIZE[1])
         self.pyvista = graphics()
-        self.plotter = self.pyvista.Plotter(off_screen=not window, window_size=list(size), lighting="light kit")
+        self.plotter = new_plotter(off_screen=not window, window_size=list(size), lighting="light kit")
         self.plotter.set_background("white")
         if not smooth:
             self.plotter.render_window.SetMultiSamples(0)
