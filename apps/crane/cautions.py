@@ -290,7 +290,7 @@ def _held_back(actuator: Compensation | None) -> Sentences:
 
 
 def figures(scene: CraneScene) -> dict[str, Any]:
-    """Figures of the rope's way for ``check --json``, m and rad; fleet angles are sizes, of both sides the larger."""
+    """Figures of the rope's way for ``check --json``, m, rad and s; fleet angles are sizes, of both sides the larger."""
     found = estimate(scene)
     path, items = found.path, scene.path
     sheaves = [i for i, item in enumerate(items) if isinstance(item, Sheave)]
@@ -302,6 +302,7 @@ def figures(scene: CraneScene) -> dict[str, Any]:
         "wraps": [{"sheave": items[i].name, "angle": float(path.wraps[i])} for i in sheaves],
         "fleet_angles": [{"sheave": items[i].name, "angle": fleet_angle(found, i)} for i in sheaves],
         "path_length": path.length,
+        "damping": {"largest": max(damping_of(scene, path)), "given": scene.rope.damping is not None},
     }
 
 
@@ -311,4 +312,7 @@ def describe(found: dict[str, Any]) -> list[tuple[str, str]]:
     for wrap, fleet in zip(found["wraps"], found["fleet_angles"], strict=True):
         angles = math.degrees(wrap["angle"]), math.degrees(fleet["angle"])
         rows.append((f"around {wrap['sheave']}", f"{angles[0]:.4g} deg, fleet angle {angles[1]:.2g} deg"))
-    return [*rows, ("length of the rope's way", f"{found['path_length']:.4g} m")]
+    rows.append(("length of the rope's way", f"{found['path_length']:.4g} m"))
+    if not found["damping"]["given"]:
+        rows.append(("damping of the rope", f"{found['damping']['largest']:.2g} s: rope.damping is not given"))
+    return rows
