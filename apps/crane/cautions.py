@@ -290,7 +290,7 @@ def _held_back(actuator: Compensation | None) -> Sentences:
 
 
 def figures(scene: CraneScene) -> dict[str, Any]:
-    """Figures of the rope's way for ``check --json``, m, rad and s; fleet angles are sizes, of both sides the larger."""
+    """Figures of the rope's way for ``check --json``, m, rad and s; of fleet angles the larger of both sides."""
     found = estimate(scene)
     path, items = found.path, scene.path
     sheaves = [i for i, item in enumerate(items) if isinstance(item, Sheave)]
