@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from physics.hoses import pipe
-from physics.rope_text import GRAVITY, PINNED, chain, model_of
+from physics.rope_text import GRAVITY, PINNED, chain, model_of, node
 from references.cables import catenary
 
 from crane.build import build as build_crane
 from crane.scene import CraneScene
 from gardenhose.static import form
+from tautline.integrators import stability
 from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.state import new_state
@@ -140,3 +141,32 @@ def test_a_hose_held_at_both_ends_is_at_rest_but_unstable_beyond_its_critical_fl
 def test_whether_a_shape_with_a_free_tip_is_stable_is_not_told_by_pivots():
     """What leaves a free tip pushes along the tip, wherever it points: its forces have no potential."""
     assert form(pipe(0.25, 6), 2.0).negative == -1
+
+
+def counted_both_ways(model, monkeypatch):
+    state = new_state(model.system)
+    find_equilibrium(model.system, state, model.step_limit)
+    matrix = stability._stiffness(model.system, state).matrix
+    full = stability._by_eigenvalues(model.system, matrix).negative
+    monkeypatch.setattr(stability, "SMALL", 0)
+    return full, count_negative(model.system, state).negative
+
+
+@pytest.mark.parametrize("span", [8.1, 7.9], ids=["taut", "pressed"])
+@pytest.mark.parametrize("tied", ["held", "by multipliers", "by a coupling"])
+def test_pivots_of_the_factors_count_what_eigenvalues_count(span, tied, monkeypatch):
+    """With and without multipliers: the way of large scenes against that of small ones."""
+    items = straight(span, 8.0)
+    if tied != "held":
+        more = node(9, [span, 0.0, 0.0], held=(1, 1, 1, 1), p=8.0)
+        last = f"id: 4, xyz: [{span!r}, 0.0, 0.0], BC: "
+        free = items.replace(f"{last}[1, 1, 1, 1]", f"{last}[0, 0, 0, 1]")
+        assert free != items
+        tie = "  - LagMultipl4: {id: 1, nodes4: [9, 4], constr: 0}\n"
+        couple = "".join(
+            f"  - LinearCoupl: {{id: {k}, sNode: 4, sDof: {k}, f0: 0, masters: [{{mNode: 9, mDof: {k}, factor: 1}}]}}\n"
+            for k in (1, 2, 3)
+        )
+        items = free + more + (tie if tied == "by multipliers" else couple)
+    found = counted_both_ways(model_of(items, gravity=(0.0, 0.0, 0.0)), monkeypatch)
+    assert found == ((0, 0) if span > 8.0 else (6, 6))

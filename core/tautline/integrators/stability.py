@@ -9,7 +9,7 @@ import numpy as np
 from tautline.integrators.equilibrium import find_equilibrium, search_from
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
-from tautline.kernels.matrix import Matrix, dense, factorise_matrix, new_factors, replace_by_identity
+from tautline.kernels.matrix import Factors, Matrix, dense, factorise_matrix, new_factors, replace_by_identity
 from tautline.system.system import System
 
 NEUTRAL = 1e-8
@@ -19,13 +19,17 @@ SKEW = 1e-6
 """Share of the stiffness of its two rows by which an entry may differ from its mirror. Beyond it a tangent is not
 symmetric: its forces have no potential, and the sign of its pivots proves nothing."""
 SMALL = 600
-"""Unknowns up to which eigenvalues are taken in full: a second opinion, and the only one beside multipliers."""
+"""Unknowns up to which eigenvalues are taken in full: they show the motion that lowers the energy most."""
+
+
+SPRING = 1e-6
+"""Softness of a constraint where pivots are counted, over that of the stiffest unknown."""
 
 
 class Stability(NamedTuple):
     """How many independent motions lower the energy, the unknown that one of them moves most, and that motion (n,).
 
-    ``negative`` is -1 where it is not known: the tangent is not symmetric, or too large beside multipliers.
+    ``negative`` is -1 where it is not known: the tangent is not symmetric, or a pivot of it is zero.
     """
 
     negative: int
@@ -75,45 +79,91 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
 
 
 def count_negative(system: System, state: State) -> Stability:
-    """Negative pivots of the stiffness at a state at rest, with t = 0; those that multipliers bring are left out."""
-    n = system.size
-    # With a threshold of zero no rows are exchanged: the signs of the pivots are then those of the eigenvalues.
-    factors = new_factors(n, system.bandwidth, system.border, 0.0)
-    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, factors.matrix, np.zeros(n))
-    for row in system.at_rest:
-        replace_by_identity(factors.matrix, row)
-    if n == 0:
+    """Negative pivots of the stiffness at a state at rest, with t = 0; those that multipliers bring are left out.
+
+    The factors count them. Where there are some, the eigenvalues of a small scene show the motion that gains most.
+    """
+    if system.size == 0:
         return Stability(0, 0, np.zeros(0))
-    if system.border or system.algebraic.size or n <= SMALL:
-        return _by_eigenvalues(system, factors.matrix) if n <= SMALL else UNKNOWN
-    band, k = factors.matrix.band, system.bandwidth
-    if not _symmetric(band, k):
+    found = _by_pivots(system, _stiffness(system, state))
+    if found.negative == 0 or system.size > SMALL:
+        return found
+    return _by_eigenvalues(system, _stiffness(system, state).matrix)
+
+
+def _stiffness(system: System, state: State) -> Factors:
+    """Tangent at rest, with what stays at rest left out, and room for its factors."""
+    # With a threshold of zero no rows are exchanged: the signs of the pivots are then those of the eigenvalues.
+    factors = new_factors(system.size, system.bandwidth, system.border, 0.0)
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, factors.matrix, np.zeros(system.size))
+    for row in system.at_rest:
+        _leave_out(factors.matrix, row)
+    return factors
+
+
+def _leave_out(matrix: Matrix, row: int) -> None:
+    """Make a row and its column those of the unit matrix."""
+    n = matrix.band.shape[0]
+    if row >= n:
+        matrix.right[row - n] = 0.0
+        matrix.corner[row - n] = 0.0
+    else:
+        matrix.band[row] = 0.0
+        matrix.lower[:, row] = 0.0
+    replace_by_identity(matrix, row)
+
+
+def _by_pivots(system: System, factors: Factors) -> Stability:
+    """Count by the factors: as many pivots are negative as eigenvalues (Sylvester's law of inertia).
+
+    A multiplier takes away a motion and brings one negative pivot. Its row is given a slight negative entry on the
+    diagonal, which is a stiff spring in the constraint's place and lets rows stay in their order. What is left of a
+    border when the band has been eliminated is a small matrix of its own, whose eigenvalues are counted.
+    """
+    n, k, border = system.size, system.bandwidth, system.border
+    band, corner = factors.matrix.band, factors.matrix.corner
+    if not _symmetric(factors.matrix, k):
         return UNKNOWN
-    size = np.abs(band[:, 2 * k])
-    band[:, 2 * k] += NEUTRAL * np.where(size > 0.0, size, 1.0)
+    stiffest = max(float(np.abs(band[:, 2 * k]).max(initial=0.0)), float(np.abs(corner).max(initial=0.0)), 1e-300)
+    size = np.concatenate([np.abs(band[:, 2 * k]), np.abs(np.diagonal(corner))])
+    shift = NEUTRAL * np.where(size > 0.0, size, 1.0)
+    shift[system.algebraic] = -SPRING / stiffest
+    band[:, 2 * k] += shift[: n - border]
+    corner[np.diag_indices(border)] += shift[n - border :]
+    left = corner.T.copy()
     if factorise_matrix(factors):
         return UNKNOWN
     wrong = np.flatnonzero(factors.inverse < 0.0)
+    left -= factors.matrix.lower @ factors.columns.T
+    beyond = int((np.linalg.eigvalsh(0.5 * (left + left.T)) < 0.0).sum()) if border else 0
+    negative = wrong.size + beyond - system.algebraic.size
+    worst = np.setdiff1d(wrong, system.algebraic)
     # Any disturbance has a part along the motion that grows.
     mode = np.random.default_rng(1).uniform(-1.0, 1.0, n)
     mode[system.at_rest] = 0.0
-    return Stability(wrong.size, int(wrong[0]) if wrong.size else 0, mode)
+    mode[system.algebraic] = 0.0
+    return Stability(negative, int(worst[0]) if worst.size else n - 1, mode)
 
 
-def _symmetric(band: np.ndarray, k: int) -> bool:
+def _symmetric(matrix: Matrix, k: int) -> bool:
+    """Whether each entry of the band and the border is as its mirror, by the stiffness of their rows."""
+    band = matrix.band
     size = np.sqrt(np.abs(band[:, 2 * k]))
     size[size == 0.0] = 1.0
     below = (
         (band[:-d, 2 * k + d], band[d:, 2 * k - d], size[:-d] * size[d:]) for d in range(1, min(k, size.size - 1) + 1)
     )
-    return all(np.all(np.abs(low - high) <= SKEW * both) for low, high, both in below)
+    edge = np.sqrt(np.abs(np.diagonal(matrix.corner)))
+    edge[edge == 0.0] = 1.0
+    border = (
+        (matrix.right, matrix.lower, edge[:, None] * size),
+        (matrix.corner, matrix.corner.T, np.outer(edge, edge)),
+    )
+    return all(np.all(np.abs(low - high) <= SKEW * both) for low, high, both in (*below, *border))
 
 
 def _by_eigenvalues(system: System, matrix: Matrix) -> Stability:
     full = dense(matrix)
-    full[system.at_rest] = 0.0
-    full[:, system.at_rest] = 0.0
-    full[system.at_rest, system.at_rest] = 1.0
     unit = np.abs(np.diagonal(full)).copy()
     unit[unit == 0.0] = 1.0
     unit[system.algebraic] = 1.0
