@@ -89,7 +89,8 @@ def test_a_column_is_stable_up_to_eulers_load(share, negative):
 
 
 def test_an_equilibrium_that_stays_unstable_is_refused_by_name(monkeypatch):
-    monkeypatch.setattr("tautline.integrators.stability.FROM_UNSTABLE", ())
+    monkeypatch.setattr("tautline.integrators.stability.LEAVING", ())
+    monkeypatch.setattr("tautline.integrators.stability.SHIFTS", ())
     with pytest.raises(StoppedEarly) as stop:
         simulate(model_of(straight(7.9, 8.0), gravity=(0.0, 0.0, 0.0), start="static"))
     assert stop.value.status is Status.NO_EQUILIBRIUM
@@ -170,3 +171,17 @@ def test_pivots_of_the_factors_count_what_eigenvalues_count(span, tied, monkeypa
         items = free + more + (tie if tied == "by multipliers" else couple)
     found = counted_both_ways(model_of(items, gravity=(0.0, 0.0, 0.0)), monkeypatch)
     assert found == ((0, 0) if span > 8.0 else (6, 6))
+
+
+@pytest.mark.parametrize("size", [1e-4, 1e-2, 1.0, 100.0])
+def test_a_stiff_rope_of_any_size_is_found_sagging_from_a_straight_strut(size):
+    """10 m over 8 m, scaled: with EJ as the square of the length and mass as its inverse, shape and forces are alike. A
+    chain sags by a (cosh(4/a) - 1) = 2.655 m, with 2 a sinh(4/a) = 10 m; the stiffness changes that by 0.2 %."""
+    x = np.linspace(0.0, 8.0 * size, 9)
+    material = {"EA": 1e5, "EJ": 100.0 * size**2, "rhoA": 1.0 / size}
+    items = chain(np.stack([x, 0.0 * x, 0.0 * x], 1), 1.25 * x, {0: PINNED, 8: PINNED}, **material)
+    result = simulate(model_of(items, start="static"))
+    assert result.attributes["start"]["stable"]
+    sag = -result["position"][0][:, 2].min() / size
+    assert sag == pytest.approx(2.66096, abs=1e-4) and sag == pytest.approx(2.655, rel=0.005)
+    assert np.asarray(result["axial_force"][0]).max() == pytest.approx(47.915, abs=0.01)

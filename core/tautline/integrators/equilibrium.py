@@ -135,7 +135,7 @@ def _search(system: System, state: State, step_limit: float, tolerance: float, f
     factors = new_factors(n, system.bandwidth, system.border)
     x, shift, previous = np.zeros(n), first_shift, np.inf
     origin, extent = state.q.copy(), max(float(np.ptp(state.q)) if n else 0.0, step_limit)
-    nearest = _Ended(0, np.inf, 0)
+    nearest, lever = _Ended(0, np.inf, 0), levers(system)
     for iteration in range(ITERATIONS):
         evaluate(system, state, 0.0, 1.0, True, shift, 0.0, 1.0, factors.matrix, x)
         for row in system.at_rest:
@@ -156,13 +156,20 @@ def _search(system: System, state: State, step_limit: float, tolerance: float, f
             return nearest._replace(iterations=iteration, loose=True)
         solve_matrix(factors, x)
         # A multiplier is no way gone: it may change as it must.
-        largest = float(np.abs(np.delete(x, system.algebraic)).max(initial=0.0))
+        largest = float(np.abs(np.delete(x * lever, system.algebraic)).max(initial=0.0))
         state.q[:] -= x * min(1.0, step_limit / largest) if largest > 0.0 else 0.0
         if shift == 0.0 and system.window.size > 0 and n > 4 * AHEAD:
             _balance_part(system, state, step_limit, tolerance, factors, x)
     moved = np.delete(np.abs(state.q - origin), system.algebraic)
     away = bool(moved.max(initial=0.0) > AWAY * extent)
     return nearest._replace(iterations=ITERATIONS, away=away)
+
+
+def levers(system: System) -> np.ndarray:
+    """What moves by how much, at most, when an unknown changes by one, (n,): slopes of short elements move little."""
+    if not system.force > 0.0:
+        return np.ones(system.size)
+    return np.minimum(1.0, system.scale / system.force)
 
 
 def _balance_part(

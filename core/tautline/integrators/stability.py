@@ -6,10 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.equilibrium import find_equilibrium, search_from
+from tautline.integrators.equilibrium import find_equilibrium, levers, search_from
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
-from tautline.kernels.matrix import Factors, Matrix, dense, factorise_matrix, new_factors, replace_by_identity
+from tautline.kernels.matrix import (
+    Factors,
+    Matrix,
+    dense,
+    factorise_matrix,
+    new_factors,
+    new_matrix,
+    replace_by_identity,
+    sparse,
+)
 from tautline.system.system import System
 
 NEUTRAL = 1e-8
@@ -38,10 +47,13 @@ class Stability(NamedTuple):
 
 
 UNKNOWN = Stability(-1, 0, np.zeros(0))
-FROM_UNSTABLE = (1.0, 100.0, 1.0e4, 1.0e6, 1.0e8)
-"""Shifts, 1/s^2, with which a search leaves an unstable equilibrium."""
+LEAVING = ((2.0, 0.1), (2.0, 1.0), (10.0, 1.0))
+"""With which a search leaves an unstable equilibrium: its shift over the square of the rate at which the motion grows,
+and the push over the largest change of an unknown. A step as long as the motion's own time follows it downhill."""
+SHIFTS = (1.0, 100.0, 1.0e4, 1.0e6, 1.0e8)
+"""Shifts, 1/s^2, that are tried after those."""
 ASIDE = 0.1
-"""Share of the largest change of an unknown by which it is pushed off."""
+"""The push with them."""
 
 
 def find_stable_equilibrium(system: System, state: State, step_limit: float) -> Stability:
@@ -65,9 +77,11 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
     first = count_negative(system, state)
     if first.negative <= 0:
         return first
-    found = state.q.copy()
-    for shift in FROM_UNSTABLE:
-        state.q[:] = found + ASIDE * step_limit * first.mode
+    found, growth = state.q.copy(), _growth(system, state, first.mode)
+    mode = first.mode / max(float(np.abs(first.mode * levers(system)).max()), 1e-300)
+    tries = [(share * growth, push) for share, push in LEAVING if growth > 0.0]
+    for shift, push in (*tries, *((shift, ASIDE) for shift in SHIFTS)):
+        state.q[:] = found + push * step_limit * mode
         if search_from(system, state, step_limit, shift):
             now = count_negative(system, state)
             if now.negative == 0:
@@ -76,6 +90,17 @@ def find_stable_equilibrium(system: System, state: State, step_limit: float) -> 
     again = new_factors(system.size, system.bandwidth, system.border).matrix
     evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, again, np.zeros(system.size))
     return first
+
+
+def _growth(system: System, state: State, mode: np.ndarray) -> float:
+    """Square of the rate, 1/s^2, at which a motion (n,) away from a state at rest grows: -K over M along it."""
+    along = []
+    for part in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)):
+        matrix = new_matrix(system.size, system.bandwidth, system.border)
+        evaluate(system, state, 0.0, 1.0, True, *part, matrix, np.zeros(system.size))
+        along.append(float(mode @ (sparse(matrix) @ mode)))
+    mass, stiffness = along
+    return -stiffness / mass if mass > 0.0 else 0.0
 
 
 def count_negative(system: System, state: State) -> Stability:
