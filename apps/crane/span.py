@@ -38,6 +38,8 @@ FORCE, FIRST, LAST, FIRST_PSI, LAST_PSI, STRETCH, BY_STRETCH, BY_SPEED, INERTIA,
 momentum, T - rhoA u^2 (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m), rhoA L / 6 (kg)."""
 MET = 0.05
 """Straight rope between a sheave and what hangs from it, over the radius, below which the two have met."""
+FAR_APART = 2.0
+"""Distance of two centres, over the sum of the radii, at which nothing can have met."""
 FALLEN = 0.5
 """Distance of a node from its wheel, over the rope between, below which the rope has fallen onto the wheel."""
 RECORDED = 6
@@ -385,6 +387,15 @@ def _met(g, q, alarm):
     direction = g.change[0]
     for n in range(g.items.size):
         item = g.items[n]
+        radii = apart = 0.0
+        for wheel in (item.wheel1, item.wheel2):
+            if wheel != POINT:
+                radii += abs(g.wheels[wheel].radius)
+        for c in range(AXES):
+            apart += (q[item.b + c] - q[item.a + c]) ** 2
+        # Centres that are far apart need no line: it is no shorter than what lies between the rims.
+        if apart > (FAR_APART * radii) ** 2:
+            continue
         direction.fill(0.0)
         find_line(item.a, item.b, item.wheel1, item.wheel2, g.wheels, q, q, direction, g.line)
         left = g.line.number[LENGTH] if g.line.number[FOUND] == 1.0 else 0.0
