@@ -7,8 +7,8 @@ from statistics import median
 import ropes
 from page import Section, number, show, table
 
-from tautline.cable.build import build
-from tautline.cable.scene import parse
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.simulation import simulate
 
 PEER = {("bar", 1): 1.98, ("bar", 4): 4.8, ("bar", 16): 14.7, ("bar", 64): 54.0, ("hanging", 100): 320.0,

@@ -8,8 +8,8 @@ from typing import Any
 import jwell
 from page import Section, number, show, table
 
-from crane.build import build
-from crane.scene import CraneScene
+from crane.model.build import build
+from crane.scene.scene import CraneScene
 from tautline.scene.document import Document
 from tautline.scene.model import validate
 from tautline.simulation import simulate

@@ -20,10 +20,10 @@ from drillstring.application import Drillstring
 from gardenhose.application import Gardenhose
 from tautline.cable.application import Cable
 from tautline.scene.model import validate
-from tautline.study.errors import compare
-from tautline.study.history import watch
-from tautline.study.step_error import SHORTER, estimate, runs_for
-from tautline.study.trial import Setting, Subject, Trial
+from tautline.study.trials.errors import compare
+from tautline.study.trials.history import watch
+from tautline.study.trials.step_error import SHORTER, estimate, runs_for
+from tautline.study.trials.trial import Setting, Subject, Trial
 
 PAGE, DATA = jwell.ROOT / "docs" / "performance.md", jwell.ROOT / "data"
 TITLE = "What a run says of its error"

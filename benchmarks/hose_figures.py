@@ -9,11 +9,11 @@ import hoses
 import numpy as np
 
 from gardenhose.cables import arc_lengths
-from gardenhose.figures import draw
 from gardenhose.flutter import stability
-from gardenhose.stability_figures import boundary_figure, flutter_figure, static_figure
 from gardenhose.static import forms
-from tautline.view.figure import COLOURS, QUIET, axes, label, save, styled
+from gardenhose.view.figures import draw
+from gardenhose.view.stability_figures import boundary_figure, flutter_figure, static_figure
+from tautline.view.figures.figure import COLOURS, QUIET, axes, label, save, styled
 
 IMAGES = hoses.ROOT / "docs" / "images"
 SHARE = 0.2

@@ -13,12 +13,12 @@ import numpy as np
 
 import tautline
 from gardenhose.build import build
-from gardenhose.limit_cycle import LimitCycle, limit_cycle
+from gardenhose.motion.limit_cycle import LimitCycle, limit_cycle
 from gardenhose.scene import HoseScene
-from tautline.integrators.critical_step import CriticalStep
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.state import new_state
 from tautline.integrators.status import StoppedEarly
+from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.scene.model import validate
 
 ROOT = Path(__file__).resolve().parent.parent

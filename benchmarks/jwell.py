@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import tautline
-from drillstring.scene import DrillstringScene
+from drillstring.scene.scene import DrillstringScene
 from tautline.integrators.status import StoppedEarly
 from tautline.scene.model import validate
 

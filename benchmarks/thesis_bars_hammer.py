@@ -9,11 +9,11 @@ import thesis_bars_scenes as bars
 from page import number, table
 from thesis_bars_pictures import DOCS, picture
 
-from tautline.cable.build import build
-from tautline.cable.scene import read, with_values
+from tautline.cable.input.scene import read, with_values
+from tautline.cable.model.build import build
 from tautline.simulation import simulate
-from tautline.view.figure import COLOURS, Figure, axes, label, outline, styled
-from tautline.view.spectrum import spectrum
+from tautline.view.figures.figure import COLOURS, Figure, axes, label, outline, styled
+from tautline.view.figures.spectrum import spectrum
 
 SCENE = DOCS.parent / "data" / "cantilever_bar.yaml"
 HIT = 1.0

@@ -9,7 +9,7 @@ import thesis_bars_scenes as bars
 from page import table
 from thesis_bars_pictures import picture
 
-from tautline.view.figure import COLOURS, QUIET, Figure, axes, label, styled
+from tautline.view.figures.figure import COLOURS, QUIET, Figure, axes, label, styled
 
 EA = 1000.0
 SOUND = float(np.sqrt(EA))

@@ -14,8 +14,8 @@ from tautline.integrators.linearise import matrices
 from tautline.integrators.state import new_state
 from tautline.results.result import Result
 from tautline.simulation import simulate
-from tautline.view.figure import COLOURS, QUIET, Figure, axes, label, styled
-from tautline.view.spectrum import spectrum
+from tautline.view.figures.figure import COLOURS, QUIET, Figure, axes, label, styled
+from tautline.view.figures.spectrum import spectrum
 
 MULTIPLES = np.logspace(-3.0, 6.0, 37)
 """Penalty over the highest stiffness of the bar."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tautline.view.figure import Figure, save
+from tautline.view.figures.figure import Figure, save
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 IMAGES = DOCS / "images" / "thesis"

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from scipy.linalg import eigh
 
-from tautline.cable.build import build
-from tautline.cable.scene import parse
-from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.modes import Modes, modes
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.vibration.modes import Modes, modes
 from tautline.system.model import Model
 
 GRAVITY = 9.81

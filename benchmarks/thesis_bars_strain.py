@@ -8,8 +8,8 @@ from page import table
 from thesis_bars_pictures import picture
 
 from tautline.simulation import simulate
-from tautline.view.figure import COLOURS, QUIET, Figure, axes, label, styled
-from tautline.view.spectrum import spectrum
+from tautline.view.figures.figure import COLOURS, QUIET, Figure, axes, label, styled
+from tautline.view.figures.spectrum import spectrum
 
 STRAINS = ("green", "engineering")
 STIFFNESSES = np.logspace(0.0, 5.0, 21)

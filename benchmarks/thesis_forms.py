@@ -10,13 +10,13 @@ import numpy as np
 from thesis_strings_rod import CASES, GRAVITY, LENGTH, TUBES, WHERE, Curve
 
 import tautline
-from drillstring.build import build as build_string
-from drillstring.scene import DrillstringScene
-from tautline.cable.build import build as build_cable
-from tautline.cable.scene import parse
-from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.march import new_frames
+from drillstring.model.build import build as build_string
+from drillstring.scene.scene import DrillstringScene
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build as build_cable
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.time_loop import new_frames
 from tautline.scene.model import validate
 from tautline.system.model import Model
 

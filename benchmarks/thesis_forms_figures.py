@@ -9,7 +9,7 @@ import jwell
 import numpy as np
 from thesis_strings_rod import CASES, LENGTH, PIPE, Curve, linear
 
-from tautline.view.figure import COLOURS, QUIET, Axes, axes, label, save, styled
+from tautline.view.figures.figure import COLOURS, QUIET, Axes, axes, label, save, styled
 
 IMAGES = jwell.ROOT / "docs" / "images" / "thesis"
 LEAST = 1e-7

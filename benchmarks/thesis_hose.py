@@ -12,12 +12,12 @@ from page import Section, show, table
 from thesis_bars_pictures import picture
 
 from gardenhose.build import build
-from gardenhose.curves import Trace
+from gardenhose.motion.curves import Trace
 from gardenhose.static import forms
 from tautline.integrators.linearise import matrices, start_moving
 from tautline.integrators.state import new_state
-from tautline.study.bar import EFFECTIVE
-from tautline.view.figure import COLOURS, Figure, axes, label, styled
+from tautline.study.robustness.bar import EFFECTIVE
+from tautline.view.figures.figure import COLOURS, Figure, axes, label, styled
 
 ASKED = {
     0.0: (0.435384, -0.229892),

@@ -15,10 +15,10 @@ from crane.application import Crane
 from drillstring.application import Drillstring
 from gardenhose.application import Gardenhose
 from tautline.cable.application import Cable
+from tautline.study.accuracy.precision import Grid, Row, Study, study
 from tautline.study.figures import PANELS, work_precision
-from tautline.study.precision import Grid, Row, Study, study
-from tautline.study.trial import Subject
-from tautline.view.figure import QUIET, Figure, axes, label, sample_line, styled
+from tautline.study.trials.trial import Subject
+from tautline.view.figures.figure import QUIET, Figure, axes, label, sample_line, styled
 
 DATA = DOCS.parent / "data"
 MESHES = (0.5, 1.0, 2.0, 4.0)

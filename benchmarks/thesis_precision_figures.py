@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tautline.view.figure import COLOURS, QUIET, Axes, sample_line
+from tautline.view.figures.figure import COLOURS, QUIET, Axes, sample_line
 
 LEAST = 1.0e-16
 """Error that is drawn for none: a logarithm needs one."""

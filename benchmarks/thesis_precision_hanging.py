@@ -14,12 +14,12 @@ from page import number, table
 from thesis_bars_pictures import picture
 
 from tautline.results.result import Result
-from tautline.study.errors import at_times, compare
-from tautline.study.grid import EXPLICIT, critical_at_start
-from tautline.study.history import History
-from tautline.study.precision import Grid, Row, Study, study
-from tautline.study.trial import Setting, Subject
-from tautline.view.figure import SHADE, Figure, axes, label, styled
+from tautline.study.accuracy.grid import EXPLICIT, critical_at_start
+from tautline.study.accuracy.precision import Grid, Row, Study, study
+from tautline.study.trials.errors import at_times, compare
+from tautline.study.trials.history import History
+from tautline.study.trials.trial import Setting, Subject
+from tautline.view.figures.figure import SHADE, Figure, axes, label, styled
 
 EA = 1000.0
 """N, of a bar of 1 m and 1 kg: that of Table 2.1, and the least that eq. 2.156 allows."""

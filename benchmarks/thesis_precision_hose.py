@@ -11,9 +11,9 @@ from page import number, table
 from thesis_bars_pictures import picture
 
 from gardenhose.application import Gardenhose
-from tautline.study.grid import EXPLICIT, critical_at_start
-from tautline.study.trial import Setting, Subject, Trial
-from tautline.view.figure import COLOURS, Axes, Figure, axes, label, styled
+from tautline.study.accuracy.grid import EXPLICIT, critical_at_start
+from tautline.study.trials.trial import Setting, Subject, Trial
+from tautline.view.figures.figure import COLOURS, Axes, Figure, axes, label, styled
 
 COUPLINGS = ("linear", "lagrange", "penalty", "augmented")
 STEP = 1e-3

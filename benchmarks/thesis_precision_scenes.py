@@ -9,10 +9,10 @@ from typing import Any
 import thesis_bars_scenes as bars
 
 from tautline.cable.application import Cable
-from tautline.cable.scene import parse
-from tautline.study.errors import Errors, compare
-from tautline.study.history import watch
-from tautline.study.trial import Subject, Trial
+from tautline.cable.input.scene import parse
+from tautline.study.trials.errors import Errors, compare
+from tautline.study.trials.history import watch
+from tautline.study.trials.trial import Subject, Trial
 from tautline.system.model import Model
 
 ALPHAS = {"alpha_m": -0.05, "alpha_f": 0.1, "eps_energy": 1e-10, "maxIter": 20}

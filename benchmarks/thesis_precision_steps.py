@@ -15,8 +15,8 @@ import tautline
 from crane.application import Crane
 from drillstring.application import Drillstring
 from gardenhose.application import Gardenhose
-from tautline.study.grid import EXPLICIT, critical_at_start
-from tautline.study.trial import Setting, Subject, Trial
+from tautline.study.accuracy.grid import EXPLICIT, critical_at_start
+from tautline.study.trials.trial import Setting, Subject, Trial
 
 DATA = DOCS.parent / "data"
 COUNTS = (1, 2, 4, 8)

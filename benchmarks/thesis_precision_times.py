@@ -11,9 +11,9 @@ import thesis_precision_scenes as scenes
 from page import number, table
 from thesis_bars_pictures import picture
 
-from tautline.study.grid import EXPLICIT, critical_at_start
-from tautline.study.trial import Setting, Subject, Trial
-from tautline.view.figure import COLOURS, QUIET, Axes, Figure, axes, label, sample_line, styled
+from tautline.study.accuracy.grid import EXPLICIT, critical_at_start
+from tautline.study.trials.trial import Setting, Subject, Trial
+from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, label, sample_line, styled
 
 COUNTS = (1, 2, 4, 8)
 JOINTS = ("shared", "lagrange", "penalty")

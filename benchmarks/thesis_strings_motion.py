@@ -13,12 +13,12 @@ from thesis_forms import Mesh, cable_text, string_scene
 from thesis_forms_figures import IMAGES
 from thesis_strings_rod import CASES, LENGTH, rod
 
-from drillstring.build import build as build_string
-from tautline.cable.build import build as build_cable
-from tautline.cable.scene import parse
+from drillstring.model.build import build as build_string
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build as build_cable
 from tautline.results.result import Result
 from tautline.simulation import simulate
-from tautline.view.figure import COLOURS, QUIET, axes, label, save, styled
+from tautline.view.figures.figure import COLOURS, QUIET, axes, label, save, styled
 
 CASE = CASES["C"]
 MESH = Mesh(240.0)

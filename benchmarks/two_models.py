@@ -8,9 +8,9 @@ import jwell
 import numpy as np
 from page import between, load, machine, number, quick_asked, table
 
-from drillstring.build import build, well_of
-from drillstring.form import find_form
-from drillstring.scene import BEAM, LUMPED, DrillstringScene
+from drillstring.model.build import build, well_of
+from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
+from drillstring.statics.form import find_form
 from tautline.results.result import Result
 from tautline.scene.document import Document
 from tautline.scene.model import validate

@@ -13,7 +13,7 @@ import pytest
 # a hose take many times as long. It is asked for before NumPy is loaded.
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ.get("OPENBLAS_NUM_THREADS", "1")
 
-from tautline.kernels.garbage import RARELY
+from tautline.kernels.compiling.gc_tuning import RARELY
 
 TESTS = Path(__file__).parent
 sys.path.insert(0, str(TESTS))
@@ -30,7 +30,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 def _no_helpers_beside_workers():
     """Where there is a worker for every core each compiles alone: a helper would have to start, and to take turns."""
     if int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")) >= (os.cpu_count() or 1):
-        from tautline.kernels import workshop
+        from tautline.kernels import parallel_compile as workshop
 
         workshop.HELPERS = 0
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import Any
 
 from tautline.cli.packaged import Packaged
@@ -13,6 +14,16 @@ class Crane(Packaged):
     name = "crane"
     title = "Cranes: ropes over sheaves, winches, hook blocks and ships; tensions, snap loads, slip, payload motion."
     starters = ("hoist", "hookblock", "landing", "slewing", "lift")
+    rooms = MappingProxyType(
+        {
+            "scene": "scene.scene",
+            "warnings": "warnings.scene",
+            "build": "model.build",
+            "figures": "view.figures",
+            "appearance": "view.appearance",
+            "variations": "model.variations",
+        }
+    )
 
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with the path of a rope is ours."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from tautline.cli.packaged import Packaged
@@ -14,15 +15,25 @@ class Drillstring(Packaged):
     name = "drillstring"
     title = "Drill strings in deviated wells: hook load, torque, friction, bit motion, faster than real time."
     starters = ("jwell", "vertical", "drilling")
+    rooms = MappingProxyType(
+        {
+            "scene": "scene.scene",
+            "warnings": "warnings.scene",
+            "build": "model.build",
+            "figures": "view.figures",
+            "appearance": "view.appearance",
+            "variations": "model.variations",
+        }
+    )
 
     @property
     def verbs(self) -> Sequence[Callable[..., None]]:
         """Commands that other applications do not have."""
-        from drillstring.campbell_verbs import campbell
-        from drillstring.form_verbs import form
-        from drillstring.stick_slip_verbs import stick_slip
-        from drillstring.torque_verbs import torque_drag
-        from drillstring.tubular_verbs import tubulars
+        from drillstring.verbs.campbell import campbell
+        from drillstring.verbs.form import form
+        from drillstring.verbs.stick_slip import stick_slip
+        from drillstring.verbs.torque_drag import torque_drag
+        from drillstring.verbs.tubulars import tubulars
 
         return (form, torque_drag, campbell, stick_slip, tubulars)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from tautline.cli.packaged import Packaged
@@ -14,6 +15,12 @@ class Gardenhose(Packaged):
     name = "gardenhose"
     title = "Hoses, risers and pipes conveying fluid: shape under flow, onset of flutter, limit cycles."
     starters = ("hose", "riser", "supported")
+    rooms = MappingProxyType(
+        {
+            "figures": "view.figures",
+            "appearance": "view.appearance",
+        }
+    )
 
     @property
     def verbs(self) -> Sequence[Callable[..., None]]:

@@ -14,11 +14,11 @@ from gardenhose.limits import limits
 from gardenhose.observe import Observer, variables
 from gardenhose.scene import HoseScene
 from gardenhose.summary import headline
-from tautline.cable.build import Assembly, assemble_cables
-from tautline.cable.layout import Layout
-from tautline.cable.members import records
+from tautline.cable.model.build import Assembly, assemble_cables
+from tautline.cable.model.elements import records
+from tautline.cable.model.layout import Layout
 from tautline.elements.jet import JET, Jets
-from tautline.integrators.attainable import within_rounding
+from tautline.integrators.statics.attainable import within_rounding
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gardenhose.scene import HoseScene, Segment
-from tautline.cable.parts import Coupling, Element, Mass, Motion, Node, Place, Tie
-from tautline.cable.scene import CableScene
-from tautline.cable.solver import CableSolver
+from tautline.cable.input.parts import Coupling, Element, Mass, Motion, Node, Place, Tie
+from tautline.cable.input.scene import CableScene
+from tautline.cable.input.solver import CableSolver
 from tautline.scene.document import Document
 
 METHODS = {"lagrange": "multiplier", "penalty": "penalty", "augmented": "augmented"}

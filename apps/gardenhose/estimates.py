@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, eigvalsh
 
 from gardenhose.scene import HoseScene, Segment
-from tautline.integrators.critical_step import critical_step
+from tautline.integrators.vibration.critical_step import critical_step
 from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, lobatto, table
 from tautline.kernels.time_function import sample
 from tautline.system.time_functions import FunctionRequest, compile_functions

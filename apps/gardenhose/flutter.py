@@ -15,7 +15,7 @@ from scipy.optimize import brentq, linear_sum_assignment
 from gardenhose.estimates import average, onset
 from gardenhose.scene import HoseScene
 from gardenhose.static import Form, form
-from tautline.integrators.vibrations import DENSE, Vibrations, vibrations
+from tautline.integrators.vibration.vibrations import DENSE, Vibrations, vibrations
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
 from tautline.threads import one_thread

@@ -8,8 +8,8 @@ import numpy as np
 
 from gardenhose.cables import arc_lengths
 from gardenhose.scene import HoseScene
-from tautline.cable.build import Assembly
-from tautline.cable.observe import variables as of_cables
+from tautline.cable.model.build import Assembly
+from tautline.cable.model.observe import variables as of_cables
 from tautline.results.variable import Variable
 
 NOT_STORED = ("material", "material_rate")

@@ -10,9 +10,9 @@ import numpy as np
 from gardenhose.build import assembled
 from gardenhose.cables import arc_lengths
 from gardenhose.scene import HoseScene, with_speed
-from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.stability import count_negative
 from tautline.integrators.state import State, new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.stability import count_negative
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels.hermite import SHAPE, table
 from tautline.system.system import System

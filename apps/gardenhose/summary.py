@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from gardenhose.limit_cycle import limit_cycle
-from tautline.study.errors import first_mode
+from gardenhose.motion.limit_cycle import limit_cycle
+from tautline.study.trials.errors import first_mode
 
 MOVES = 1.0e-6
 """Share of the length that the nodes of a hose whose tip rests must move for it to be told."""

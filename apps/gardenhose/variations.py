@@ -11,11 +11,11 @@ from typing import Any
 
 from gardenhose.build import assembled
 from gardenhose.scene import UNIFORM, HoseScene, Segment
-from tautline.cable.joined import penalty_stiffness
+from tautline.cable.model.ties import penalty_stiffness
 from tautline.scene.document import Document, Path_
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
-from tautline.study.bar import Bar
+from tautline.study.robustness.bar import Bar
 
 ORIGIN = "study"
 """What messages name in place of a line."""

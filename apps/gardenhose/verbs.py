@@ -168,9 +168,9 @@ def _draw_forms(hose: HoseScene, found: list[Form], path: Path) -> None:
     import numpy as np
 
     from gardenhose.cables import arc_lengths
-    from gardenhose.figures import static_figure
+    from gardenhose.view.figures import static_figure
     from tautline.cli.console import say
-    from tautline.view.figure import save
+    from tautline.view.figures.figure import save
 
     s = arc_lengths(hose)
     curves, tips = [one.curve(s) for one in found], np.array([one.tip for one in found])
@@ -198,9 +198,9 @@ def _print_stability(found: Stability) -> None:
 
 
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
-    from gardenhose.figures import flutter_figure
+    from gardenhose.view.figures import flutter_figure
     from tautline.cli.console import say
-    from tautline.view.figure import save
+    from tautline.view.figures.figure import save
 
     first = found.critical[0] if found.critical else None
     marked = (first.speed, first.frequency) if first else (None, None)

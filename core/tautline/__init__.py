@@ -15,8 +15,8 @@ from tautline.version import __version__
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
-    from tautline.study.precision import Study
-    from tautline.study.stability import Stability
+    from tautline.study.accuracy.precision import Study
+    from tautline.study.robustness.stability import Stability
 
 __all__ = ["__version__", "read", "simulate", "study_errors", "study_stability"]
 
@@ -84,10 +84,10 @@ def study_errors(scene: Any, end: float | None = None, grid: Any = None, **optio
     scene : scene or path
     end : float or None
         Simulated time, s, in place of the scene's.
-    grid : tautline.study.precision.Grid or None
+    grid : tautline.study.accuracy.precision.Grid or None
         Methods, steps, meshes and constraints, such as ``Grid(steps=[1e-3, 5e-4])``; None for the usual.
     **options
-        Of `tautline.study.precision.study`: tolerance, repetitions, budget, point, reference.
+        Of `tautline.study.accuracy.precision.study`: tolerance, repetitions, budget, point, reference.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def study_errors(scene: Any, end: float | None = None, grid: Any = None, **optio
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
-    from tautline.study.precision import Grid, study
+    from tautline.study.accuracy.precision import Grid, study
 
     return study(_subject(scene, end), grid or Grid(), **options)
 
@@ -110,7 +110,7 @@ def study_stability(scene: Any, end: float | None = None, **options: Any) -> Sta
     end : float or None
         Simulated time, s, in place of the scene's.
     **options
-        Of `tautline.study.stability.stability`: tolerance, budget, point, quick.
+        Of `tautline.study.robustness.stability.stability`: tolerance, budget, point, quick.
 
     Raises
     ------
@@ -119,14 +119,14 @@ def study_stability(scene: Any, end: float | None = None, **options: Any) -> Sta
     StoppedEarly
         If the scene as it stands does not come to its end.
     """
-    from tautline.study.stability import stability
+    from tautline.study.robustness.stability import stability
 
     return stability(_subject(scene, end), **options)
 
 
 def _subject(scene: Any, end: float | None) -> Any:
     from tautline.cli.catalogue import Installed
-    from tautline.study.trial import Subject
+    from tautline.study.trials.trial import Subject
 
     read_scene = _scene(scene)
     return Subject(Installed().of(read_scene), read_scene, end=end)

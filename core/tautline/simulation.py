@@ -11,17 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from tautline.integrators.critical_step import CriticalStep
-from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.generalized_alpha import GeneralizedAlpha, energy_set_aside
 from tautline.integrators.linearise import start_moving
-from tautline.integrators.march import PART, STEP, WORK_LIMIT, Frames, compile_for, march, new_frames, new_pause
 from tautline.integrators.method import method_for
 from tautline.integrators.period import STEPS_PER_PERIOD, lag_of_step
-from tautline.integrators.relaxation import relax
 from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.schedule import frame_times, steps_to
-from tautline.integrators.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.state import (
     AT_START,
     FACTORISATIONS,
@@ -35,7 +30,12 @@ from tautline.integrators.state import (
     new_state,
     turns_over,
 )
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.relaxation import relax
+from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.integrators.time_loop import PART, STEP, WORK_LIMIT, Frames, compile_for, march, new_frames, new_pause
+from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import listening
 from tautline.results.balance import ENERGIES, Balance
 from tautline.results.errors import ResultError

@@ -7,10 +7,10 @@ import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
 
 from drillstring.application import Drillstring
-from drillstring.build import build
-from drillstring.cautions import cautions
-from drillstring.figures import draw
-from drillstring.scene import DrillstringScene, read
+from drillstring.model.build import build
+from drillstring.scene.scene import DrillstringScene, read
+from drillstring.view.figures import draw
+from drillstring.warnings.scene import cautions
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.simulation import simulate

@@ -12,7 +12,7 @@ from tautline.cli.catalogue import Single
 from tautline.cli.export import export
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
-from tautline.view.appearance import Look
+from tautline.view.space.appearance import Look
 
 CATALOGUE = Single(Cable())
 

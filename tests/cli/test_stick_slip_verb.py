@@ -9,13 +9,13 @@ import pytest
 import xarray
 from cli.in_process import commands_of, files, only_object
 
-import drillstring.stick_slip
+import drillstring.stick_slip.severity_map
 from drillstring.application import Drillstring
-from drillstring.scene import read
-from drillstring.stick_slip import Cell, Map, stick_slip_map, varied
-from drillstring.stick_slip_figures import draw
-from drillstring.stick_slip_record import sentences, table
-from drillstring.stick_slip_verbs import parse_range
+from drillstring.scene.scene import read
+from drillstring.stick_slip.record import sentences, table
+from drillstring.stick_slip.severity_map import Cell, Map, stick_slip_map, varied
+from drillstring.verbs.stick_slip import parse_range
+from drillstring.view.stick_slip_figures import draw
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 
@@ -126,7 +126,7 @@ def test_a_bare_speed_is_in_rpm_and_a_bare_weight_in_newton():
 
 
 def test_a_run_that_fails_is_in_the_map_by_name_and_the_others_are_kept(drillstring_, monkeypatch):
-    real = drillstring.stick_slip.simulate
+    real = drillstring.stick_slip.severity_map.simulate
 
     def simulate(model):
         if f"{170 * RPM:.6f}" in told[-1]:
@@ -134,14 +134,14 @@ def test_a_run_that_fails_is_in_the_map_by_name_and_the_others_are_kept(drillstr
         return real(model)
 
     told = [""]
-    build = drillstring.stick_slip.build
+    build = drillstring.stick_slip.severity_map.build
 
     def remembering(scene):
         told.append(f"{scene.top.rotation.speed.to:.6f}")
         return build(scene)
 
-    monkeypatch.setattr(drillstring.stick_slip, "build", remembering)
-    monkeypatch.setattr(drillstring.stick_slip, "simulate", simulate)
+    monkeypatch.setattr(drillstring.stick_slip.severity_map, "build", remembering)
+    monkeypatch.setattr(drillstring.stick_slip.severity_map, "simulate", simulate)
     code, out, err = drillstring_("stick-slip", "drilling.yaml", "--json", "--jobs", "1", "--speed", "60,170",
                                   "--weight", "1e5", "--end", "15 s")  # fmt: skip
     report = only_object(out)
@@ -154,14 +154,14 @@ def test_a_run_that_fails_is_in_the_map_by_name_and_the_others_are_kept(drillstr
 
 
 def test_ctrl_c_keeps_what_was_run(drillstring_, monkeypatch):
-    real = drillstring.stick_slip.run_cell
+    real = drillstring.stick_slip.severity_map.run_cell
 
     def run_cell(scene, speed, weight, end):
         if speed > 100 * RPM:
             raise KeyboardInterrupt
         return real(scene, speed, weight, end)
 
-    monkeypatch.setattr(drillstring.stick_slip, "run_cell", run_cell)
+    monkeypatch.setattr(drillstring.stick_slip.severity_map, "run_cell", run_cell)
     code, out, err = drillstring_("stick-slip", "drilling.yaml", "--json", "--jobs", "1", "--speed", "60,170",
                                   "--weight", "1e5", "--end", "15 s")  # fmt: skip
     report = only_object(out)

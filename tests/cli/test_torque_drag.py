@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from cli.in_process import commands_of, leave_out_pixels, only_object
 
-import drillstring.statics
+import drillstring.statics.statics
 from drillstring.application import Drillstring
-from drillstring.back_calculation import COLUMNS, fit, read_measured
-from drillstring.factors import same
-from drillstring.scene import read
-from drillstring.torque_drag import torque_drag
+from drillstring.scene.scene import read
+from drillstring.statics.back_calculation import COLUMNS, fit, read_measured
+from drillstring.statics.torque_drag import torque_drag
+from drillstring.string.factors import same
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 
@@ -231,20 +231,20 @@ def test_scene_without_a_wall_is_refused_by_its_key(drillstring_):
 
 
 def test_where_the_figure_goes_is_looked_at_before_the_search(drillstring_, monkeypatch):
-    monkeypatch.setattr(drillstring.torque_drag, "torque_drag", lambda *_, **__: pytest.fail("searched"))
+    monkeypatch.setattr(drillstring.statics.torque_drag, "torque_drag", lambda *_, **__: pytest.fail("searched"))
     code, _, err = drillstring_("torque-drag", "jwell.yaml", "-o", "nowhere/loads.png")
     assert code == 2 and "there is no folder nowhere" in " ".join(err.split())
 
 
 def test_direction_without_an_equilibrium_is_named_the_rest_is_kept_and_the_exit_code_is_3(drillstring_, monkeypatch):
-    solve = drillstring.statics.Statics.solve
+    solve = drillstring.statics.statics.Statics.solve
 
     def fails(self, friction, direction):
         if direction == "slack_off" and same(friction).open == 0.3:
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, "lump 7", "friction factor 0.3")
         return solve(self, friction, direction)
 
-    monkeypatch.setattr(drillstring.statics.Statics, "solve", fails)
+    monkeypatch.setattr(drillstring.statics.statics.Statics, "solve", fails)
     code, out, err = drillstring_("torque-drag", "jwell.yaml", "--friction", "0.2,0.3", "--json", *FEW)
     report = only_object(out)
     assert code == 3 and report["status"].startswith("stopped")

@@ -3,8 +3,8 @@
 import numpy as np
 from references import span_lagrangian as exact
 
-from crane.line import POINT, WHEEL
-from crane.span import SPAN, STATION, new_spans
+from crane.geometry.line import POINT, WHEEL
+from crane.groups.span import SPAN, STATION, new_spans
 from tautline.kernels import groups as over
 from tautline.kernels.groups import link
 from tautline.kernels.jit import entry

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from crane.bending import Contact, bending_cycles, drum_contact
+from crane.rope_life.bending import Contact, bending_cycles, drum_contact
 
 
 def saw(times, travel, frames=40):
@@ -259,7 +259,7 @@ def test_many_bins_in_blocks_give_the_same_tension(monkeypatch):
     contact = sheave(position, tension=4e4 + position)
     edges = np.arange(40.0, 60.0, 0.05)
     whole = bending_cycles(time, [contact], edges).tension
-    monkeypatch.setattr("crane.bending.PAIRS", 50)
+    monkeypatch.setattr("crane.rope_life.bending.PAIRS", 50)
     np.testing.assert_array_equal(bending_cycles(time, [contact], edges).tension, whole)
 
 

@@ -6,10 +6,10 @@ from cranes.hooks import SUMS, Hooks
 from scipy.linalg import eigh
 from scipy.special import ellipe, ellipk
 
-from crane.arcs import new_arcs
-from crane.bends import new_bends, stencils
-from crane.line import POINT, WHEEL
-from crane.span import MATERIAL, SPAN, STATION, new_spans
+from crane.geometry.line import POINT, WHEEL
+from crane.groups.arcs import new_arcs
+from crane.groups.bends import new_bends, stencils
+from crane.groups.span import MATERIAL, SPAN, STATION, new_spans
 from tautline.kernels import groups as over
 from tautline.kernels.groups import link
 from tautline.kernels.jit import entry

@@ -7,11 +7,11 @@ import pytest
 from references.cables import catenary
 from results.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
 
-from crane.cautions import cautions, describe, figures
-from crane.estimates import estimate, rk4_limit
-from crane.figures import draw_scene
-from crane.scene import CraneScene
-from crane.supply import check_supply, supply_of
+from crane.assembly.drum_supply import check_supply, supply_of
+from crane.assembly.estimates import estimate, rk4_limit
+from crane.scene.scene import CraneScene
+from crane.view.figures import draw_scene
+from crane.warnings.scene import cautions, describe, figures
 from tautline.scene.errors import SceneError
 
 GRAVITY = 9.81

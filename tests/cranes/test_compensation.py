@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crane.compensation import compensate
-from crane.frames import GROUND, Frame, heave_of
+from crane.sea.compensation import compensate
+from crane.sea.frames import GROUND, Frame, heave_of
 from tautline.kernels.time_function import sample
 from tautline.scene.functions import Constant, Harmonic, Spectrum
 from tautline.system.time_functions import FunctionRequest, Samples, compile_functions

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from crane.layers import Wound
-from crane.scene import Drum
+from crane.groups.layers import Wound
+from crane.scene.scene import Drum
 
 DIAMETER, TURNS, CORE = 0.03, 10, 0.5
 

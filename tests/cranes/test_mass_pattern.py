@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tautline
-from crane.build import build
+from crane.model.build import build
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import new_state
 from tautline.kernels.matrix import dense, new_matrix

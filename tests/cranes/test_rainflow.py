@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from crane.fatigue import equivalent_range, rainflow_counts
+from crane.rope_life.fatigue import equivalent_range, rainflow_counts
 
 STANDARD = np.array([-2.0, 1.0, -3.0, 5.0, -1.0, 3.0, -4.0, 4.0, -2.0])
 """ASTM E1049-85, figure 6: peaks and valleys A to I."""

@@ -9,10 +9,10 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eig
 from scipy.spatial.transform import Rotation
 
-from crane.frames import Frame, motion_of
-from crane.quaternion import quaternion_of, rotation_of
-from crane.rigid import FREQUENCY, RIGID, new_rigids
-from crane.sockets import SOCKET, new_sockets
+from crane.geometry.quaternion import quaternion_of, rotation_of
+from crane.groups.rigid import FREQUENCY, RIGID, new_rigids
+from crane.groups.sockets import SOCKET, new_sockets
+from crane.sea.frames import Frame, motion_of
 from tautline.elements.node import SPRING, PointMasses, Springs
 
 ONE_BY_ONE = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from crane.events import amplification, largest, safety_factor, slack_events
+from crane.rope_life.events import amplification, largest, safety_factor, slack_events
 
 
 def test_slack_begins_and_ends_between_frames():

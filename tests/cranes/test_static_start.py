@@ -3,9 +3,9 @@
 import pytest
 from physics.crane_scenes import GRAVITY, anchor, body, crane, end, fall, hoist, parsed, ran, sheave, stopped
 
-from crane import reach
-from crane.cautions import cautions
-from crane.layout import lay_out
+from crane.assembly import static_start as reach
+from crane.assembly.layout import lay_out
+from crane.warnings.scene import cautions
 from tautline.integrators.status import Status
 from tautline.scene.errors import SceneError
 

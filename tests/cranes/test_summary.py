@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from results.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result
 
-from crane.build import build
-from crane.course import contacts_of, course_of, laid_out, nodes_of, scene_of
-from crane.estimates import static_tension
-from crane.summary import headline, most_worked_end, span_ends
+from crane.assembly.estimates import static_tension
+from crane.model.build import build
+from crane.results.course import contacts_of, course_of, laid_out, nodes_of, scene_of
+from crane.results.summary import headline, most_worked_end, span_ends
 from tautline.results.errors import ResultError
 from tautline.simulation import simulate
 

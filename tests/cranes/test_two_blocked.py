@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from physics.crane_scenes import hoist, stopped
 
-from crane.span import MET
+from crane.groups.span import MET
 from tautline.integrators.status import Status
 
 RADIUS = 0.4

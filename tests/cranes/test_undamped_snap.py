@@ -5,8 +5,8 @@ from physics.crane_scenes import anchor, crane, parsed, ran
 from physics.test_crane_slack import LENGTH, MASS, SPEED, STIFFNESS, dropped
 from references.slack import snap_tension_green
 
-from crane.cautions import cautions, figures
-from crane.layout import lay_out
+from crane.assembly.layout import lay_out
+from crane.warnings.scene import cautions, figures
 from tautline.scene.errors import SceneError
 
 EXACT = snap_tension_green(MASS, STIFFNESS, LENGTH, SPEED)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from crane.frames import GROUND, MOTIONS, requests_of
-from crane.mru import read_motions
-from crane.vessel import frames_of, in_sea, motions_of, read_response
+from crane.sea.frames import GROUND, MOTIONS, requests_of
+from crane.sea.mru import read_motions
+from crane.sea.vessel import frames_of, in_sea, motions_of, read_response
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant, Harmonic, Ramp, Spectrum

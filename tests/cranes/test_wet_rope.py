@@ -8,9 +8,9 @@ import pytest
 from cranes.hooks import Hooks, run
 from scipy.integrate import quad
 
-from crane.line import POINT, WHEEL
-from crane.span import SPAN, new_spans
-from crane.wet import WET, new_wet
+from crane.geometry.line import POINT, WHEEL
+from crane.groups.hydrodynamics import WET, new_wet
+from crane.groups.span import SPAN, new_spans
 from tautline.elements.node import SPRING, PointMasses, Springs
 from tautline.simulation import ENERGIES
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from crane.power import winch_energy, winch_power
+from crane.results.power import winch_energy, winch_power
 
 
 def test_power_is_tension_times_speed_and_negative_when_lowering():

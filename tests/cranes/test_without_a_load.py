@@ -10,8 +10,8 @@ from physics.crane_scenes import GRAVITY, anchor, crane, drum, ran, sheave
 from references import cables
 
 from crane.application import Crane
-from crane.estimates import estimate
-from crane.scene import CraneScene
+from crane.assembly.estimates import estimate
+from crane.scene.scene import CraneScene
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 

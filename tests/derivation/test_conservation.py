@@ -6,13 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from drillstring import wellbore
-from drillstring.lumped_string import curve_of
+from drillstring.model.lumped_string import curve_of
+from drillstring.well import wellbore
 from tautline.integrators.linearise import start_moving
-from tautline.integrators.march import march, new_frames
 from tautline.integrators.method import method_for
 from tautline.integrators.state import HALVINGS, ITERATIONS, STEPS, new_state
 from tautline.integrators.status import Status
+from tautline.integrators.time_loop import march, new_frames
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, EccentricBodies
 from tautline.lumped.curve import PER_BODY, records

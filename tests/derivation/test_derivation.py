@@ -3,8 +3,8 @@
 import numpy as np
 from kane_of_many import Numbers, equations
 
-from drillstring import wellbore
-from drillstring.lumped_string import curve_of
+from drillstring.model.lumped_string import curve_of
+from drillstring.well import wellbore
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import new_state
 from tautline.kernels.matrix import dense, new_matrix

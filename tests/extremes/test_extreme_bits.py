@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from physics.strings import run, straight_hole
 
-from drillstring.build import build
+from drillstring.model.build import build
 from tautline.integrators.status import StoppedEarly
 from tautline.simulation import simulate
 

@@ -11,11 +11,11 @@ import pytest
 from references import cables
 from scipy.special import ellipk
 
-from tautline.cable.build import build
-from tautline.cable.scene import parse
-from tautline.integrators.modes import modes
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.state import new_state
 from tautline.integrators.status import Status, StoppedEarly
+from tautline.integrators.vibration.modes import modes
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
 

@@ -9,8 +9,8 @@ from physics.strings import mass_per_length as steel
 from references import planar_well_dynamics as planar
 from references import soft_string as soft
 
-from drillstring.build import build
-from drillstring.cautions import cautions
+from drillstring.model.build import build
+from drillstring.warnings.scene import cautions
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drillstring.cautions import cautions
-from drillstring.scene import DrillstringScene, check_lengths, json_schema, read
+from drillstring.scene.scene import DrillstringScene, check_lengths, json_schema, read
+from drillstring.warnings.scene import cautions
 from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate

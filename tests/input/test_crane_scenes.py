@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crane.application import Crane
-from crane.scene import (
+from crane.scene.scene import (
     Anchor,
     Body,
     CraneScene,

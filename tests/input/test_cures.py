@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from drillstring.scene import DrillstringScene
+from drillstring.scene.scene import DrillstringScene
 from tautline.scene.errors import SceneError
 from tautline.scene.quantity import suited
 

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from gardenhose.application import Gardenhose
 from gardenhose.build import assembled
-from gardenhose.cautions import cautions, figures
 from gardenhose.estimates import ONSET, rk4_limit, speeds
 from gardenhose.scene import HoseScene, json_schema, read, with_speed
+from gardenhose.warnings import cautions, figures
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
-from tautline.integrators.critical_step import CriticalStep
 from tautline.integrators.state import new_state
+from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant, Ramp

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crane.rope_cautions import rope_cautions
-from crane.scene import CraneScene
-from drillstring.build import tubes_of, well_of
-from drillstring.scene import DrillstringScene
-from drillstring.string import cut
-from drillstring.wall_cautions import wall_cautions
+from crane.scene.scene import CraneScene
+from crane.warnings.rope import rope_cautions
+from drillstring.model.build import tubes_of, well_of
+from drillstring.scene.scene import DrillstringScene
+from drillstring.string.lumps import cut
+from drillstring.warnings.wall import wall_cautions
 from gardenhose.scene import HoseScene
-from tautline.cable.quirks import read_quirks
-from tautline.cable.scene import WrittenCable
+from tautline.cable.input.scene import WrittenCable
+from tautline.cable.input.thesis_compat import read_quirks
 from tautline.cli.catalogue import Installed
 from tautline.scene.document import Document
 from tautline.scene.doubts import slips_of_units

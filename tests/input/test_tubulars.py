@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drillstring.build import build, tubes_of
-from drillstring.cautions import cautions
-from drillstring.scene import DrillstringScene, json_schema
-from drillstring.tubulars import NoSuchTubular, catalogue, find, inches, matching
+from drillstring.model.build import build, tubes_of
+from drillstring.scene.scene import DrillstringScene, json_schema
+from drillstring.scene.tubulars import NoSuchTubular, catalogue, find, inches, matching
+from drillstring.warnings.scene import cautions
 from tautline.scene.errors import SceneError
 
 INCH, FOOT, POUND = 0.0254, 0.3048, 0.45359237

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from references import ale_ancf as reference
 
-from tautline.cable.members import records
+from tautline.cable.model.elements import records
 from tautline.elements.bending import BENDING, Bending, FlowingBending
 from tautline.elements.flow import Flow
 from tautline.elements.inertia import INERTIA, Inertia

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drillstring import wellbore
-from drillstring.lumped_string import curve_of
+from drillstring.model.lumped_string import curve_of
+from drillstring.well import wellbore
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import Dofs
 from tautline.kernels.jit import entry, kernel

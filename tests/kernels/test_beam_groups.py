@@ -6,13 +6,13 @@ import short_string as string
 from short_string import WELLS, State
 from test_contact_groups import LAWS
 
-from drillstring.beam_contact import PAD, BeamContact
-from drillstring.beam_eccentricity import OFF_AXIS, BeamEccentricity
-from drillstring.beam_mud import SLEEVE, BeamMud
-from drillstring.beam_observe import nearest
-from drillstring.beam_points import NODE, TURN, hole_of, nodes_as_points, points_of
-from drillstring.in_hole import hold_points, spot, write_frame
-from drillstring.string import Tube, cut
+from drillstring.groups.beam_contact import PAD, BeamContact
+from drillstring.groups.beam_eccentricity import OFF_AXIS, BeamEccentricity
+from drillstring.groups.beam_mud import SLEEVE, BeamMud
+from drillstring.groups.beam_points import NODE, TURN, hole_of, nodes_as_points, points_of
+from drillstring.results.beam_observe import nearest
+from drillstring.string.lumps import Tube, cut
+from drillstring.well.in_hole import hold_points, spot, write_frame
 from tautline.elements.twist import TWISTED, Twist
 from tautline.elements.weld import Welds
 from tautline.kernels.jit import entry

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from cable_groups import CUBIC, SHAPES, ask, close, new_state, parts
 
-from tautline.cable.members import records
+from tautline.cable.model.elements import records
 from tautline.elements.bending_damping import VISCOUS, BendingDamping
 from tautline.kernels.hermite import gauss, table
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import short_string as string
 
-from drillstring.bit_group import OWN
-from drillstring.bit_numbers import BIT, rate_at, torque_at, weight_at
-from drillstring.bit_rock import BladeBit, RockBit
-from drillstring.friction import SLIP, STICK
+from drillstring.drilling.bit_group import OWN
+from drillstring.drilling.bit_numbers import BIT, rate_at, torque_at, weight_at
+from drillstring.drilling.bit_rock import BladeBit, RockBit
+from drillstring.groups.friction import SLIP, STICK
 from tautline.kernels import groups as over
 from tautline.kernels.jit import entry
 

@@ -11,7 +11,7 @@ import pytest
 
 import drillstring
 import tautline
-from tautline.kernels import sources, storage
+from tautline.kernels.compiling import sources, storage
 
 HERE = Path(__file__).parent
 RUN = """
@@ -294,7 +294,7 @@ def test_where_nothing_can_be_kept_a_temporary_folder_takes_its_place_which_is_s
 def test_a_disk_that_is_full_is_said_once_and_the_run_goes_on(tmp_path):
     script = tmp_path / "parts.py"
     full = """
-import errno, tautline.kernels.caching as caching
+import errno, tautline.kernels.compiling.caching as caching
 def full(*_):
     raise OSError(errno.ENOSPC, "No space left on device")
 caching.Files._save_data = full

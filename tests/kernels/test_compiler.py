@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numba import config, njit
 
-from tautline.kernels.garbage import RARELY, collected_rarely
+from tautline.kernels.compiling.gc_tuning import RARELY, collected_rarely
+from tautline.kernels.compiling.inlined import PLAIN
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.parts import PLAIN
 
 compiled = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="is about what is compiled")
 own_steps = pytest.mark.skipif(bool(config.DISABLE_JIT) or PLAIN, reason="is about our own steps of compiling")

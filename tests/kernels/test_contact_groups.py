@@ -5,10 +5,10 @@ import pytest
 import short_string as string
 from short_string import PER_BODY, WELLS
 
-from drillstring.contact import SPRING, WallContact
-from drillstring.drag import Drag
-from drillstring.friction import BANDED, FORCED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
-from drillstring.top_drive import TopDrive
+from drillstring.drilling.top_drive import TopDrive
+from drillstring.groups.contact import SPRING, WallContact
+from drillstring.groups.drag import Drag
+from drillstring.groups.friction import BANDED, FORCED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
 from tautline.elements.load import Loads
 from tautline.kernels import changes
 from tautline.kernels import groups as over

@@ -13,7 +13,7 @@ SPY = "open({name!r} + '.was_run', 'w').close()\nraise SystemExit('run from the 
 HELP = """
 import sys, time
 from collections import deque
-from tautline.kernels import workshop
+from tautline.kernels import parallel_compile as workshop
 waiting = deque([(workshop.help_out, ())])
 workshop._employ(waiting)
 print(len(waiting))
@@ -42,7 +42,7 @@ def test_a_process_that_compiles_runs_nothing_of_the_current_folder(case, path, 
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
     # The script itself is started safely: what it starts has to see to itself.
     start = (
-        "import os, runpy, sys; import tautline.kernels.workshop; os.chdir(sys.argv[2]);"
+        "import os, runpy, sys; import tautline.kernels.parallel_compile; os.chdir(sys.argv[2]);"
         "sys.path[:0] = [sys.argv[2], '', '.']; runpy.run_path(sys.argv[1])"
     )
     given = {} if path is None else {"PYTHONPATH": os.pathsep.join([path, ""])}
@@ -66,7 +66,7 @@ def test_a_command_runs_nothing_of_the_current_folder(case, verb):
 SURVEY = """
 import os
 from pathlib import Path
-from drillstring import stick_slip
+from drillstring.stick_slip.severity_map import severity_map as stick_slip
 from tautline.scene.document import Document
 
 if __name__ == "__main__":

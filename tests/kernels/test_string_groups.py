@@ -5,7 +5,7 @@ import pytest
 import short_string as string
 from short_string import PER_BODY, PLACES, WELLS
 
-from drillstring import wellbore
+from drillstring.well import wellbore
 
 KINDS = {
     "bodies": lambda seats, rng: string.bodies(seats, rng),

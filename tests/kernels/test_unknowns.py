@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import short_string as string
 
-from tautline.cable.build import assemble_cables
-from tautline.cable.scene import parse
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import assemble_cables
 from tautline.integrators.linearise import evaluate, matrices
 from tautline.integrators.state import new_state
 from tautline.kernels import groups as over

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from physics.strings import shipped
 
-from drillstring.build import build
-from tautline.integrators import window as part
+from drillstring.model.build import build
+from tautline.integrators import partial_newton as part
+from tautline.integrators.partial_newton import ASKED, ASKED_END, LEAST_MARGIN, MARGIN, SOLVED, SOLVED_END
 from tautline.integrators.rows import AllRows, rows_of
 from tautline.integrators.state import new_state
-from tautline.integrators.window import ASKED, ASKED_END, LEAST_MARGIN, MARGIN, SOLVED, SOLVED_END
 from tautline.kernels import groups as over
 from tautline.kernels.jit import entry
 

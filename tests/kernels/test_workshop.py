@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from tautline.elements.load import Loads
-from tautline.integrators.march import compile_for
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state
-from tautline.kernels import storage
+from tautline.integrators.time_loop import compile_for
+from tautline.kernels.compiling import storage
 from tautline.system.model import SolverSettings
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
@@ -23,10 +23,11 @@ import sys
 from typing import NamedTuple
 import numpy as np
 from tautline.elements.load import Loads
-from tautline.integrators.march import MARCHES, compile_for, march, new_frames
+from tautline.integrators.time_loop import MARCHES, compile_for, march, new_frames
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state
-from tautline.kernels import groups, workshop
+from tautline.kernels import groups
+from tautline.kernels import parallel_compile as workshop
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.jit import kernel
 from tautline.system.model import SolverSettings

@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import gardenhose.flutter
 from gardenhose.scene import read
-from tautline.integrators import vibrations as small_motions
+from tautline.integrators.vibration import vibrations as small_motions
 from tautline.threads import one_thread
 
 HOSE = Path(__file__).parents[2] / "data" / "hose.yaml"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from physics.tied_cables import element, node, run, scene
 
-from tautline.integrators.critical_step import critical_step
 from tautline.integrators.status import Status, StoppedEarly
+from tautline.integrators.vibration.critical_step import critical_step
 
 POLYNOMIAL = [1 / 24, 1 / 6, 1 / 2, 1, 1]
 

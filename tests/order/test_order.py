@@ -9,10 +9,10 @@ import two_masses
 
 from tautline.integrators.generalized_alpha import alphas
 from tautline.integrators.linearise import start_moving
-from tautline.integrators.march import march, new_frames
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import HALVINGS, ITERATIONS, STEPS, new_state
 from tautline.integrators.status import Status
+from tautline.integrators.time_loop import march, new_frames
 from tautline.system.model import SolverSettings
 
 END = 2.0

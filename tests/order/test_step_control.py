@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tautline.cable.build import build
-from tautline.cable.scene import parse
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.simulation import simulate
 

@@ -5,13 +5,13 @@ from references import cables
 from scipy.linalg import eigh
 from scipy.optimize import least_squares
 
-from tautline.cable.build import build
-from tautline.cable.scene import parse
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.linearise import start_moving
-from tautline.integrators.march import march, new_frames
 from tautline.integrators.method import METHODS
-from tautline.integrators.modes import modes
 from tautline.integrators.state import new_state
+from tautline.integrators.time_loop import march, new_frames
+from tautline.integrators.vibration.modes import modes
 from tautline.simulation import simulate
 
 BC = {"free": (0, 1, 1, 0, 1, 1, 1), "pinned": (1, 1, 1, 0, 1, 1, 1), "flowing": (1, 1, 1, 0, 1, 1, 0)}

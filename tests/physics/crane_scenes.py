@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 import yaml
 
-from crane.build import build
-from crane.layout import lay_out
-from crane.scene import CraneScene
+from crane.assembly.layout import lay_out
+from crane.model.build import build
+from crane.scene.scene import CraneScene
 from tautline.integrators.status import StoppedEarly
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate

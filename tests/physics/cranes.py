@@ -8,9 +8,9 @@ import numpy as np
 import yaml
 from references.crane import stretch_under
 
-from crane.build import build
-from crane.layout import lay_out
-from crane.scene import CraneScene
+from crane.assembly.layout import lay_out
+from crane.model.build import build
+from crane.scene.scene import CraneScene
 from tautline.integrators.state import new_state
 from tautline.results.result import Result
 from tautline.scene.document import Document

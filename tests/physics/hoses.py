@@ -11,11 +11,11 @@ import yaml
 from references import hose as reference
 
 from gardenhose.build import build
-from gardenhose.limit_cycle import LimitCycle, limit_cycle
+from gardenhose.motion.limit_cycle import LimitCycle, limit_cycle
 from gardenhose.scene import HoseScene
 from gardenhose.static import Form, form
-from tautline.integrators.equilibrium import find_equilibrium
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.results.result import Result
 from tautline.scene.document import Document
 from tautline.scene.model import validate

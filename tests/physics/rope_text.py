@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tautline.cable.build import build
-from tautline.cable.scene import parse
-from tautline.integrators.equilibrium import find_equilibrium
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
 
 GRAVITY = 9.81
 PINNED = (1, 1, 1, 0, 0, 0, 1)

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from drillstring.build import build
-from drillstring.scene import DrillstringScene
-from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.march import new_frames
+from drillstring.model.build import build
+from drillstring.scene.scene import DrillstringScene
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.time_loop import new_frames
 from tautline.scene.model import validate
 from tautline.simulation import simulate
 

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from physics.strings import shipped
 
-from drillstring.build import well_of
-from drillstring.cautions import cautions
-from drillstring.scene import BEAM
-from drillstring.statics import Statics
+from drillstring.model.build import well_of
+from drillstring.scene.scene import BEAM
+from drillstring.statics.statics import Statics
+from drillstring.warnings.scene import cautions
 
 PIPE = [{"name": "drill pipe", "length": "rest", "od": 0.127, "id": 0.1086}]
 WELLS = ("bend", "tripping")

@@ -17,10 +17,10 @@ from physics.test_natural_modes import EULER, FAST, LENGTH, MASS, RIGIDITY, beam
 from references import stepped_rod_modes as rods
 from scipy.special import jn_zeros
 
-from drillstring import bha
-from drillstring.campbell import campbell
-from drillstring.rest import rest_of
-from drillstring.scene import BEAM
+from drillstring.modes import bha
+from drillstring.modes.campbell import campbell
+from drillstring.modes.rest import rest_of
+from drillstring.scene.scene import BEAM
 
 MUD = 1200.0
 

@@ -21,9 +21,9 @@ import pytest
 from physics.strings import COLLAR, GRAVITY, E, area, mass_per_length, run, shipped, straight_hole
 from references import soft_string as reference
 
-from drillstring.break_away import break_away_figures
-from drillstring.statics import Statics
-from drillstring.torque_drag import torque_drag
+from drillstring.results.break_away import break_away_figures
+from drillstring.statics.statics import Statics
+from drillstring.statics.torque_drag import torque_drag
 
 INCLINATION, LENGTH, FRICTION = 1.0, 3000.0, 0.3
 SPEED = 0.005

@@ -31,11 +31,11 @@ from physics.axial_bars import (
 from references import cables
 from scipy.linalg import eigh
 
-from tautline.cable.build import build
-from tautline.cable.scene import read, with_values
-from tautline.integrators.modes import modes
+from tautline.cable.input.scene import read, with_values
+from tautline.cable.model.build import build
 from tautline.integrators.state import new_state
 from tautline.integrators.status import Status, StoppedEarly
+from tautline.integrators.vibration.modes import modes
 from tautline.simulation import simulate
 
 CASE_1 = Path(__file__).parents[2] / "data" / "cantilever_bar.yaml"

@@ -20,7 +20,7 @@ from references.cables import (
 )
 from scipy.optimize import brentq
 
-from tautline.integrators.modes import modes
+from tautline.integrators.vibration.modes import modes
 from tautline.simulation import simulate
 
 EA = 1.0e5

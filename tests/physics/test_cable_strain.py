@@ -13,7 +13,7 @@ from physics.tied_cables import at_rest, element, node, of_nodes, run, scene
 from references.cables import force_of, hanging_rope, hermite_bar_frequencies, stretch_of
 from scipy.linalg import eigh
 
-from tautline.integrators.modes import modes
+from tautline.integrators.vibration.modes import modes
 
 G = 9.81
 STRAINS = ("green", "engineering")

@@ -30,8 +30,8 @@ from physics.cranes import (
 from references import crane as reference
 from scipy.integrate import solve_ivp
 
-from crane.scene import CraneScene
-from tautline.integrators.modes import modes
+from crane.scene.scene import CraneScene
+from tautline.integrators.vibration.modes import modes
 from tautline.scene.document import Document
 from tautline.scene.model import validate
 

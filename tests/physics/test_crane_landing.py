@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from crane.build import build
-from crane.scene import CraneScene
+from crane.model.build import build
+from crane.scene.scene import CraneScene
 from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate

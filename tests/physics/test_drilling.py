@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 from strings import COLLAR, DENSITY, GRAVITY, E, area, mass_per_length, run, straight_hole
 
-from drillstring.build import build
+from drillstring.model.build import build
 from tautline.integrators.linearise import matrices
 from tautline.results.result import Result
 from tautline.simulation import Run, simulate

@@ -10,7 +10,7 @@ from physics.cranes import at_start, body, end, energy_missing, of, orders, run,
 from references import crane, elevator
 from references.elevator import Elevator
 
-from tautline.integrators.modes import modes
+from tautline.integrators.vibration.modes import modes
 
 LAW = {"law": "no_slip"}
 NONE = (0.0, 0.0, 0.0)

@@ -11,8 +11,8 @@ from physics.rope_text import PINNED, chain, scene
 from scipy.special import j1, jn_zeros
 
 import tautline
-from tautline.cable.build import build
-from tautline.cable.scene import parse
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.results.balance import Balance
 from tautline.simulation import simulate

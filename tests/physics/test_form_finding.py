@@ -5,8 +5,8 @@ import pytest
 from physics.strings import COLLAR, DENSITY, GRAVITY, E, area, mass_per_length, shipped, straight_hole
 from references import extensible_rod as written_apart
 
-from drillstring.form import at_rest, find_form, pieces_of, reference_of
-from drillstring.rod import NoRod, Piece, bend, hang
+from drillstring.statics.form import at_rest, find_form, pieces_of, reference_of
+from drillstring.statics.rod import NoRod, Piece, bend, hang
 from tautline.integrators.status import StoppedEarly
 from tautline.scene.errors import SceneError
 

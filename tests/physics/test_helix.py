@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from physics.strings import COLLAR, GRAVITY, E, mass_per_length, shipped, straight_hole
 
-from drillstring.helix import LockedUp, helix_force
-from drillstring.soft_string import soft_string
-from drillstring.statics import Statics
-from drillstring.torque_drag import torque_drag
+from drillstring.statics.helix import LockedUp, helix_force
+from drillstring.statics.soft_string import soft_string
+from drillstring.statics.statics import Statics
+from drillstring.statics.torque_drag import torque_drag
 
 DIAMETER, FRICTION = 0.3, 0.3
 CLEARANCE = (DIAMETER - COLLAR[0]) / 2.0

@@ -10,7 +10,7 @@ from physics.hoses import COUPLINGS, WATER, at_rest, orders, pipe, scene
 from references import hose as reference
 
 from gardenhose.flutter import crossings, stability
-from tautline.integrators import vibrations as found_by
+from tautline.integrators.vibration import vibrations as found_by
 
 CLAIMED = 5e-3
 """Error of the critical speed that the issue allows."""

@@ -7,7 +7,7 @@ import pytest
 from physics.strings import run, shipped
 from references import planar_well_dynamics as planar
 
-from drillstring.build import build
+from drillstring.model.build import build
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.simulation import simulate
 

@@ -5,8 +5,8 @@ import pytest
 from physics.strings import GRAVITY, Balance, E, run, straight_hole
 from physics.strings import mass_per_length as steel
 
-from drillstring.build import tubes_of, well_of
-from drillstring.cautions import cautions
+from drillstring.model.build import tubes_of, well_of
+from drillstring.warnings.scene import cautions
 from tautline.integrators.linearise import matrices
 from tautline.scene.errors import SceneError
 

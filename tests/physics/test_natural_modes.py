@@ -14,8 +14,8 @@ from physics.strings import E as YOUNG
 from references import stepped_rod_modes as rods
 from scipy.optimize import brentq
 
-from drillstring.bha import assembly_of, stabilisers_of
-from drillstring.campbell import campbell
+from drillstring.modes.bha import assembly_of, stabilisers_of
+from drillstring.modes.campbell import campbell
 
 LENGTH, MUD = 30.0, 1200.0
 RIGIDITY = YOUNG * pi / 64 * (COLLAR[0] ** 4 - COLLAR[1] ** 4)

@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from physics.strings import COLLAR, GRAVITY, mass_per_length, run, shipped, straight_hole
 
-from drillstring.back_calculation import Measured, fit
-from drillstring.cautions import cautions
-from drillstring.factors import Factors
-from drillstring.motion import MOTIONS, Motion, reaming
-from drillstring.scene import DrillstringScene
-from drillstring.soft_string import soft_string
-from drillstring.statics import Statics
-from drillstring.torque_drag import torque_drag
+from drillstring.scene.scene import DrillstringScene
+from drillstring.statics.back_calculation import Measured, fit
+from drillstring.statics.motion import MOTIONS, Motion, reaming
+from drillstring.statics.soft_string import soft_string
+from drillstring.statics.statics import Statics
+from drillstring.statics.torque_drag import torque_drag
+from drillstring.string.factors import Factors
+from drillstring.warnings.scene import cautions
 from tautline.scene.errors import SceneError
 
 W = mass_per_length() * GRAVITY

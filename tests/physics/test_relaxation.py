@@ -5,11 +5,11 @@ import pytest
 from physics.strings import shipped
 from physics.tied_cables import PINNED, element, model_of, node, scene
 
-from drillstring.build import build
-from tautline.integrators.equilibrium import find_equilibrium
+from drillstring.model.build import build
 from tautline.integrators.method import method_for
-from tautline.integrators.relaxation import relax
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.relaxation import relax
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.simulation import simulate
 

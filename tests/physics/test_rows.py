@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from physics.strings import shipped
 
-from drillstring.build import build
-from tautline.integrators.equilibrium import find_equilibrium
+from drillstring.model.build import build
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.simulation import simulate
 
 LUMPS = 150

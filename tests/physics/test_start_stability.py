@@ -6,13 +6,13 @@ from physics.hoses import pipe
 from physics.rope_text import GRAVITY, PINNED, chain, model_of, node
 from references.cables import catenary
 
-from crane.build import build as build_crane
-from crane.scene import CraneScene
+from crane.model.build import build as build_crane
+from crane.scene.scene import CraneScene
 from gardenhose.static import form
-from tautline.integrators import stability
-from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.state import new_state
+from tautline.integrators.statics import stability
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.document import Document
 from tautline.scene.model import validate
@@ -89,8 +89,8 @@ def test_a_column_is_stable_up_to_eulers_load(share, negative):
 
 
 def test_an_equilibrium_that_stays_unstable_is_refused_by_name(monkeypatch):
-    monkeypatch.setattr("tautline.integrators.stability.LEAVING", ())
-    monkeypatch.setattr("tautline.integrators.stability.SHIFTS", ())
+    monkeypatch.setattr("tautline.integrators.statics.stability.LEAVING", ())
+    monkeypatch.setattr("tautline.integrators.statics.stability.SHIFTS", ())
     with pytest.raises(StoppedEarly) as stop:
         simulate(model_of(straight(7.9, 8.0), gravity=(0.0, 0.0, 0.0), start="static"))
     assert stop.value.status is Status.NO_EQUILIBRIUM

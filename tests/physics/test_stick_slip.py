@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from strings import COLLAR, DENSITY, G, run, straight_hole
 
-from drillstring.build import build
-from drillstring.impedance import pipe_impedance, torsional_frequency
+from drillstring.drilling.impedance import pipe_impedance, torsional_frequency
+from drillstring.model.build import build
 from tautline.simulation import simulate
 
 LENGTH = 1000.0

@@ -7,7 +7,7 @@ from references import extensible_rod as rod
 from references import planar_well_dynamics as planar
 from scipy.interpolate import CubicSpline
 
-from drillstring.build import build
+from drillstring.model.build import build
 from tautline.simulation import simulate
 
 MUD = 1840.0

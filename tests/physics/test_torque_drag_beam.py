@@ -18,11 +18,11 @@ from physics.test_torque_drag_statics import DEPTH, JSTRING, JWELL, SIGN, arc_lo
 from references import soft_string as reference
 from references.stiff_string import StiffString
 
-from drillstring.helix import helix_force
-from drillstring.scene import BEAM, of_kind
-from drillstring.soft_string import soft_string
-from drillstring.statics import Statics
-from drillstring.torque_drag import torque_drag
+from drillstring.scene.scene import BEAM, of_kind
+from drillstring.statics.helix import helix_force
+from drillstring.statics.soft_string import soft_string
+from drillstring.statics.statics import Statics
+from drillstring.statics.torque_drag import torque_drag
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import new_state
 from tautline.integrators.status import StoppedEarly
@@ -197,7 +197,7 @@ def test_soft_bending_is_refused_for_a_beam_by_its_key():
 
 def test_statics_of_lumps_import_none_of_the_beams_code():
     said = (
-        "import sys; from drillstring.scene import read; from drillstring.torque_drag import Statics;"
+        "import sys; from drillstring.scene.scene import read; from drillstring.statics.torque_drag import Statics;"
         f"Statics(read({str(DATA / 'jwell.yaml')!r}), 3770.0, 4);"
         "print([m for m in sys.modules if 'beam' in m or m.startswith('tautline.elements.bending')])"
     )

@@ -1,8 +1,8 @@
 """Torque and drag from the statics of the lumped model, against closed forms, the soft string and a slow pull.
 
-The references are not the code's own soft string (apps/drillstring/soft_string.py) but tests/references/soft_string.py,
-which integrates with scipy along a well of its own, and closed forms. In an arc of radius R in a vertical plane, with a
-the inclination and m = mu on the high side of the hole (T > w R sin a), pulled up,
+The references are not the code's own soft string (apps/drillstring/statics/soft_string.py) but
+tests/references/soft_string.py, which integrates with scipy along a well of its own, and closed forms. In an arc of
+radius R in a vertical plane, with a the inclination and m = mu on the high side of the hole (T > w R sin a), pulled up,
 
     dT/da = -w R cos a - m (T - w R sin a),    T = w R [(m^2 - 1) sin a - 2 m cos a]/(1 + m^2) + C exp(-m a),
 
@@ -20,11 +20,11 @@ from physics.strings import DATA, GRAVITY, mass_per_length, shipped, straight_ho
 from physics.test_torque_and_drag import moved
 from references import soft_string as reference
 
-from drillstring.buckling import limits
-from drillstring.scene import DrillstringScene
-from drillstring.soft_string import soft_string
-from drillstring.statics import Statics
-from drillstring.torque_drag import stretches, torque_drag
+from drillstring.scene.scene import DrillstringScene
+from drillstring.statics.buckling import limits
+from drillstring.statics.soft_string import soft_string
+from drillstring.statics.statics import Statics
+from drillstring.statics.torque_drag import stretches, torque_drag
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import new_state
 from tautline.kernels.matrix import new_matrix, sparse

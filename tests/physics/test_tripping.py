@@ -13,10 +13,10 @@ import pytest
 from physics.strings import DATA, run, shipped
 from references import soft_string as reference
 
-from drillstring.build import well_of
-from drillstring.cautions import cautions
-from drillstring.scene import DrillstringScene
-from drillstring.statics import Statics
+from drillstring.model.build import well_of
+from drillstring.scene.scene import DrillstringScene
+from drillstring.statics.statics import Statics
+from drillstring.warnings.scene import cautions
 from tautline.scene.errors import SceneError
 
 SCENE = DrillstringScene.read(DATA / "tripping.yaml")

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from physics.strings import COLLAR, DENSITY, Balance, E, G, area, mass_per_length, run, shipped, straight_hole
 
-from drillstring.beam_contact import BeamContact
-from drillstring.build import build
-from drillstring.form import at_rest
-from drillstring.sliding import SLIDING, Sliding
-from drillstring.statics import Statics
-from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.march import new_frames
+from drillstring.groups.beam_contact import BeamContact
+from drillstring.groups.sliding import SLIDING, Sliding
+from drillstring.model.build import build
+from drillstring.statics.form import at_rest
+from drillstring.statics.statics import Statics
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.time_loop import new_frames
 from tautline.lumped.curve import records
 
 BEAM = "ale-ancf"
@@ -95,7 +95,7 @@ def pressed(balance, top, bottom):
     wall = balance.model.system.groups
     contact = next(g for g in wall if hasattr(g, "springs") and "clearance" in g.springs.dtype.names)
     if hasattr(contact, "hole"):
-        from drillstring.beam_observe import nearest
+        from drillstring.results.beam_observe import nearest
 
         points = contact.hole.points
         q = balance.state.full_q

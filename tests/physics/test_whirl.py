@@ -19,7 +19,7 @@ from physics.strings import COLLAR, area, mass_per_length, run, straight_hole
 from physics.strings import E as YOUNG
 from scipy.optimize import brentq
 
-from drillstring.whirl import busiest, whirl_of
+from drillstring.results.whirl import busiest, whirl_of
 
 MUD, HOLE, LENGTH, OFF, ZETA = 1200.0, 0.2032, 10.0, 2e-3, 0.1
 LINK, RADIUS, CLEARANCE = LENGTH / 2, COLLAR[0] / 2, (HOLE - COLLAR[0]) / 2

@@ -5,12 +5,12 @@ from unittest.mock import patch
 
 import numpy as np
 
-from tautline.cable.build import build
-from tautline.cable.scene import parse
-from tautline.integrators.critical_step import CriticalStep
-from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.modes import modes
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.vibration.critical_step import CriticalStep
+from tautline.integrators.vibration.modes import modes
 from tautline.simulation import simulate
 
 WAYS = ("shared", "coupling", "multiplier", "augmented", "penalty")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from tautline.view.figure import save, styled
+from tautline.view.figures.figure import save, styled
 
 
 @styled

@@ -3,11 +3,11 @@
 import numpy as np
 import yaml
 
-from crane.course import laid_out, nodes_of
-from crane.layout import Layout
-from crane.observe import Observer, variables
-from crane.reeving import Wheel, reeve
-from crane.scene import CraneScene, Drum, Sheave
+from crane.assembly.layout import Layout
+from crane.geometry.reeving import Wheel, reeve
+from crane.results.course import laid_out, nodes_of
+from crane.results.observe import Observer, variables
+from crane.scene.scene import CraneScene, Drum, Sheave
 from tautline.results.store import Store
 
 ROPE = {"mass_per_length": 6.5, "axial_stiffness": 8.0e7, "diameter": "36 mm", "breaking_load": "1.1 MN"}

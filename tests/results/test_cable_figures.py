@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from tautline.cable.application import Cable
-from tautline.cable.figures import FIGURES, draw, figures
+from tautline.cable.view.figures import FIGURES, draw, figures
 from tautline.cli.pictures import Plots
 from tautline.results.errors import ResultError
 from tautline.results.store import Store
 from tautline.results.variable import Variable
-from tautline.view.figure import save
+from tautline.view.figures.figure import save
 
 SPAN = Cable().templates["span"]
 BARE = (Path(__file__).parents[2] / "data" / "reeled_span.yaml").read_text()

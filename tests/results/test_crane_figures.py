@@ -9,10 +9,10 @@ import pytest
 from pages import check, leave_out_pixels
 from synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result
 
-from crane.course import course_of, laid_out
-from crane.drawing import outline
-from crane.figures import FIGURES, draw, draw_scene, figures
-from crane.path_figure import of_run, of_scene
+from crane.geometry.drawing import outline
+from crane.results.course import course_of, laid_out
+from crane.view.figures import FIGURES, draw, draw_scene, figures
+from crane.view.path_figure import of_run, of_scene
 from tautline.results.errors import ResultError
 
 EACH = list(FIGURES)
@@ -240,5 +240,5 @@ def test_a_scene_cannot_be_drawn_into_an_unknown_format(tmp_path):
 
 
 def test_a_summary_needs_nothing_that_draws():
-    code = "import sys, crane.summary, crane.build; assert 'matplotlib' not in sys.modules"
+    code = "import sys, crane.results.summary, crane.model.build; assert 'matplotlib' not in sys.modules"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0

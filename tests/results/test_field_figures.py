@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from synthetic_string import result
 
-from drillstring.figures import draw
-from tautline.view.field_axes import FieldLocator, converted, in_words, use_field_units
-from tautline.view.orbit import bar_beside, draw_amplitudes
+from drillstring.view.figures import draw
+from tautline.view.figures.field_axes import FieldLocator, converted, in_words, use_field_units
+from tautline.view.figures.orbit import bar_beside, draw_amplitudes
 
 FOOT, KIP, POUND_FOOT = 0.3048, 4448.2216152605, 1.3558179483
 

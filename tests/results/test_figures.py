@@ -10,10 +10,10 @@ from pages import check, leave_out_pixels
 from synthetic_hose import result as hose
 from synthetic_string import result
 
-from drillstring.figures import FIGURES, draw, figures
+from drillstring.view.figures import FIGURES, draw, figures
 from tautline.results.errors import ResultError
-from tautline.view.figure import save, scale
-from tautline.view.spectrum import full_spectra
+from tautline.view.figures.figure import save, scale
+from tautline.view.figures.spectrum import full_spectra
 
 BIT = ("drilling", "phase")
 """Figures of a bit on the bottom."""
@@ -270,9 +270,8 @@ def test_units_get_a_prefix_that_keeps_labels_short():
 
 
 def test_a_figure_shows_itself_in_a_notebook_without_pyplot():
-    code = (
-        "import sys; from tautline.view.figure import axes; figure, _ = axes(title='x'); data = figure._repr_png_(); "
-    )
+    code = "import sys; from tautline.view.figures.figure import axes; "
+    code += "figure, _ = axes(title='x'); data = figure._repr_png_(); "
     code += (
         "assert data[:8] == b'\\x89PNG\\r\\n\\x1a\\n' and len(data) > 2000 and 'matplotlib.pyplot' not in sys.modules"
     )
@@ -281,6 +280,6 @@ def test_a_figure_shows_itself_in_a_notebook_without_pyplot():
 
 def test_drawing_leaves_the_users_own_style_alone():
     code = "import matplotlib; before = dict(matplotlib.rcParams); "
-    code += "import crane.figures, drillstring.figures, gardenhose.figures; "
+    code += "import crane.view.figures, drillstring.view.figures, gardenhose.view.figures; "
     code += "after = dict(matplotlib.rcParams); assert before == after"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0

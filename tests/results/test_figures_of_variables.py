@@ -9,16 +9,16 @@ from synthetic_crane import result as crane
 from synthetic_hose import result as hose
 from synthetic_string import result as string
 
-from crane.figures import draw as draw_crane
-from drillstring.figures import draw
-from gardenhose.figures import draw as draw_hose
+from crane.view.figures import draw as draw_crane
+from drillstring.view.figures import draw
+from gardenhose.view.figures import draw as draw_hose
 from tautline.cli.catalogue import Single
 from tautline.cli.plot import plot as verb
 from tautline.results.errors import ResultError
 from tautline.results.store import Store
 from tautline.results.variable import Variable
-from tautline.view.choice import choose
-from tautline.view.curves import MOST_LINES
+from tautline.view.figures.choice import choose
+from tautline.view.figures.curves import MOST_LINES
 
 ONE, FALLS = one_fall(), falls(2)
 

@@ -9,11 +9,11 @@ import pytest
 from pages import check, lay_out, leave_out_pixels
 from synthetic_hose import LENGTH, result
 
-from gardenhose.curves import name_of, plane_of, shape_of, snapped, spread
-from gardenhose.figures import FIGURES, boundary_figure, draw, figures, flutter_figure, static_figure
-from gardenhose.limit_cycle import limit_cycle
+from gardenhose.motion.curves import name_of, plane_of, shape_of, snapped, spread
+from gardenhose.motion.limit_cycle import limit_cycle
+from gardenhose.view.figures import FIGURES, boundary_figure, draw, figures, flutter_figure, static_figure
 from tautline.results.errors import ResultError
-from tautline.view.figure import save
+from tautline.view.figures.figure import save
 
 EACH = [name for name in FIGURES if name != "overview"]
 RAMP = {"frames": 1201, "ramp": 6.0, "speed": 40.0, "swing": 0.6}
@@ -298,5 +298,5 @@ def test_frames_are_chosen_evenly():
 
 
 def test_the_numbers_of_a_run_need_nothing_that_draws():
-    code = "import sys, gardenhose.limit_cycle; assert 'matplotlib' not in sys.modules"
+    code = "import sys, gardenhose.motion.limit_cycle; assert 'matplotlib' not in sys.modules"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0

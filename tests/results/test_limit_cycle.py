@@ -7,12 +7,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from synthetic_hose import result
 
-from gardenhose.curves import Trace
-from gardenhose.cycles import swings
-from gardenhose.limit_cycle import LimitCycle, cycle_samples, limit_cycle
+from gardenhose.motion.curves import Trace
+from gardenhose.motion.cycles import swings
+from gardenhose.motion.limit_cycle import LimitCycle, cycle_samples, limit_cycle
 from gardenhose.summary import headline
 from tautline.results.headline import to_json
-from tautline.view.spectrum import spectrum
+from tautline.view.figures.spectrum import spectrum
 
 TURN = 2.0 * np.pi
 RATE = 20.37  # frames a second: no whole number of them in a period of 1 s

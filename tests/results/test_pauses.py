@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from tautline import simulation
-from tautline.cable.build import build
-from tautline.cable.scene import parse
-from tautline.integrators.march import new_frames
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.integrators.time_loop import new_frames
 from tautline.simulation import Run, simulate
 
 SCENE = """

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from physics.strings import shipped
 
-from drillstring.build import build
-from drillstring.cautions import figures
+from drillstring.model.build import build
+from drillstring.warnings.scene import figures
 from tautline.results.rounding import unrounded, without_rounding
 from tautline.simulation import simulate
 

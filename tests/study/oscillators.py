@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from tautline.cable.application import Cable
-from tautline.cable.build import build
-from tautline.cable.scene import parse
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.simulation import simulate
-from tautline.study.trial import Setting, Subject
+from tautline.study.trials.trial import Setting, Subject
 
 OMEGA, START = 10.0, 0.01
 """Angular frequency, rad/s, and displacement at t = 0, m, of the oscillator unless a test says else."""

@@ -3,11 +3,11 @@
 import re
 from dataclasses import replace
 
-from tautline.study.advice import advice, good_enough, real_time
-from tautline.study.errors import Errors
-from tautline.study.precision import Row, Study
-from tautline.study.reference import Reference
-from tautline.study.trial import Setting, Trial
+from tautline.study.accuracy.findings import advice, good_enough, real_time
+from tautline.study.accuracy.precision import Row, Study
+from tautline.study.accuracy.reference import Reference
+from tautline.study.trials.errors import Errors
+from tautline.study.trials.trial import Setting, Trial
 
 
 class Stored:

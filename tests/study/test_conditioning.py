@@ -8,11 +8,11 @@ from oscillators import OMEGA, START, alphas_of, amplification, bar, chain, osci
 
 from tautline.integrators.state import new_state
 from tautline.simulation import simulate
-from tautline.study import conditioning as module
-from tautline.study.conditioning import SHORTER, conditioning
-from tautline.study.drift import Drift
-from tautline.study.stability import stability
-from tautline.study.trial import Setting
+from tautline.study.robustness import conditioning as module
+from tautline.study.robustness.conditioning import SHORTER, conditioning
+from tautline.study.robustness.drift import Drift
+from tautline.study.robustness.stability import stability
+from tautline.study.trials.trial import Setting
 
 STIFFNESS = np.array([[100.0, 0.0, 0.0], [0.0, 100.0, -100.0], [0.0, -100.0, 100.0]])
 TIE = np.array([[-1.0, 1.0, 0.0]])
@@ -110,8 +110,8 @@ def test_a_gap_that_nothing_closes_is_told():
 
 
 def test_a_scene_without_multipliers_has_no_drift(monkeypatch):
-    monkeypatch.setattr("tautline.study.stability.variants", lambda *_: [])
-    monkeypatch.setattr("tautline.study.critical.bisect", lambda *_: None)
+    monkeypatch.setattr("tautline.study.robustness.stability.variants", lambda *_: [])
+    monkeypatch.setattr("tautline.study.robustness.critical.bisect", lambda *_: None)
     assert not drift_of(oscillator(time_end=0.1)).there
     assert not drift_of(chain(tie="Penalty4", time_end=0.1)).there
     assert stability(subject(oscillator(time_end=0.1))).constraint_drift is None
@@ -121,8 +121,8 @@ def test_a_scene_without_multipliers_has_no_drift(monkeypatch):
 # energy drift
 def test_the_energy_drift_of_a_scene_is_what_its_method_takes(monkeypatch):
     """Over what was kinetic and what was strain energy, in the powers of Chung and Hulbert's matrix."""
-    monkeypatch.setattr("tautline.study.stability.variants", lambda *_: [])
-    monkeypatch.setattr("tautline.study.critical.bisect", lambda *_: None)
+    monkeypatch.setattr("tautline.study.robustness.stability.variants", lambda *_: [])
+    monkeypatch.setattr("tautline.study.robustness.critical.bisect", lambda *_: None)
     lossy = stability(subject(oscillator(rho_inf=0.0, time_step=0.02, time_end=4.0, plotpoints=50)))
     step, turn = amplification(0.2, 0.0), np.array([START, 0.0, -0.04 * START])
     motion = np.array([np.linalg.matrix_power(step, n) @ turn for n in range(201)])

@@ -21,15 +21,22 @@ from oscillators import (
 )
 from scipy.linalg import eigh
 
-from tautline.integrators.critical_step import critical_step
 from tautline.integrators.rk4 import RK4_LIMIT
+from tautline.integrators.vibration.critical_step import critical_step
 from tautline.simulation import Run
-from tautline.study import critical as critical_module
-from tautline.study.bar import EFFECTIVE, Bar
-from tautline.study.critical import Critical, bisect, critical_step_of, critical_steps, eigenvalues, explicit_run
-from tautline.study.penalties import penalties
-from tautline.study.stability import stability
-from tautline.study.trial import Setting
+from tautline.study.robustness import critical as critical_module
+from tautline.study.robustness.bar import EFFECTIVE, Bar
+from tautline.study.robustness.critical import (
+    Critical,
+    bisect,
+    critical_step_of,
+    critical_steps,
+    eigenvalues,
+    explicit_run,
+)
+from tautline.study.robustness.penalties import penalties
+from tautline.study.robustness.stability import stability
+from tautline.study.trials.trial import Setting
 
 HOUSE = RK4_LIMIT / LIMIT
 """The house takes the thesis' 2.8 (eq. 2.137) where the polynomial says 2 sqrt 2."""
@@ -309,7 +316,7 @@ def test_real_runs_that_break_below_the_eigenvalues_are_told(monkeypatch):
 
     monkeypatch.setattr(critical_module.CriticalStep, "search", blind)
     monkeypatch.setattr(critical_module, "eigenvalues", lambda *_: np.zeros(0, complex))
-    monkeypatch.setattr("tautline.study.stability.variants", lambda *_: [])
+    monkeypatch.setattr("tautline.study.robustness.stability.variants", lambda *_: [])
     found = stability(subject(oscillator(**rk4(time_end=2.0))))
     assert any("real runs are unstable from" in warning for warning in found.warnings)
 

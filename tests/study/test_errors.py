@@ -6,8 +6,8 @@ import pytest
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.results.variable import Variable
-from tautline.study.errors import compare, first_mode
-from tautline.study.history import History, watch
+from tautline.study.trials.errors import compare, first_mode
+from tautline.study.trials.history import History, watch
 
 OMEGA, AMPLITUDE = 2.0 * np.pi, 0.02
 TIME = np.linspace(0.0, 10.0, 501)

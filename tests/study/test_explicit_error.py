@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from oscillators import OMEGA, oscillator, rk4, subject
 
-from tautline.study.step_error import estimate, runs_for
-from tautline.study.trial import Setting
+from tautline.study.trials.step_error import estimate, runs_for
+from tautline.study.trials.trial import Setting
 
 
 @pytest.mark.parametrize("turn", [0.5, 1.0, 1.9])

@@ -9,11 +9,12 @@ from tautline.elements.linear import LinearTension
 from tautline.elements.tension import Tension
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.results.result import Result
-from tautline.study import critical, trial
-from tautline.study.precision import WRONG_TANGENT, Grid, study
-from tautline.study.stability import stability
-from tautline.study.trial import Setting
-from tautline.study.variants import variants
+from tautline.study.accuracy.precision import WRONG_TANGENT, Grid, study
+from tautline.study.robustness import critical
+from tautline.study.robustness.stability import stability
+from tautline.study.robustness.variants import variants
+from tautline.study.trials import trial
+from tautline.study.trials.trial import Setting
 
 LATE = oscillator(items=["PointForce: {id: 0, nodes4: [1], force: [5.0, 0, 0], timeInterval: [1.0, 9]}"], time_end=1.5)
 """It swings by 0.01 m for a second and is then pushed to 0.05 m, where a spring 0.03 m away is met."""
@@ -23,7 +24,7 @@ LATE = oscillator(items=["PointForce: {id: 0, nodes4: [1], force: [5.0, 0, 0], t
 def quick(monkeypatch):
     """Stability without its bisection and its variants, which take hundreds of runs."""
     monkeypatch.setattr(critical, "bisect", lambda *_: None)
-    monkeypatch.setattr("tautline.study.stability.variants", lambda *_: [])
+    monkeypatch.setattr("tautline.study.robustness.stability.variants", lambda *_: [])
 
 
 # a wrong tangent
@@ -77,7 +78,7 @@ def test_a_tangent_that_acts_late_in_the_run_is_compared_where_it_acts():
 
 def test_a_wrong_tangent_makes_the_eigenvalues_wrong_by_its_root_and_bisection_stays_right(monkeypatch):
     """That is why it is to be told: omega is 5 % too large, and real runs do not know of it."""
-    monkeypatch.setattr("tautline.study.stability.variants", lambda *_: [])
+    monkeypatch.setattr("tautline.study.robustness.stability.variants", lambda *_: [])
     loose = oscillator(time_end=2.0, **rk4(time_step=0.01)).replace("EA: 100.0", "EA: 1e-9")
     found = stability(subject(loose, change=mounted(1.0, 0.0, 200.0, (1, 1, TOO_LARGE)))).critical
     assert found.eigenvalue == pytest.approx(RK4_LIMIT / (OMEGA * TOO_LARGE**0.5), rel=1e-3)

@@ -3,9 +3,9 @@
 import pytest
 from oscillators import bar, subject
 
-from tautline.study.grid import settings
-from tautline.study.precision import Grid
-from tautline.study.trial import Setting
+from tautline.study.accuracy.grid import settings
+from tautline.study.accuracy.precision import Grid
+from tautline.study.trials.trial import Setting
 
 STRETCHED = bar(4, EA=10.0, start=0.1, time_step=0.02, time_end=2.0, eps_energy=1e-12)
 

@@ -21,10 +21,10 @@ from oscillators import (
 from tautline.results.errors import ResultError
 from tautline.scene.errors import SceneError
 from tautline.simulation import Run
-from tautline.study import trial as trial_module
-from tautline.study.grid import settings
-from tautline.study.precision import Grid, study
-from tautline.study.trial import Setting
+from tautline.study.accuracy.grid import settings
+from tautline.study.accuracy.precision import Grid, study
+from tautline.study.trials import trial as trial_module
+from tautline.study.trials.trial import Setting
 
 END = 3.0
 
@@ -286,7 +286,7 @@ def test_a_scene_of_few_frames_is_studied_by_those(plotpoints):
 
 
 def test_a_scene_whose_force_nobody_stores_is_studied_without(monkeypatch):
-    monkeypatch.setattr("tautline.study.history.FORCES", ())
+    monkeypatch.setattr("tautline.study.trials.history.FORCES", ())
     found = studied(oscillator(time_end=1.0), ("newmark",), (0.01,))
     assert found.watched.force is None and found.rows[0].errors.force is None
 

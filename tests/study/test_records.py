@@ -15,10 +15,10 @@ from tautline.cli.console import finite
 from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.results.errors import ResultError
 from tautline.study import figures
-from tautline.study.precision import Grid, study
+from tautline.study.accuracy.precision import Grid, study
 from tautline.study.record import run_record, stability_record, study_record, variant_record, write_csv, write_netcdf
-from tautline.study.stability import Stability, stability
-from tautline.study.variants import Variant
+from tautline.study.robustness.stability import Stability, stability
+from tautline.study.robustness.variants import Variant
 
 RUN = {
     "method", "step", "elements", "position_error", "force_error", "phase_error", "rmse", "cpu_time", "wall_time",
@@ -41,7 +41,7 @@ def found():
 def looked():
     anchored = oscillator(items=["OneNodeSpring: {id: 0, nodes4: [1], stiffness: 300.0}"], time_end=0.3)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("tautline.study.stability.variants", lambda *_: [
+        patch.setattr("tautline.study.robustness.stability.variants", lambda *_: [
             Variant("as it stands", "right", 1e-3, "done", (), 0.1), Variant("stiff", "stopped", None, "UNSTABLE"),
             Variant("lost", "inaccurate", math.inf, "done", ("careful", "slow"), 0.2, 0.5, 0.0),
         ])  # fmt: skip

@@ -8,11 +8,11 @@ from physics.strings import straight_hole
 from drillstring.application import Drillstring
 from tautline.results.result import Result
 from tautline.results.variable import Variable
-from tautline.study import reference
-from tautline.study.history import History, watch
-from tautline.study.precision import Grid, study
-from tautline.study.reference import ORDERS, find_reference
-from tautline.study.trial import Setting, Subject, Trial
+from tautline.study.accuracy import reference
+from tautline.study.accuracy.precision import Grid, study
+from tautline.study.accuracy.reference import ORDERS, find_reference
+from tautline.study.trials.history import History, watch
+from tautline.study.trials.trial import Setting, Subject, Trial
 
 TIME = np.linspace(0.0, 2.0, 101)
 
@@ -194,7 +194,7 @@ def test_the_reference_of_a_smooth_scene_is_rk4s_and_of_one_too_stiff_for_it_its
 
 
 def test_without_three_runs_there_is_no_reference_and_the_study_says_so(monkeypatch):
-    monkeypatch.setattr("tautline.study.precision.choose_reference", lambda *_: None)
+    monkeypatch.setattr("tautline.study.accuracy.precision.choose_reference", lambda *_: None)
     found = study(subject(oscillator(time_end=1.0, **rk4(time_step=0.01))), Grid(("rk4",), (0.01,)), 0.01, 1)
     assert found.reference is None and all(row.errors is None for row in found.rows)
     assert any("no reference" in warning for warning in found.warnings)

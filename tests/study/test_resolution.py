@@ -27,7 +27,7 @@ from scipy.linalg import eigh
 from tautline.integrators.method import method_for
 from tautline.integrators.period import lag_of_step
 from tautline.results.balance import Balance
-from tautline.study.trial import Setting
+from tautline.study.trials.trial import Setting
 
 TURNS = (1e-2, 0.1, 0.6283, 1.0, 2.0)
 RHOS = (0.0, 0.5, 0.8, 1.0)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from oscillators import OMEGA, START, lag_constant, oscillator, rk4, run, subject
 from test_study_verbs import only_object
 
-import drillstring.build
-import drillstring.scene
+import drillstring.model.build
+import drillstring.scene.scene
 from tautline.cable.application import Cable
 from tautline.cli.main import make_app
 from tautline.cli.run import run as command_line
@@ -20,8 +20,8 @@ from tautline.results.result import Result
 from tautline.results.variable import Variable
 from tautline.scene.model import validate
 from tautline.simulation import simulate
-from tautline.study import trial as trial_module
-from tautline.study.step_error import (
+from tautline.study.trials import trial as trial_module
+from tautline.study.trials.step_error import (
     LONGER,
     SHORTER,
     estimate,
@@ -31,7 +31,7 @@ from tautline.study.step_error import (
     step_error,
     tells_nothing_itself,
 )
-from tautline.study.trial import Setting, Subject, Trial
+from tautline.study.trials.trial import Setting, Subject, Trial
 
 JWELL = Path(__file__).parents[2] / "data" / "jwell.yaml"
 REFERENCES = Path(__file__).parents[1] / "references"
@@ -144,10 +144,10 @@ def test_the_j_well_states_at_least_its_error_where_a_step_and_its_half_miss_the
     """Errors of 2.2 and 1.7 % of which half the step shows 0.48 and 0.44 %; the references tell their origin."""
     from drillstring.application import Drillstring
 
-    scene = drillstring.scene.read(JWELL)
+    scene = drillstring.scene.scene.read(JWELL)
     keys = {("well", "wall", "friction", "static"): (static, "static")}
     scene = validate(type(scene), scene.document.replaced(keys))
-    result = simulate(drillstring.build.build(scene))
+    result = simulate(drillstring.model.build.build(scene))
     exact = np.loadtxt(REFERENCES / "jwell_bit_by_short_steps.csv", delimiter=",", skiprows=6)
     assert np.allclose(result.time[::10], exact[:, 0])
     off = np.linalg.norm(result["position"][::10, -1] - exact[:, columns], axis=1).max()
@@ -159,11 +159,11 @@ def test_the_j_well_states_at_least_its_error_where_a_step_and_its_half_miss_the
 
 
 def test_only_friction_between_fixed_implicit_steps_is_looked_at_unasked():
-    scene = drillstring.scene.read(JWELL)
+    scene = drillstring.scene.scene.read(JWELL)
     from drillstring.application import Drillstring
 
     def telling(**given):
-        return tells_nothing_itself(drillstring.build.build(Drillstring().with_overrides(scene, **given)))
+        return tells_nothing_itself(drillstring.model.build.build(Drillstring().with_overrides(scene, **given)))
 
     assert telling() and not telling(method="rk4") and not telling(control="error", step_error=1e-5)
     assert not tells_nothing_itself(subject(oscillator()).model(Setting()))
@@ -172,7 +172,7 @@ def test_only_friction_between_fixed_implicit_steps_is_looked_at_unasked():
 def test_which_runs_are_made_unasked():
     """Friction takes shorter steps, explicit methods half the step, all else longer ones; controlled steps none."""
     model, explicit = (subject(text).model(Setting()) for text in (oscillator(), oscillator(**rk4())))
-    assert runs_for(drillstring.build.build(drillstring.scene.read(JWELL))) == SHORTER
+    assert runs_for(drillstring.model.build.build(drillstring.scene.scene.read(JWELL))) == SHORTER
     assert runs_for(model) == LONGER and runs_for(model, True) == SHORTER and runs_for(model, False) == ()
     assert runs_for(explicit) == (0.5,) and runs_for(explicit, True) == SHORTER
 
@@ -203,8 +203,8 @@ def test_an_error_is_not_known_where_another_run_stops(monkeypatch, parts, after
 def test_another_run_that_takes_too_long_is_given_up_and_the_error_is_not_known(monkeypatch):
     text = oscillator()
     result = run(text)
-    monkeypatch.setattr("tautline.study.step_error.AT_LEAST", -1.0)
-    monkeypatch.setattr("tautline.study.step_error.ALLOWED", 0.0)
+    monkeypatch.setattr("tautline.study.trials.step_error.AT_LEAST", -1.0)
+    monkeypatch.setattr("tautline.study.trials.step_error.ALLOWED", 0.0)
     assert "given up" in estimate(subject(text), result)
 
 

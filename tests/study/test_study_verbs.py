@@ -12,7 +12,7 @@ from oscillators import OMEGA, chain, oscillator, rk4
 from tautline.cable.application import Cable
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
-from tautline.study import variants as variants_module
+from tautline.study.robustness import variants as variants_module
 
 STUDY = ("study", "bar.yaml", "--methods", "newmark", "--steps", "10 ms,5ms", "--repeat", "1")
 FEW = ("as it stands", "step x 0.1", "step x 10")
@@ -54,7 +54,7 @@ def few(monkeypatch):
     """Stability with three variants and without its bisection."""
     chosen = [change for change in variants_module.changes(False) if change.name in FEW]
     monkeypatch.setattr(variants_module, "changes", lambda quick: chosen)
-    monkeypatch.setattr("tautline.study.critical.bisect", lambda *_: (0.28, 0.283))
+    monkeypatch.setattr("tautline.study.robustness.critical.bisect", lambda *_: (0.28, 0.283))
 
 
 def only_object(out):
@@ -266,7 +266,7 @@ def test_stability_of_a_scene_with_ties_tells_what_multipliers_do(cable, few, sk
 
 
 def test_a_quick_look_at_stability_names_what_it_has_not_tried(cable, sketched, monkeypatch):
-    monkeypatch.setattr("tautline.study.critical.bisect", lambda *_: (0.28, 0.283))
+    monkeypatch.setattr("tautline.study.robustness.critical.bisect", lambda *_: (0.28, 0.283))
     code, out, err = cable("stability", "bar.yaml", "--quick", "--json")
     report = only_object(out)
     time, names, judge = report["left_out"]
@@ -278,7 +278,7 @@ def test_a_quick_look_at_stability_names_what_it_has_not_tried(cable, sketched, 
 
 
 def test_variants_that_nobody_could_judge_are_counted_beside_those_that_are_right(cable, few, sketched, monkeypatch):
-    monkeypatch.setattr("tautline.study.trial.Trial.cpu_time", 15.0)
+    monkeypatch.setattr("tautline.study.trials.trial.Trial.cpu_time", 15.0)
     code, out, err = cable("stability", "bar.yaml", "--json")
     assert code == 0 and {variant["outcome"] for variant in only_object(out)["variants"]} == {"unjudged"}
     assert "3 variants, 3 of them not judged" in err and "3 variants: none" not in err
@@ -286,7 +286,7 @@ def test_variants_that_nobody_could_judge_are_counted_beside_those_that_are_righ
 
 def test_a_variant_that_is_wrong_without_a_word_ends_with_3_and_is_shown(cable, few, sketched, monkeypatch):
     """What a run says of itself is taken away: no warning, no lag, no energy, no error of its step."""
-    monkeypatch.setattr("tautline.study.variants.runs_for", lambda *_: ())
+    monkeypatch.setattr("tautline.study.robustness.variants.runs_for", lambda *_: ())
     monkeypatch.setattr("tautline.simulation.Run.warnings", lambda *_: [])
     monkeypatch.setattr("tautline.simulation.Run.phase_lag", lambda *_: 0.0)
     monkeypatch.setattr("tautline.simulation.Run.energy_gained", lambda *_: 0.0)
@@ -311,7 +311,7 @@ def test_bad_options_of_stability_are_refused_and_nothing_is_written(cable, few,
 # the same from Python, and what simulate says
 def test_both_are_one_call_from_python(folder, few):
     import tautline
-    from tautline.study.precision import Grid
+    from tautline.study.accuracy.precision import Grid
 
     found = tautline.study_errors("bar.yaml", end=0.5, grid=Grid(("newmark",), (0.01,)), repetitions=1)
     assert found.reference.converged and found.rows[0].trial.attribute("steps") == 50

@@ -7,8 +7,8 @@ from oscillators import oscillator, subject
 
 from crane.application import Crane
 from drillstring.application import Drillstring
-from tautline.study.omissions import unseen
-from tautline.study.trial import Subject
+from tautline.study.trials.omissions import unseen
+from tautline.study.trials.trial import Subject
 
 DATA = Path(__file__).parents[2] / "data"
 

@@ -5,10 +5,10 @@ import pytest
 from oscillators import OMEGA, amplification, bar, chain, lag_constant, oscillator, rk4, subject
 
 from tautline.scene.errors import Problem, SceneError
-from tautline.study import trial as trial_module
-from tautline.study import variants as module
-from tautline.study.trial import Trial, run_model
-from tautline.study.variants import Variant, changes, variants
+from tautline.study.robustness import variants as module
+from tautline.study.robustness.variants import Variant, changes, variants
+from tautline.study.trials import trial as trial_module
+from tautline.study.trials.trial import Trial, run_model
 
 END = 2.0
 
@@ -126,7 +126,7 @@ def test_a_run_that_nothing_can_judge_is_unjudged_and_not_right(monkeypatch):
         done = real(model, setting, **further)
         return done if setting.step is None else Trial(setting, "NOT_CONVERGED", "", done.result)
 
-    monkeypatch.setattr("tautline.study.trial.run_model", first_only)
+    monkeypatch.setattr("tautline.study.trials.trial.run_model", first_only)
     found = varied(oscillator(time_end=END))["as it stands"]
     assert found.outcome == "unjudged" and found.error is None and "no run with a shorter step" in found.status
 

@@ -31,11 +31,11 @@ from study.varied_cables import (
     without_mesh,
 )
 
-from tautline.cable import variations as vary
-from tautline.cable.build import build
-from tautline.cable.members import flow_of
-from tautline.cable.scene import parse, read
-from tautline.cable.split import Chart
+from tautline.cable.input.scene import parse, read
+from tautline.cable.model.build import build
+from tautline.cable.model.elements import flow_of
+from tautline.cable.study import variations as vary
+from tautline.cable.study.refinement import Chart
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.state import new_state
 from tautline.scene.errors import SceneError

@@ -10,11 +10,11 @@ from physics.axial_bars import node as bar_node
 from physics.rope_text import PINNED, chain, element, scene, straight
 from study.varied_cables import DATA, SCENES, bent, frequencies, hung, interpolated, mixed, sliding, tied
 
-from tautline.cable import variations as vary
-from tautline.cable.build import build
-from tautline.cable.joined import penalty_stiffness
-from tautline.cable.scene import parse, read
-from tautline.cable.split import Chart
+from tautline.cable.input.scene import parse, read
+from tautline.cable.model.build import build
+from tautline.cable.model.ties import penalty_stiffness
+from tautline.cable.study import variations as vary
+from tautline.cable.study.refinement import Chart
 from tautline.constraints.multiplier import Multipliers
 from tautline.constraints.penalty import Penalties
 from tautline.scene.errors import SceneError

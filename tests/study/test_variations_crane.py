@@ -10,16 +10,16 @@ from physics.cranes import anchor, body, drum, end, plain, sheave
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from crane import variations as vary
-from crane.agreement import MOST_ELEMENTS
-from crane.bends import Bends
-from crane.build import assembled, build
-from crane.masses import Bodies, Springs
-from crane.scene import CraneScene
-from crane.span import MATERIAL, Spans
-from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.modes import modes
+from crane.groups.bends import Bends
+from crane.groups.masses import Bodies, Springs
+from crane.groups.span import MATERIAL, Spans
+from crane.model import variations as vary
+from crane.model.build import assembled, build
+from crane.scene.consistency import MOST_ELEMENTS
+from crane.scene.scene import CraneScene
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.vibration.modes import modes
 from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate

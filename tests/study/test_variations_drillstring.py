@@ -9,14 +9,14 @@ import yaml
 from physics.strings import DENSITY, Balance, E, area, mass_per_length, shipped, straight_hole
 from scipy.linalg import eigh
 
-from drillstring import variations as vary
-from drillstring.build import build
-from drillstring.contact import WallContact
-from drillstring.scene import DrillstringScene
-from drillstring.string import cut
+from drillstring.groups.contact import WallContact
+from drillstring.model import variations as vary
+from drillstring.model.build import build
+from drillstring.scene.scene import DrillstringScene
+from drillstring.string.lumps import cut
 from tautline.integrators.linearise import matrices
-from tautline.integrators.modes import modes
 from tautline.integrators.state import new_state
+from tautline.integrators.vibration.modes import modes
 from tautline.lumped.bend import Bends
 from tautline.lumped.body import Bodies, EccentricBodies
 from tautline.lumped.link import Links

@@ -16,9 +16,9 @@ from gardenhose.build import assembled, build
 from gardenhose.cables import arc_lengths, cables_of, streams
 from gardenhose.scene import HoseScene
 from tautline.constraints.penalty import Penalties
-from tautline.integrators.equilibrium import find_equilibrium
-from tautline.integrators.modes import modes
 from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.vibration.modes import modes
 from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate

@@ -11,11 +11,11 @@ from gardenhose.application import Gardenhose
 from gardenhose.scene import HoseScene
 from tautline.scene.document import Document
 from tautline.scene.model import validate
-from tautline.study.errors import compare
-from tautline.study.history import watch
-from tautline.study.precision import Grid, study
-from tautline.study.stability import stability
-from tautline.study.trial import Setting, Subject
+from tautline.study.accuracy.precision import Grid, study
+from tautline.study.robustness.stability import stability
+from tautline.study.trials.errors import compare
+from tautline.study.trials.history import watch
+from tautline.study.trials.trial import Setting, Subject
 
 
 def held(**more):
@@ -56,7 +56,7 @@ def test_the_error_of_a_mesh_is_that_of_the_mesh_and_not_of_the_steps_it_was_run
 
 
 def test_a_force_that_differs_between_the_finest_runs_is_not_called_proved(monkeypatch):
-    from tautline.study import precision
+    from tautline.study.accuracy import precision
 
     proved = study(Subject(Gardenhose(), scene(), end=0.05), Grid(["generalized-alpha"], [1e-3]), repetitions=1)
     assert proved.reference.force_error is not None and not any("only position" in w for w in proved.warnings)
@@ -69,7 +69,7 @@ def test_a_force_that_differs_between_the_finest_runs_is_not_called_proved(monke
 @pytest.mark.parametrize("ratio", [2.0, 1.5])
 def test_the_order_of_a_mesh_is_that_by_which_differences_from_twice_the_finest_grow(order, ratio):
     """Errors n^-p of n, n/r and 2n elements: their differences tell p."""
-    from tautline.study.precision import MESH_ORDERS, _growth
+    from tautline.study.accuracy.precision import MESH_ORDERS, _growth
 
     n = 8.0
     fine, coarse, reference = n**-order, (n / ratio) ** -order, (2.0 * n) ** -order

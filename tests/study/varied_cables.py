@@ -11,11 +11,11 @@ from physics.rope_text import FREE, PINNED, chain, element, node, scene, straigh
 from scipy.interpolate import CubicHermiteSpline
 
 from tautline.cable.application import Cable
-from tautline.cable.build import build
-from tautline.cable.scene import parse, read
-from tautline.cable.split import Chart, runs_of
-from tautline.integrators.modes import modes
+from tautline.cable.input.scene import parse, read
+from tautline.cable.model.build import build
+from tautline.cable.study.refinement import Chart, runs_of
 from tautline.integrators.state import new_state
+from tautline.integrators.vibration.modes import modes
 from tautline.scene.errors import SceneError
 
 HERE = Path(__file__).parents[1]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tautline.view.appearance import (
+from tautline.view.space.appearance import (
     LOAD,
     Appearance,
     Arrows,
@@ -16,7 +16,7 @@ from tautline.view.appearance import (
     pose_of,
     ranged,
 )
-from tautline.view.mesh import box, joined, turned_about
+from tautline.view.space.mesh import box, joined, turned_about
 
 FRAMES = 41
 TIME = np.linspace(0.0, 10.0, FRAMES)

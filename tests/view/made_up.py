@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from tautline.cable.build import build
-from tautline.cable.scene import parse
-from tautline.integrators.march import new_frames
+from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
+from tautline.integrators.time_loop import new_frames
 from tautline.results.store import Store
 
 

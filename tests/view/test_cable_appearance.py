@@ -6,9 +6,9 @@ from physics.rope_text import PINNED, chain, element, node, scene
 from scipy.interpolate import CubicHermiteSpline
 from view.made_up import moved
 
-from tautline.cable.appearance import appearance
+from tautline.cable.view.appearance import appearance
 from tautline.results.errors import ResultError
-from tautline.view.appearance import Look
+from tautline.view.space.appearance import Look
 
 CLAMPED = (1, 1, 1, 1, 1, 1, 1)
 

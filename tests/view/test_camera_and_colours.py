@@ -7,9 +7,9 @@ import pytest
 from drawn import appearance
 
 from tautline.results.errors import ResultError
-from tautline.view.appearance import Look, chosen, ranged
-from tautline.view.camera import ANGLE, VIEWS, aim, fitted
-from tautline.view.colours import shading, table
+from tautline.view.space.appearance import Look, chosen, ranged
+from tautline.view.space.camera import ANGLE, VIEWS, aim, fitted
+from tautline.view.space.colours import shading, table
 
 
 def seen(points: np.ndarray, camera, aspect: float) -> np.ndarray:

@@ -14,12 +14,12 @@ from results.synthetic_crane import fixed_rope, one_fall, result
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from crane.appearance import VIEWS, appearance
 from crane.application import Crane
-from crane.scene import CraneScene
+from crane.scene.scene import CraneScene
+from crane.view.appearance import VIEWS, appearance
 from tautline.results.errors import ResultError
 from tautline.simulation import simulate
-from tautline.view.appearance import Look, placed
+from tautline.view.space.appearance import Look, placed
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = [ROOT / "data" / f"{name}.yaml" for name in ("hoist", "hookblock", "landing", "slewing", "sixteen_falls")]

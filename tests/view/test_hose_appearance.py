@@ -5,10 +5,10 @@ import pytest
 from results.synthetic_hose import LENGTH, result
 from scipy.interpolate import CubicHermiteSpline
 
-from gardenhose.appearance import JUMP, MARKS, appearance
+from gardenhose.view.appearance import JUMP, MARKS, appearance
 from tautline.results.errors import ResultError
 from tautline.results.store import Store
-from tautline.view.appearance import Look, placed
+from tautline.view.space.appearance import Look, placed
 
 SCENE = """
 hose:

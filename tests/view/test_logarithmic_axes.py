@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tautline.view.figure import axes, save, styled
+from tautline.view.figures.figure import axes, save, styled
 
 
 @styled

@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 from tautline.results.errors import ResultError
-from tautline.view.appearance import (
+from tautline.view.space.appearance import (
     Appearance,
     Arrows,
     Label,
@@ -29,9 +29,9 @@ from tautline.view.appearance import (
     still,
     stored,
 )
-from tautline.view.colours import table
-from tautline.view.mesh import box
-from tautline.view.page import MOST, Pack, thinned, write_page
+from tautline.view.space.colours import table
+from tautline.view.space.mesh import box
+from tautline.view.web.page import MOST, Pack, thinned, write_page
 
 BROWSER = next(
     (found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), ""

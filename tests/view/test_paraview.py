@@ -12,10 +12,10 @@ import pytest
 from physics.rope_text import PINNED, chain, scene
 from view.made_up import moved
 
-from tautline.cable.appearance import appearance
+from tautline.cable.view.appearance import appearance
 from tautline.results.errors import ResultError, WriteError
 from tautline.results.result import Result
-from tautline.view.appearance import (
+from tautline.view.space.appearance import (
     Appearance,
     Arrows,
     Level,
@@ -30,11 +30,11 @@ from tautline.view.appearance import (
     still,
     stored,
 )  # fmt: skip
-from tautline.view.mesh import box
+from tautline.view.space.mesh import box
 
 pv = pytest.importorskip("pyvista")
 
-from tautline.view.paraview import write_paraview  # noqa: E402
+from tautline.view.files.paraview import write_paraview  # noqa: E402
 
 TIME = np.array([0.0, 0.1, 1.0 / 3.0, 0.5])
 QUANTITIES = (("axial_force", "N"), ("speed", "m/s"))
@@ -289,7 +289,7 @@ def test_files_are_compressed_and_binary(tmp_path):
 
 
 def test_vtk_is_loaded_by_the_writing_only():
-    ask = "import sys, tautline.view.paraview, tautline.cli.export; print(any('vtk' in m for m in sys.modules))"
+    ask = "import sys, tautline.view.files.paraview, tautline.cli.export; print(any('vtk' in m for m in sys.modules))"
     done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True)
     assert done.stdout.strip() == "False", done.stderr
 

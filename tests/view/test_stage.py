@@ -9,9 +9,9 @@ import pytest
 from drawn import NODES, TIME, appearance, load, rope, tension
 
 from tautline.results.errors import ResultError
-from tautline.view.appearance import Line, still
-from tautline.view.stage import SIZE, Stage
-from tautline.view.window import Window
+from tautline.view.space.appearance import Line, still
+from tautline.view.space.stage import SIZE, Stage
+from tautline.view.space.window import Window
 
 
 @pytest.fixture(scope="module")
@@ -212,7 +212,7 @@ def test_drawing_leaves_the_theme_the_environment_and_the_logger_of_the_process_
         "def seen(): return dict(os.environ), pyvista.global_theme.to_dict(), vtkLogger.GetCurrentVerbosityCutoff()\n"
         "before = seen()\n"
         "from drawn import appearance\n"
-        "from tautline.view.stage import Stage\n"
+        "from tautline.view.space.stage import Stage\n"
         "made = Stage(appearance())\n"
         "made.picture()\n"
         "made.close()\n"

@@ -9,9 +9,9 @@ from drawn import TIME, appearance
 from PIL import Image
 
 from tautline.results.errors import ResultError
-from tautline.view.film import Cut, cut, film
-from tautline.view.stage import Stage
-from tautline.view.still import frame_of, places, still
+from tautline.view.space.film import Cut, cut, film
+from tautline.view.space.stage import Stage
+from tautline.view.space.still import frame_of, places, still
 
 SMALL = (322, 181)
 

@@ -7,15 +7,15 @@ import pytest
 from physics.strings import DATA, shipped
 from results.synthetic_string import result as synthetic
 
-from drillstring.appearance import VIEWS, appearance
-from drillstring.build import build, well_of
+from drillstring.model.build import build, well_of
+from drillstring.view.appearance import VIEWS, appearance
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.results.store import Store
 from tautline.results.variable import Variable
 from tautline.simulation import simulate
-from tautline.view.appearance import Look, placed
-from tautline.view.colours import shading
+from tautline.view.space.appearance import Look, placed
+from tautline.view.space.colours import shading
 
 TRUE, HOLE = Look("true", 1.0), 0.2032
 SHORT = {"jwell": 0.2, "iscwsa": 0.1, "hanging": 0.1, **{f"configuration_{k}": 0.002 for k in "abc"}}

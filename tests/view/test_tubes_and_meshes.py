@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from drawn import volume
 
-from tautline.view.appearance import axes_of
-from tautline.view.mesh import box, cylinder, joined, moved, turned_about
-from tautline.view.tube import normals, rings, skin, tangents
+from tautline.view.space.appearance import axes_of
+from tautline.view.space.mesh import box, cylinder, joined, moved, turned_about
+from tautline.view.space.tube import normals, rings, skin, tangents
 
 
 def helix(count: int) -> np.ndarray:

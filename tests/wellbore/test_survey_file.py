@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drillstring.survey import LARGEST_FILE, read_survey
+from drillstring.well.survey import LARGEST_FILE, read_survey
 from tautline.scene.errors import SceneError
 
 DEG = math.pi / 180.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drillstring.wellbore import Build, Hold, Turn, from_sections, from_survey
+from drillstring.well.wellbore import Build, Hold, Turn, from_sections, from_survey
 
 DEG = math.pi / 180.0
 

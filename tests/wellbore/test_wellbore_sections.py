@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drillstring import sections
-from drillstring.wellbore import Build, Hold, Turn, WellboreError, from_sections
+from drillstring.well import sections
+from drillstring.well.wellbore import Build, Hold, Turn, WellboreError, from_sections
 
 DEG = math.pi / 180.0
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad_vec
 
-from drillstring.survey import read_survey
-from drillstring.wellbore import Build, Hold, WellboreError, from_sections, from_survey
+from drillstring.well.survey import read_survey
+from drillstring.well.wellbore import Build, Hold, WellboreError, from_sections, from_survey
 
 DEG = math.pi / 180.0
 ISCWSA = Path(__file__).parents[2] / "data" / "iscwsa_reference.csv"

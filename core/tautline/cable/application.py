@@ -8,15 +8,15 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.study.overrides import SETTINGS, Place, overrides
-from tautline.study.variations import varied
+from tautline.study.trials.overrides import SETTINGS, Place, overrides
+from tautline.study.trials.variations import varied
 
 if TYPE_CHECKING:
-    from tautline.cable.scene import CableScene
+    from tautline.cable.input.scene import CableScene
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
     from tautline.system.model import Model
-    from tautline.view.appearance import Appearance, Look
+    from tautline.view.space.appearance import Appearance, Look
 
 TEMPLATES = ("bar", "span")
 KEYS = {"method": "type", "step": "time_step", "end": "time_end", "step_error": "tolerance", "interval": "plotpoints"}
@@ -42,13 +42,13 @@ class Cable:
 
     def read(self, path: Path) -> CableScene:
         """Read and validate a scene; raises SceneError."""
-        from tautline.cable.scene import read
+        from tautline.cable.input.scene import read
 
         return read(path)
 
     def with_overrides(self, scene: CableScene, **given: Any) -> CableScene:
         """Copy of a scene with other solver settings; raises SceneError naming the option."""
-        from tautline.cable.scene import with_values
+        from tautline.cable.input.scene import with_values
 
         if given.get("interval"):
             # The file says how many frames a second there are.
@@ -61,20 +61,20 @@ class Cable:
         return replace(scene, solver=read.solver, document=read.document)
 
     def vary(self, scene: CableScene, what: str, *value: Any) -> Any:
-        """Copy of a scene that is varied by a function of ``tautline.cable.variations``; None if it has none of it."""
-        return varied("tautline.cable.variations", scene, what, *value)
+        """Copy of a scene that is varied by a function of ``cable.study.variations``; None if it has none of it."""
+        return varied("tautline.cable.study.variations", scene, what, *value)
 
     def schema(self) -> dict[str, Any]:
         """JSON schema of a scene."""
-        from tautline.cable.scene import json_schema
+        from tautline.cable.input.scene import json_schema
 
         return json_schema()
 
     def cautions(self, scene: CableScene) -> list[Caution]:
         """What is large compared with what, and what the reader made of oddities."""
-        from tautline.cable.cautions import cautions
-        from tautline.cable.quirks import read_quirks
-        from tautline.cable.scene import WrittenCable
+        from tautline.cable.input.scene import WrittenCable
+        from tautline.cable.input.thesis_compat import read_quirks
+        from tautline.cable.warnings import cautions
         from tautline.scene.content import too_fast
         from tautline.scene.doubts import slips_of_units
         from tautline.scene.errors import Caution
@@ -86,26 +86,26 @@ class Cable:
 
     def check_figures(self, scene: CableScene) -> dict[str, Any]:
         """Counts, length and mass."""
-        from tautline.cable.cautions import figures
+        from tautline.cable.warnings import figures
 
         return figures(scene)
 
     def build(self, scene: CableScene) -> Model:
         """Compile a scene; raises SceneError."""
-        from tautline.cable.build import build
+        from tautline.cable.model.build import build
 
         return build(scene)
 
     @property
     def figure_names(self) -> Mapping[str, str]:
         """Names of figures, and what they show."""
-        from tautline.cable.figures import FIGURES
+        from tautline.cable.view.figures import FIGURES
 
         return FIGURES
 
     def pictures(self, results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Any]:
         """Draw results: name -> Figure, and nothing is written."""
-        from tautline.cable.figures import draw
+        from tautline.cable.view.figures import draw
 
         return draw(results, what, vs)
 
@@ -119,13 +119,13 @@ class Cable:
         vs: str | None = None,
     ) -> list[Path]:
         """Draw results into files."""
-        from tautline.cable.figures import figures
+        from tautline.cable.view.figures import figures
 
         return figures(results, folder, what, formats, stem, vs)
 
     def appearance(self, result: Result, look: Look) -> Appearance:
         """What a result looks like in space; raises ResultError for an unknown view."""
-        from tautline.cable.appearance import VIEWS, appearance
-        from tautline.view.appearance import chosen
+        from tautline.cable.view.appearance import VIEWS, appearance
+        from tautline.view.space.appearance import chosen
 
         return appearance(result, chosen(VIEWS, look))

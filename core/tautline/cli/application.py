@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
-    from tautline.view.appearance import Appearance, Look
+    from tautline.view.space.appearance import Appearance, Look
 
 
 class Application(Protocol):

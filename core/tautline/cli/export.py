@@ -12,7 +12,7 @@ from tautline.cli.console import console, print_json, say
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
-    from tautline.view.appearance import Look
+    from tautline.view.space.appearance import Look
 
 Progress = Callable[[int, int], None]
 ENDINGS = (".pvd", ".csv")
@@ -80,7 +80,7 @@ def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, eve
     seen = appearance(result, look)
     seen = seen if every == 1 else seen.thinned(every)
     try:
-        from tautline.view.paraview import write_paraview
+        from tautline.view.files.paraview import write_paraview
 
         with _counted("frames") as progress:
             return write_paraview(seen, result, base.with_name(f"{base.name}.pvd"), progress)

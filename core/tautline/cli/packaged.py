@@ -5,25 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from importlib import import_module, resources
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from tautline.study.overrides import SETTINGS, Place, overrides
-from tautline.study.variations import varied
+from tautline.study.trials.overrides import SETTINGS, Place, overrides
+from tautline.study.trials.variations import varied
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
     from tautline.system.model import Model
-    from tautline.view.appearance import Appearance, Look
+    from tautline.view.space.appearance import Appearance, Look
 
 PLACES: dict[str, Place] = {key: ("solver", key) for key in (*SETTINGS, "alpha_m", "alpha_f")}
 PLACES["interval"] = ("output", "interval")
 
 
 class Packaged:
-    """A package with ``scene`` (read, json_schema), ``cautions`` (cautions, figures), ``build``, ``figures``.
+    """A package with ``scene`` (read, json_schema), ``warnings`` (cautions, figures), ``build``, ``figures``.
 
-    Every module is imported by the method that needs it. An application adds its title and what it recognises.
+    Every module is imported by the method that needs it. An application adds its title and what it recognises, and in
+    ``rooms`` where a module stands that is not on top of the package.
 
     Attributes
     ----------
@@ -31,13 +33,19 @@ class Packaged:
         Of the package and its console script.
     starters : tuple of str
         Names of its templates; the first is the default of ``new``.
+    rooms : mapping
+        Module -> its place in the package, where that is another: ``{"build": "model.build"}``.
     """
 
     name: str
     starters: tuple[str, ...]
+    rooms: Mapping[str, str] = MappingProxyType({})
+
+    def _place(self, name: str) -> str:
+        return f"{self.name}.{self.rooms.get(name, name)}"
 
     def _module(self, name: str) -> Any:
-        return import_module(f"{self.name}.{name}")
+        return import_module(self._place(name))
 
     @property
     def templates(self) -> Mapping[str, str]:
@@ -58,7 +66,7 @@ class Packaged:
 
     def vary(self, scene: Any, what: str, *value: Any) -> Any:
         """Copy of a scene that is varied by a function of the package's ``variations``; None if it has none of it."""
-        return varied(f"{self.name}.variations", scene, what, *value)
+        return varied(self._place("variations"), scene, what, *value)
 
     def schema(self) -> dict[str, Any]:
         """JSON schema of a scene."""
@@ -71,16 +79,16 @@ class Packaged:
         from tautline.scene.errors import Caution
 
         text = too_fast(scene, scene.solver)
-        found = slips_of_units(type(scene), scene.document) + self._module("cautions").cautions(scene)
+        found = slips_of_units(type(scene), scene.document) + self._module("warnings").cautions(scene)
         return found + ([Caution("solver.step", text)] if text else [])
 
     def check_figures(self, scene: Any) -> dict[str, Any]:
         """What ``check`` tells of a scene in figures."""
-        return self._module("cautions").figures(scene)
+        return self._module("warnings").figures(scene)
 
     def describe(self, figures: dict[str, Any]) -> list[tuple[str, str]]:
-        """Rows of a table for people, of what `check_figures` gives; none if ``cautions`` has no ``describe``."""
-        rows = getattr(self._module("cautions"), "describe", None)
+        """Rows of a table for people, of what `check_figures` gives; none if ``warnings`` has no ``describe``."""
+        rows = getattr(self._module("warnings"), "describe", None)
         return [] if rows is None else rows(figures)
 
     def draw(self, scene: Any, path: Path) -> Path:
@@ -119,7 +127,7 @@ class Packaged:
 
     def appearance(self, result: Result, look: Look) -> Appearance:
         """What a result looks like in space; raises ResultError for an unknown view."""
-        from tautline.view.appearance import chosen
+        from tautline.view.space.appearance import chosen
 
         module = self._module("appearance")
         return module.appearance(result, chosen(module.VIEWS, look))

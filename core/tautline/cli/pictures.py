@@ -74,7 +74,7 @@ class Plots:
             method = functools.partial(self, name)
             method.__doc__ = self._figures[name]
             return method
-        from tautline.view.comparison import nearest
+        from tautline.view.figures.comparison import nearest
 
         hint = nearest(name, list(self._figures))
         variable = f'; draw the variable by result.plot("{name}")' if name in self._result else ""

@@ -11,7 +11,7 @@ from tautline.cli.console import print_json, say
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
-    from tautline.view.appearance import Appearance, Look
+    from tautline.view.space.appearance import Appearance, Look
 
 NO_DISPLAY = (
     "there is no display that a window can be opened on: here is a picture; see also --movie, --html and `export --vtk`"
@@ -41,7 +41,7 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     written: list[Path] = []
     if asked["html"] is not None:
         from tautline.results.target import check_page
-        from tautline.view.page import write_page
+        from tautline.view.web.page import write_page
 
         written.append(write_page(appearance, check_page(asked["html"]), asked["colour"], asked["radius"]))
     if asked["movie"] is not None:
@@ -49,7 +49,7 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     if asked["image"]:
         written += _pictures(appearance, asked["image"], path, asked)
     if not written:
-        from tautline.view.graphics import opens_windows
+        from tautline.view.space.graphics import opens_windows
 
         if opens_windows():
             _window(appearance, asked)
@@ -98,8 +98,8 @@ def in_space(
         If something asked for is unknown, or there is nothing to draw with.
     """
     from tautline.cli.catalogue import Installed
-    from tautline.view.stage import Stage
-    from tautline.view.still import frame_of
+    from tautline.view.space.stage import Stage
+    from tautline.view.space.still import frame_of
 
     appearance = Installed().for_result(result).appearance(result, _in_units_of(result, look_of(view, exaggerate)))
     stage = Stage(appearance, colour, radius, camera, size, window)
@@ -113,7 +113,7 @@ def _in_units_of(result: Result, look: Look) -> Look:
 
 
 def _stage(appearance: Appearance, asked: dict[str, Any], **more: Any) -> Any:
-    from tautline.view.stage import Stage
+    from tautline.view.space.stage import Stage
 
     given: dict[str, Any] = {"size": _size(asked["size"])} | more
     return Stage(appearance, asked["colour"], asked["radius"], asked["camera"] or "", **given)
@@ -121,7 +121,7 @@ def _stage(appearance: Appearance, asked: dict[str, Any], **more: Any) -> Any:
 
 def _size(text: str | None) -> tuple[int, int]:
     from tautline.results.errors import ResultError
-    from tautline.view.stage import SIZE
+    from tautline.view.space.stage import SIZE
 
     if text is None:
         return SIZE
@@ -136,7 +136,7 @@ def _size(text: str | None) -> tuple[int, int]:
 
 
 def _window(appearance: Appearance, asked: dict[str, Any]) -> None:
-    from tautline.view.window import KEYS, Window
+    from tautline.view.space.window import KEYS, Window
 
     say(KEYS)
     Window(_stage(appearance, asked, window=True), asked["speed"] or 1.0).open()
@@ -144,7 +144,7 @@ def _window(appearance: Appearance, asked: dict[str, Any]) -> None:
 
 def _film(appearance: Appearance, asked: dict[str, Any]) -> Path:
     from tautline.cli.progress import Counter
-    from tautline.view.film import check_name, cut, film, large
+    from tautline.view.space.film import check_name, cut, film, large
 
     check_name(asked["movie"])
     made, size = cut(appearance.time, asked["rate"], asked["speed"]), _size(asked["size"])
@@ -160,7 +160,7 @@ def _film(appearance: Appearance, asked: dict[str, Any]) -> Path:
 
 
 def _pictures(appearance: Appearance, times: list[str], path: Path, asked: dict[str, Any]) -> list[Path]:
-    from tautline.view.still import frame_of, places, still
+    from tautline.view.space.still import frame_of, places, still
 
     frames = [frame_of(text, appearance.time) for text in times]
     files = places(asked["output"], path, appearance.time, frames)
@@ -173,6 +173,6 @@ def _pictures(appearance: Appearance, times: list[str], path: Path, asked: dict[
 
 def look_of(view: str | None, exaggerate: float | None) -> Look:
     """What an application must know of what is asked for."""
-    from tautline.view.appearance import Look
+    from tautline.view.space.appearance import Look
 
     return Look(view or "", exaggerate)

@@ -166,8 +166,8 @@ def _other_runs(
     """What estimates a run's error from runs with other steps; None where that is not to be done."""
     if verify is False or (verify is None and earlier is not None) or getattr(model, "system", None) is None:
         return None
-    from tautline.study.step_error import estimate, runs_for
-    from tautline.study.trial import Subject
+    from tautline.study.trials.step_error import estimate, runs_for
+    from tautline.study.trials.trial import Subject
 
     parts = runs_for(model, verify)
     if not parts:

@@ -15,8 +15,8 @@ from tautline.cli.summary import significant, two_columns
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from tautline.study.stability import Stability
-    from tautline.study.variants import Variant
+    from tautline.study.robustness.stability import Stability
+    from tautline.study.robustness.variants import Variant
 
 QUICK_BUDGET = 3.0
 COLOUR = {"right": "green", "inaccurate": "yellow", "stopped": "cyan", "refused": "cyan", "unjudged": "magenta"}
@@ -40,7 +40,7 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: dict
         If the scene as it stands stopped early, on Ctrl-C, and where a run was wrong without a word.
     """
     from tautline.integrators.status import Interrupted
-    from tautline.study.stability import stability as run
+    from tautline.study.robustness.stability import stability as run
 
     tolerance = percentage(asked["tolerance"], "--tolerance")
     subject, stem = prepared(catalogue, path, asked), stem_of(path, output, "stability")

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from tautline.integrators.status import StoppedEarly
-    from tautline.study.precision import Grid, Row, Study
-    from tautline.study.trial import Subject
+    from tautline.study.accuracy.precision import Grid, Row, Study
+    from tautline.study.trials.trial import Subject
 
 QUICK_END, QUICK_BUDGET = 0.1, 5.0
 """Share of the simulated time that a quick look takes, and the processor time, s, that it gives one run."""
@@ -55,7 +55,7 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
         If the scene as it stands stopped early, or on Ctrl-C; what there was is reported.
     """
     from tautline.integrators.status import Interrupted, StoppedEarly
-    from tautline.study.precision import study as run
+    from tautline.study.accuracy.precision import study as run
 
     subject, grid = prepared(catalogue, path, asked), _grid(asked)
     stem = stem_of(path, output, "study")
@@ -82,7 +82,7 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
 
 def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject:
     """Read a scene for a study; raises SceneError."""
-    from tautline.study.trial import Subject
+    from tautline.study.trials.trial import Subject
 
     application = catalogue.for_scene(path)
     scene = application.read(path)
@@ -178,7 +178,7 @@ def percentage(text: str, option: str) -> float:
 
 
 def _grid(asked: dict[str, Any]) -> Grid:
-    from tautline.study.precision import Grid
+    from tautline.study.accuracy.precision import Grid
 
     methods = words(asked["methods"], "--methods", one_of(METHODS, ALIASES))
     steps = numbers(asked["steps"], "--steps", "s")
@@ -190,7 +190,7 @@ def _grid(asked: dict[str, Any]) -> Grid:
 
 
 def _reference(asked: dict[str, Any]) -> Any:
-    from tautline.study.trial import Setting
+    from tautline.study.trials.trial import Setting
 
     method, step = asked["reference"], asked["reference_step"]
     if method is None and step is None:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.integrators.partial_newton import Window
 from tautline.integrators.rows import (
     AllRows,
     aim,
@@ -27,7 +28,6 @@ from tautline.integrators.rows import (
 )
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, ROWS, WORST
 from tautline.integrators.status import Status
-from tautline.integrators.window import Window
 from tautline.kernels import groups as over
 from tautline.kernels.band import BOLD, CAREFUL
 from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed

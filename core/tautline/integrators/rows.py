@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from tautline.integrators import window as part
+from tautline.integrators import partial_newton as part
+from tautline.integrators.partial_newton import Window, is_worth_while, new_window
 from tautline.integrators.state import worst_between
-from tautline.integrators.window import Window, is_worth_while, new_window
 from tautline.kernels import groups as over
 from tautline.kernels.dispatch import by_type
 from tautline.kernels.dofs import expand, reduce

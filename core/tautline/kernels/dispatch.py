@@ -8,7 +8,7 @@ from typing import Any
 from numba import types
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
-from tautline.kernels.caching import KERNELS_OF
+from tautline.kernels.compiling.caching import KERNELS_OF
 
 TABLES: list[dict[type, Callable[..., Any]]] = []
 """All that kernels are chosen from."""

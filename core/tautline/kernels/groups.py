@@ -49,12 +49,12 @@ from numba.core import cgutils, types
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
-from tautline.kernels.caching import KERNELS_OF
+from tautline.kernels.compiling.caching import KERNELS_OF
 from tautline.kernels.dofs import DOFS
 from tautline.kernels.jit import address_of, addressed, stands_for
 from tautline.kernels.matrix import MATRIX
 from tautline.kernels.memory import words_of
-from tautline.kernels.workshop import Job
+from tautline.kernels.parallel_compile import Job
 
 Kernel = Callable[..., None]
 

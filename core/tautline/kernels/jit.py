@@ -1,9 +1,10 @@
 """The one decorator of compiled code.
 
 It acts on the functions that it decorates alone: numba's compiler, its cache and its settings are what they were for
-all other code of the process. What is done otherwise than numba does it is in :mod:`tautline.kernels.parts` (how inner
-kernels are compiled), :mod:`tautline.kernels.indices` (what a subscript means) and :mod:`tautline.kernels.caching`
-(where compiled code is kept). ``TAUTLINE_PLAIN_NUMBA=1`` leaves the first two to numba.
+all other code of the process. What is done otherwise than numba does it is in :mod:`tautline.kernels.compiling.inlined`
+(how inner kernels are compiled), :mod:`tautline.kernels.compiling.indices` (what a subscript means) and
+:mod:`tautline.kernels.compiling.caching` (where compiled code is kept). ``TAUTLINE_PLAIN_NUMBA=1`` leaves the first two
+to numba.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from numba import config, njit, types
 from numba.core.registry import CPUDispatcher
 from numba.extending import is_jitted, overload
 
-from tautline.kernels.caching import KernelCache
-from tautline.kernels.parts import PLAIN, UNFUSED, compiler_for
-from tautline.kernels.sources import is_ours
+from tautline.kernels.compiling.caching import KernelCache
+from tautline.kernels.compiling.inlined import PLAIN, UNFUSED, compiler_for
+from tautline.kernels.compiling.sources import is_ours
 
 OPTIONS = {
     "nogil": True,

@@ -89,7 +89,7 @@ class Result:
 
     @property
     def step_error(self) -> dict[str, Any] | None:
-        """The error estimated from runs with other steps, see `tautline.study.step_error`; None if none."""
+        """The error estimated from runs with other steps, see `tautline.study.trials.step_error`; None if none."""
         found = self.attributes.get("step_error")
         return json.loads(found) if isinstance(found, str) else found
 

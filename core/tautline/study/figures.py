@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.polynomial import polynomial
 
-from tautline.integrators.critical_step import STABILITY
-from tautline.study.penalties import Stiffness
-from tautline.view.figure import COLOURS, QUIET, Axes, axes, label, save, styled
+from tautline.integrators.vibration.critical_step import STABILITY
+from tautline.study.robustness.penalties import Stiffness
+from tautline.view.figures.figure import COLOURS, QUIET, Axes, axes, label, save, styled
 
 if TYPE_CHECKING:
-    from tautline.study.precision import Row, Study
-    from tautline.study.stability import Stability
+    from tautline.study.accuracy.precision import Row, Study
+    from tautline.study.robustness.stability import Stability
 
 MARKS = "osD^vP*X"
 LINES = ("-", "--", ":", "-.")

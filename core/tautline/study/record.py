@@ -13,9 +13,9 @@ from tautline.results.errors import ResultError
 from tautline.version import __version__
 
 if TYPE_CHECKING:
-    from tautline.study.precision import Row, Study
-    from tautline.study.stability import Stability
-    from tautline.study.variants import Variant
+    from tautline.study.accuracy.precision import Row, Study
+    from tautline.study.robustness.stability import Stability
+    from tautline.study.robustness.variants import Variant
 
 UNITS = {
     "step": "s", "step_error": "m", "rmse": "m", "cpu_time": "s", "wall_time": "s", "wall_time_spread": "s",

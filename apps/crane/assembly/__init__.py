@@ -1,0 +1,1 @@
+"""From a scene to groups: where everything stands in the vectors, the static start, estimates, damping of the mesh."""

@@ -1,0 +1,92 @@
+"""Rope that drums give and take over a run, as far as it is prescribed: whether they hold it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from crane.scene.scene import CraneScene, Drum
+from tautline.kernels.time_function import sample
+from tautline.scene.errors import Problem, SceneError
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+SAMPLES = 4001
+
+
+class Supply(NamedTuple):
+    """What a drum's operator pays out over a run: `time` (n,) s, `paid_out` m since t = 0, and `speed` m/s, (n,)."""
+
+    time: np.ndarray
+    paid_out: np.ndarray
+    speed: np.ndarray
+
+
+def supply_of(scene: CraneScene, drum: Drum) -> Supply | None:
+    """Prescribed supply of a drum; None where its motion follows from torques. Heave compensation is not in it."""
+    if not drum.prescribed:
+        return None
+    drive, factor = (drum.pay_out, 1.0) if drum.drive == "pay_out" else (drum.speed, drum.radius)
+    _, place, _ = scene.key_of(drum)
+    end = scene.solver.end
+    request = FunctionRequest(drive, integrate=True, end=end, key=f"path[{place}].drum.{drum.drive}", factor=factor)
+    time = np.linspace(0.0, end, SAMPLES)
+    values = sample(compile_functions([request]), 0, time)
+    return Supply(time, values[:, 0], values[:, 1])
+
+
+def reeled_of(scene: CraneScene) -> tuple[list[Drum], np.ndarray, np.ndarray]:
+    """Drums that take rope in by prescription, times (n,) s, and what all prescribed ones take in together, (n,) m."""
+    supplies = [(drum, supply) for drum in scene.drums if (supply := supply_of(scene, drum)) is not None]
+    if not supplies:
+        return [], np.zeros(1), np.zeros(1)
+    taken = -np.sum([supply.paid_out for _, supply in supplies], axis=0)
+    return [drum for drum, supply in supplies if supply.paid_out.min() < 0.0], supplies[0][1].time, taken
+
+
+def hoisted_spans(scene: CraneScene) -> list[int]:
+    """Numbers of the spans of which just one end rides on a body: those that hoisting shortens."""
+    rides = [getattr(item, "body", None) is not None for item in scene.path]
+    return [k for k in range(len(rides) - 1) if rides[k] != rides[k + 1]]
+
+
+def check_supply(scene: CraneScene) -> None:
+    """Refuse more rope on a drum than its layers hold, at the start or wound on in the run.
+
+    Raises
+    ------
+    SceneError
+        Naming each such drum, how much it would hold and when it is full.
+    """
+    problems = [problem for drum in scene.drums for problem in _too_much(scene, drum)]
+    if problems:
+        raise SceneError(problems)
+
+
+def capacity_of(scene: CraneScene, drum: Drum) -> float | None:
+    """Rope that a drum's layers hold, m; None where their number or the rope's diameter is not given."""
+    diameter = scene.rope.diameter
+    return None if drum.layers is None or diameter is None else drum.layers.capacity(diameter)
+
+
+def _too_much(scene: CraneScene, drum: Drum) -> list[Problem]:
+    capacity, layers = capacity_of(scene, drum), drum.layers
+    if capacity is None or layers is None:
+        return []
+    key = (*scene.key_of(drum), "layers")
+    held = f"{layers.count} layers of {layers.turns} turns hold {capacity:.4g} m"
+    cure = "give the drum more turns or layers"
+    start = drum.rope_on_drum or 0.0
+    supply = supply_of(scene, drum)
+    if supply is None:
+        return []
+    held_then = start - supply.paid_out
+    k = int(np.argmax(held_then > capacity))
+    if held_then[k] <= capacity:
+        return []
+    begin = f"beginning with {start:.4g} m" if start else "beginning empty, as no rope_on_drum is given"
+    cause = (
+        f"{drum.name}, {begin}, would come to {float(held_then.max()):.4g} m of rope, and {held}: it is full at "
+        f"t = {supply.time[k]:.4g} s"
+    )
+    return [scene.problem(key, cause, f"{cure}, or hoist less")]

@@ -1,0 +1,90 @@
+"""Which contacts of a scene stick and slip: capstans, sheaves with an efficiency, bearings, brakes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from crane.assembly.layout import Layout
+from crane.groups.slip import BEARING, CAPSTAN, EFFICIENCY, NONE, TORQUE
+from crane.groups.span import STATION, Spans
+from crane.scene.scene import Drum, Efficiency, Sheave
+from tautline.scene.functions import Constant, FunctionOfTime, Ramp
+from tautline.system.time_functions import FunctionRequest
+
+CLOSES = 1.0e-3
+"""Time that a brake takes to close or open, s."""
+Row = dict[str, Any]
+
+
+def contacts_of(layout: Layout) -> list[Row]:
+    """Rows of ``SLIP`` of all contacts, in the order of the path."""
+    rows: list[Row] = []
+    for i, item in enumerate(layout.scene.path):
+        if isinstance(item, Drum) and not item.prescribed:
+            rows += _of_drum(layout, i, item)
+        elif isinstance(item, Sheave):
+            rows += _of_sheave(layout, i, item)
+    return rows
+
+
+def _of_sheave(layout: Layout, i: int, sheave: Sheave) -> list[Row]:
+    rim, rows = layout.rim.get(i, NONE), []
+    arc = max(float(layout.path.arcs[i]), sheave.radius)
+    common: Row = {
+        "before": layout.item[i] - 1,
+        "after": layout.item[i],
+        "stiffness": layout.scene.rope.axial_stiffness / arc,
+        "function": NONE,
+    }
+    rope = {"p": layout.material(i), "by_p": layout.stretch, "s": NONE, "by_s": 0.0}
+    if isinstance(sheave.law, Efficiency) and sheave.law.efficiency < 1.0:
+        rows.append({"kind": EFFICIENCY, **common, **rope, "coefficient": 1.0 / sheave.law.efficiency - 1.0})
+    if sheave.law == "capstan" and (rim != NONE or sheave.locked) and sheave.groove_friction > 0.0:
+        both = rope | {"s": rim, "by_s": 1.0 if rim != NONE else 0.0}
+        rows.append({"kind": CAPSTAN, **common, **both, "coefficient": sheave.groove_friction})
+    if sheave.bearing is not None and sheave.bearing.friction > 0.0:
+        share = sheave.bearing.friction * sheave.bearing.radius / sheave.radius
+        turns = {"p": NONE, "by_p": 0.0, "s": rim, "by_s": 1.0} if rim != NONE else rope
+        rows.append({"kind": BEARING, **common, **turns, "coefficient": share})
+    return rows
+
+
+def _of_drum(layout: Layout, i: int, drum: Drum) -> list[Row]:
+    """A drum's brake, and the friction that it has at any speed."""
+    rows = []
+    common: Row = {
+        "kind": TORQUE, "p": layout.material(i), "by_p": layout.stretch, "s": NONE, "before": NONE, "after": NONE,
+        "stiffness": layout.scene.rope.axial_stiffness / drum.radius,
+    }  # fmt: skip
+    if drum.friction_torque > 0.0:
+        always = layout.requests.add(FunctionRequest(Constant(value=1.0)))
+        rows.append({**common, "coefficient": drum.friction_torque / drum.radius, "function": always})
+    if drum.brake is not None and drum.brake.torque > 0.0:
+        closed = layout.requests.add(FunctionRequest(_closed(drum), key=f"path[{i}].drum.brake"))
+        rows.append({**common, "coefficient": drum.brake.torque / drum.radius, "function": closed})
+    return rows
+
+
+def _closed(drum: Drum) -> FunctionOfTime:
+    """How far a brake is closed, as a function of time."""
+    assert drum.brake is not None
+    if drum.brake.closed is not None:
+        return drum.brake.closed
+    if drum.brake.until is None:
+        return Constant(value=1.0)
+    return Ramp.model_validate({"from": 1.0, "to": 0.0, "over": CLOSES, "at": drum.brake.until})
+
+
+def couplings_of(rows: list[Row], spans: Spans) -> list[np.ndarray]:
+    """For each contact the degrees of freedom that it couples (1, k)."""
+    stencils = []
+    for row in rows:
+        places = [row[key] for key in ("p", "s") if row[key] != NONE]
+        for n in (row["before"], row["after"]):
+            if n != NONE:
+                for station in (spans.rows.a[n], spans.rows.b[n]):
+                    places += list(range(station, station + STATION))
+        stencils.append(np.array([places], dtype=np.int64))
+    return stencils

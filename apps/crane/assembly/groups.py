@@ -1,0 +1,290 @@
+"""The groups of a scene: spans, contacts, drums, bodies, rims, springs, rope on drums."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from crane.assembly.drum_supply import capacity_of
+from crane.assembly.friction import contacts_of, couplings_of
+from crane.assembly.layout import AXES, Layout, has_rim
+from crane.assembly.mesh_damping import damping_of
+from crane.geometry.line import POINT
+from crane.geometry.quaternion import QUATERNION
+from crane.groups.arcs import Arcs, new_arcs
+from crane.groups.bends import Bends, new_bends, stencils
+from crane.groups.hydrodynamics import WET, Wet, new_wet
+from crane.groups.masses import BODY, Bodies, Rims, Springs
+from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
+from crane.groups.slip import SLIP, Slips
+from crane.groups.sockets import SOCKET, Sockets, new_sockets
+from crane.groups.span import BETWEEN, SPAN, STATION, Spans, new_spans
+from crane.groups.winch import DRUM, Drums, Supplies
+from crane.scene.scene import Drum, End, Sheave
+from tautline.kernels.time_function import TimeFunctions
+from tautline.system.time_functions import FunctionRequest
+
+SMOOTHING = 0.01
+"""Curvature below which the damping of bending fades, over that of an element bent to its own length."""
+STIFFER = 10.0
+"""Stiffness of a socket over that of a metre of the rope, 1/m."""
+Maker = Callable[[TimeFunctions], Any]
+
+
+def groups_of(layout: Layout) -> tuple[list[Maker], list[np.ndarray]]:
+    """Makers of all groups, which are given the scene's functions of time; and what contacts couple.
+
+    Those that say what spans of rope find come after them: they stand in the order in which a residual is summed.
+    """
+    spans = _spans(layout)
+    contacts = contacts_of(layout)
+    made: list[Maker] = [lambda functions: spans]
+    wet = _wet(layout, spans)
+    if wet is not None:
+        made.append(partial(_constant, wet))
+    if contacts:
+        made.append(partial(_slips, contacts, spans))
+    made += [make for make in (_drums(layout, spans), _bodies(layout)) if make is not None]
+    for group in (
+        _rims(layout), _springs(layout), _supplies(layout), _rigids(layout), _sockets(layout)
+    ):  # fmt: skip
+        if group is not None:
+            made.append(partial(_constant, group))
+    couplings = [*couplings_of(contacts, spans), *_couplings(layout)]
+    if layout.scene.rope.bending_stiffness > 0.0:
+        bends, arcs = _bending(layout, spans)
+        made += [partial(_constant, bends), partial(_constant, arcs)]
+        couplings.append(stencils(bends))
+    return made, couplings
+
+
+def _constant(group: Any, functions: TimeFunctions) -> Any:
+    return group
+
+
+def _bending(layout: Layout, spans: Spans) -> tuple[Bends, Arcs]:
+    """Bending stiffness of the rope at its nodes, and on the wheels that it is laid about."""
+    rope, path = layout.scene.rope, layout.scene.path
+    longest = max(float(chord) / count for chord, count in zip(layout.path.chords, layout.scene.elements, strict=True))
+    # What a mesh needs is damping of stretching: bending is damped where the scene asks for it.
+    damping = rope.damping or 0.0
+    smoothing = SMOOTHING / longest if damping > 0.0 else 0.0
+    stored = isinstance(path[0], Drum), isinstance(path[-1], Drum)
+    return (
+        new_bends(spans.rows, spans.wheels, rope.bending_stiffness, damping, smoothing),
+        new_arcs(spans.rows, spans.wheels, rope.bending_stiffness, stored),
+    )
+
+
+def _records(kind: np.dtype, rows: list[dict[str, Any]]) -> np.recarray:
+    made = np.zeros(len(rows), kind).view(np.recarray)
+    for i, row in enumerate(rows):
+        made[i] = tuple(row[name] for name in kind.names or ())
+    return made
+
+
+def _spans(layout: Layout) -> Spans:
+    rope, rows = layout.scene.rope, []
+    common = {
+        "stiffness": rope.axial_stiffness,
+        "mass": rope.mass_per_length,
+        "load": rope.mass_per_length * np.array(layout.scene.gravity, dtype=float),
+        "slack": int(rope.compression == "none"),
+    }
+    radius = layout.wheels.radius
+    damping = damping_of(layout.scene, layout.path)
+    for i, (first, last) in enumerate(layout.spans):
+        for k in range(first, last):
+            one = i if k == first and radius[i] != 0.0 else POINT
+            two = i + 1 if k == last - 1 and radius[i + 1] != 0.0 else POINT
+            ends = {"a": layout.station[k], "b": layout.station[k + 1], "wheel1": one, "wheel2": two}
+            rows.append({**ends, "damping": damping[i], **common})
+    return new_spans(_records(SPAN, rows), layout.wheels, _between(layout))
+
+
+def _between(layout: Layout) -> np.recarray:
+    """Items that a sheave or a drum can meet, two by two."""
+    on = [i if radius != 0.0 else POINT for i, radius in enumerate(layout.wheels.radius)]
+    rows = [
+        {"a": layout.station[first], "b": layout.station[last], "wheel1": on[i], "wheel2": on[i + 1]}
+        for i, (first, last) in enumerate(layout.spans)
+    ]
+    return _records(BETWEEN, [row for row in rows if (row["wheel1"], row["wheel2"]) != (POINT, POINT)])
+
+
+def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunctions) -> Slips:
+    n = len(contacts)
+    ends = np.ascontiguousarray(np.column_stack((spans.rows.a, spans.rows.b)))
+    none = {"by_s": 0.0, "by_p": 0.0}
+    return Slips(
+        _records(SLIP, [none | row for row in contacts]), spans.found, spans.start, ends, np.zeros(n), np.zeros(n),
+        np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(1), np.ones(1), functions,
+    )  # fmt: skip
+
+
+def _drums(layout: Layout, spans: Spans) -> Maker | None:
+    """Drums that are driven by torque or hold a tension."""
+    rows, scene = [], layout.scene
+    for i, item in enumerate(scene.path):
+        if not isinstance(item, Drum) or item.prescribed:
+            continue
+        drive = item.torque if item.drive == "torque" else item.tension
+        rows.append(
+            {
+                "p": layout.material(i),
+                "way": 1.0 if i == 0 else -1.0,
+                "gear": layout.stretch / item.radius,
+                "inertia": item.inertia,
+                "rope": scene.rope.mass_per_length,
+                "stored": np.inf if item.rope_on_drum is None else item.rope_on_drum,
+                "begin": layout.degrees.value[layout.material(i)],
+                "function": layout.requests.add(FunctionRequest(drive, key=f"path[{i}].drum.{item.drive}")),
+                "holds": int(item.drive == "tension"),
+                "proportional": item.gains.proportional if item.gains else 0.0,
+                "integral": item.gains.integral if item.gains else 0.0,
+                "limit": item.torque_limit or np.inf,
+                "span": 0 if i == 0 else len(spans.rows) - 1,
+            }
+        )
+    if not rows:
+        return None
+    n = len(rows)
+    return lambda functions: Drums(_records(DRUM, rows), spans.found, np.zeros(n), np.zeros(n), functions)
+
+
+def _bodies(layout: Layout) -> Maker | None:
+    scene, rows = layout.scene, []
+    gravity, ground = np.array(scene.gravity, dtype=float), scene.ground
+    for k, body in enumerate(scene.bodies):
+        functions = [-1, -1, -1]
+        for c, force in enumerate(body.force or ()):
+            functions[c] = layout.requests.add(FunctionRequest(force, key=f"bodies[{k}].force[{c}]"))
+        rows.append(
+            {
+                "place": layout.body[body.name],
+                "mass": body.mass,
+                "remaining": body.release.remaining if body.release else body.mass,
+                "released": body.release.at if body.release else np.inf,
+                "added": body.added_mass,
+                "linear": body.drag.linear,
+                "quadratic": body.drag.quadratic,
+                "lift": -(scene.water.density if scene.water else 0.0) * body.volume * gravity,
+                "functions": functions,
+                "bottom": body.bottom,
+                "touches": int(ground is not None),
+            }
+        )
+    if not rows:
+        return None
+    floor = np.array([ground.level, ground.stiffness, ground.damping, ground.friction] if ground else [0.0] * 4)
+    mass = np.array([row["mass"] for row in rows], dtype=float)
+    return lambda functions: Bodies(
+        _records(BODY, rows), gravity, floor, mass, mass.copy(), np.zeros(len(mass)), functions
+    )  # fmt: skip
+
+
+def _rims(layout: Layout) -> Rims | None:
+    """Rims on their own travel, or on the material that does not slip on them."""
+    place, mass = [], []
+    for i, item in enumerate(layout.scene.path):
+        if isinstance(item, Sheave) and item.inertia > 0.0:
+            own = has_rim(item)
+            place.append(layout.rim[i] if own else layout.material(i))
+            mass.append(item.inertia / item.radius**2 * (1.0 if own else layout.stretch**2))
+    return Rims(np.array(place, dtype=np.int64), np.array(mass)) if place else None
+
+
+def _springs(layout: Layout) -> Springs | None:
+    rows = [
+        (
+            layout.body[body.name] + c,
+            body.spring.stiffness[c],
+            body.spring.damping[c],
+            (body.spring.rest or body.position)[c],
+        )
+        for body in layout.scene.bodies
+        if body.spring is not None
+        for c in range(AXES)
+    ]
+    if not rows:
+        return None
+    place, stiffness, damping, rest = zip(*rows, strict=True)
+    return Springs(np.array(place, dtype=np.int64), *(np.array(x, dtype=float) for x in (stiffness, damping, rest)))
+
+
+def _supplies(layout: Layout) -> Supplies | None:
+    rows = []
+    for i, item in enumerate(layout.scene.path):
+        if not isinstance(item, Drum):
+            continue
+        held, capacity = item.rope_on_drum, capacity_of(layout.scene, item)
+        if held is None and capacity is None:
+            continue
+        way = 1.0 if i == 0 else -1.0
+        begin = layout.degrees.value[layout.supply.get(i, layout.material(i))]
+        least = begin - way * (np.inf if held is None else held)
+        most = begin + way * (np.inf if capacity is None else capacity - (held or 0.0))
+        rows.append((layout.material(i), least, most, way))
+    if not rows:
+        return None
+    place, *ends = zip(*rows, strict=True)
+    return Supplies(np.array(place, dtype=np.int64), *(np.array(x, dtype=float) for x in ends))
+
+
+def _wet(layout: Layout, spans: Spans) -> Wet | None:
+    """The rope in water; one without a diameter takes up no room and meets no drag."""
+    water, rope = layout.scene.water, layout.scene.rope
+    if water is None or rope.diameter is None:
+        return None
+    common = {
+        "diameter": rope.diameter, "density": water.density, "drag": water.rope_drag, "added": water.added_mass
+    }  # fmt: skip
+    rows = [{"a": a, "b": b, **common} for a, b in pairwise(layout.station)]
+    return new_wet(_records(WET, rows), water.surface, np.array(layout.scene.gravity, dtype=float), spans)
+
+
+def _rigids(layout: Layout) -> Rigids | None:
+    scene = layout.scene
+    rows = [
+        {"place": layout.body[name], "turn": turn, "inertia": scene.body(name).inertia, "frequency": FREQUENCY}
+        for name, turn in layout.turn.items()
+    ]
+    return new_rigids(_records(RIGID, rows)) if rows else None
+
+
+def _socketed(layout: Layout) -> list[tuple[int, End]]:
+    """Ends of the rope that hold a body away from its centre, which it turns about."""
+    return [
+        (i, item)
+        for i, item in enumerate(layout.scene.path)
+        if isinstance(item, End) and item.body in layout.turn and any(item.offset)
+    ]
+
+
+def _sockets(layout: Layout) -> Sockets | None:
+    rows = [
+        {
+            "station": layout.station[layout.item[i]],
+            "place": layout.body[item.body],
+            "turn": layout.turn[item.body],
+            "offset": item.offset,
+            "stiffness": STIFFER * layout.scene.rope.axial_stiffness,
+            "damping": 0.0,
+        }
+        for i, item in _socketed(layout)
+    ]
+    return new_sockets(_records(SOCKET, rows)) if rows else None
+
+
+def _couplings(layout: Layout) -> list[np.ndarray]:
+    """What bodies that turn couple: their quaternions, and with them what hangs in a socket."""
+    stencils = [np.arange(turn, turn + QUATERNION)[None] for turn in layout.turn.values()]
+    for i, item in _socketed(layout):
+        station, place, turn = layout.station[layout.item[i]], layout.body[item.body], layout.turn[item.body]
+        parts = (station + np.arange(STATION - 1), place + np.arange(AXES), turn + np.arange(QUATERNION))
+        stencils.append(np.concatenate(parts)[None])
+    return stencils

@@ -1,0 +1,381 @@
+"""Where everything of a crane scene stands in the full vectors: frames, bodies, stations of the rope, rims.
+
+The rope is cut at stations: the items of its path, and the nodes that divide each span. A station has a position and
+the material coordinate that is there. What rides on a frame follows its twelve numbers, what rides on a body its
+position; the nodes of a span are free, and their material follows that of the marks at both its ends in proportion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from crane.assembly.loads import floating
+from crane.geometry.line import WHEEL
+from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of
+from crane.geometry.reeving import Path, ReevingError, Wheel, reeve, sigma_of
+from crane.geometry.sagging import Sag, sagging
+from crane.groups.span import MATERIAL, STATION
+from crane.scene.scene import Anchor, Body, CraneScene, End, Sheave
+from crane.scene.strength import longest_strain
+from crane.sea.frames import ENTRIES, GROUND, Frame, point_of, requests_of
+from crane.sea.vessel import frames_of
+from tautline.kernels.time_function import value_at
+from tautline.scene.errors import SceneError
+from tautline.scene.functions import Constant
+from tautline.system.system import Degrees
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+AXES = 3
+ROUNDING = 1.0e-9
+"""Share of its length by which a rope that is as long as its path may seem shorter."""
+IDENTITY = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+
+
+@dataclass
+class Requests:
+    """Functions of time of a scene, as they are asked for."""
+
+    of: list[FunctionRequest] = field(default_factory=list)
+
+    def add(self, request: FunctionRequest) -> int:
+        """Number of a function."""
+        self.of.append(request)
+        return len(self.of) - 1
+
+
+@dataclass
+class Layout:
+    """A scene's geometry at t = 0 and its degrees of freedom.
+
+    Attributes
+    ----------
+    scene : CraneScene
+    frames : tuple of Frame
+    frame : dict
+        Place of each frame's twelve numbers, by its place among `frames`; `GROUND` too.
+    body : dict
+        Place of each body's position, by its name.
+    station : list of int
+        Places of all stations, along the rope.
+    item : list of int
+        Number of the station of each item of the path.
+    rim : dict
+        Place of the travel of a rim that the rope may slip on, by the number of its item.
+    turn : dict
+        Place of the quaternion of each body that turns, by its name.
+    supply : dict
+        Place of the material that is laid out at a drum of prescribed motion at the start, by the number of its item.
+    wheels : (items,) records of ``WHEEL``
+        With a radius of zero for points.
+    path : Path
+        The rope's way at t = 0.
+    entries : (frames, 12) array
+        The frames' numbers at t = 0.
+    stretch : float
+        Of the rope as it is laid out, by which material and rims that do not slip go together.
+    """
+
+    scene: CraneScene
+    frames: tuple[Frame, ...]
+    frame: dict[int, int]
+    body: dict[str, int]
+    station: list[int]
+    item: list[int]
+    rim: dict[int, int]
+    turn: dict[str, int]
+    supply: dict[int, int]
+    wheels: np.recarray
+    path: Path
+    entries: np.ndarray
+    degrees: Degrees
+    requests: Requests
+    stretch: float = 1.0
+
+    @property
+    def spans(self) -> list[tuple[int, int]]:
+        """First and last station of every span of the path, by their numbers."""
+        return list(zip(self.item[:-1], self.item[1:], strict=True))
+
+    def material(self, item: int) -> int:
+        """Place of the material coordinate at an item."""
+        return self.station[self.item[item]] + MATERIAL
+
+
+def has_rim(item: Any) -> bool:
+    """Whether a wheel's rim may move apart from the rope: a capstan that can turn."""
+    return isinstance(item, Sheave) and item.law == "capstan" and item.inertia > 0.0 and not item.locked
+
+
+def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
+    """Quaternion (4,) of a body that turns at t = 0: as drawn, or at rest with its rope's end above its centre.
+
+    It is turned from the drawing by the least angle, the rope's ends taken together.
+    """
+    drawn = quaternion_of(body.orientation)
+    ends = [item.offset for item in scene.path if isinstance(item, End) and item.body == body.name]
+    up = -np.array(scene.gravity, dtype=float)
+    held = np.sum(ends, axis=0) if ends else np.zeros(AXES)
+    if scene.start != "static" or not held.any() or not up.any():
+        return drawn
+    one, other = rotation_of(drawn) @ held / np.linalg.norm(held), up / np.linalg.norm(up)
+    cosine = float(one @ other)
+    across = np.cross(one, other)
+    if cosine < -1.0 + 1e-12:
+        across = np.cross(one, np.eye(AXES)[int(np.argmin(np.abs(one)))])
+        least = np.array([0.0, *(across / np.linalg.norm(across))])
+    else:
+        least = np.array([1.0 + cosine, *across])
+        least = least / np.linalg.norm(least)
+    s, v, w, x = least[0], least[1:], drawn[0], drawn[1:]
+    return np.array([s * w - v @ x, *(s * x + w * v + np.cross(v, x))])
+
+
+def _compiled_frames(scene: CraneScene) -> tuple[tuple[Frame, ...], dict[str, int], list[FunctionRequest]]:
+    """Frames with the functions of time that place them; faults get their line."""
+    end = scene.solver.end
+    try:
+        frames, places = frames_of(scene.vessel, scene.frames, scene.folder, end)
+        return frames, places, requests_of(frames, end)
+    except SceneError as error:
+        problems = [
+            scene.problem(p.key, p.cause, p.cure) if p.line is None and p.key else p for p in error.problems
+        ]  # fmt: skip
+        raise SceneError(problems) from None
+
+
+def lay_out(scene: CraneScene) -> Layout:
+    """Lay a scene out.
+
+    Raises
+    ------
+    SceneError
+        Where no rope can take the path, and for faults of the files of a vessel's motion.
+    """
+    frames, places, requests = _compiled_frames(scene)
+    functions = compile_functions(requests)
+    entries = np.array([value_at(functions, i, 0.0)[0] for i in range(len(requests))]).reshape(-1, ENTRIES)
+    on = [_frame_number(scene, item, places) for item in scene.path]
+    wheels = [
+        _wheel(scene, item, entries[k] if k != GROUND else IDENTITY) for item, k in zip(scene.path, on, strict=True)
+    ]
+    _refuse_load_above(scene, wheels)
+    path = _reeved(scene, wheels)
+    _refuse_short(scene, path)
+    _refuse_floating(scene, path)
+    builder = _Builder(scene, frames, entries, requests)
+    records = np.zeros(len(wheels), WHEEL).view(np.recarray)
+    for i, (wheel, k) in enumerate(zip(wheels, on, strict=True)):
+        turned = (entries[k] if k != GROUND else IDENTITY)[3:].reshape(3, 3).T
+        mark = path.sigma[i] * path.marks[i]
+        records[i] = (
+            builder.frame[k], path.sigma[i] * wheel.radius, turned.T @ wheel.axis, turned.T @ mark,
+            int(k != GROUND and _turns(requests, k)),
+        )  # fmt: skip
+    return builder.finish(records, wheels, on, path)
+
+
+def _turns(requests: list[FunctionRequest], k: int) -> bool:
+    return any(not isinstance(r.model, Constant) for r in requests[ENTRIES * k + 3 : ENTRIES * (k + 1)])
+
+
+def _frame_number(scene: CraneScene, item: Any, places: dict[str, int]) -> int:
+    name = scene.frame_of(item)
+    return GROUND if name is None else places[name]
+
+
+def _wheel(scene: CraneScene, item: Any, entries: np.ndarray) -> Wheel:
+    """An item as the geometry sees it, where it is at t = 0."""
+    turned = entries[3:].reshape(3, 3).T
+    if isinstance(item, End):
+        body = scene.body(item.body)
+        turned = rotation_of(orientation_of(scene, body)) if body.inertia is not None else np.eye(AXES)
+        return Wheel(item.name, body.position + turned @ item.offset, np.array([0, 1, 0]), 0.0, None, True)
+    if isinstance(item, Anchor):
+        return Wheel(item.name, point_of(entries, item.position), np.array([0, 1, 0]), 0.0, None, True)
+    if isinstance(item, Sheave) and item.body is not None:
+        center = np.add(scene.body(item.body).position, item.offset)
+        return Wheel(item.name, center, np.array(item.unit_axis), item.radius, item.wrap)
+    center = point_of(entries, item.center)
+    return Wheel(item.name, center, turned @ np.array(item.unit_axis), item.radius, item.wrap)
+
+
+def _refuse_load_above(scene: CraneScene, wheels: list[Wheel]) -> None:
+    """Refuse a load that is to hang at rest and is drawn above all that its rope leads to."""
+    up = -np.array(scene.gravity, dtype=float)
+    if scene.start != "static":
+        return
+    for k, body in enumerate(scene.bodies):
+        at = [i for i, item in enumerate(scene.path) if isinstance(item, (End, Sheave)) and item.body == body.name]
+        beside = {j for i in at for j in (i - 1, i + 1) if 0 <= j < len(wheels)} - set(at)
+        if not beside or body.spring is not None or body.mass == 0.0:
+            continue
+        highest = max(beside, key=lambda j: float(up @ wheels[j].center))
+        if all(up @ wheels[highest].center <= up @ wheels[i].center for i in at):
+            cause = f"is above {scene.path[highest].name}, which it hangs from: no taut rope holds it up there"
+            raise SceneError([scene.problem(f"bodies[{k}].position", cause, "draw it below, or start: as drawn")])
+
+
+def _refuse_floating(scene: CraneScene, path: Path) -> None:
+    """Refuse a load that is to hang at rest as high as drawn and goes up."""
+    if scene.start != "static" or scene.rope.length is not None:
+        return
+    problems = [
+        scene.problem(
+            f"bodies[{k}]",
+            f"{scene.bodies[k].name} does not pull on its rope: buoyancy and force lift it with {lift:.4g} N more than "
+            "it weighs, and no length of rope makes the drawing true",
+            "give it less volume or more mass, or start: as drawn",
+        )
+        for k, lift in floating(scene, path)
+    ]
+    if problems:
+        raise SceneError(problems)
+
+
+def _reeved(scene: CraneScene, wheels: list[Wheel]) -> Path:
+    try:
+        sigma = sigma_of(wheels)
+        return reeve(wheels, sigma, scene.rope.diameter or 0.0)
+    except ReevingError as error:
+        key = "path" if error.index is None else f"path[{error.index}].{scene.path[error.index].key}"
+        raise SceneError([scene.problem(key, error.message, error.cure)]) from None
+
+
+def carries_nothing(scene: CraneScene) -> bool:
+    """Whether the rope holds no body, and nothing but its own weight and its ends makes its tension."""
+    return all(getattr(item, "body", None) is None for item in scene.path)
+
+
+def sags_of(scene: CraneScene, path: Path) -> list[Sag]:
+    """How the spans of a rope hang that carries nothing; each has its share of what is too much or too little."""
+    weight = scene.rope.mass_per_length * np.array(scene.gravity, dtype=float)
+    length = scene.rope.length
+    spare = 1.0 if length is None else length / float(path.chords.sum())
+    return [
+        sagging(
+            path.tangents[i],
+            span.length + (spare - 1.0) * float(path.chords[i]), scene.elements[i], weight, scene.rope.axial_stiffness,
+        )
+        for i, span in enumerate(path.spans)
+    ]  # fmt: skip
+
+
+def _drawn(scene: CraneScene, path: Path) -> list[np.ndarray]:
+    """Points that divide each span, (n + 1, 3): on its chord, or where rest is looked for of a rope that only sags."""
+    if scene.start == "static" and carries_nothing(scene):
+        return [sag.points for sag in sags_of(scene, path)]
+    found = []
+    for i, count in enumerate(scene.elements):
+        first, last = path.tangents[i]
+        found.append(np.array([first + k / count * (last - first) for k in range(count + 1)]))
+    return found
+
+
+def _refuse_short(scene: CraneScene, path: Path) -> None:
+    """Refuse a rope that would have to be stretched beyond what it bears to reach along its path."""
+    length, way = scene.rope.length, float(path.chords.sum())
+    if length is None:
+        return
+    most = longest_strain(scene)
+    if length * (1.0 + most) >= way * (1.0 - ROUNDING):
+        return
+    cause = (
+        f"{length:.6g} m of rope are shorter than the path, which is {way:.6g} m from end to end with the arcs on its "
+        f"wheels: it would be stretched by {100.0 * (way / length - 1.0):.3g} %, and {100.0 * most:.3g} % is the most "
+        "that it bears"
+    )
+    cure = f"give {way:.6g} m or more, move the items of the path together, or remove `length:`"
+    raise SceneError([scene.problem("rope.length", cause, cure)])
+
+
+class _Builder:
+    """Numbers degrees of freedom in the order: frames, bodies, stations, rims."""
+
+    def __init__(self, scene: CraneScene, frames: tuple[Frame, ...], entries: np.ndarray, requests: list) -> None:
+        self.scene, self.frames, self.entries = scene, frames, entries
+        self.requests = Requests()
+        self.names: list[str] = []
+        self.value: list[float] = []
+        self.motion: dict[int, int] = {}
+        self.masters: dict[int, tuple[list[tuple[int, float]], float]] = {}
+        self.frame = {GROUND: self._add("the ground", ENTRIES, IDENTITY)}
+        for i in range(ENTRIES):
+            self.motion[self.frame[GROUND] + i] = -1
+        for k, frame in enumerate(frames):
+            self.frame[k] = self._add(frame.name, ENTRIES, entries[k])
+            for i in range(ENTRIES):
+                request = requests[ENTRIES * k + i]
+                still = isinstance(request.model, Constant)
+                self.motion[self.frame[k] + i] = -1 if still else self.requests.add(request)
+                if not still:
+                    self.value[self.frame[k] + i] = 0.0
+        self.body = {body.name: self._add_body(body) for body in scene.bodies}
+        self.turn = {
+            body.name: self._add(f"{body.name}: turn", QUATERNION, orientation_of(scene, body))
+            for body in scene.bodies
+            if body.inertia is not None
+        }
+
+    def _add(self, name: str, count: int, value: Any) -> int:
+        first = len(self.names)
+        words = ("x", "y", "z", "material")
+        self.names += [f"{name}: {words[i]}" if count <= len(words) else name for i in range(count)]
+        self.value += [float(x) for x in value]
+        return first
+
+    def _add_body(self, body: Body) -> int:
+        place = self._add(body.name, AXES, body.position)
+        for i, axis in enumerate("xyz"):
+            if axis in body.guide:
+                self.motion[place + i] = -1
+        return place
+
+    def finish(self, records: np.recarray, wheels: list[Wheel], on: list[int], path: Path) -> Layout:
+        """Add the rope's stations and rims, and tie what is tied."""
+        scene = self.scene
+        station, item, points = [], [], _drawn(scene, path)
+        for i, wheel in enumerate(wheels):
+            item.append(len(station))
+            station.append(self._add(wheel.name, STATION, (*wheel.center, 0.0)))
+            if i < len(wheels) - 1:
+                count = scene.elements[i]
+                drawn = points[i]
+                for k in range(1, count):
+                    at = drawn[k]
+                    station.append(
+                        self._add(f"rope {wheel.name} to {wheels[i + 1].name}, node {k}", STATION, (*at, 0.0))
+                    )
+        rim = {
+            i: self._add(f"{thing.name}: rim", 1, [0.0]) for i, thing in enumerate(scene.path) if has_rim(thing)
+        }  # fmt: skip
+        for i, thing in enumerate(scene.path):
+            self._place(thing, station[item[i]], on[i])
+        layout = Layout(
+            scene, self.frames, self.frame, self.body, station, item, rim, self.turn, {}, records, path,
+            self.entries,
+            Degrees(self.names, np.array(self.value), np.ones(len(self.names))), self.requests,
+        )  # fmt: skip
+        layout.degrees.motion.update(self.motion)
+        for place, (masters, offset) in self.masters.items():
+            layout.degrees.tie(place, masters, offset)
+        return layout
+
+    def _place(self, thing: Any, place: int, k: int) -> None:
+        """Put an item on what it rides on."""
+        if isinstance(thing, End) and thing.body in self.turn and any(thing.offset):
+            return
+        if isinstance(thing, End) or (isinstance(thing, Sheave) and thing.body is not None):
+            for c in range(AXES):
+                self.masters[place + c] = [(self.body[thing.body] + c, 1.0)], thing.offset[c]
+            return
+        drawn = thing.position if isinstance(thing, Anchor) else thing.center
+        f = self.frame[k]
+        for c in range(AXES):
+            if k == GROUND:
+                self.motion[place + c] = -1
+                self.value[place + c] = drawn[c]
+            else:
+                self.masters[place + c] = [(f + c, 1.0), *((f + 3 + 3 * j + c, drawn[j]) for j in range(AXES))], 0.0

@@ -1,0 +1,60 @@
+"""Damping of what rings between the nodes of a mesh and is no motion of the rope.
+
+After slack, nodes fly between slack elements and snap one by one; without damping a few elements then show tensions
+that a finer mesh does not. What a mesh of n elements cannot carry is at its highest frequency, 2 sqrt(3) wave speeds
+over an element. Stress over the rate of strain, c, damps that by omega c / 2 of critical, and slower motions by less in
+proportion to their frequency: the load's bounce by a per cent or so.
+"""
+
+from __future__ import annotations
+
+import math
+
+from crane.assembly.loads import pull
+from crane.geometry.reeving import Path
+from crane.scene.scene import CraneScene, Drum, End, Sheave
+
+CRITICAL = 1.0
+"""Share of critical damping at the highest frequency of an element."""
+BOUNCE = 0.01
+"""Largest share of critical damping that the load's bounce may be given."""
+HIGHEST = 2.0 * math.sqrt(3.0)
+"""Highest angular frequency of linear elements with consistent mass, in wave speeds over their length."""
+
+
+def damping_of(scene: CraneScene, path: Path) -> list[float]:
+    """Damping of the rope in every span, s: as the scene says, or where it says nothing what its mesh needs."""
+    rope = scene.rope
+    if rope.damping is not None:
+        return [rope.damping] * len(path.spans)
+    speed, frequency = math.sqrt(rope.axial_stiffness / rope.mass_per_length), bounce(scene, path)
+    most = math.inf if frequency is None else 2.0 * BOUNCE / (2.0 * math.pi * frequency)
+    return [
+        min(most, 2.0 * CRITICAL * float(chord) / count / (HIGHEST * speed))
+        for chord, count in zip(path.chords, scene.elements, strict=True)
+    ]
+
+
+def bounce(scene: CraneScene, path: Path) -> float | None:
+    """Frequency with the whole rope as one spring EA / L: omega^2 = EA / L times the sum of pull^2 / mass."""
+    rope, mobility = scene.rope, 0.0
+    for name, force in pull(scene, path).items():
+        body = scene.body(name)
+        for c, axis in enumerate("xyz"):
+            # A third of the rope's mass on it goes with the load, as with any spring.
+            mass = body.mass + body.added_mass[c] + rope.mass_per_length * _hanging(scene, path, name) / 3.0
+            # A pull of less is that of a fall a little off plumb: there the load swings, and does not bounce.
+            if axis not in body.guide and mass > 0.0 and abs(force[c]) > 0.3:
+                mobility += float(force[c]) ** 2 / mass
+    for item in scene.path:
+        if isinstance(item, Drum) and not item.prescribed and item.inertia:
+            mobility += item.radius**2 / item.inertia
+    if mobility == 0.0:
+        return None
+    return math.sqrt(rope.axial_stiffness / path.length * mobility) / (2.0 * math.pi)
+
+
+def _hanging(scene: CraneScene, path: Path, name: str) -> float:
+    """Length of the spans that touch a body, m."""
+    on = {i for i, item in enumerate(scene.path) if isinstance(item, (End, Sheave)) and item.body == name}
+    return sum(span.length for k, span in enumerate(path.spans) if k in on or k + 1 in on)

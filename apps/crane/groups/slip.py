@@ -1,0 +1,231 @@
+"""Friction of ropes on sheaves, of sheaves in their bearings, and of brakes: one law that sticks until it slips.
+
+Each has a coordinate u = k_p p + k_s s of material p at a mark and travel s of a rim. It resists u. with a force that
+grows with u as a stiff spring's does, F = F_n + k (u - u_n), up to a limit F_m, and slips there: return mapping, as in
+plasticity (J. C. Simo and T. J. R. Hughes, Computational Inelasticity, 1998, ch. 1). F_n and u_n are those of the last
+accepted step. A rope that sticks does not creep, and its tangent is that of the spring. The limits:
+
+- ``CAPSTAN``, Euler-Eytelwein: (exp(mu theta) - 1) max(min(T_1, T_2), 0), theta the wrap and T less rhoA u^2;
+- ``EFFICIENCY``: the same with 1/eta in place of exp(mu theta);
+- ``BEARING``: mu_b r_b / R |F|, F what rope and rim press on the pin;
+- ``TORQUE``: what a function of time says.
+"""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from crane.geometry.line import AXES
+from crane.groups.span import BY_SPEED, BY_STRETCH, FIRST, FIRST_PSI, INERTIA, LAST, LAST_PSI, MATERIAL, STRETCH
+from tautline.kernels.dofs import add_entry
+from tautline.kernels.groups import register
+from tautline.kernels.jit import kernel
+from tautline.kernels.time_function import TimeFunctions, evaluate
+
+CAPSTAN, EFFICIENCY, BEARING, TORQUE = range(4)
+NONE = -1
+SLIP = np.dtype(
+    [
+        ("kind", "i8"), ("p", "i8"), ("by_p", "f8"), ("s", "i8"), ("by_s", "f8"), ("before", "i8"), ("after", "i8"),
+        ("coefficient", "f8"), ("stiffness", "f8"), ("function", "i8"),
+    ]
+)  # fmt: skip
+"""A contact: kind; places of p and of s or ``NONE`` with their factors; numbers of the spans before and after; mu,
+1/eta - 1 or mu_b r_b / R; k N/m; and the function of time of a limit (N), times the coefficient."""
+
+
+class Slips(NamedTuple):
+    """Contacts (n,) of ``SLIP``.
+
+    ``found`` (spans, 9) and ``direction`` (spans, 3) are what the spans found, ``ends`` (spans, 2) their stations.
+    ``force``, ``travel`` (n,) are F_n and u_n, ``now`` (n,) the force, ``power`` (n,) what slip turned to heat in the
+    last step over its length, W, ``slips`` (n,) what the tangent was made for: 0, or the sign of the slip; ``acts``
+    (1,) is 0 while an equilibrium is sought: nothing moves there, and nothing resists. ``fresh`` (1,) is 1 until the
+    first step is accepted: no contact has moved or been loaded before.
+    """
+
+    rows: np.recarray
+    found: np.ndarray
+    direction: np.ndarray
+    ends: np.ndarray
+    force: np.ndarray
+    travel: np.ndarray
+    now: np.ndarray
+    power: np.ndarray
+    slips: np.ndarray
+    acts: np.ndarray
+    fresh: np.ndarray
+    functions: TimeFunctions
+
+
+@kernel
+def _travel(row, x):
+    u = row.by_p * x[row.p] if row.p != NONE else 0.0
+    return u + row.by_s * x[row.s] if row.s != NONE else u
+
+
+@kernel
+def _pin(g, row):
+    """What rope presses on a pin with, N, and its share across each side."""
+    one, two = g.found[row.before, LAST], g.found[row.after, FIRST]
+    square = 0.0
+    by_one = by_two = 0.0
+    for c in range(AXES):
+        x = two * g.direction[row.after, c] - one * g.direction[row.before, c]
+        square += x * x
+        by_two += x * g.direction[row.after, c]
+        by_one -= x * g.direction[row.before, c]
+    size = sqrt(square)
+    h = 1.0 / size if size > 0.0 else 0.0
+    return size, by_one * h, by_two * h
+
+
+@kernel
+def _limit(g, row, t):
+    """F_m, and its derivatives by the tensions before and after."""
+    if row.kind == TORQUE:
+        share, _, _ = evaluate(g.functions, row.function, t)
+        return row.coefficient * max(0.0, share), 0.0, 0.0
+    if row.kind == BEARING:
+        size, by_one, by_two = _pin(g, row)
+        return row.coefficient * size, row.coefficient * by_one, row.coefficient * by_two
+    one, two = g.found[row.before, LAST], g.found[row.after, FIRST]
+    gain = row.coefficient
+    if row.kind == CAPSTAN:
+        gain = exp(row.coefficient * abs(g.found[row.after, FIRST_PSI] - g.found[row.before, LAST_PSI])) - 1.0
+    lower = min(one, two)
+    if lower <= 0.0:
+        return 0.0, 0.0, 0.0
+    return gain * lower, gain if one <= two else 0.0, 0.0 if one <= two else gain
+
+
+@kernel
+def _trial(g, i, t, q):
+    """Force, the sign of the slip or 0, and the limit with its derivatives."""
+    row = g.rows[i]
+    limit, by_one, by_two = _limit(g, row, t)
+    force = g.force[i] + row.stiffness * (_travel(row, q) - g.travel[i])
+    if abs(force) <= limit:
+        return force, 0, by_one, by_two
+    return (limit, 1, by_one, by_two) if force > 0.0 else (-limit, -1, by_one, by_two)
+
+
+@kernel
+def _begin(g, t, h, beta, gamma, q, v, a):
+    g.acts[0] = 0.0 if beta < 0.0 else 1.0
+    if g.fresh[0] == 1.0:
+        for i in range(g.rows.size):
+            g.travel[i] = _travel(g.rows[i], q)
+
+
+@kernel
+def _switch(g, t, q, v, converged, changed):
+    """A contact that lets go, or catches, has another tangent; the residual knows by itself."""
+    if converged:
+        return
+    for i in range(g.rows.size):
+        _, sign, _, _ = _trial(g, i, t, q)
+        if sign != g.slips[i]:
+            g.slips[i] = sign
+            changed[0] += 1
+
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    for i in range(g.rows.size):
+        row = g.rows[i]
+        force, _, _, _ = _trial(g, i, t, q)
+        force *= g.acts[0]
+        g.now[i] = force
+        if row.p != NONE:
+            r[row.p] += row.by_p * force
+        if row.s != NONE:
+            r[row.s] += row.by_s * force
+
+
+@kernel
+def _add(g, row, matrix, dofs, column, x):
+    if row.p != NONE:
+        add_entry(matrix, dofs, row.p, column, row.by_p * x)
+    if row.s != NONE:
+        add_entry(matrix, dofs, row.s, column, row.by_s * x)
+
+
+@kernel
+def _add_span(g, row, n, first, matrix, dofs, x, cm, cc, ck):
+    """Add x times the derivative of the tension at one end of a span: N's, and that of the rope beside it."""
+    a, b = g.ends[n, 0], g.ends[n, 1]
+    by = x * (ck * g.found[n, BY_STRETCH] + cc * g.found[n, BY_SPEED])
+    mass = x * cm * g.found[n, INERTIA]
+    by_a = -by - 2.0 * mass if first else -by + mass
+    by_b = by - mass if first else by + 2.0 * mass
+    for c in range(AXES):
+        _add(g, row, matrix, dofs, a + c, by_a * g.direction[n, c])
+        _add(g, row, matrix, dofs, b + c, by_b * g.direction[n, c])
+    _add(g, row, matrix, dofs, a + MATERIAL, -by_a * g.found[n, STRETCH])
+    _add(g, row, matrix, dofs, b + MATERIAL, -by_b * g.found[n, STRETCH])
+
+
+@kernel
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    if g.acts[0] == 0.0:
+        return
+    for i in range(g.rows.size):
+        row = g.rows[i]
+        _, sign, by_one, by_two = _trial(g, i, t, q)
+        if sign == 0:
+            x = ck * row.stiffness
+            if row.p != NONE:
+                _add(g, row, matrix, dofs, row.p, x * row.by_p)
+            if row.s != NONE:
+                _add(g, row, matrix, dofs, row.s, x * row.by_s)
+        else:
+            if by_one != 0.0:
+                _add_span(g, row, row.before, False, matrix, dofs, sign * by_one, cm, cc, ck)
+            if by_two != 0.0:
+                _add_span(g, row, row.after, True, matrix, dofs, sign * by_two, cm, cc, ck)
+
+
+@kernel
+def _energy(g, t, q, v, energy):
+    for i in range(g.rows.size):
+        energy[1] += 0.5 * g.force[i] ** 2 / g.rows[i].stiffness
+
+
+@kernel
+def _dissipation(g, t, q, v, p):
+    for i in range(g.rows.size):
+        p[0] += g.power[i]
+
+
+@kernel
+def _commit(g, t, h, q, v, a):
+    """Keep force and travel."""
+    if h == 0.0:
+        return
+    g.fresh[0] = 0.0
+    for i in range(g.rows.size):
+        row = g.rows[i]
+        u = _travel(row, q)
+        force, sign, _, _ = _trial(g, i, t, q)
+        # Of the way that F went, its spring took some; the rest is slip.
+        slipped = u - g.travel[i] - (force - g.force[i]) / row.stiffness
+        g.power[i] = force * slipped / h if sign != 0 else 0.0
+        g.force[i], g.travel[i], g.now[i] = force, u, force
+
+
+@kernel
+def _record(g, out, at):
+    for i in range(g.rows.size):
+        out[at[0]] = g.now[i]
+        out[at[0] + 1] = g.slips[i]
+        at[0] += 2
+
+
+register(
+    Slips, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
+    dissipation=_dissipation, commit=_commit, record=_record,
+)  # fmt: skip

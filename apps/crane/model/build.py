@@ -1,0 +1,239 @@
+"""A crane scene compiled into a model: the rope's spans, what they run over and what hangs on them."""
+
+from __future__ import annotations
+
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from crane.assembly.drum_supply import check_supply
+from crane.assembly.groups import groups_of
+from crane.assembly.layout import AXES, Layout, lay_out
+from crane.assembly.static_start import draw_true, stretch_of
+from crane.geometry.quaternion import QUATERNION
+from crane.groups.span import MATERIAL, STATION
+from crane.results.course import Course, course_of, laid_out
+from crane.results.limits import limits
+from crane.results.observe import COORDINATE_UNITS, Observer, variables
+from crane.results.summary import headline
+from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
+from crane.sea.compensation import Compensation, compensate
+from crane.sea.frames import heave_of
+from tautline.integrators.statics.attainable import within_rounding
+from tautline.kernels.time_function import value_at
+from tautline.scene.errors import SceneError
+from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
+from tautline.system.model import Model, SolverSettings
+from tautline.system.system import System, assemble
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+STEP_ERROR = 3.0e-5
+"""Error of a step, m, where the scene gives none."""
+TOLERANCE = 1.0e-8
+"""Largest residual, as a share of the rope's tension, that counts as solved."""
+GRAVITY = 9.81
+CLOSES = 1.0e-3
+"""Time that a brake takes to close or open, s."""
+
+
+def build(scene: CraneScene) -> Model:
+    """Compile a scene.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    SceneError
+        For a path that no rope can take, faults of files, and more rope than a drum holds.
+    """
+    check_supply(scene)
+    made = assembled(scene)
+    layout, system, notes = made.layout, made.system, [*made.notes, *unused_alphas(scene.solver)]
+    observer, told = Observer(layout, system.groups, made.compensation), _Told(scene)
+    solver = scene.solver
+    alpha_m, alpha_f = solver.alphas
+    error = error_of_steps(solver, STEP_ERROR) or (STEP_ERROR if scene.controlled else 0.0)
+    model = Model(
+        system=system,
+        solver=SolverSettings(
+            solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
+            alpha_m, alpha_f, solver.tolerance or TOLERANCE, solver.criterion or "force", solver.max_iterations,
+            solver.max_halvings, step_error=error, automatic=solver.step == "auto", newton=solver.newton,
+        ),
+        variables=variables(observer),
+        coordinates=observer.coordinates(),
+        attributes={
+            "scene": scene.document.text if scene.document is not None else "",
+            "title": scene.title or "",
+            "application": "crane",
+            "physics": _physics(scene),
+            "conventions": COORDINATE_UNITS,
+        },
+        observe=observer.observe,
+        headline=told.headline,
+        limits=told.limits,
+        start="static" if scene.start == "static" else "as given",
+        step_limit=0.3 * float(layout.path.chords.min()),
+        own=observer.own,
+        notes=notes,
+        settle=lambda state: draw_true(layout, system, state),
+    )  # fmt: skip
+    return within_rounding(model)
+
+
+class _Told:
+    """What is told of a result at the end of its run: headline, then limits, which look at the same course of rope."""
+
+    def __init__(self, scene: CraneScene) -> None:
+        self.scene = scene
+        self.course: tuple[Any, Course] | None = None
+
+    def headline(self, result: Any) -> dict[str, dict[str, Any]]:
+        course = course_of(result, laid_out(self.scene))
+        self.course = result, course
+        return headline(result, self.scene, course)
+
+    def limits(self, result: Any) -> list[dict[str, Any]]:
+        known, self.course = self.course, None
+        return limits(result, self.scene, known[1] if known is not None and known[0] is result else None)
+
+
+class Assembly:
+    """The equations of a scene, and what was found on the way: `layout`, `system`, `compensation`, `notes`."""
+
+    def __init__(self, layout: Layout, system: System, compensation: Compensation | None, notes: list[str]) -> None:
+        self.layout, self.system, self.compensation, self.notes = layout, system, compensation, notes
+
+
+def assembled(scene: CraneScene) -> Assembly:
+    """Lay a scene out and write its equations; see `build`."""
+    layout = lay_out(scene)
+    tension = _tension(scene)
+    _tie_material(layout, tension)
+    compensation = _drive(layout)
+    made, contacts = groups_of(layout)
+    functions = compile_functions(layout.requests.of)
+    groups = tuple(make(functions) for make in made)
+    layout.degrees.scale[:] = max(tension, 1.0e-6 * scene.rope.axial_stiffness)
+    velocity = np.zeros(len(layout.degrees.names))
+    for body in scene.bodies:
+        place = layout.body[body.name]
+        velocity[place : place + AXES] = body.velocity
+    still = [layout.material(i) for i, item in enumerate(scene.path) if isinstance(item, Drum) and not item.prescribed]
+    turns = [turn + k for turn in layout.turn.values() for k in range(QUATERNION)]
+    at_rest = [*still, *layout.rim.values(), *turns]
+    system = assemble(groups, layout.degrees, functions, velocity, *_stencils(layout, contacts), at_rest=at_rest)
+    for k, place in enumerate(system.dofs.held):
+        if system.dofs.motion[k] >= 0:
+            system.q[place] = system.dofs.offset[k] + value_at(functions, system.dofs.motion[k], 0.0)[0]
+    return Assembly(layout, system, compensation, [*layout.path.warnings])
+
+
+def _physics(scene: CraneScene) -> str:
+    """Hash of all that a scene says but how it is solved and what is kept: a run can be gone on with if it agrees."""
+    return sha256(repr(scene.model_dump(exclude={"title", "solver", "output"})).encode()).hexdigest()[:16]
+
+
+def _tension(scene: CraneScene) -> float:
+    """Tension that the rope may be expected to have, N: the load on its falls, and its own weight."""
+    carried = {item.body for item in scene.path if isinstance(item, (End, Sheave)) and item.body is not None}
+    ends = sum(
+        (2 if isinstance(item, Sheave) else 1)
+        for item in scene.path
+        if isinstance(item, (End, Sheave)) and item.body is not None
+    )
+    g = float(np.linalg.norm(scene.gravity)) or GRAVITY
+    weight = sum(scene.body(name).mass for name in carried) * g
+    return weight / max(ends, 1) + 1.0e-9 * scene.rope.axial_stiffness
+
+
+def _tie_material(layout: Layout, tension: float) -> None:
+    """Lay the rope's material along its path, and tie that of nodes to the marks about them."""
+    scene, degrees, path = layout.scene, layout.degrees, layout.path
+    stretch = stretch_of(tension, scene.rope.axial_stiffness)
+    if scene.rope.length is not None:
+        stretch = float(path.chords.sum()) / scene.rope.length
+    elif scene.start == "as drawn":
+        stretch = 1.0
+    p = np.concatenate(([0.0], np.cumsum(path.chords / stretch)))
+    radius = layout.wheels.radius
+    for i, item in enumerate(scene.path):
+        place = layout.material(i)
+        degrees.value[place] = p[i]
+        if isinstance(item, (End, Anchor)):
+            degrees.fix(place)
+    for i, (first, last) in enumerate(layout.spans):
+        before, after = radius[i] * path.after[i] / stretch, radius[i + 1] * path.before[i + 1] / stretch
+        one, two = layout.material(i), layout.material(i + 1)
+        for k in range(first + 1, last):
+            w = (k - first) / (last - first)
+            place = layout.station[k] + MATERIAL
+            degrees.value[place] = (1.0 - w) * (p[i] + before) + w * (p[i + 1] + after)
+            degrees.tie(place, [(one, 1.0 - w), (two, w)], (1.0 - w) * before + w * after)
+    layout.stretch = stretch
+
+
+def _drive(layout: Layout) -> Compensation | None:
+    """Prescribe the material at drums whose motion is prescribed; a drum's compensation comes in addition."""
+    scene, degrees = layout.scene, layout.degrees
+    compensation = compensation_of(layout)
+    for i, item in enumerate(scene.path):
+        if not (isinstance(item, Drum) and item.prescribed):
+            continue
+        way = -1.0 if i == 0 else 1.0
+        key = f"path[{i}].drum.{item.drive}"
+        drive, factor = (item.pay_out, 1.0) if item.drive == "pay_out" else (item.speed, item.radius)
+        request = FunctionRequest(drive, integrate=True, end=scene.solver.end, key=key, factor=way * factor)
+        laid = _further(layout, f"{item.name}: laid out", float(degrees.value[layout.material(i)]), None)
+        masters = [(laid, 1.0), (_further(layout, f"{item.name}: operator", 0.0, request), 1.0)]
+        if compensation is not None:
+            added = FunctionRequest(compensation.pay_out, end=scene.solver.end, key="heave_compensation", factor=way)
+            masters.append((_further(layout, f"{item.name}: compensation", 0.0, added), 1.0))
+        layout.supply[i] = laid
+        degrees.tie(layout.material(i), masters)
+    return compensation
+
+
+def _further(layout: Layout, name: str, value: float, request: FunctionRequest | None) -> int:
+    """A further degree of freedom, which follows a value and a function of time, or is fixed."""
+    degrees = layout.degrees
+    degrees.names.append(name)
+    degrees.value, degrees.scale = np.append(degrees.value, value), np.append(degrees.scale, 1.0)
+    place = degrees.value.size - 1
+    if request is None:
+        degrees.fix(place)
+    else:
+        degrees.prescribe(place, layout.requests.add(request))
+    return place
+
+
+def compensation_of(layout: Layout) -> Compensation | None:
+    """What the heave compensation does: it answers the heave of the last point of the path that rides on the vessel."""
+    scene = layout.scene
+    asked = scene.heave_compensation
+    if asked is None or not layout.frames:
+        return None
+    places = {frame.name: k for k, frame in enumerate(layout.frames)}
+    order = scene.path if isinstance(scene.path[0], Drum) else scene.path[::-1]
+    led = [item for item in order if scene.frame_of(item) is not None]
+    if not led:
+        cause = "nothing of the path rides on the vessel: there is no heave to answer"
+        raise SceneError([scene.problem("heave_compensation", cause, "remove it, or put the crane on the vessel")])
+    tip = led[-1]
+    k = places[scene.frame_of(tip)]
+    point = tip.position if isinstance(tip, Anchor) else tip.center
+    heave = heave_of(layout.frames, places["vessel"], k, point, scene.solver.end)
+    return compensate(heave, asked.gain, asked.delay, asked.limits, scene.solver.end)
+
+
+def _stencils(layout: Layout, contacts: list[np.ndarray]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """What spans, contacts and bodies couple."""
+    stations = np.array(layout.station)
+    spans = np.concatenate((stations[:-1, None] + np.arange(STATION), stations[1:, None] + np.arange(STATION)), axis=1)
+    single = np.array([[place] for place in layout.rim.values()], dtype=np.int64).reshape(-1, 1)
+    bodies = np.array([place + np.arange(AXES) for place in layout.body.values()], dtype=np.int64).reshape(-1, AXES)
+    turns = np.array([place + np.arange(QUATERNION) for place in layout.turn.values()], dtype=np.int64)
+    return [spans, single, bodies, *contacts], [spans, single, bodies, turns.reshape(-1, QUATERNION)]

@@ -1,0 +1,1 @@
+"""What the frames of a run mean: variables, the path of the rope, headline figures, power, limits."""

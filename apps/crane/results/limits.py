@@ -1,0 +1,92 @@
+"""What a crane's run is judged by: the rope's strength, strain and bending, and the angles that it runs at."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from crane.results.course import Course, course_of, laid_out, nodes_of
+from crane.results.summary import ends_of, hook_angles, hook_span, span_ends
+from crane.scene.path import DRUM_FLEET_LIMIT, Drum, Sheave
+from crane.scene.scene import CraneScene
+from crane.scene.strength import strain_bound
+from tautline.results.limits import AT_LEAST, judged, strain_limit, stretch_limits
+
+LEAST_RATIO = 16.0
+"""Sheave over rope diameter; codes ask for 16 to 25 (ISO 16625)."""
+SIDELEAD = math.radians(5.0)
+"""Angle of the hook's rope out of the plane of its sheave. Booms are rated for a few degrees."""
+
+Records = Iterator[dict[str, Any]]
+
+
+def limits(result: Any, scene: CraneScene, course: Course | None = None) -> list[dict[str, Any]]:
+    """Records of `tautline.results.limits`, from the stored frames; ``course`` is the rope's, where it was found."""
+    course = course or course_of(result, laid_out(scene))
+    return [*_strength(result, scene), *_strain(result, scene), *_angles(result, course), *_bending(result, scene)]
+
+
+def _strength(result: Any, scene: CraneScene) -> Records:
+    """The rope's breaking load."""
+    if scene.rope.breaking_load is None:
+        return
+    text = "largest tension, and the breaking load"
+    yield judged("breaking_load", text, "N", result.time, ends_of(result), scene.rope.breaking_load, span_ends(scene))
+
+
+def _strain(result: Any, scene: CraneScene) -> Records:
+    """Strain of the rope where it is taut, and how far its elements fold or stretch between wheels."""
+    spans = [
+        f"{one.name} to {two.name}"
+        for one, two, n in zip(scene.path[:-1], scene.path[1:], scene.elements, strict=True)
+        for _ in range(n)
+    ]
+    force = np.asarray(result["axial_force"])
+    yield from strain_limit(result.time, force / scene.rope.axial_stiffness, strain_bound(scene), spans)
+    on_wheel = np.zeros(force.shape[1] + 1, bool)
+    wheels = [isinstance(item, (Drum, Sheave)) for item in scene.path]
+    on_wheel[np.asarray(nodes_of(scene))[wheels]] = True
+    # Beside a wheel the rope does not run to the node, which is the wheel's centre.
+    free = np.flatnonzero(~(on_wheel[1:] | on_wheel[:-1]))
+    length = np.linalg.norm(np.diff(result["position"], axis=1)[:, free], axis=-1)
+    material = np.abs(np.diff(result["material"], axis=1)[:, free])
+    stretch = length / np.maximum(material, 1e-12)
+    yield from stretch_limits(result.time, stretch, [spans[k] for k in free])
+
+
+def _angles(result: Any, course: Course) -> Records:
+    """Fleet angles at sheaves and drums, and sidelead."""
+    scene = course.scene
+    if scene.sheaves:
+        size = np.abs(result["fleet_angle"]).max(axis=-1)
+        bounds = np.array([sheave.fleet_limit for sheave in scene.sheaves])
+        names = [sheave.name for sheave in scene.sheaves]
+        yield judged("fleet_angle", "largest fleet angle at a sheave", "rad", result.time, size, bounds, names)
+    if scene.drums:
+        columns = []
+        for drum in scene.drums:
+            i = scene.path.index(drum)
+            e = course.leaves[:, i] if i == 0 else course.comes[:, i]
+            along = np.einsum("mc,mc->m", e, course.axis[:, i]) / np.maximum(np.linalg.norm(e, axis=-1), 1e-300)
+            columns.append(np.abs(np.arcsin(np.clip(along, -1.0, 1.0))))
+        names, angle = [drum.name for drum in scene.drums], np.stack(columns, axis=-1)
+        text = "largest fleet angle at a drum"
+        yield judged("drum_fleet_angle", text, "rad", result.time, angle, DRUM_FLEET_LIMIT, names)
+    found = hook_angles(result, course) if any(scene.gravity) else None
+    hung = hook_span(scene)
+    if found is not None and hung is not None:
+        side, place = np.abs(found[1])[:, None], scene.path[hung[0]].name
+        yield judged("sidelead", "largest sidelead of the hook rope", "rad", result.time, side, SIDELEAD, [place])
+
+
+def _bending(result: Any, scene: CraneScene) -> Records:
+    """Wheels small for their rope."""
+    wheels = [item for item in scene.path if isinstance(item, (Drum, Sheave))]
+    if scene.rope.diameter is None or not wheels:
+        return
+    ratio = np.array([[2.0 * item.radius / scene.rope.diameter for item in wheels]])
+    names, text = [item.name for item in wheels], "smallest D/d of sheaves and drums"
+    yield judged("bending_ratio", text, "", result.time[:1], ratio, LEAST_RATIO, names, AT_LEAST)

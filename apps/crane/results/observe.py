@@ -1,0 +1,225 @@
+"""What a run's frames mean in a crane scene: variables, units, headline figures."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from crane.assembly.layout import Layout
+from crane.geometry.quaternion import QUATERNION
+from crane.groups.layers import Wound
+from crane.groups.slip import BEARING, NONE, Slips
+from crane.groups.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH
+from crane.groups.winch import Drums
+from crane.scene.scene import Drum, Sheave
+from crane.sea.compensation import Compensation
+from tautline.kernels.time_function import sample
+from tautline.results.variable import Variable
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+COORDINATE_UNITS = (
+    "z up; tension is positive; the rope runs from the first item of the path to the last, material grows along it; "
+    "a drum's rope speed and power are positive where it pays out and where it hoists; rotation is right-handed about "
+    "the axis; wrap and fleet angles in rad"
+)
+AXES = 3
+PER_SPAN = RECORDED + AXES
+
+
+def variables(observer: Observer) -> list[Variable]:
+    """Everything that is stored, with units."""
+    node, time = ("time", "node"), ("time",)
+    span, sheave, body, drum = ("time", "span", "end"), ("time", "sheave"), ("time", "body", "axis"), ("time", "drum")
+    of_sheaves = [
+        Variable("wrap", sheave, "rad", "angle of contact of rope and sheave"),
+        Variable("fleet_angle", (*sheave, "end"), "rad", "angle of rope and sheave plane, where it runs on and off"),
+        Variable("sheave_load", (*sheave, "axis"), "N", "force of the rope on the sheave"),
+        Variable("sheave_rotation", sheave, "rad", "rotation of the sheave about its axis"),
+        Variable("slipping", sheave, "", "1 where the rope slips forwards over the sheave, -1 where backwards, else 0"),
+    ]
+    of_bodies = [
+        Variable("body_position", body, "m", "position of a body"),
+        Variable("body_velocity", body, "m/s", "velocity of a body"),
+    ]
+    of_drums = [
+        Variable("drum_tension", drum, "N", "tension at the drum"),
+        Variable("paid_out", drum, "m", "unstretched rope paid out since the start"),
+        Variable("pay_out_speed", drum, "m/s", "speed of unstretched rope, positive out"),
+        Variable("drum_rotation", drum, "rad", "rotation of the drum, positive where it pays out"),
+        Variable("winch_torque", drum, "N m", "moment of the rope about the drum, at the layer that it leaves from"),
+        Variable("winch_power", drum, "W", "power of the winch, positive where it hoists"),
+    ]
+    return [
+        Variable("position", (*node, "axis"), "m", "position"),
+        Variable("velocity", (*node, "axis"), "m/s", "velocity"),
+        Variable("material", node, "m", "material coordinate p"),
+        Variable("axial_force", ("time", "element"), "N", "axial force, with its damping"),
+        Variable("tension", span, "N", "tension at the beginning and at the end of a span"),
+        *(of_sheaves if observer.sheaves else []),
+        *(of_drums if observer.drums else []),
+        *(of_bodies if observer.scene.bodies else []),
+        *(
+            [Variable("body_turn", ("time", "body", "part"), "", "quaternion of a body; 1, 0, 0, 0 of a point")]
+            if observer.layout.turn
+            else []
+        ),
+        *(
+            [Variable("compensator", time, "m", "displacement of the heave compensator")]
+            if observer.compensator
+            else []
+        ),
+        Variable("kinetic_energy", time, "J", "kinetic energy"),
+        Variable("strain_energy", time, "J", "strain energy, of springs too"),
+        Variable("potential_energy", time, "J", "potential energy of weight and buoyancy"),
+        Variable("dissipated_energy", time, "J", "energy lost to damping and friction"),
+        Variable("external_work", time, "J", "work of winches, moving frames and forces"),
+    ]
+
+
+class Observer:
+    """Turns frames into variables; all of it vectorised over the frames of a batch."""
+
+    def __init__(self, layout: Layout, groups: tuple[Any, ...], compensation: Compensation | None) -> None:
+        self.layout, self.scene = layout, layout.scene
+        self.stations = np.array(layout.station)
+        self.elements = len(self.stations) - 1
+        self.sheaves = [i for i, item in enumerate(self.scene.path) if isinstance(item, Sheave)]
+        self.drums = [i for i, item in enumerate(self.scene.path) if isinstance(item, Drum)]
+        self.slips = next((g for g in groups if isinstance(g, Slips)), None)
+        motors = next((g for g in groups if isinstance(g, Drums)), None)
+        self.own = PER_SPAN * self.elements
+        self.own += 2 * len(self.slips.rows) if self.slips is not None else 0
+        self.own += len(motors.rows) if motors is not None else 0
+        self.start = layout.degrees.value.copy()
+        self.wound = [Wound(self.scene.path[i], self.scene.rope.diameter, layout.stretch) for i in self.drums]
+        self.compensator: Any = None
+        if compensation is not None:
+            self.compensator = compile_functions([FunctionRequest(compensation.place, end=self.scene.solver.end)])
+
+    def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
+        """Arrays that do not change with time."""
+        path = self.scene.path
+        made: dict[str, tuple[Any, np.ndarray, str, str]] = {
+            "node": ("node", np.arange(1, len(self.stations) + 1), "", "node of the rope, from 1 at its beginning"),
+            "element": ("element", np.arange(1, self.elements + 1), "", "element of the rope, from 1 at its beginning"),
+            "axis": ("axis", np.array(["x", "y", "z"]), "", "axis"),
+            "span": ("span", np.array([f"{a.name} to {b.name}" for a, b in pairwise(path)]), "", "span"),
+            "end": ("end", np.array(["first", "last"]), "", "where the rope comes from, and where it goes"),
+        }
+        if self.scene.bodies:
+            made["body"] = ("body", np.array([body.name for body in self.scene.bodies]), "", "body")
+        if self.sheaves:
+            made["sheave"] = ("sheave", np.array([path[i].name for i in self.sheaves]), "", "sheave")
+            made["sheave_radius"] = ("sheave", np.array([path[i].radius for i in self.sheaves]), "m", "pitch radius")
+        if self.layout.turn:
+            made["part"] = ("part", np.array(["s", "x", "y", "z"]), "", "part of a quaternion")
+        if self.drums:
+            made["drum"] = ("drum", np.array([path[i].name for i in self.drums]), "", "drum")
+        return made
+
+    def observe(self, frames: Any) -> dict[str, np.ndarray]:
+        """Variables of a batch of frames, leading axis time."""
+        q, v, three = frames.q, frames.v, np.arange(AXES)
+        found = frames.own[:, : PER_SPAN * self.elements].reshape(len(q), self.elements, PER_SPAN)
+        first, last = np.array(self.layout.spans).T
+        # What turns the rope's momentum at a mark is part of its tension there.
+        flux = self.scene.rope.mass_per_length * v[:, self.stations + MATERIAL] ** 2
+        at_first = found[:, first, FIRST] + flux[:, first] * found[:, first, STRETCH] ** 2
+        at_last = found[:, last - 1, LAST] + flux[:, last] * found[:, last - 1, STRETCH] ** 2
+        if self.scene.rope.compression == "none":
+            # Where the half element beside a mark is thrown about while it is slack, its inertia is no tension.
+            at_first = np.where(found[:, first, FORCE] > 0.0, np.maximum(at_first, 0.0), 0.0)
+            at_last = np.where(found[:, last - 1, FORCE] > 0.0, np.maximum(at_last, 0.0), 0.0)
+        made = {
+            "position": q[:, self.stations[:, None] + three],
+            "velocity": v[:, self.stations[:, None] + three],
+            "material": q[:, self.stations + MATERIAL],
+            "axial_force": found[..., FORCE].copy(),
+            "tension": np.stack((at_first, at_last), axis=-1),
+        }
+        bodies = np.array([self.layout.body[body.name] for body in self.scene.bodies], dtype=int)
+        if self.scene.bodies:
+            made["body_position"], made["body_velocity"] = (x[:, bodies[:, None] + three] for x in (q, v))
+        if self.sheaves:
+            made |= self._sheaves(frames, found)
+        if self.drums:
+            made |= self._drums(frames, found, made["tension"])
+        if self.layout.turn:
+            made["body_turn"] = np.zeros((len(q), len(bodies), QUATERNION))
+            made["body_turn"][..., 0] = 1.0
+            for k, body in enumerate(self.scene.bodies):
+                if body.name in self.layout.turn:
+                    place = self.layout.turn[body.name]
+                    made["body_turn"][:, k] = q[:, place : place + QUATERNION]
+        if self.compensator is not None:
+            made["compensator"] = sample(self.compensator, 0, np.ascontiguousarray(frames.time))[:, 0]
+        for k, name in enumerate(("kinetic_energy", "strain_energy", "potential_energy")):
+            made[name] = frames.energy[:, k].copy()
+        made["external_work"], made["dissipated_energy"] = frames.energy[:, 3].copy(), frames.energy[:, 4].copy()
+        return made
+
+    def _sheaves(self, frames: Any, found: np.ndarray) -> dict[str, np.ndarray]:
+        layout, rows = self.layout, self.layout.wheels
+        after = np.array([layout.item[i] for i in self.sheaves])
+        on, off = found[:, after - 1], found[:, after]
+        e_on, e_off = on[..., RECORDED:], off[..., RECORDED:]
+        wheels = rows[self.sheaves]
+        columns = frames.q[:, wheels.frame[:, None] + 3 + np.arange(9)].reshape(len(frames.q), -1, 3, 3)
+        axis = np.einsum("tsjc,sj->tsc", columns, wheels.axis)
+        place = np.array([layout.material(i) for i in self.sheaves])
+        load = off[..., [FIRST]] * e_off - on[..., [LAST]] * e_on
+        fleet = [np.arcsin(np.clip(np.einsum("tsc,tsc->ts", e, axis), -1.0, 1.0)) for e in (e_on, e_off)]
+        return {
+            "wrap": np.abs(off[..., FIRST_PSI] - on[..., LAST_PSI]),
+            "fleet_angle": np.stack(fleet, axis=-1),
+            "sheave_load": load,
+            "sheave_rotation": self._rotation(frames, place, wheels.radius),
+            "slipping": self._slipping(frames),
+        }
+
+    def _rotation(self, frames: Any, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
+        """Rotation of sheaves: their rims' travel, or that of the rope which does not slip on them."""
+        travel = -self.layout.stretch * (frames.q[:, place] - self.start[place])
+        for k, i in enumerate(self.sheaves):
+            if i in self.layout.rim:
+                travel[:, k] = frames.q[:, self.layout.rim[i]]
+            elif self.scene.path[i].locked:
+                travel[:, k] = 0.0
+        return travel / rho
+
+    def _slipping(self, frames: Any) -> np.ndarray:
+        slipping = np.zeros((len(frames.q), len(self.sheaves)))
+        if self.slips is None:
+            return slipping
+        own = frames.own[:, PER_SPAN * self.elements :]
+        after = {self.layout.item[i]: k for k, i in enumerate(self.sheaves)}
+        for j, row in enumerate(self.slips.rows):
+            if row.after != NONE and row.kind != BEARING:
+                slipping[:, after[row.after]] = 0.0 - own[:, 2 * j + 1]
+        return slipping
+
+    def _laid_out(self, frames: Any, place: np.ndarray) -> np.ndarray:
+        """Material at drums before any was paid out: what the static start made it where motion is prescribed."""
+        laid = np.tile(self.start[place], (len(frames.q), 1))
+        for k, i in enumerate(self.drums):
+            if i in self.layout.supply:
+                laid[:, k] = frames.q[:, self.layout.supply[i]]
+        return laid
+
+    def _drums(self, frames: Any, found: np.ndarray, tensions: np.ndarray) -> dict[str, np.ndarray]:
+        place = np.array([self.layout.material(i) for i in self.drums])
+        way = np.array([-1.0 if i == 0 else 1.0 for i in self.drums])
+        element = np.array([0 if i == 0 else self.elements - 1 for i in self.drums])
+        tension = np.stack([tensions[:, 0, 0] if i == 0 else tensions[:, -1, 1] for i in self.drums], axis=-1)
+        stretch = found[:, element, STRETCH]
+        out, speed = way * (frames.q[:, place] - self._laid_out(frames, place)), way * frames.v[:, place]
+        return {
+            "drum_tension": tension,
+            "paid_out": out,
+            "pay_out_speed": speed,
+            "drum_rotation": np.stack([w.rotation_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
+            "winch_torque": tension * np.stack([w.radius_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
+            "winch_power": -tension * stretch * speed,
+        }

@@ -1,0 +1,313 @@
+"""The figures that sum a run up: the largest tensions, where and when, and what they did to the rope."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from crane.assembly.estimates import static_tension
+from crane.results.course import Course, contacts_of, course_of, laid_out
+from crane.results.power import winch_energy
+from crane.rope_life.bending import BendingCycles, bending_cycles
+from crane.rope_life.events import Peak, amplification, largest, safety_factor, slack_events
+from crane.rope_life.fatigue import RainflowCycles, equivalent_range, rainflow_counts
+from crane.scene.scene import CraneScene, Drum, End, Sheave
+
+SLACK = 0.01
+"""Share of the largest tension at rest below which a span counts as slack."""
+SLOPE = 5.0
+"""Exponent of the S-N curve of wire ropes, by which tension ranges are weighed."""
+CANDIDATES = 3
+"""Span ends of which rainflow cycles are counted, chosen by the ranges between turns of their tension."""
+MOST_SHEAVES = 4
+"""Sheaves up to which the largest tension is told of each side; of more only the largest of all."""
+MOST_BODIES = 4
+NO_ANGLE = 1.0e-9
+"""Rounding of an angle, rad."""
+METRE, MOST_BINS = 1.0, 2000
+
+Row = tuple[str, Any, str, str]
+"""Name, value, unit and text of a figure."""
+
+
+def headline(result: Any, scene: CraneScene, course: Course | None = None) -> dict[str, dict[str, Any]]:
+    """Figures that sum a run up: name -> {value, unit, text}, SI.
+
+    Parameters
+    ----------
+    result : Result
+        One frame at least.
+    scene : CraneScene
+    course : Course, optional
+        The rope's, where it was found already.
+    """
+    course = course or course_of(result, laid_out(scene))
+    rows = [
+        *_tensions(result, course), *_slack(result, course), *_sheaves(result, scene), *_winches(result, scene),
+        *_fatigue(result, scene), *_bending(result, course), *_bodies(result, scene), *_angles(result, course),
+    ]  # fmt: skip
+    return {
+        name: {"value": int(value) if isinstance(value, int) else float(value), "unit": unit, "text": text}
+        for name, value, unit, text in rows
+    }
+
+
+def span_ends(scene: CraneScene) -> list[str]:
+    """Names of the ends of all spans, two a span: an item, and of a sheave the item that the side leads to."""
+    path = scene.path
+    names = []
+    for k in range(len(path) - 1):
+        one, two = path[k], path[k + 1]
+        names.append(f"{one.name}, side of {two.name}" if isinstance(one, Sheave) else one.name)
+        names.append(f"{two.name}, side of {one.name}" if isinstance(two, Sheave) else two.name)
+    return names
+
+
+def ends_of(result: Any) -> np.ndarray:
+    """Tension at the ends of all spans, (m, 2 spans) N, in the order of `span_ends`."""
+    tension = np.asarray(result["tension"])
+    return tension.reshape(len(tension), -1)
+
+
+def slug(name: str) -> str:
+    """Name as part of a key."""
+    return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_") or "item"
+
+
+def _told(peak: Peak) -> str:
+    return f"{peak.where}, at {peak.time:.4g} s"
+
+
+def _tensions(result: Any, course: Course) -> Iterator[Row]:
+    """Largest and smallest, of the whole rope and where it is held."""
+    scene, time = course.scene, result.time
+    tension, names = ends_of(result), span_ends(scene)
+    peak, low = largest(time, tension, names), largest(time, -tension, names)
+    yield "max_tension", peak.value, "N", f"largest tension ({_told(peak)})"
+    yield "min_tension", -low.value, "N", f"smallest tension ({_told(low)})"
+    rest, word = _rest(result, course)
+    amplified = amplification(time, tension, np.where(rest > SLACK * rest.max(initial=0.0), rest, 0.0), names)
+    if amplified is not None:
+        yield "dynamic_amplification", amplified.value, "", f"largest tension over {word} ({_told(amplified)})"
+    safety = safety_factor(scene.rope.breaking_load, tension)
+    if safety is not None:
+        yield "safety_factor", safety, "", "breaking load over largest tension"
+    for key, columns in _places(scene):
+        at = largest(time, tension[:, columns], [names[k] for k in columns])
+        yield f"max_tension_{key}", at.value, "N", f"largest tension at {_told(at)}"
+
+
+def _rest(result: Any, course: Course) -> tuple[np.ndarray, str]:
+    """Tension at rest of every span end, (n,) N, and what to call it; of a scene that starts as drawn an estimate."""
+    first = ends_of(result)[0]
+    if course.scene.start == "static":
+        return first, "that at rest"
+    found = static_tension(course.scene, course.layout.path)
+    return (np.zeros(first.size) if found is None else found.ravel()), "an estimate of that at rest"
+
+
+def _places(scene: CraneScene) -> Iterator[tuple[str, list[int]]]:
+    """Keys of the places of which the largest tension is told, and their columns."""
+    path, few = scene.path, len(scene.sheaves) <= MOST_SHEAVES
+    used: set[str] = set()
+
+    def key(name: str) -> str:
+        made, number = slug(name), 2
+        while made in used:
+            made, number = f"{slug(name)}_{number}", number + 1
+        used.add(made)
+        return made
+
+    for i, item in enumerate(path):
+        sides = [2 * i - 1] * (i > 0) + [2 * i] * (i < len(path) - 1)
+        if not isinstance(item, Sheave):
+            yield key(item.name), sides
+        elif few:
+            for word, column in zip(("in", "out"), sides, strict=True):
+                yield key(f"{item.name} {word}"), [column]
+    if scene.sheaves and not few:
+        yield key("sheaves"), list(range(1, 2 * len(path) - 3))
+
+
+def _slack(result: Any, course: Course) -> Iterator[Row]:
+    """Times without tension, and the snaps that end them."""
+    scene = course.scene
+    spans = [f"{one.name} to {two.name}" for one, two in zip(scene.path[:-1], scene.path[1:], strict=True)]
+    ends = np.asarray(result["tension"])
+    threshold = SLACK * float(_rest(result, course)[0].max())
+    found = slack_events(result.time, ends.min(axis=-1), spans, threshold, most=ends.max(axis=-1))
+    yield "slack_events", len(found), "", "times that a span went slack"
+    if not found:
+        return
+    longest = max(found, key=lambda event: event.duration)
+    text = f"longest time slack ({longest.span}, from {longest.begin:.4g} s)"
+    yield "longest_slack", longest.duration, "s", text
+    snaps = [(event.snap, event) for event in found if event.snap is not None]
+    if snaps:
+        snap, event = max(snaps, key=lambda pair: pair[0])
+        yield "max_snap", snap, "N", f"largest tension after slack ({event.span}, at {event.snap_time:.4g} s)"
+        if scene.rope.damping == 0.0 and max(scene.elements) > 1:
+            text = "snaps of a rope without damping: tensions up to 1.5 times too high; remove rope.damping"
+            yield "undamped_snaps", len(snaps), "", text
+
+
+def _sheaves(result: Any, scene: CraneScene) -> Iterator[Row]:
+    if not scene.sheaves:
+        return
+    names = [sheave.name for sheave in scene.sheaves]
+    load = largest(result.time, np.linalg.norm(result["sheave_load"], axis=-1), names)
+    yield "max_sheave_load", load.value, "N", f"largest force on a sheave ({_told(load)})"
+    angles = np.abs(result["fleet_angle"]).max(axis=-1)
+    fleet = largest(result.time, np.where(angles > NO_ANGLE, angles, 0.0), names)
+    yield (
+        "max_fleet_angle",
+        fleet.value,
+        "rad",
+        f"largest fleet angle, {np.degrees(fleet.value):.3g} deg ({_told(fleet)})",
+    )
+    slipping = np.asarray(result["slipping"]) != 0.0
+    if slipping.any():
+        k = int(np.argmax(slipping.mean(axis=0)))
+        share = float(slipping[:, k].mean())
+        yield "slipping_share", share, "", f"share of the frames in which the rope slips on {names[k]}"
+
+
+def _winches(result: Any, scene: CraneScene) -> Iterator[Row]:
+    several = len(scene.drums) > 1
+    for k, drum in enumerate(scene.drums):
+        tension, power = result["drum_tension"][:, k], result["winch_power"][:, k]
+        # The rim's speed; where the rope is slack that of the unstretched rope is as good.
+        pulls = np.abs(tension) > 1e-9 * max(1.0, float(np.abs(tension).max()))
+        speed = np.where(pulls, power / np.where(pulls, tension, 1.0), -result["pay_out_speed"][:, k])
+        found = winch_energy(result.time, tension, speed)
+        end, of = (f"_{slug(drum.name)}", f" of {drum.name}") if several else ("", f" of {drum.name}")
+        yield f"max_winch_power{end}", found.peak, "W", f"largest power{of} (at {found.peak_time:.4g} s)"
+        yield f"mean_winch_power{end}", found.hoisting_mean, "W", f"mean power{of} while it hoists"
+        yield f"energy_hoisted{end}", found.hoisted, "J", f"energy given to the rope by {drum.name}"
+        yield f"energy_regenerated{end}", abs(found.regenerated), "J", f"energy taken back by {drum.name}"
+
+
+def _candidates(tension: np.ndarray) -> list[int]:
+    """Columns of (m, n) tensions whose ranges between turns do most damage, a quick estimate."""
+    damage = []
+    for column in tension.T:
+        rise = np.diff(column)
+        turns = np.flatnonzero(rise[1:] * rise[:-1] < 0.0) + 1
+        damage.append(float((np.abs(np.diff(column[np.r_[0, turns, len(column) - 1]])) ** SLOPE).sum()))
+    # Equal but for rounding, the first of the path.
+    return sorted(range(len(damage)), key=lambda k: (-float(f"{damage[k]:.6g}"), k))[:CANDIDATES]
+
+
+def most_worked_end(time: np.ndarray, tension: np.ndarray) -> tuple[int, RainflowCycles]:
+    """Column of (m, n) tensions whose rainflow cycles do most damage, and these."""
+    found = [(k, rainflow_counts(time, tension[:, k])) for k in _candidates(tension)]
+    return max(found, key=lambda pair: equivalent_range(pair[1], SLOPE, 1.0))
+
+
+def _fatigue(result: Any, scene: CraneScene) -> Iterator[Row]:
+    """Equivalent range of the most worked span end."""
+    k, cycles = most_worked_end(result.time, ends_of(result))
+    number = float(cycles.count.sum())
+    text = f"equivalent range of tension, {number:g} cycles, m = {SLOPE:g} ({span_ends(scene)[k]})"
+    yield "equivalent_tension_range", equivalent_range(cycles, SLOPE), "N", text
+
+
+def bins_of(contacts: list[Any]) -> np.ndarray:
+    """Ends of the metres of rope that contacts ever touch, material coordinates, m; wider for a long rope."""
+    ends = np.concatenate([np.ravel(side) for contact in contacts for side in (contact.on, contact.off)])
+    ends = ends[np.isfinite(ends)]
+    width = METRE * max(1.0, np.ceil(float(np.ptp(ends)) / METRE / MOST_BINS))
+    first, last = np.floor(ends.min() / width), np.floor(ends.max() / width) + 1.0
+    return width * np.arange(first, last + 1.0)
+
+
+def bending_of(result: Any, course: Course) -> BendingCycles | None:
+    """Bending cycles of every metre of rope that comes to a sheave or drum; None where there is none of these."""
+    contacts = contacts_of(result, course)
+    if not contacts:
+        return None
+    return bending_cycles(result.time, contacts, bins_of(contacts), course.scene.rope.diameter)
+
+
+def _bending(result: Any, course: Course) -> Iterator[Row]:
+    found = bending_of(result, course)
+    if found is None:
+        return
+    worst = found.most_worked()
+    if worst is None:
+        yield "max_bending_cycles", 0.0, "", "bending cycles of the most worked metre of rope"
+    else:
+        k, name = worst
+        text = f"bending cycles of the most worked metre ({found.edges[k]:g} to {found.edges[k + 1]:g} m, {name})"
+        yield "max_bending_cycles", float(found.cycles[k]), "", text
+    if found.ratio is not None and np.isfinite(found.ratio).any():
+        yield "smallest_bending_ratio", float(found.ratio.min()), "", "smallest D/d that the rope was bent to"
+
+
+def _bodies(result: Any, scene: CraneScene) -> Iterator[Row]:
+    if not scene.bodies:
+        return
+    position = np.asarray(result["body_position"])
+    rest = position[0]
+    for k, body in enumerate(scene.bodies[:MOST_BODIES]):
+        end = f"_{slug(body.name)}" if len(scene.bodies) > 1 else ""
+        yield f"rise{end}", float(position[-1, k, 2] - rest[k, 2]), "m", f"rise of {body.name}"
+        away = largest(result.time, np.linalg.norm(position[:, k] - rest[k], axis=-1), [body.name])
+        text = f"farthest that {body.name} is from its start (at {away.time:.4g} s)"
+        yield f"max_displacement{end}", away.value, "m", text
+
+
+def hook_angles(result: Any, course: Course) -> tuple[np.ndarray, np.ndarray] | None:
+    """Angles of the hook's rope in the plane of the sheave or drum that it hangs from, and out of it, (m,) rad.
+
+    Returns
+    -------
+    offlead, sidelead : (m,) arrays
+        From plumb, positive outwards of the first frame's direction along the axis' horizontal normal, and along the
+        axis; None where no body hangs from a sheave or drum.
+    """
+    hung = hook_span(course.scene)
+    if hung is None:
+        return None
+    wheel, hook = hung
+    # The end at the load is what swings; a heavy rope between is another angle.
+    e = course.comes[:, hook] if hook > wheel else -course.leaves[:, hook]
+    axis = course.axis[:, wheel]
+    g = np.array(course.scene.gravity, float)
+    down = g / np.linalg.norm(g)
+    across = axis - (axis @ down)[:, None] * down
+    size = np.linalg.norm(across, axis=-1, keepdims=True)
+    if float(size.min()) < 0.1:
+        return None
+    across /= size
+    outwards = np.cross(across, down)
+    fall = e @ down
+    off = np.arctan2(np.einsum("mc,mc->m", e, outwards), fall)
+    side = np.arctan2(np.einsum("mc,mc->m", e, across), fall)
+    return off, side
+
+
+def hook_span(scene: CraneScene) -> tuple[int, int] | None:
+    """Numbers of the wheel that a body hangs from and of the item on the body, next to one another; None if none."""
+    rides = [isinstance(item, (End, Sheave)) and item.body is not None for item in scene.path]
+    pairs = [(i - 1, i) for i in range(1, len(rides))] + [(i, i - 1) for i in range(1, len(rides))]
+    for wheel, hook in pairs:
+        if rides[hook] and not rides[wheel] and isinstance(scene.path[wheel], (Sheave, Drum)):
+            return wheel, hook
+    return None
+
+
+def _angles(result: Any, course: Course) -> Iterator[Row]:
+    if not any(course.scene.gravity):
+        return
+    found = hook_angles(result, course)
+    if found is None:
+        return
+    for word, angle in zip(("offlead", "sidelead"), found, strict=True):
+        size = np.where(np.abs(angle) > NO_ANGLE, np.abs(angle), 0.0)
+        peak = largest(result.time, size, ["hook rope"])
+        text = f"largest {word} of the hook rope, {np.degrees(peak.value):.3g} deg (at {peak.time:.4g} s)"
+        yield f"max_{word}", peak.value, "rad", text

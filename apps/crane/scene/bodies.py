@@ -1,0 +1,141 @@
+"""Bodies that hang on a rope: payloads, hook blocks, counterweights."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Field, model_validator
+
+from crane.scene.path import Name
+from tautline.scene.functions import FunctionOfTime, time_function
+from tautline.scene.model import Model, word
+from tautline.scene.quantity import quantity
+from tautline.scene.refusal import fault, refusal
+from tautline.scene.vector import Position, Velocity, listed, three
+
+FORCES = listed(3, "three forces: along x, y and z", "[0, 0, {ramp: {to: 1 kN, over: 2}}]")
+XYZ = "xyz"
+
+Mass = Annotated[float, quantity("kg", nonnegative=True, of="mass")]
+Masses = Annotated[tuple[Annotated[float, quantity("kg", nonnegative=True, of="mass")], ...], three("[0, 0, 60 t]")]
+Stiffnesses = Annotated[
+    tuple[Annotated[float, quantity("N/m", nonnegative=True, of="spring stiffness")], ...], three("[0, 0, 1.0e6]")
+]
+Dampings = Annotated[
+    tuple[Annotated[float, quantity("N s/m", nonnegative=True, of="damping coefficient")], ...], three("[0, 0, 1.0e3]")
+]
+Quadratics = Annotated[
+    tuple[Annotated[float, quantity("N s^2/m^2", nonnegative=True, of="quadratic drag")], ...], three("[0, 0, 2.0e5]")
+]
+Inertias = Annotated[
+    tuple[Annotated[float, quantity("kg m^2", positive=True, of="moment of inertia")], ...], three("[900, 900, 400]")
+]
+Angles = Annotated[tuple[Annotated[float, quantity("rad", of="angle")], ...], three("[0, 0, 90 deg]")]
+Forces = Annotated[tuple[Annotated[FunctionOfTime, time_function("N", of="force")], ...], FORCES]
+
+
+def _once(axes: tuple[str, ...]) -> tuple[str, ...]:
+    twice = next((axis for axis in axes if axes.count(axis) > 1), None)
+    if twice is not None:
+        raise refusal(f"holds {twice} twice", "give each axis once, such as [x, y]")
+    return axes
+
+
+Axes = Annotated[tuple[Annotated[Literal["x", "y", "z"], word("x", "y", "z")], ...], AfterValidator(_once)]
+
+
+class Drag(Model):
+    """Of water along x, y and z: `linear` in N s/m, `quadratic` in N s^2/m^2."""
+
+    linear: Dampings = (0.0, 0.0, 0.0)
+    quadratic: Quadratics = (0.0, 0.0, 0.0)
+
+
+class Spring(Model):
+    """Holds a body along x, y and z: stiffness N/m, damping N s/m; `rest`, m, is where it pulls to, None as drawn."""
+
+    stiffness: Stiffnesses
+    damping: Dampings = (0.0, 0.0, 0.0)
+    rest: Position | None = None
+
+    @model_validator(mode="after")
+    def _some(self) -> Spring:
+        if not any((*self.stiffness, *self.damping)):
+            raise fault("stiffness", "holds nothing: all three numbers are zero", "give one, or remove the spring")
+        return self
+
+
+class Release(Model):
+    """The load drops: at a time, s, the mass becomes what remains, kg."""
+
+    at: Annotated[float, quantity("s", nonnegative=True, of="moment")]
+    remaining: Mass
+
+
+class Body(Model):
+    """A point with mass, or a rigid body where it has `inertia`.
+
+    Attributes
+    ----------
+    position, velocity : tuple of float
+        At the start, m and m/s.
+    added_mass, drag, volume
+        Of the water around it: kg along x, y and z; see `Drag`; m^3, for buoyancy.
+    guide : tuple of str
+        Axes along which it is held.
+    inertia : tuple of float or None
+        Principal moments, kg m^2, of a rigid body.
+    orientation : tuple of float
+        Roll, pitch and yaw of its principal axes at the start, rad.
+    bottom : float
+        Depth of its lowest point below its position, m, which touches the ground.
+    force : tuple of functions of time, or None
+        Along x, y and z, N.
+    """
+
+    name: Name = Field(examples=["payload"])
+    mass: Mass = Field(examples=["5 t"])
+    position: Position = Field(examples=["[12.4, 0, 5]"])
+    velocity: Velocity = (0.0, 0.0, 0.0)
+    added_mass: Masses = (0.0, 0.0, 0.0)
+    drag: Drag = Drag()
+    volume: Annotated[float, quantity("m^3", nonnegative=True, of="volume")] = 0.0
+    guide: Axes = ()
+    spring: Spring | None = None
+    inertia: Inertias | None = None
+    orientation: Angles = (0.0, 0.0, 0.0)
+    release: Release | None = None
+    bottom: Annotated[float, quantity("m", nonnegative=True, of="distance")] = 0.0
+    force: Forces | None = None
+
+    @property
+    def lowest(self) -> float:
+        """Height of its lowest point at the start, m."""
+        return self.position[2] - self.bottom
+
+    @model_validator(mode="after")
+    def _rigid(self) -> Body:
+        if self.inertia is None:
+            if "orientation" in self.model_fields_set:
+                raise fault("orientation", "is not used: a point has none", "remove it, or give `inertia:`")
+            return self
+        largest = max(self.inertia)
+        if largest > (sum(self.inertia) - largest) * (1.0 + 1e-9):
+            cause = f"no body is so: {largest:g} is more than the other two moments together"
+            raise fault("inertia", cause, "give the principal moments about the centre of mass")
+        return self
+
+    @model_validator(mode="after")
+    def _guided(self) -> Body:
+        for i, axis in enumerate(XYZ):
+            if axis in self.guide and self.velocity[i] != 0.0:
+                cause = f"is along {axis}, where the guide holds the body"
+                raise fault(("velocity", i), cause, f"set it to 0, or take {axis} out of guide")
+        return self
+
+    @model_validator(mode="after")
+    def _dropped(self) -> Body:
+        if self.release is not None and self.release.remaining >= self.mass:
+            cause = f"is no less than the body has, {self.mass:g} kg: nothing drops"
+            raise fault(("release", "remaining"), cause, "give what remains on the hook, such as 0")
+        return self

@@ -1,0 +1,267 @@
+"""What the parts of a scene say of each other: contradictions that can be seen without any geometry."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+from crane.scene.path import Anchor, Drum, End, PathItem, Sheave
+from tautline.scene.functions import FunctionOfTime
+from tautline.scene.magnitude import LARGEST, OUTSIDE, SMALLEST
+from tautline.scene.model import Model, Scene
+from tautline.scene.refusal import nearest, raise_all
+
+Key = tuple[str | int, ...]
+Fault = tuple[Key, str, str]
+"""Key path, cause, cure."""
+
+GROUND, VESSEL = "ground", "vessel"
+MOST_ELEMENTS = 2000
+"""Of the whole rope."""
+PLACES = ("position", "center", "offset", "pivot", "reference", "rest")
+FAR_AWAY = 1.0e8
+"""Coordinate, m, beyond which the rounding of positions would show in the forces of a rope."""
+DIVISORS = ("mass_per_length", "axial_stiffness", "diameter", "radius", "core_radius", "mass", "inertia", "stiffness")
+
+
+def check_agreement(scene: Scene) -> None:
+    """Refuse a scene whose parts contradict each other; of several faults, all of the first kind are told.
+
+    Raises
+    ------
+    ValidationError
+        At the keys at fault.
+    """
+    checks: tuple[Callable[[Scene], Iterable[Fault]], ...] = (
+        _names, _ends, _references, _cycles, _bodies, _neighbours, _mesh, _drums, _water, _ground, _start,
+        _compensation, _computable,
+    )  # fmt: skip
+    for check in checks:
+        raise_all(check(scene))
+
+
+def _names(scene: Scene) -> Iterator[Fault]:
+    """Each name is given once among bodies, among items of the path and among frames."""
+    bodies: list[tuple[Key, str]] = [(("bodies", i), body.name) for i, body in enumerate(scene.bodies)]
+    items: list[tuple[Key, str]] = [(scene.key_of(item), item.name) for item in scene.path]
+    frames: list[tuple[Key, str]] = [(("frames", i), frame.name) for i, frame in enumerate(scene.frames)]
+    for kind, named in (("body", bodies), ("item of the path", items), ("frame", frames)):
+        seen: Counter[str] = Counter()
+        for at, name in named:
+            seen[name] += 1
+            if seen[name] > 1:
+                yield (*at, "name"), f"is the name of another {kind}", "give each a name of its own"
+    for at, name in frames:
+        if name in (GROUND, VESSEL):
+            yield (*at, "name"), f"the {name} has this name", "give the frame another, such as boom"
+
+
+def _ends(scene: Scene) -> Iterator[Fault]:
+    """A rope runs from a drum, an end or an anchor over sheaves to a drum, an end or an anchor."""
+    if len(scene.path) < 2:
+        yield ("path",), "is one item: a rope has two ends", "add an end or an anchor after it"
+    for i, item in enumerate(scene.path):
+        at = scene.key_of(item)
+        last = i == len(scene.path) - 1
+        if isinstance(item, Sheave) and (i == 0 or last):
+            where, verb = ("after", "ends") if last else ("before", "begins")
+            yield at, f"the rope {verb} on a sheave", f"put a drum, an end or an anchor {where} it"
+        if not isinstance(item, Sheave) and 0 < i and not last:
+            yield at, f"the rope goes on after this {item.key}", f"put {item.name} first or last in the path"
+
+
+def _references(scene: Scene) -> Iterator[Fault]:
+    """Bodies and frames that are named exist."""
+    bodies = [body.name for body in scene.bodies]
+    frames = [frame.name for frame in scene.frames] + ([VESSEL] if scene.vessel else []) + [GROUND]
+    for item in scene.path:
+        name = None if isinstance(item, (Drum, Anchor)) else item.body
+        if name is not None and name not in bodies:
+            cure = nearest(name, bodies) if bodies else "add `bodies:` with one of this name"
+            yield (*scene.key_of(item), "body"), "there is no body of this name", cure
+    mounted: list[tuple[Key, str | None]] = [
+        ((*scene.key_of(item), "frame"), None if isinstance(item, End) else item.frame) for item in scene.path
+    ]
+    mounted += [(("frames", i, "parent"), frame.parent) for i, frame in enumerate(scene.frames)]
+    for at, name in mounted:
+        if name == VESSEL and scene.vessel is None:
+            yield at, "the scene has no vessel", "add `vessel:`, or give the name of a frame, or ground"
+        elif name is not None and name not in frames:
+            yield at, "there is no frame of this name", nearest(name, frames)
+
+
+def _cycles(scene: Scene) -> Iterator[Fault]:
+    """No frame stands on itself."""
+    parents = {frame.name: frame.parent for frame in scene.frames}
+    for i, frame in enumerate(scene.frames):
+        below, passed = frame.parent, [frame.name]
+        while below in parents and below not in passed:
+            passed.append(below)
+            below = parents[below]
+        if below == frame.name:
+            way = " on ".join([*passed, frame.name])
+            yield ("frames", i, "parent"), f"the frame stands on itself: {way}", "give ground or vessel to one of them"
+            return
+
+
+def _bodies(scene: Scene) -> Iterator[Fault]:
+    """Every body hangs on the rope or a spring, and has mass where it does not hang on the rope."""
+    roped = {item.body for item in scene.path if isinstance(item, (Sheave, End))}
+    for i, body in enumerate(scene.bodies):
+        if body.name in roped:
+            continue
+        if body.spring is None:
+            cause = "no rope and no spring holds it"
+            yield ("bodies", i, "name"), cause, f"add `end: {{name: hook, body: {body.name}}}` to the path"
+        elif body.mass == 0.0:
+            yield ("bodies", i, "mass"), "nothing with mass is attached to it", "give a mass greater than zero"
+        elif body.release is not None and body.release.remaining == 0.0:
+            at: Key = ("bodies", i, "release", "remaining")
+            yield at, "leaves a body without mass and without a rope", "give a mass greater than zero"
+    rigid = {body.name for body in scene.bodies if body.inertia is not None}
+    for item in scene.sheaves:
+        if item.body in rigid:
+            cause = f"body {item.body} turns, and a sheave rides only on a body that does not"
+            yield (*scene.key_of(item), "body"), cause, f"remove inertia from {item.body}"
+
+
+def _neighbours(scene: Scene) -> Iterator[Fault]:
+    """Two items between which a rope runs are apart."""
+
+    def place(item: PathItem) -> tuple[Any, ...]:
+        if isinstance(item, End) or (isinstance(item, Sheave) and item.body is not None):
+            return "body", item.body, item.offset
+        point = item.position if isinstance(item, Anchor) else item.center
+        return "frame", scene.frame_of(item), point
+
+    for i in range(1, len(scene.path)):
+        before, item = scene.path[i - 1], scene.path[i]
+        if place(before) == place(item):
+            key = {"anchor": "position"}.get(item.key, "center" if getattr(item, "center", None) else "offset")
+            cause = f"{item.name} has the same centre as {before.name}, the item before it: no rope runs between them"
+            yield (*scene.key_of(item), key), cause, "move one of the two"
+
+
+def _mesh(scene: Scene) -> Iterator[Fault]:
+    asked, spans = scene.mesh.elements_per_span, len(scene.path) - 1
+    at = ("mesh", "elements_per_span")
+    if isinstance(asked, tuple) and len(asked) != spans:
+        entries = "1 entry" if len(asked) == 1 else f"{len(asked)} entries"
+        cause = f"has {entries}, and the path {spans} span{'s' if spans > 1 else ''}"
+        yield at, cause, "give one number for all spans, or one for each"
+    elif sum(scene.elements) > MOST_ELEMENTS:
+        yield at, f"makes {sum(scene.elements)} elements, more than {MOST_ELEMENTS}", "take fewer, longer elements"
+
+
+def _drums(scene: Scene) -> Iterator[Fault]:
+    """What layers say agrees with the rope and with the drum."""
+    for drum in scene.drums:
+        layers, diameter, at = drum.layers, scene.rope.diameter, scene.key_of(drum)
+        if layers is None:
+            continue
+        if diameter is None:
+            yield (*at, "layers"), "the diameter of the rope is not given", "add `diameter:` to rope, or remove this"
+            continue
+        capacity = layers.capacity(diameter)
+        if capacity is None or layers.count is None:
+            continue
+        outermost = layers.pitch_radius(layers.count, diameter)
+        # A drum whose radius is that of its core is read as one whose first layer is being filled.
+        if drum.radius > outermost * (1.0 + 1e-6):
+            cause = f"lies outside of layer {layers.count}, whose radius is {outermost:.4g} m"
+            yield (*at, "radius"), cause, "give the pitch radius of the layer that the rope leaves, or more layers"
+        if drum.rope_on_drum is not None and drum.rope_on_drum > capacity:
+            cause = f"is more than {layers.count} layers of {layers.turns} turns hold, {capacity:.4g} m"
+            yield (*at, "rope_on_drum"), cause, "give less, or more turns or layers"
+
+
+def _water(scene: Scene) -> Iterator[Fault]:
+    """Water acts where there is any, on a rope whose diameter is known."""
+    if scene.water is None:
+        for i, body in enumerate(scene.bodies):
+            acting = {"added_mass": body.added_mass, "volume": (body.volume,)}
+            acting["drag"] = (*body.drag.linear, *body.drag.quadratic)
+            for key, values in acting.items():
+                if any(values):
+                    yield ("bodies", i, key), "is given, and the scene has no water", "add `water:`, or remove this"
+        return
+    for key in ("rope_drag", "added_mass"):
+        if getattr(scene.water, key) and scene.rope.diameter is None:
+            yield ("water", key), "the diameter of the rope is not given", "add `diameter:` to rope, or remove this"
+
+
+def _ground(scene: Scene) -> Iterator[Fault]:
+    """The ground is below everything."""
+    if scene.ground is None:
+        for i, body in enumerate(scene.bodies):
+            if body.bottom:
+                yield ("bodies", i, "bottom"), "is given, and the scene has no ground", "add `ground:`, or remove this"
+        return
+    level = scene.ground.level
+    lowest = level - 1e-9 * max(1.0, abs(level))
+    cure = f"raise it, or lower ground.level = {level:g}"
+    for i, body in enumerate(scene.bodies):
+        if body.lowest < lowest:
+            yield ("bodies", i, "position"), f"its lowest point, z = {body.lowest:g} m, is below the ground", cure
+    for item in scene.path:
+        key = "position" if isinstance(item, Anchor) else "center"
+        point = getattr(item, key, None)
+        if point is not None and point[2] < lowest:
+            yield (*scene.key_of(item), key), f"z = {point[2]:g} m is below the ground", cure
+
+
+def _start(scene: Scene) -> Iterator[Fault]:
+    if scene.start == "static" and not any(scene.gravity):
+        yield ("start",), "there is no rest to be found without gravity", "give gravity, or start: as drawn"
+
+
+def _compensation(scene: Scene) -> Iterator[Fault]:
+    """Heave is compensated by a drum that pays out as it is told, on a vessel that heaves."""
+    at: Key = ("heave_compensation",)
+    if scene.heave_compensation is None:
+        return
+    if scene.vessel is None:
+        yield at, "the scene has no vessel: nothing heaves", "add `vessel:`, or remove this"
+    elif not any(drum.prescribed for drum in scene.drums):
+        cause = "no drum of the path has `pay_out:` or `speed:` for it to add to"
+        yield at, cause, "drive a drum by pay_out, or remove this"
+
+
+def _computable(scene: Scene) -> Iterator[Fault]:
+    """Yield the numbers that cannot be computed with, and the places that are too far from the origin."""
+    for at, value in _numbers(scene, ()):
+        name = next(part for part in reversed(at) if isinstance(part, str))
+        if abs(value) > LARGEST or (name in DIVISORS and 0.0 < abs(value) < SMALLEST):
+            yield at, *OUTSIDE
+        elif name in PLACES and abs(value) > FAR_AWAY:
+            cause = "is so far away that rounding would show in the rope's forces"
+            yield at, cause, "put the origin near the crane, and give positions in m"
+
+
+def _numbers(value: Any, at: Key) -> Iterator[tuple[Key, float]]:
+    """Yield all numbers of a model with their key paths; of a function of time only its largest, at the whole."""
+    if isinstance(value, float):
+        yield at, value
+    elif isinstance(value, tuple):
+        for i, entry in enumerate(value):
+            yield from _numbers(entry, (*at, i))
+    elif isinstance(value, FunctionOfTime):
+        yield at, max((abs(x) for x in _parts(value)), default=0.0)
+    elif isinstance(value, Model):
+        if isinstance(value, PathItem):
+            at = (*at, value.key)
+        for name in type(value).model_fields:
+            yield from _numbers(getattr(value, name), (*at, name))
+
+
+def _parts(value: Any) -> Iterator[float]:
+    """Yield all numbers of a function of time."""
+    if isinstance(value, float):
+        yield value
+    elif isinstance(value, (tuple, list)):
+        for entry in value:
+            yield from _parts(entry)
+    elif isinstance(value, Model):
+        for name in type(value).model_fields:
+            yield from _parts(getattr(value, name))

@@ -1,0 +1,1 @@
+"""What moves a crane: frames with their derivatives, vessels by functions, records or waves, heave compensation."""

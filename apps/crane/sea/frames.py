@@ -1,0 +1,383 @@
+"""Frames that move by prescription: the vessel, and booms that slew and luff upon it.
+
+A point is drawn in ground coordinates with every frame at rest. While the frames move, a point drawn at x in a frame
+stands at ``O + R x``. Both follow from the frame's six motions and its parent, exactly and for large angles, with two
+derivatives that are carried through each product: nothing is differenced.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from crane.sea.motion_derivatives import product, rotation
+from tautline.kernels.time_function import TimeFunctions, sample
+from tautline.scene.errors import Problem, SceneError
+from tautline.scene.functions import Constant
+from tautline.system.time_functions import FunctionRequest, Samples, compile_functions
+
+GROUND = -1
+MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+ENTRIES = 12
+"""Numbers that place a frame: the three of O, then the columns of R one after another."""
+
+TOLERANCE = 1.0e-11
+"""Error of the quintics between knots, as a share of how far O, or R, moves from where it is at t = 0."""
+ROUNDING = 64.0 * np.finfo(float).eps
+KNOTS_AT_FIRST = 16
+"""Knots that a period gets, and a run, before the error is looked at."""
+TURN = 0.4
+"""Angle that a frame may turn between two of these first knots, rad."""
+MOST_KNOTS = 1_000_000
+BLEND = 1.0e-4
+"""Time in which a jump of acceleration is gone through, s: a knot holds one acceleration, not two."""
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+"""Golden section: no period fits its multiples, so that a motion which is nothing at all of them is nothing."""
+LOOKS = np.arange(1, 102) * GOLDEN % 1.0
+"""Shares of the run at which a motion's size is looked at."""
+JUMP = 1.0e-6
+"""Share of its largest rate, or second rate, by which a motion jumps where it is not called smooth."""
+CLOSEST = 1.0e-4
+"""Time between knots below which their second derivatives would be rounding, s; 1e-5 of shorter runs."""
+GRACE = 1.0
+"""Time by which the last piece outlasts the run, s: the run's last instant must not lie where all is held."""
+
+STILL = (Constant(value=0.0),) * len(MOTIONS)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A frame and how it moves in its parent.
+
+    A point x of it stands at ``pivot + (surge, sway, heave) + Rz(yaw) Ry(pitch) Rx(roll) (x - pivot)`` in its parent.
+    A boom is a frame whose yaw is its slew and whose pitch is its luff: about the slewed boom's own y, so that a
+    positive luff lowers a boom that points along x.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    parent : int
+        Its parent's place in the list of frames, before its own, or `GROUND`.
+    pivot : tuple of float
+        The point that it turns about, drawn at rest, m.
+    motion : tuple of 6
+        Functions of time (models of `tautline.scene.functions`, or `Samples`) in the order of `MOTIONS`: m, rad.
+    key : str
+        Where it stands in the scene, for messages.
+    words : tuple of 6 str
+        What the scene calls its motions.
+    """
+
+    name: str
+    parent: int
+    pivot: tuple[float, float, float]
+    motion: tuple[Any, ...] = field(default=STILL)
+    key: str = ""
+    words: tuple[str, ...] = MOTIONS
+
+    def motion_key(self, i: int) -> str:
+        """Where its i-th motion stands in the scene."""
+        return f"{self.key or self.name}.{self.words[i]}"
+
+
+def boom(name: str, parent: int, pivot: tuple[float, float, float], slew: Any, luff: Any, key: str = "") -> Frame:
+    """Frame of a boom that slews about its parent's z, then luffs about its own y, both rad."""
+    still = STILL[0]
+    words = (*MOTIONS[:4], "luff", "slew")
+    return Frame(name, parent, pivot, (still, still, still, still, luff, slew), key, words)
+
+
+def motion_of(frames: Sequence[Frame], values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Place of every frame while its motions have given values.
+
+    Parameters
+    ----------
+    frames : sequence of Frame
+        Parents before children.
+    values : float64 (frames, 6, m, 3)
+        Value, rate and second rate of every frame's motions at m times.
+
+    Returns
+    -------
+    value, rate, second : float64 (m, frames, 12)
+        O and the three columns of R, and their first and second time derivatives.
+    """
+    values = np.asarray(values, dtype=float)
+    m = values.shape[2]
+    placed = np.empty((3, m, len(frames), ENTRIES))
+    origins: list[np.ndarray] = []
+    turns: list[np.ndarray] = []
+    for k, frame in enumerate(frames):
+        jets = np.moveaxis(values[k], 2, 0)
+        pivot = np.array(frame.pivot, dtype=float)
+        turn = rotation(*jets[:, 3:].transpose(1, 0, 2))
+        origin = np.ascontiguousarray(jets[:, :3].transpose(0, 2, 1)) - turn @ pivot
+        origin[0] += pivot
+        if frame.parent != GROUND:
+            if not 0 <= frame.parent < k:
+                raise ValueError(f"frame {frame.name} stands before its parent")
+            above = turns[frame.parent]
+            origin = origins[frame.parent] + product(above, origin[..., None])[..., 0]
+            turn = product(above, turn)
+        origins.append(origin)
+        turns.append(turn)
+        placed[:, :, k, :3] = origin
+        placed[:, :, k, 3:] = turn.transpose(0, 1, 3, 2).reshape(3, m, 9)
+    return placed[0], placed[1], placed[2]
+
+
+def point_of(entries: np.ndarray, point: Sequence[float]) -> np.ndarray:
+    """Where a point stands that is drawn in a frame, ``O + R x``.
+
+    Parameters
+    ----------
+    entries : float64 (..., 12)
+        O and R of the frame.
+    point : sequence of 3 floats
+        Where it is drawn, m.
+
+    Returns
+    -------
+    float64 (..., 3)
+        m. Of a derivative of O and R, that derivative of the place.
+    """
+    x, y, z = point
+    return entries[..., :3] + x * entries[..., 3:6] + y * entries[..., 6:9] + z * entries[..., 9:]
+
+
+def requests_of(frames: Sequence[Frame], end: float, tolerance: float = TOLERANCE) -> list[FunctionRequest]:
+    """Functions of time that place every frame, for the time loop.
+
+    Parameters
+    ----------
+    frames : sequence of Frame
+        Parents before children.
+    end : float
+        Time up to which they are good, s.
+    tolerance : float
+        Error between knots, as a share of how far O, or R, moves.
+
+    Returns
+    -------
+    list of FunctionRequest
+        Entry j of frame k is request ``12 k + j``: a `Constant` where it does not move, else `Samples`.
+
+    Raises
+    ------
+    SceneError
+        If a motion jumps, or would need more than a million knots.
+    """
+    functions = _compiled(frames, end)
+    requests = []
+    for k, frame in enumerate(frames):
+        time, entries = _Path(frames, functions, k, end).knots(tolerance)
+        requests += [FunctionRequest(_model(time, entries[:, :, j]), end=end, key=frame.key) for j in range(ENTRIES)]
+    return requests
+
+
+def heave_of(frames: Sequence[Frame], vessel: int, k: int, point: Sequence[float], end: float) -> Samples | Constant:
+    """How far the vessel's motion lifts a point of a frame, as a function of time.
+
+    It is the point's height less that which it would have with the vessel at rest: what a boom does by itself is the
+    operator's, and no heave.
+
+    Parameters
+    ----------
+    frames : sequence of Frame
+        Parents before children.
+    vessel, k : int
+        The vessel's place in the list, and that of the frame which the point rides on (or `GROUND`).
+    point : sequence of 3 floats
+        Where it is drawn, m.
+    end : float
+        Time up to which it is good, s.
+
+    Returns
+    -------
+    Samples or Constant
+        m, upwards.
+    """
+    if k == GROUND:
+        return Constant(value=0.0)
+    path = _Path(frames, _compiled(frames, end), k, end)
+    if vessel not in path.chain:
+        return Constant(value=0.0)
+    time, entries = path.knots(TOLERANCE)
+    # the last knot lies beyond the run, where nothing is sampled: the rest follows there as the whole does
+    at_rest = path.entries(time, still=vessel)
+    lift = point_of(entries, point)[..., 2] - point_of(at_rest, point)[..., 2]
+    return _model(time, _with_grace(time[:-1], lift[:, :-1, None])[1][..., 0])
+
+
+def _compiled(frames: Sequence[Frame], end: float) -> TimeFunctions:
+    if not end > 0.0:
+        raise ValueError("the end of the run must be later than its start")
+    return compile_functions(
+        [
+            FunctionRequest(motion, end=end, key=frame.motion_key(i))
+            for frame in frames
+            for i, motion in enumerate(frame.motion)
+        ]
+    )
+
+
+def _model(time: np.ndarray, jet: np.ndarray) -> Samples | Constant:
+    """Model of one entry from its value, rate and second rate (3, m)."""
+    if not np.any(jet[1:]):
+        return Constant(value=float(jet[0, 0]))
+    return Samples(time, jet[0], jet[1], jet[2])
+
+
+def _with_grace(time: np.ndarray, jets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Knots and jets (3, m, n) with one more knot after the end, reached with the last acceleration."""
+    value, rate, second = jets[:, -1]
+    later = np.array([value + GRACE * (rate + 0.5 * GRACE * second), rate + GRACE * second, second])
+    return np.append(time, time[-1] + GRACE), np.concatenate((jets, later[:, None]), axis=1)
+
+
+class _Path:
+    """A frame with all those it rides on: where it is at any time, and knots between which quintics follow it."""
+
+    def __init__(self, frames: Sequence[Frame], functions: TimeFunctions, k: int, end: float) -> None:
+        self.end = end
+        self.closest = min(CLOSEST, 1.0e-5 * end)
+        self.functions = functions
+        self.chain = [k]
+        while frames[self.chain[0]].parent != GROUND:
+            self.chain.insert(0, frames[self.chain[0]].parent)
+        self.frames = [replace(frames[k], parent=i - 1) for i, k in enumerate(self.chain)]
+        self.indices = [k * len(MOTIONS) + i for k in self.chain for i in range(len(MOTIONS))]
+
+    def motions(self, time: np.ndarray) -> np.ndarray:
+        """Value, rate and second rate of all motions (frames, 6, m, 3), at the end as it is reached."""
+        before = np.minimum(time, np.nextafter(self.end, 0.0))
+        sampled = np.array([sample(self.functions, i, before) for i in self.indices])
+        return sampled.reshape(len(self.chain), len(MOTIONS), time.size, 3)
+
+    def entries(self, time: np.ndarray, still: int | None = None) -> np.ndarray:
+        """O and R with both derivatives (3, m, 12); `still`: a frame that is held as it is drawn."""
+        values = self.motions(time)
+        if still is not None:
+            values[self.chain.index(still)] = 0.0
+        return np.stack([jet[:, -1] for jet in motion_of(self.frames, values)])
+
+    def knots(self, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+        """Times and entries (3, m, 12) between which quintics are good, the last after the end."""
+        time, closed = self._first_knots()
+        entries = self.entries(time)
+        allowed = self._allowed(entries, tolerance)
+        while not np.all(closed):
+            at = np.flatnonzero(~closed)
+            middle = 0.5 * (time[at] + time[at + 1])
+            between = self.entries(middle)
+            wrong = np.any(np.abs(_at_middle(time, entries, at) - between[0]) > allowed, axis=1)
+            wrong &= middle - time[at] > self.closest
+            closed[at] = ~wrong
+            at, middle, between = at[wrong], middle[wrong], between[:, wrong]
+            time = np.insert(time, at + 1, middle)
+            entries = np.insert(entries, at + 1, between, axis=1)
+            closed = np.insert(closed, at + 1, False)
+            self._check_number(time.size)
+        return _with_grace(time, entries)
+
+    def _first_knots(self) -> tuple[np.ndarray, np.ndarray]:
+        """Knots where any motion changes its formula, and some for every period; and which intervals are done."""
+        breaks, blends = self._breaks()
+        edges = np.concatenate(([0.0], breaks, [self.end]))
+        spacing = min(self.end, self._shortest_period()) / KNOTS_AT_FIRST
+        self._check_number(self.end / spacing)
+        time = _divided(edges, spacing)
+        angles = self.motions(time)[:, 3:, :, 1]
+        fastest = float(np.abs(angles).max(axis=2).sum())
+        if fastest * spacing > TURN:
+            self._check_number(self.end * fastest / TURN)
+            time = _divided(edges, TURN / fastest)
+        time = np.union1d(time, blends)
+        return time, np.isin(time[:-1], blends)
+
+    def _breaks(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times inside the run at which formulas change, and knots just before those with a jump of acceleration.
+
+        Raises
+        ------
+        SceneError
+            If a motion or its speed jumps.
+        """
+        f = self.functions
+        times = [np.empty(0)]
+        for i in self.indices:
+            times.append(f.breaks[f.break_from[f.track_from[i]] : f.break_from[f.track_from[i + 1]]])
+            times.append(f.waves[f.wave_from[i] : f.wave_from[i + 1], 4])
+        breaks = np.unique(np.concatenate(times))
+        breaks = breaks[(breaks > 0.0) & (breaks < np.nextafter(self.end, 0.0))]
+        jump = np.abs(self.motions(breaks) - self.motions(np.nextafter(breaks, 0.0)))
+        edges = np.concatenate(([0.0], breaks, [self.end]))
+        between = np.concatenate((self.end * LOOKS, edges[:-1] + GOLDEN * np.diff(edges)))
+        largest = np.abs(self.motions(np.union1d(breaks, between))).max(axis=2)
+        jumps = jump > JUMP * largest[:, :, None]
+        for k, i, at in np.argwhere(np.any(jumps[..., :2], axis=3)):
+            what = "the motion itself jumps" if jumps[k, i, at, 0] else "its speed jumps"
+            cure = "use ramps and cubic tables; let a table begin and end flat, with its first and last value twice"
+            key = self.frames[k].motion_key(i)
+            raise SceneError([Problem("scene", None, key, None, f"{what} at t = {breaks[at]:g} s", cure)])
+        sudden = np.any(jumps[..., 2], axis=(0, 1))
+        # corners of the third derivative need no knot of their own where there is one this close
+        apart = _apart(breaks, self.closest, self.end)
+        breaks, sudden = breaks[apart], sudden[apart]
+        room = np.diff(breaks, prepend=0.0)[sudden]
+        return breaks, breaks[sudden] - np.minimum(BLEND, 0.1 * room)
+
+    def _shortest_period(self) -> float:
+        """Of all waves, s; infinite without waves."""
+        f = self.functions
+        waves = np.concatenate([f.waves[f.wave_from[i] : f.wave_from[i + 1]] for i in self.indices])
+        waves = waves[waves[:, 0] != 0.0]
+        frequencies = np.abs(np.concatenate((waves[:, 1], waves[:, 1] + 2.0 * waves[:, 2] * self.end)))
+        fastest = float(frequencies.max(initial=0.0))
+        return 2.0 * np.pi / fastest if fastest > 0.0 else np.inf
+
+    def _allowed(self, entries: np.ndarray, tolerance: float) -> np.ndarray:
+        """Error allowed of each entry (12,)."""
+        moved = np.abs(entries[0] - entries[0, 0]).max(axis=0)
+        far = sum(float(np.abs(frame.pivot).max()) for frame in self.frames) + float(np.abs(entries[0, :, :3]).max())
+        allowed = np.empty(ENTRIES)
+        allowed[:3] = tolerance * moved[:3].max() + ROUNDING * far
+        allowed[3:] = tolerance * min(1.0, moved[3:].max()) + ROUNDING
+        return allowed
+
+    def _check_number(self, knots: float) -> None:
+        if knots > MOST_KNOTS:
+            frame = self.frames[-1]
+            cause = f"following it up to {self.end:g} s takes more than {MOST_KNOTS} knots"
+            raise SceneError(
+                [Problem("scene", None, frame.key or frame.name, None, cause, "move slower, or end earlier")]
+            )
+
+
+def _apart(times: np.ndarray, closest: float, end: float) -> np.ndarray:
+    """Which of some times to keep so that none is closer to the one before, to 0 or to the end."""
+    kept, last = np.zeros(times.size, dtype=bool), 0.0
+    for i, time in enumerate(times):
+        if time - last > closest and end - time > closest:
+            kept[i], last = True, time
+    return kept
+
+
+def _divided(edges: np.ndarray, spacing: float) -> np.ndarray:
+    """Edges, and times between them that are at most so far apart, at least one in each interval."""
+    parts = np.maximum(2, np.ceil(np.diff(edges) / spacing)).astype(np.int64)
+    first = np.repeat(np.cumsum(parts) - parts, parts)
+    share = (np.arange(parts.sum()) - first) / np.repeat(parts, parts)
+    return np.append(np.repeat(edges[:-1], parts) + share * np.repeat(np.diff(edges), parts), edges[-1])
+
+
+def _at_middle(time: np.ndarray, entries: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Value of the quintics in the middle of the intervals `at`, (len(at), 12)."""
+    h = (time[at + 1] - time[at])[:, None]
+    left, right = entries[:, at], entries[:, at + 1]
+    return 0.5 * (left[0] + right[0]) + h * (5.0 / 32.0 * (left[1] - right[1]) + h / 64.0 * (left[2] + right[2]))

@@ -1,0 +1,1 @@
+"""Figures and the look of a crane in space."""

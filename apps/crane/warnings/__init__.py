@@ -1,0 +1,1 @@
+"""What is large compared with what, before a run: scene, rope, winches."""

@@ -1,0 +1,318 @@
+"""What to tell a user about a crane before it runs: large against what, and what to do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from crane.assembly.drum_supply import check_supply, hoisted_spans, reeled_of
+from crane.assembly.estimates import Estimate, estimate, rk4_limit
+from crane.assembly.loads import floating
+from crane.assembly.mesh_damping import damping_of
+from crane.model.build import compensation_of
+from crane.scene.keys import where
+from crane.scene.path import DRUM_FLEET_LIMIT
+from crane.scene.scene import CraneScene, Drum, Sheave
+from crane.sea.compensation import Compensation
+from crane.warnings.rope import rope_cautions
+from crane.warnings.winch import SUDDEN, winch_cautions
+from tautline.kernels.time_function import sample
+from tautline.scene.errors import Caution
+from tautline.system.time_functions import compile_functions
+
+LEAST_RATIO = 16.0
+"""Sheave over rope diameter below which bending wears a wire rope out quickly; the codes ask for 18 to 25."""
+LEAST_SAFETY = 3.0
+"""Breaking load over tension at rest: a rule of thumb of offshore lifting."""
+MOST_STRAIN = 0.03
+"""Tension at rest over EA beyond which no wire rope is whole, and few of fibre."""
+STEPS_PER_PERIOD = 10.0
+FRAMES_PER_PERIOD = 4.0
+SAGGING = 0.02
+"""Sag over length of a span from which it wants elements, however much it pulls."""
+ENOUGH = 8
+HELD_BACK = 0.01
+"""Share of the run for which an actuator may be off its command without a word."""
+
+Sentences = Iterator[tuple[str, str]]
+
+
+def cautions(scene: CraneScene) -> list[Caution]:
+    """Cautions of a scene, each with its cause and a cure; raises SceneError where it cannot be run."""
+    check_supply(scene)
+    found = estimate(scene)
+    actuator = compensation_of(found.layout) if scene.heave_compensation is not None else None
+    sentences = [
+        *(("path", text) for text in found.path.warnings),
+        *rope_cautions(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
+        *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
+        *winch_cautions(found, actuator), *_start(found),
+        *_held_back(actuator), *_dry(scene), *_floating(found),
+    ]  # fmt: skip
+    return [Caution(place, text) for place, text in sentences]
+
+
+def _dry(scene: CraneScene) -> Sentences:
+    """Bodies that the water acts on as if they were in it, and that are drawn above it."""
+    for k, body in enumerate(scene.bodies if scene.water is not None else ()):
+        acts = body.volume > 0.0 or any((*body.added_mass, *body.drag.linear, *body.drag.quadratic))
+        if acts and body.position[2] > scene.water.surface:
+            text = (
+                f"{body.name} is drawn {body.position[2] - scene.water.surface:.3g} m above the water, whose buoyancy, "
+                "drag and added mass act on a body at any height; leave them out while it is in air"
+            )
+            yield f"bodies[{k}]", text
+
+
+def _floating(found: Estimate) -> Sentences:
+    """Bodies that do not pull on the rope that they hang on."""
+    for k, lift in floating(found.scene, found.path):
+        text = (
+            f"{found.scene.bodies[k].name} floats: buoyancy and force lift it with {lift:.4g} N more than it weighs, "
+            "at any height, and its rope goes slack; give it less volume or more mass"
+        )
+        yield f"bodies[{k}]", text
+
+
+def fleet_angle(found: Estimate, i: int) -> float:
+    """Larger of the two angles of rope and plane at an item of the path, rad, as a size."""
+    angles = found.path.fleet
+    sides = ([angles[i - 1, 1]] if i > 0 else []) + ([angles[i, 0]] if i < len(angles) else [])
+    return max(abs(float(angle)) for angle in sides)
+
+
+def _fleet(found: Estimate) -> Sentences:
+    """Rope that meets a sheave or a drum askew."""
+    for i, item in enumerate(found.scene.path):
+        if not isinstance(item, (Sheave, Drum)):
+            continue
+        limit = item.fleet_limit if isinstance(item, Sheave) else DRUM_FLEET_LIMIT
+        angle = fleet_angle(found, i)
+        if angle > limit:
+            cure = "turn the axis or move it into the rope's way"
+            cure += ", or raise fleet_limit" if isinstance(item, Sheave) else ""
+            text = (
+                f"the rope meets {item.name} at {math.degrees(angle):.3g} deg to its plane, more than "
+                f"{math.degrees(limit):.3g} deg: it rubs on the flange and wears; {cure}"
+            )
+            yield where(found.scene, item), text
+
+
+def _bending(scene: CraneScene) -> Sentences:
+    """Sheaves small for their rope."""
+    diameter = scene.rope.diameter
+    if diameter is None:
+        return
+    small = [
+        (2.0 * item.radius / diameter, item)
+        for item in scene.path
+        if isinstance(item, (Sheave, Drum)) and 2.0 * item.radius < LEAST_RATIO * diameter
+    ]
+    if small:
+        ratio, item = min(small, key=lambda pair: pair[0])
+        others = f", and {len(small) - 1} more below {LEAST_RATIO:g}" if len(small) > 1 else ""
+        text = (
+            f"{2.0 * item.radius:.3g} m over a rope of {1e3 * diameter:.3g} mm is D/d = {ratio:.3g}{others}: wire rope "
+            f"soon breaks of bending so, and {LEAST_RATIO:g} or more is usual; take a larger radius, or see whether "
+            "rope.diameter is what was meant"
+        )
+        yield where(scene, item, "radius"), text
+
+
+def _safety(found: Estimate) -> Sentences:
+    """Rope weak for its load."""
+    breaking, tension = found.scene.rope.breaking_load, found.largest_tension
+    if breaking is None or tension <= 0.0 or breaking >= LEAST_SAFETY * tension:
+        return
+    text = (
+        f"{breaking:.3g} N is {breaking / tension:.2g} times the tension at rest, about {tension:.3g} N; by a rule of "
+        f"thumb of offshore lifting it should be {LEAST_SAFETY:g} times, and codes ask for their own factor; take a "
+        "stronger rope, more falls or less load"
+    )
+    yield "rope.breaking_load", text
+
+
+def _strain(found: Estimate) -> Sentences:
+    """Rope that its load would stretch beyond what any wire bears."""
+    tension, stiffness = found.largest_tension, found.scene.rope.axial_stiffness
+    if tension > MOST_STRAIN * stiffness:
+        text = (
+            f"the tension at rest, about {tension:.3g} N, is {100.0 * tension / stiffness:.3g} % of EA = "
+            f"{stiffness:.3g} N, and the strain is about that; wire rope breaks at about 2 %; see whether "
+            "axial_stiffness and the load are what was meant"
+        )
+        yield "rope.axial_stiffness", text
+
+
+def _sheaves(scene: CraneScene) -> Sentences:
+    """Friction that cannot act."""
+    for item in scene.sheaves:
+        if item.law == "capstan" and not item.locked and item.inertia == 0.0:
+            text = (
+                f"nothing resists {item.name}: without inertia it turns with the rope, and the friction of law: "
+                "capstan never acts; give inertia, locked: yes, or law: frictionless"
+            )
+            yield where(scene, item, "law"), text
+
+
+def shortest(found: Estimate) -> list[float]:
+    """Length of an element in every span when it is shortest, m, as far as the winches' motion is prescribed."""
+    scene, path = found.scene, found.path
+    reeled = float(reeled_of(scene)[2].max())
+    loose = hoisted_spans(scene)
+    share = reeled / max(1, len(loose))
+    lengths = [span.length - (share if k in loose else 0.0) for k, span in enumerate(path.spans)]
+    kept = [max(length, 1e-3 * span.length) for length, span in zip(lengths, path.spans, strict=True)]
+    return [length / n for length, n in zip(kept, scene.elements, strict=True)]
+
+
+def _steps(found: Estimate) -> Sentences:
+    scene, frequency = found.scene, found.frequency
+    solver, interval = scene.solver, scene.output.interval
+    if solver.method == "rk4":
+        begin = [span.length / n for span, n in zip(found.path.spans, scene.elements, strict=True)]
+        damping = damping_of(scene, found.path)
+        critical, later = (
+            min(rk4_limit(scene, length, c) for length, c in zip(lengths, damping, strict=True))
+            for lengths in (begin, shortest(found))
+        )
+        falls = f", and {later:.2g} s when the spans are shortest" if later < 0.9 * critical else ""
+        if solver.step == "auto" or float(solver.step) > later:
+            long = "" if solver.step == "auto" else f": {solver.step:g} s will be unstable"
+            text = (
+                f"rk4 takes steps of no more than about {critical:.2g} s here, the time of a wave of tension along an "
+                f"element{falls}{long}; method: generalized-alpha takes ten to a hundred times longer ones"
+            )
+            yield "solver.method" if solver.step == "auto" else "solver.step", text
+    if frequency is None:
+        return
+    period = 1.0 / frequency
+    if solver.step != "auto" and not scene.controlled and float(solver.step) * STEPS_PER_PERIOD > period:
+        text = (
+            f"{solver.step:g} s is long against the period of the load's bounce, about {period:.2g} s: fewer than "
+            f"{STEPS_PER_PERIOD:.0f} steps in it do not follow the motion; take "
+            f"{0.5 * period / STEPS_PER_PERIOD:.1g} s or less, or control: error"
+        )
+        yield "solver.step", text
+    if interval * FRAMES_PER_PERIOD > period:
+        text = (
+            f"{interval:g} s keeps fewer than {FRAMES_PER_PERIOD:.0f} frames in a bounce of the load, about "
+            f"{period:.2g} s: peaks between frames are not seen; take {period / 10.0:.1g} s or less where they matter"
+        )
+        yield "output.interval", text
+
+
+def _mesh(found: Estimate) -> Sentences:
+    """Elements too long for a heavy rope."""
+    scene = found.scene
+    g = np.array(scene.gravity, float)
+    if found.tension is None:
+        return
+    for k, (span, n) in enumerate(zip(found.path.spans, scene.elements, strict=True)):
+        tension = max(float(found.tension[k].max()), 1e-9 * scene.rope.axial_stiffness)
+        load = scene.rope.mass_per_length * g
+        across = float(np.linalg.norm(load - (load @ span.e) * span.e)) * span.length
+        names = f"{scene.path[k].name} to {scene.path[k + 1].name}"
+        if across / (8.0 * tension) > SAGGING and n < ENOUGH:
+            sag = across * span.length / (8.0 * tension)
+            text = (
+                f"{n} from {names}: the rope sags by about {sag:.2g} m in {span.length:.3g} m, and is drawn as {n} "
+                f"straight pieces; take {ENOUGH} or more for that span"
+            )
+            yield "mesh.elements_per_span", text
+
+
+def _undamped(scene: CraneScene) -> Sentences:
+    """A rope that may go slack and that nothing damps: it rings between its nodes when it snaps."""
+    rope = scene.rope
+    if rope.damping == 0.0 and rope.compression == "none" and max(scene.elements) > 1:
+        text = (
+            "0: when slack rope snaps taut, its nodes ring and nothing damps them; tensions are then up to 1.5 times "
+            "too high with few elements, and so is what is said of the breaking load. Remove `damping:`, for as much "
+            "as the mesh needs, or give what the rope has"
+        )
+        yield "rope.damping", text
+
+
+def _compression(scene: CraneScene) -> Sentences:
+    if scene.rope.compression == "elastic":
+        text = (
+            "elastic: the rope carries pressure as a rod does, so that it never goes slack and no snap follows; give "
+            "none for a rope, unless it is known to stay taut"
+        )
+        yield "rope.compression", text
+
+
+def _start(found: Estimate) -> Sentences:
+    """What the rope hangs on moves at t = 0, and the load rests."""
+    scene, layout = found.scene, found.layout
+    if scene.start != "static" or not layout.frames:
+        return
+    functions = compile_functions(layout.requests.of)
+    fastest, name = 0.0, ""
+    for i, item in enumerate(scene.path):
+        frame = int(layout.wheels.frame[i])
+        if getattr(item, "body", None) is not None or frame == layout.frame[-1]:
+            continue
+        rate = np.array([_rate(layout, functions, frame + c) for c in range(12)])
+        drawn = np.array(getattr(item, "center", None) or getattr(item, "position", None))
+        speed = float(np.linalg.norm(rate[:3] + rate[3:].reshape(3, 3).T @ drawn))
+        if speed > fastest:
+            fastest, name = speed, item.name
+    front = fastest * found.impedance
+    if front > SUDDEN * found.largest_tension:
+        text = (
+            f"{name} moves at {fastest:.2g} m/s at t = 0, and the load rests: up to {front:.3g} N of tension come of "
+            "the jump alone; let the motion grow with `ramp`, or leave the first waves out of account"
+        )
+        yield "vessel.motion" if scene.vessel is not None else "frames", text
+
+
+def _rate(layout: Any, functions: Any, place: int) -> float:
+    function = layout.degrees.motion.get(place, -1)
+    return float(sample(functions, function, np.zeros(1))[0, 1]) if function >= 0 else 0.0
+
+
+def _held_back(actuator: Compensation | None) -> Sentences:
+    """Limits of the actuator that hold it back."""
+    if actuator is None or actuator.away <= HELD_BACK:
+        return
+    met = {name: share for name, share in actuator.met.items() if share > 0.0}
+    what = ", ".join(f"{name} {100.0 * share:.2g} %" for name, share in met.items()) or "its start"
+    text = (
+        f"the actuator is off its command for {100.0 * actuator.away:.2g} % of the run, by up to {actuator.error:.2g} "
+        f"m, held back by {what}; give it wider limits, or expect that much heave at the load"
+    )
+    yield "heave_compensation.limits", text
+
+
+def figures(scene: CraneScene) -> dict[str, Any]:
+    """Figures of the rope's way for ``check --json``, m, rad and s; of fleet angles the larger of both sides."""
+    found = estimate(scene)
+    path, items = found.path, scene.path
+    sheaves = [i for i, item in enumerate(items) if isinstance(item, Sheave)]
+    return {
+        "spans": [
+            {"from": items[k].name, "to": items[k + 1].name, "length": float(span.length)}
+            for k, span in enumerate(path.spans)
+        ],
+        "wraps": [{"sheave": items[i].name, "angle": float(path.wraps[i])} for i in sheaves],
+        "fleet_angles": [{"sheave": items[i].name, "angle": fleet_angle(found, i)} for i in sheaves],
+        "path_length": path.length,
+        "damping": {"largest": max(damping_of(scene, path)), "given": scene.rope.damping is not None},
+    }
+
+
+def describe(found: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows of a table for people, of what `figures` found."""
+    rows = [(f"{span['from']} to {span['to']}", f"{span['length']:.4g} m") for span in found["spans"]]
+    for wrap, fleet in zip(found["wraps"], found["fleet_angles"], strict=True):
+        angles = math.degrees(wrap["angle"]), math.degrees(fleet["angle"])
+        rows.append((f"around {wrap['sheave']}", f"{angles[0]:.4g} deg, fleet angle {angles[1]:.2g} deg"))
+    rows.append(("length of the rope's way", f"{found['path_length']:.4g} m"))
+    if not found["damping"]["given"]:
+        rows.append(("damping of the rope", f"{found['damping']['largest']:.2g} s: rope.damping is not given"))
+    return rows

@@ -1,0 +1,119 @@
+"""From a scene to the groups that act at the string's ends, whichever model the string between them has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from drillstring.drilling.bit_group import OWN
+from drillstring.drilling.bit_numbers import bit_row, torque_at
+from drillstring.drilling.bit_rock import BladeBit, RockBit
+from drillstring.drilling.impedance import gains, note_of_drive
+from drillstring.drilling.top_drive import TopDrive
+from drillstring.scene.ends import Controller
+from drillstring.string.lumps import Tube
+from tautline.elements.load import Loads
+from tautline.kernels.time_function import TimeFunctions, value_at
+
+if TYPE_CHECKING:
+    from drillstring.scene.scene import DrillstringScene
+
+BLOCK, ROTATION = 0, 1
+"""Functions of time of a scene: the block's position m, and the angle of the rotary rad."""
+RING = 1024
+"""Angles at which the bottom of the hole under a bit with blades is remembered."""
+
+
+class Along(NamedTuple):
+    """A coordinate along the hole, ``datum + sum(direction q[places])`` m of measured depth.
+
+    ``places`` (k,) are full degrees of freedom and ``direction`` (k,) the hole's tangent on them: a lump's own
+    coordinate and 1, or a point's three and their cosines.
+    """
+
+    places: np.ndarray
+    direction: np.ndarray
+    datum: float
+
+
+def is_driven(scene: DrillstringScene) -> bool:
+    """Whether a controller turns the string, not a prescribed speed: a stiff drive's speed is prescribed."""
+    return isinstance(scene.top.rotation, Controller) and scene.top.rotation.kind != "stiff"
+
+
+def groups_at_ends(
+    scene: DrillstringScene, functions: TimeFunctions, drive: int, bit: Along, bit_turn: int, tubes: Sequence[Tube]
+) -> list[Any]:
+    """Groups at both ends of a string.
+
+    Of a bit on bottom the tangent couples ``bit.places`` with ``bit_turn``.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+        The scene.
+    functions : TimeFunctions
+        With the block's position and the rotary's angle at BLOCK and ROTATION.
+    drive, bit_turn : int
+        Full degrees of freedom of rotation at the drive and at the bit.
+    bit : Along
+        The bit's measured depth.
+    tubes : sequence of Tube
+        Of the string, from the top down.
+    """
+    groups: list[Any] = []
+    if scene.bit.force != 0.0:
+        groups.append(Loads(bit.places, scene.bit.force * bit.direction))
+    wound = 0.0
+    if scene.bit.on_bottom:
+        spin = value_at(functions, ROTATION, 0.0)[1]
+        group = _bit(scene, bit, bit_turn, tubes, spin)
+        # A string that turns at the start is wound up by the torque that its bit then has; `straight` is as it says.
+        if spin != 0.0 and scene.start != "straight":
+            wound = float(np.copysign(torque_at(group.row[0], scene.bit.weight, spin), spin))
+        group.row[0].torque = wound
+        groups.append(group)
+    if is_driven(scene):
+        groups.append(_drive(scene.top.rotation, functions, drive, tubes, wound))
+    return groups
+
+
+def _bit(scene: DrillstringScene, bit: Along, turn: int, tubes: Sequence[Tube], spin: float) -> RockBit | BladeBit:
+    row = bit_row(scene.bit, scene.well.diameter, tubes, spin, scene.solver.method == "rk4")
+    shared = bit.places, bit.direction, bit.datum, turn, row, np.zeros(4), np.zeros((3, 4))
+    if scene.bit.cutting is not None and scene.bit.cutting.blades is not None:
+        return BladeBit(*shared, np.zeros((RING, 2)), np.zeros(1, np.int64))
+    return RockBit(*shared)
+
+
+def _drive(rotation: Controller, functions: TimeFunctions, place: int, tubes: Sequence[Tube], wound: float) -> TopDrive:
+    """The drive, whose integral already gives the torque that the string is wound up by."""
+    assert rotation.inertia is not None
+    limit = rotation.torque_limit if rotation.torque_limit is not None else np.inf
+    proportional, integral = gains(rotation, tubes)
+    lead = wound / integral if integral > 0.0 else 0.0
+    return TopDrive(
+        functions, ROTATION, place, rotation.inertia, proportional, integral, limit, np.zeros(1),
+        np.array([lead, 0.0]),
+    )  # fmt: skip
+
+
+def numbers_of_ends(groups: Sequence[Any]) -> int:
+    """How many numbers the groups at the ends record."""
+    return sum(OWN if isinstance(g, RockBit | BladeBit) else isinstance(g, TopDrive) for g in groups)
+
+
+def notes_of_ends(scene: DrillstringScene, tubes: Sequence[Tube]) -> list[str]:
+    """What was decided about the ends that the user should know."""
+    notes = []
+    rotation = scene.top.rotation
+    if isinstance(rotation, Controller) and rotation.kind == "soft-torque":
+        notes.append(note_of_drive(rotation, tubes))
+    if scene.bit.on_bottom and scene.solver.method == "rk4" and (scene.bit.torque or scene.bit.cutting):
+        notes.append(
+            "a bit that sticks exactly needs an implicit method: rk4 takes its torque as a function of its speed, in "
+            f"full above {scene.bit.slip_speed:g} rad/s, and a stuck bit creeps (bit.slip_speed)"
+        )
+    return notes

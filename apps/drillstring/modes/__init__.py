@@ -1,0 +1,1 @@
+"""Natural frequencies: lateral of the assembly, torsional and axial of the string, against rotary speed."""

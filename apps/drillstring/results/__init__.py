@@ -1,0 +1,1 @@
+"""What the frames of a run mean: variables, headline figures, drilling, whirl, break-away, limits."""

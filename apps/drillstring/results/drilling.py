@@ -1,0 +1,109 @@
+"""What a run says of its ends to a driller: weight and torque on bit, rate of penetration, the drive, stick-slip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from drillstring.drilling.bit_group import OWN
+from drillstring.drilling.bit_rock import BladeBit, RockBit
+from drillstring.drilling.top_drive import TopDrive
+from tautline.results.variable import Variable
+
+LAST = 0.5
+"""Part of a run, at its end, that tells of stick-slip and of means: what was before is how it came to that."""
+STILL = 0.02
+"""Share of the mean rotary speed below which a bit counts as stuck; of an exactly stuck one nothing is left."""
+SLOWEST = 1.0e-3
+"""Mean rotary speed, rad/s, below which a string does not count as turning."""
+
+
+def variables_of_ends(groups: Sequence[Any]) -> list[Variable]:
+    """What is stored of a bit on bottom and of a drive."""
+    found = []
+    if any(isinstance(g, RockBit | BladeBit) for g in groups):
+        found += [
+            Variable("weight_on_bit", ("time",), "N", "weight on bit"),
+            Variable("torque_on_bit", ("time",), "N m", "torque that resists the bit"),
+            Variable("rate_of_penetration", ("time",), "m/s", "rate of penetration"),
+            Variable("hole_depth", ("time",), "m", "measured depth of the hole's bottom"),
+        ]
+    if any(isinstance(g, TopDrive) for g in groups):
+        found += [
+            Variable("drive_torque", ("time",), "N m", "torque of the top drive, also on its own inertia"),
+            Variable("drive_speed", ("time",), "rad/s", "rotary speed of the top drive"),
+        ]
+    return found
+
+
+def observed_at_ends(frames: Any, groups: Sequence[Any]) -> dict[str, np.ndarray]:
+    """Those variables of a batch of frames; the groups at the ends record their numbers last."""
+    found: dict[str, np.ndarray] = {}
+    after = frames.own.shape[1]
+    for g in reversed(groups):
+        if isinstance(g, TopDrive):
+            after -= 1
+            found |= {"drive_torque": frames.own[:, after].copy(), "drive_speed": frames.v[:, g.place].copy()}
+        elif isinstance(g, RockBit | BladeBit):
+            after -= OWN
+            names = ("weight_on_bit", "torque_on_bit", "rate_of_penetration", "hole_depth")
+            found |= {name: frames.own[:, after + k].copy() for k, name in enumerate(names)}
+    return found
+
+
+def _per_hour(rate: float, result: Any) -> str:
+    """A rate of penetration as drillers write it, in feet where the result is told in oilfield units."""
+    field = getattr(result, "attributes", {}).get("units") == "field"
+    return f"{3600.0 * rate / 0.3048:.3g} ft/h" if field else f"{3600.0 * rate:.3g} m/h"
+
+
+def last_part(time: np.ndarray) -> np.ndarray:
+    """Frames (m,) of the part of a run that tells of stick-slip."""
+    return time >= time[-1] - LAST * (time[-1] - time[0])
+
+
+def stick_slip(time: np.ndarray, spin: np.ndarray) -> dict[str, float]:
+    """Severity (max - min) / (2 mean) of a bit's rotary speed (m,) rad/s in the last part of a run; share of that time
+    stuck; mean, least and largest speed.
+    """
+    last = spin[last_part(time)]
+    mean = float(last.mean())
+    swing = float(np.ptp(last)) / 2.0
+    severity = swing / max(mean, SLOWEST) if swing > SLOWEST else 0.0
+    still = STILL * mean if mean > SLOWEST else SLOWEST
+    return {
+        "severity": severity,
+        "stuck": float((np.abs(last) < still).mean()),
+        "mean": mean,
+        "least": float(last.min()),
+        "largest": float(last.max()),
+    }
+
+
+def drilling_figures(result: Mapping[str, Any] | Any) -> dict[str, tuple[float, str, str]]:
+    """Headline figures of a bit on bottom: name -> (value, unit, text)."""
+    time, spin = result["time"], result["rotation_rate"][:, -1]
+    last = last_part(time)
+    figures = {
+        "weight_on_bit_start": (result["weight_on_bit"][0], "N", "weight on bit at the start"),
+        "weight_on_bit_mean": (result["weight_on_bit"][last].mean(), "N", "mean weight on bit, last half"),
+    }
+    if np.any(result["torque_on_bit"] != 0.0):
+        figures["torque_on_bit_mean"] = (result["torque_on_bit"][last].mean(), "N m", "mean torque on bit, last half")
+    drilled = result["hole_depth"][-1] - result["hole_depth"][0]
+    if drilled > 0.0:
+        mean = np.ptp(result["hole_depth"][last]) / max(np.ptp(time[last]), 1e-300)
+        figures["drilled"] = (drilled, "m", "depth drilled")
+        figures["rate_of_penetration_mean"] = (
+            mean,
+            "m/s",
+            f"rate of penetration, last half ({_per_hour(mean, result)})",
+        )
+    found = stick_slip(time, spin)
+    if found["largest"] > SLOWEST:
+        figures["bit_rotation_mean"] = (found["mean"], "rad/s", "mean rotary speed of the bit, last half")
+        figures["stick_slip_severity"] = (found["severity"], "", "stick-slip severity of the bit, last half")
+        figures["rotation_stuck"] = (found["stuck"], "", "share of the last half the bit is at rest")
+    return figures

@@ -1,0 +1,44 @@
+"""What a drill string's run is judged by: how far it goes into the wall, its strain and its yield load."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillstring.scene.scene import DrillstringScene
+from drillstring.string.lumps import Lumps
+from tautline.results.limits import STEEL, STEEL_STRAIN, STRAIN, judged, strain_limit
+
+INTO_THE_WALL = 1.0
+"""Depth of the string in the wall over its clearance, above which the wall is no wall."""
+SNUG = 0.05
+"""Share of the hole's diameter that a stabiliser, which fits the hole, is taken to have for its clearance."""
+
+
+def limits(result: Any, scene: DrillstringScene, lumps: Lumps) -> list[dict[str, Any]]:
+    """Records of `tautline.results.limits`, from the stored frames of either kind of string."""
+    tension = np.asarray(result["tension"])
+    links = [f"{lumps.tubes[k].name}, {0.5 * (a + b):.4g} m" for k, a, b in zip(
+        lumps.section, lumps.measured_depth[:-1], lumps.measured_depth[1:], strict=True)]  # fmt: skip
+    modulus = lumps.of_links(lambda tube: tube.youngs_modulus)
+    strain = tension / lumps.of_links(lambda tube: tube.youngs_modulus * tube.area)
+    found = strain_limit(result.time, strain, np.where(modulus > STEEL, STEEL_STRAIN, STRAIN), links)
+    strength = np.array([section.yield_load or np.inf for section in scene.string])[lumps.section]
+    if np.isfinite(strength).any():
+        text = "largest tension, and the yield load"
+        found.append(judged("yield_load", text, "N", result.time, np.maximum(tension, 0.0), strength, links))
+    return [*found, *_into_the_wall(result)]
+
+
+def _into_the_wall(result: Any) -> list[dict[str, Any]]:
+    """How deep the string goes into the wall over its clearance; none for a string in free space."""
+    if "clearance" not in result:
+        return []
+    clearance = np.asarray(result["clearance"])
+    depth = np.linalg.norm(np.asarray(result["lateral"]), axis=-1) - clearance
+    room = np.maximum(clearance, SNUG * float(result["hole_diameter"][0]))
+    places = [f"{x:.4g} m" for x in np.asarray(result["unstretched_depth"])]
+    text = "largest depth of the string in the wall over its clearance"
+    shares = np.maximum(depth, 0.0) / room
+    return [judged("penetration", text, "", result.time, shares, INTO_THE_WALL, places)]

@@ -1,0 +1,241 @@
+"""What a run's frames mean to a drilling engineer: variables, units, headline figures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillstring.drilling.end_groups import numbers_of_ends
+from drillstring.results.break_away import break_away_figures
+from drillstring.results.drilling import drilling_figures, observed_at_ends
+from drillstring.results.places import LUMP, part_of
+from drillstring.results.whirl import whirl_figures
+from drillstring.string.lumps import Lumps
+from drillstring.well.wellbore import Wellbore
+from tautline.lumped.curve import PER_BODY
+from tautline.results.variable import Variable
+
+STUCK = 1.0e-8
+"""Bit speed, m/s, below which the bit counts as stuck."""
+TORQUE_SHOWN = 1.0e-3
+"""Torque, N m, below which a string does not count as turned: it is rounding."""
+COORDINATE_UNITS = (
+    "position is north, east, down of the rotary table's centre; lateral is on the Bishop frame's m1 (north at the "
+    "table) and m2 (east); tension is the effective tension, positive in tension; friction_force is along the hole, "
+    "positive downhole, on the string; rotation is clockwise looking downhole; torque is what the part above exerts on "
+    "the part below, clockwise, and surface_torque what the top drive exerts on the string"
+)
+
+
+def variables() -> list[Variable]:
+    """Everything that is stored, with units."""
+    body, link = ("time", "body"), ("time", "link")
+    return [
+        Variable("position", ("time", "body", "axis"), "m", "position north, east, down"),
+        Variable("velocity", ("time", "body", "axis"), "m/s", "velocity north, east, down"),
+        Variable("measured_depth", body, "m", "measured depth of the lump"),
+        Variable("lateral", ("time", "body", "side"), "m", "offset from the hole's axis"),
+        Variable("rotation", body, "rad", "rotation, clockwise looking downhole"),
+        Variable("axial_velocity", body, "m/s", "velocity along the hole, positive down"),
+        Variable("rotation_rate", body, "rad/s", "rotary speed"),
+        Variable("tension", link, "N", "effective tension"),
+        Variable("torque", link, "N m", "torque that the string passes down, clockwise"),
+        Variable("contact_force", body, "N", "normal force of the wall"),
+        Variable("friction_force", body, "N", "friction along the hole on the string, positive downhole"),
+        Variable("friction_around", body, "N", "friction around the pipe on the string"),
+        Variable("hook_load", ("time",), "N", "hook load"),
+        Variable("surface_torque", ("time",), "N m", "torque that turns the string at the top"),
+        Variable("block_position", ("time",), "m", "block position, positive down"),
+        Variable("bit_speed", ("time",), "m/s", "speed of the bit along the hole, positive down"),
+        Variable("bit_depth", ("time",), "m", "measured depth of the bit"),
+        Variable("kinetic_energy", ("time",), "J", "kinetic energy"),
+        Variable("strain_energy", ("time",), "J", "strain energy, of the wall too"),
+        Variable("potential_energy", ("time",), "J", "potential energy, over the unstretched string's"),
+        Variable("dissipated_energy", ("time",), "J", "energy lost to friction, mud and damping"),
+        Variable("external_work", ("time",), "J", "work done on the string at its top"),
+    ]
+
+
+class Observer:
+    """Turns frames into variables; all of it vectorised over the frames of a batch."""
+
+    def __init__(self, well: Wellbore, lumps: Lumps, groups: tuple[Any, ...], driven: bool) -> None:
+        self.well, self.lumps, self.groups, self.driven = well, lumps, groups, driven
+        kinds = {type(g).__name__: g for g in groups}
+        self.links, self.contact = kinds["Links"], kinds.get("WallContact")
+        self.bodies = kinds.get("Bodies") or kinds["EccentricBodies"]
+        self.drive = kinds.get("TopDrive")
+        self.own = (0 if self.contact is None else 3 * self.contact.springs.size) + numbers_of_ends(groups)
+        weight = np.array(self.bodies.lumps.weight)
+        self.unstretched = -float(weight @ well.tvd(lumps.measured_depth))
+
+    def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
+        """Arrays that do not change with time."""
+        weight, room = np.array(self.bodies.lumps.weight), None
+        if self.contact is not None:
+            springs = self.contact.springs
+            # The lump that hangs in the drive has no spring: it has the room of the one below.
+            room = np.full(weight.size, springs.clearance[0])
+            room[springs.body] = springs.clearance
+        diameter = None if room is None else 2.0 * (float(springs[0].clearance) + float(springs[0].radius))
+        return coordinates_of(self.well, self.lumps, weight, room, diameter)
+
+    def observe(self, frames: Any) -> dict[str, np.ndarray]:
+        """Variables of a batch of frames, leading axis time."""
+        rows = frames.time.size
+        q = frames.q.reshape(rows, -1, PER_BODY)
+        v = frames.v.reshape(rows, -1, PER_BODY)
+        s = self.lumps.measured_depth + q[:, :, 0]
+        m1, m2, t = self.well.frame(s)
+        k1, k2 = self.well.curvature(s)
+        along = v[:, :, 0] * (1.0 - k1 * q[:, :, 1] - k2 * q[:, :, 2])
+        velocity = along[..., None] * t + v[:, :, 1, None] * m1 + v[:, :, 2, None] * m2
+        contact, friction, around = self._contact(frames, q, v, k1, k2)
+        potential = frames.energy[:, 2]
+        return {
+            "position": self.well.point(s, q[:, :, 1], q[:, :, 2]),
+            "velocity": velocity,
+            "measured_depth": s,
+            "lateral": q[:, :, 1:3].copy(),
+            "rotation": q[:, :, 3].copy(),
+            "axial_velocity": v[:, :, 0].copy(),
+            "rotation_rate": v[:, :, 3].copy(),
+            "tension": self._tension(q, v, s, k1, k2),
+            "torque": self._torque(q, v),
+            "contact_force": contact,
+            "friction_force": friction,
+            "friction_around": around,
+            "hook_load": -frames.residual[:, 0],
+            "surface_torque": self._surface_torque(frames),
+            "block_position": q[:, 0, 0].copy(),
+            "bit_speed": v[:, -1, 0].copy(),
+            "bit_depth": s[:, -1].copy(),
+            "kinetic_energy": frames.energy[:, 0].copy(),
+            "strain_energy": frames.energy[:, 1].copy(),
+            "potential_energy": potential - self.unstretched,
+            "dissipated_energy": frames.energy[:, 4].copy(),
+            "external_work": frames.energy[:, 3].copy(),
+        } | observed_at_ends(frames, self.groups)
+
+    def _tension(self, q, v, s, k1, k2) -> np.ndarray:
+        """Effective tension of each link, from its chord (docs/lumped_string.md) and Kelvin-Voigt damping."""
+        springs = self.links.springs
+        turn = np.diff(np.stack(self.well.turning(s)), axis=2)
+        inside = turn[0] * (q[:, 1:, 1] + q[:, :-1, 1]) + turn[1] * (q[:, 1:, 2] + q[:, :-1, 2])
+        chord = np.diff(q[:, :, 0], axis=1) - 0.5 * inside
+        du, dv = np.diff(q[:, :, 1], axis=1), np.diff(q[:, :, 2], axis=1)
+        square = 2.0 * springs.length * chord + chord**2 + du**2 + dv**2
+        length = springs.length + square / (np.sqrt((springs.length + chord) ** 2 + du**2 + dv**2) + springs.length)
+        tension = springs.axial * (length - springs.length)
+        if self.links.damping > 0.0:
+            x, u, w = v[:, :, 0], v[:, :, 1], v[:, :, 2]
+            turned = np.diff(k1 * x, axis=1) * (q[:, 1:, 1] + q[:, :-1, 1])
+            turned += np.diff(k2 * x, axis=1) * (q[:, 1:, 2] + q[:, :-1, 2])
+            moved = turn[0] * (u[:, 1:] + u[:, :-1]) + turn[1] * (w[:, 1:] + w[:, :-1])
+            rate = (springs.length + chord) * (np.diff(x, axis=1) - 0.5 * (turned + moved))
+            rate += du * np.diff(u, axis=1) + dv * np.diff(w, axis=1)
+            tension += springs.axial * self.links.damping * rate / length
+        return tension
+
+    def _torque(self, q, v) -> np.ndarray:
+        twist = np.diff(q[:, :, 3], axis=1) + self.links.damping * np.diff(v[:, :, 3], axis=1)
+        return -self.links.springs.torsional * twist
+
+    def _contact(self, frames, q, v, k1, k2):
+        """Normal force and friction along and around the hole; lump 0 touches nothing."""
+        shape = q.shape[:2]
+        if self.contact is None:
+            return np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        own = frames.own[:, : 3 * self.contact.springs.size].reshape(shape[0], -1, 3)
+        out = [np.zeros(shape) for _ in range(3)]
+        for k in range(3):
+            out[k][:, self.contact.springs.body] = own[:, :, k]
+        return out[0], out[1], out[2]
+
+    def _surface_torque(self, frames) -> np.ndarray:
+        if self.drive is not None:
+            return frames.own[:, -1] - self.drive.inertia * frames.a[:, 3]
+        return frames.residual[:, 3].copy()
+
+
+def coordinates_of(
+    well: Wellbore,
+    lumps: Lumps,
+    weight: np.ndarray,
+    room: np.ndarray | None,
+    diameter: float | None,
+    part: str = LUMP,
+) -> dict[str, tuple[Any, np.ndarray, str, str]]:
+    """What does not change with time of a string, whichever its model.
+
+    Parameters
+    ----------
+    well : Wellbore
+    lumps : Lumps
+        Its mesh.
+    weight, room : (n + 1,) array
+        Buoyed weight of each lump N, and how far it can be from the hole's axis, m; None for a string in free space.
+    diameter : float or None
+        Of the hole, m.
+    part : str
+        What its places are called: lump, or node.
+    """
+    stations = np.unique(np.concatenate([well.md, np.linspace(0.0, well.length, 201)]))
+    side, _, direction = well.frame(stations)
+    found = {
+        "body": ("body", np.arange(lumps.length.size + 1), "", f"{part}, from the top drive down"),
+        "link": ("link", np.arange(lumps.length.size), "", "element, from the top drive down"),
+        "axis": ("axis", np.array(["x", "y", "z"]), "", "north, east, down"),
+        "side": ("side", np.array(["m1", "m2"]), "", "across the hole, in the Bishop frame"),
+        "unstretched_depth": ("body", lumps.measured_depth, "m", "measured depth of the unstretched string"),
+        "link_length": ("link", lumps.length, "m", "unstretched length of the element"),
+        "section": ("link", np.array([lumps.tubes[k].name for k in lumps.section]), "", "section of the string"),
+        "outer_diameter": ("link", lumps.of_links(lambda tube: tube.od), "m", "outer diameter of the string"),
+        "buoyed_weight": ("body", weight, "N", f"weight of the {part} in the mud"),
+        "well_depth": ("station", stations, "m", "measured depth of the well path"),
+        "well_position": (("station", "axis"), well.position(stations), "m", "well path north, east, down"),
+        "well_direction": (("station", "axis"), direction, "", "unit vector down the hole"),
+        "well_side": (("station", "axis"), side, "", "unit vector m1 of the Bishop frame"),
+        "well_curvature": (
+            ("station", "side"), np.stack(well.curvature(stations), axis=-1), "1/m",
+            "curvature on m1 and m2 from here to the next station",
+        ),
+    }  # fmt: skip
+    if room is not None and diameter is not None:
+        found["hole_diameter"] = ("station", np.full(stations.size, diameter), "m", "diameter of the hole")
+        found["clearance"] = ("body", room, "m", f"how far the {part}'s axis can be from the hole's")
+    return found
+
+
+def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[str, Any]]:
+    """Figures that sum a run up; ``block`` is the weight of block and drive, N, which hook loads do not hold."""
+    hook, torque = result["hook_load"], result["surface_torque"]
+    bit, speed = result["bit_depth"], result["bit_speed"]
+    moving = np.ptp(result["block_position"]) > 0.0
+    figures = {
+        "hook_load_start": (hook[0], "N", "hook load at the start"),
+        "hook_load_max": (hook.max(), "N", "largest hook load"),
+        "hook_load_min": (hook.min(), "N", "smallest hook load"),
+        # Not how far the bit hangs below its place on the axis: a string that lies in a bend cuts its corner.
+        "stretch_start": (lumps.stretch(result["tension"][0]), "m", "stretch at the start"),
+        "bit_travel": (np.ptp(bit), "m", "travel of the bit"),
+        "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
+        "contact_force_max": (result["contact_force"].max(), "N", f"largest contact force of a {part_of(result)}"),
+    }
+    if block > 0.0:
+        figures["hook_load_max_with_block"] = (hook.max() + block, "N", "largest hook load, with the block")
+    drills = "weight_on_bit" in result
+    if moving and not drills:
+        # A bit that drills is told to be at rest by its rotation.
+        text = f"share of the time the bit is stuck, below {STUCK:g} m/s"
+        figures["bit_stuck"] = (float((np.abs(speed) < STUCK).mean()), "", text)
+    figures |= break_away_figures(result)
+    if np.abs(torque).max() > TORQUE_SHOWN:
+        figures["surface_torque_max"] = (np.abs(torque).max(), "N m", "largest surface torque")
+        figures["surface_torque_end"] = (torque[-1], "N m", "surface torque at the end")
+    if drills:
+        figures |= drilling_figures(result)
+    if any(tube.eccentricity != (0.0, 0.0) for tube in lumps.tubes):
+        figures |= whirl_figures(result)
+    return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

@@ -1,0 +1,139 @@
+"""How lumps go around the hole: whirl rate, whirl ratio, lateral acceleration, from the stored variables of a run.
+
+The whirl rate is that of the direction from the hole's axis to the pipe's, clockwise looking down the hole; over the
+rotary speed it is the whirl ratio: 1 for an unbalance that leads a forward whirl, minus the pipe's diameter over the
+clearance of both sides for a pipe that rolls around the wall, 0 for one that lies on its low side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drillstring.results.places import part_of
+
+LATE = 0.2
+"""Share of a run, at its end, of which figures of a steady whirl are told."""
+TURNS = 1.0
+"""Turns of the pipe over which a whirl rate is averaged."""
+STILL = 1.0e-9
+"""Offset, m, below which a lump is on the axis and goes around nothing."""
+SLOWEST = 1.0e-3
+"""Rotary speed, rad/s, below which a string does not turn."""
+
+
+@dataclass(frozen=True)
+class Whirl:
+    """One lump's way around the hole.
+
+    Its number; time (m,) s; offset (m,) from the hole's axis, complex, m1 + i m2, m; ``velocity`` (m,) of that, m/s;
+    ``spin`` (m,) rotary speed of the lump, rad/s; ``depth`` mean measured depth, m; ``room`` clearance and ``diameter``
+    of the pipe where it touches, m, or None in free space.
+    """
+
+    lump: int
+    time: np.ndarray
+    offset: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
+    depth: float
+    room: float | None
+    diameter: float | None
+
+    @property
+    def rolling(self) -> float | None:
+        """Whirl ratio of pure rolling on a rigid wall."""
+        if self.room is None or self.diameter is None or not self.room > 0.0:
+            return None
+        return -self.diameter / (2.0 * self.room)
+
+    def rate(self) -> np.ndarray:
+        """Whirl rate (m,), rad/s, averaged about each frame over a turn of the pipe; NaN where it is on the axis.
+
+        It is the mean of r x v over that of r^2: what a circle has, and of other ways the rate at which area is swept.
+        """
+        swept = np.imag(np.conj(self.offset) * self.velocity)
+        size = np.abs(self.offset) ** 2
+        speed = float(np.abs(self.spin).mean())
+        half = np.pi * TURNS / speed if speed > SLOWEST else 0.0
+        first = np.searchsorted(self.time, self.time - half, side="left")
+        last = np.searchsorted(self.time, self.time + half, side="right")
+        sums = [np.concatenate([[0.0], np.cumsum(values)]) for values in (swept, size)]
+        area, square = (total[last] - total[first] for total in sums)
+        return np.where(square > STILL**2 * (last - first), area / np.maximum(square, STILL**2), np.nan)
+
+    def ratio(self, share: float = LATE) -> float:
+        """Whirl ratio of the last part of the run, NaN where the string does not turn or the lump is on the axis."""
+        late = self.time >= self.time[-1] - share * (self.time[-1] - self.time[0])
+        square, spin = float((np.abs(self.offset[late]) ** 2).sum()), float(self.spin[late].mean())
+        if square <= STILL**2 * late.sum() or abs(spin) < SLOWEST:
+            return float("nan")
+        return float(np.imag(np.conj(self.offset[late]) * self.velocity[late]).sum()) / square / spin
+
+
+def whirl_of(result: Any, lump: int) -> Whirl:
+    """The whirl of a lump; the velocity stands in the frame of the hole where the lump is."""
+    offset, depth = result["lateral"][:, lump], result["measured_depth"][:, lump]
+    across = lateral_velocity(result, [lump])[:, 0]
+    room = float(result["clearance"][lump]) if "clearance" in result else None
+    hole = float(result["hole_diameter"][0]) if "hole_diameter" in result else None
+    return Whirl(
+        lump, np.asarray(result.time), offset[:, 0] + 1j * offset[:, 1], across[:, 0] + 1j * across[:, 1],
+        result["rotation_rate"][:, lump], float(depth.mean()), room,
+        None if room is None or hole is None else hole - 2.0 * room,
+    )  # fmt: skip
+
+
+def lateral_velocity(result: Any, lumps: list[int] | slice = slice(None)) -> np.ndarray:
+    """Velocity across the hole of some lumps on m1 and m2, (time, lumps, 2) m/s."""
+    depth, velocity = result["measured_depth"][:, lumps], result["velocity"][:, lumps]
+    stations = result["well_depth"]
+    frame = []
+    for name in ("well_side", "well_direction"):
+        vectors = result[name]
+        between = np.stack([np.interp(depth, stations, vectors[:, k]) for k in range(3)], axis=-1)
+        frame.append(between / np.linalg.norm(between, axis=-1, keepdims=True))
+    side, along = frame
+    other = np.cross(along, side)
+    return np.stack([(velocity * side).sum(axis=-1), (velocity * other).sum(axis=-1)], axis=-1)
+
+
+def busiest(result: Any) -> int:
+    """Number of the lump whose way across the hole is the widest."""
+    return int(np.ptp(result["lateral"], axis=0).max(axis=-1).argmax())
+
+
+def goes_around(result: Any, lump: int) -> bool:
+    """Whether a lump goes once around the hole's axis, by the area that it sweeps: one that crosses over does not."""
+    offset = result["lateral"][:, lump, 0] + 1j * result["lateral"][:, lump, 1]
+    swept = np.append(0.0, np.cumsum(np.imag(np.conj(offset[:-1]) * offset[1:])))
+    return bool(np.ptp(swept) >= 2.0 * np.pi * np.mean(np.abs(offset) ** 2) > 0.0)
+
+
+def turns(result: Any) -> bool:
+    """Whether the string turns at all."""
+    return float(np.abs(result["rotation_rate"]).max()) > SLOWEST
+
+
+def whirl_figures(result: Any) -> dict[str, tuple[float, str, str]]:
+    """Headline figures: value, unit, text by name; none of a string that does not turn or does not leave its place.
+
+    Acceleration is the mean between two frames: a blow that is shorter than the output's interval is not seen in full.
+    """
+    if not turns(result) or len(result.time) < 2:
+        return {}
+    lump, part = busiest(result), part_of(result)
+    one = whirl_of(result, lump)
+    if np.ptp(np.abs(one.offset)) <= STILL:
+        return {}
+    figures = {"lateral_offset_max": (float(np.abs(one.offset).max()), "m", f"largest offset, of {part} {lump}")}
+    figures["lateral_offset_depth"] = (one.depth, "m", f"measured depth of {part} {lump}")
+    ratio = one.ratio()
+    if np.isfinite(ratio):
+        figures["whirl_ratio"] = (ratio, "", "whirl over rotary speed at the end")
+    gained = np.diff(lateral_velocity(result), axis=0) / np.diff(result.time)[:, None, None]
+    largest = float(np.linalg.norm(gained, axis=-1).max())
+    figures["lateral_acceleration_max"] = (largest, "m/s^2", "largest lateral acceleration")
+    return figures

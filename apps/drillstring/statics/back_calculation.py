@@ -1,0 +1,276 @@
+"""Friction factor back-calculated from hook loads that were measured while tripping."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from pydantic_core import PydanticCustomError
+from scipy.optimize import least_squares
+
+from drillstring.scene.scene import DrillstringScene
+from drillstring.statics.helix import LockedUp
+from drillstring.statics.statics import Statics
+from drillstring.statics.torque_drag import links, own_friction, require_wall
+from drillstring.string.factors import Factors
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.scene.columns import Columns
+from tautline.scene.errors import Problem, SceneError
+from tautline.threads import one_thread
+
+TOLD = 1.0e-6
+"""Share of the largest derivative below which loads do not depend on a factor, or on a combination of two."""
+START, MOST = 0.2, 1.0
+"""Friction factor that the fit begins with, and the largest that it tries."""
+STEP = 1.0e-3
+"""Half the difference of factors that derivatives are taken over: the statics end within a tolerance, and what that
+leaves of a load would be all of a derivative over much less."""
+BEYOND = 0.01
+"""Share of the rotating weight by which a load on the wrong side of it is off by more than the gauge."""
+COLUMNS = {
+    "depth": ("depth", "measured depth", "md", "bit depth"),
+    "pick_up": ("pick_up", "pick up", "pickup", "puw"),
+    "slack_off": ("slack_off", "slack off", "slackoff", "sow"),
+}
+"""Headers that are read as each column."""
+UNITS = {"depth": "m", "pick_up": "N", "slack_off": "N"}
+LOADS = ("pick_up", "slack_off")
+
+
+class Measured(NamedTuple):
+    """Hook loads of a trip: bit depth (n,) m; pick-up and slack-off (n,) N, NaN where not measured; lines (n,)."""
+
+    depth: np.ndarray
+    pick_up: np.ndarray
+    slack_off: np.ndarray
+    lines: np.ndarray
+
+
+class Unexplained(NamedTuple):
+    """A load on the wrong side of the rotating weight, N, with the bit at a depth, m: friction acts the other way."""
+
+    depth: float
+    direction: str
+    load: float
+    rotating: float
+
+
+class Fit(NamedTuple):
+    """Friction factor that fits best, and its spread; in a cased hole both factors.
+
+    ``friction`` is that of the open hole. ``spread`` is the standard error of the factor, from the residuals; NaN where
+    there are no more loads than factors, infinite where the loads do not tell it. ``residual`` is the root mean square
+    of what the loads are off, N; ``pick_up`` and ``slack_off`` are the open hole's factors that fit each alone, NaN
+    where there are too few loads. ``cased`` and ``cased_spread`` are None in a hole without casing. ``unexplained`` are
+    the loads that no factor explains.
+    """
+
+    friction: float
+    spread: float
+    residual: float
+    pick_up: float
+    slack_off: float
+    loads: int
+    cased: float | None = None
+    cased_spread: float | None = None
+    unexplained: tuple[Unexplained, ...] = ()
+
+    @property
+    def out_of_reach(self) -> bool:
+        """Whether a factor ended at the largest that is tried, and would have gone beyond."""
+        return max(self.friction, self.cased or 0.0) > MOST - STEP
+
+    def factors(self, shoe: float) -> Factors:
+        """Of a hole with its casing shoe at a depth, m, or 0."""
+        return Factors(self.friction, self.friction if self.cased is None else self.cased, shoe)
+
+
+def read_measured(path: Path, block: float = 0.0) -> Measured:
+    """Read a CSV file with the columns depth, pick_up and slack_off; units stand in the header.
+
+    An empty cell, or a column that is missing, is a load that was not measured. The weight of the ``block``, N, which
+    the rig's gauge shows with the string's, is taken off.
+
+    Raises
+    ------
+    SceneError
+        Naming the file, the row and what is wrong with it.
+    """
+    try:
+        columns = Columns(path)
+        wanted = [name for name in ("depth", *LOADS) if name == "depth" or _has(columns, name)]
+        if wanted == ["depth"]:
+            raise columns.refuse(
+                columns.header_line, "there is neither a column 'pick_up' nor 'slack_off'", "name them in the header"
+            )
+        values = {name: _column(columns, name) for name in wanted}
+    except PydanticCustomError as error:
+        said = error.context or {}
+        line = said.get("line")
+        raise SceneError(
+            [Problem(str(path), int(line) if line else None, "", None, str(said["cause"]), str(said["cure"]))]
+        ) from None
+    lines = np.array([line for line, _ in columns.rows])
+    none = np.full(lines.size, np.nan)
+    up, down = (values.get(name, none) for name in LOADS)
+    measured = Measured(values["depth"], up - block, down - block, lines)
+    _check(path, measured, block)
+    return measured
+
+
+def _has(columns: Columns, name: str) -> bool:
+    return any(head in COLUMNS[name] for head in columns.names)
+
+
+def _column(columns: Columns, name: str) -> np.ndarray:
+    """A column in SI, with NaN for empty cells of loads."""
+    at = columns.index(COLUMNS[name])
+    if not columns.units[at]:
+        # Hook loads come in kN, t, kip and klbf, depths in m and ft, and a guess would fit a factor all the same.
+        example = {"m": "m", "N": "kN"}[UNITS[name]]
+        cure = f"write the header as {name} [{example}], or with the unit that it is"
+        raise columns.refuse(columns.header_line, f"the column '{columns.names[at]}' has no unit", cure)
+    every = columns.rows
+    filled = [k for k, (_, row) in enumerate(every) if name == "depth" or (at < len(row) and row[at].strip())]
+    found = np.full(len(every), np.nan)
+    columns.rows = [every[k] for k in filled]
+    try:
+        found[filled] = columns.values(at, UNITS[name])
+    finally:
+        columns.rows = every
+    return found
+
+
+def _check(path: Path, measured: Measured, block: float) -> None:
+    """Refuse rows that no trip has."""
+    problems: list[tuple[int, str, str | None, str, str]] = []
+    for line, depth, up, down in zip(measured.lines, measured.depth, measured.pick_up, measured.slack_off, strict=True):
+        if depth <= 0.0:
+            problems.append((line, "depth", f"{depth:g} m", "not below the rotary table", "give the bit's depth"))
+        if np.isnan(up) and np.isnan(down):
+            problems.append((line, "pick_up, slack_off", None, "no load in this row", "fill one in, or delete the row"))
+        if up < down:
+            cause = f"smaller than slack_off = {down:g} N: friction makes it larger"
+            problems.append((line, "pick_up", f"{up:g} N", cause, "swap the two, or check the columns' units"))
+        if block > 0.0 and (up < 0.0 or down < 0.0):
+            cause = f"smaller than top.weight = {block:g} N, which it holds"
+            name, load = ("pick_up", up) if up < 0.0 else ("slack_off", down)
+            problems.append((line, name, f"{load + block:g} N", cause, "remove top.weight if the loads are without it"))
+    if problems:
+        raise SceneError([Problem(str(path), int(line), *rest) for line, *rest in problems])
+
+
+def fit(
+    scene: DrillstringScene,
+    measured: Measured,
+    elements: int | None = None,
+    path: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Fit:
+    """Friction factor whose hook loads come nearest to those measured: least squares, over both directions.
+
+    Where the scene has a casing, its factor and that of the open hole are sought together. The loads are those of the
+    statics of the lumped model (statics.py). The spread is the standard error: the square root of the diagonal of
+    s^2 (J^T J)^-1 with s^2 the squares of the residuals over n - m, J the derivatives of the n loads with respect to
+    the m factors.
+
+    Raises
+    ------
+    SceneError
+        For depths at which the string does not fit the well, by row.
+    StoppedEarly
+        Where no equilibrium was found, naming the load.
+    """
+    require_wall(scene)
+    strings = []
+    for done, (depth, line) in enumerate(zip(measured.depth, measured.lines, strict=True), 1):
+        try:
+            strings.append(Statics(scene, float(depth), links(scene) if elements is None else elements))
+        except SceneError as error:
+            found = error.problems[0]
+            problem = Problem(str(path or "measured"), int(line), "depth", f"{depth:g} m", found.cause, found.cure)
+            raise SceneError([problem]) from None
+        if progress is not None:
+            progress(done, measured.depth.size)
+    rows = [
+        (string, direction, float(load))
+        for direction in LOADS
+        for string, load in zip(strings, getattr(measured, direction), strict=True)
+        if np.isfinite(load)
+    ]
+    shoe = own_friction(scene).shoe
+    one_way = [_least_squares([row for row in rows if row[1] == name], shoe)[0] for name in LOADS]
+    alone = {name: found[0] for name, found in zip(LOADS, one_way, strict=True)}
+    # Where both directions lead alone is near where they lead together.
+    known = [found for found in one_way if np.isfinite(found).all()]
+    factors, errors, slopes = _least_squares(rows, shoe, np.mean(known, axis=0) if known else None)
+    n, spread = len(rows), _spread(errors, slopes)
+    residual = float(np.sqrt(errors @ errors / n))
+    both = (float(factors[1]), float(spread[1])) if shoe > 0.0 else (None, None)
+    alone_and_both = (alone["pick_up"], alone["slack_off"], n, *both)
+    return Fit(float(factors[0]), float(spread[0]), residual, *alone_and_both, _unexplained(rows))
+
+
+@one_thread()
+def _least_squares(
+    rows: list[tuple[Statics, str, float]], shoe: float, start: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Factors (m,), open and cased, residuals (n,) N, and derivatives (n, m) N; NaN of fewer rows than factors."""
+    count = 2 if shoe > 0.0 else 1
+    if len(rows) < count:
+        return np.full(count, np.nan), np.zeros(0), np.zeros((0, count))
+    size = max(abs(load) for *_, load in rows)
+
+    def errors(x: np.ndarray) -> np.ndarray:
+        factors = Factors(float(x[0]), float(x[-1]), shoe)
+        return np.array([_hook_load(row, factors) - row[2] for row in rows]) / size
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        columns = []
+        for k in range(count):
+            low, high = x.copy(), x.copy()
+            low[k], high[k] = max(0.0, x[k] - STEP), min(MOST, x[k] + STEP)
+            columns.append((errors(high) - errors(low)) / (high[k] - low[k]))
+        return np.column_stack(columns)
+
+    begin = [START] * count if start is None else start
+    found = least_squares(errors, begin, slopes, bounds=(0.0, MOST), xtol=1e-8, ftol=1e-12, gtol=1e-12)
+    return found.x, found.fun * size, found.jac * size
+
+
+def _hook_load(row: tuple[Statics, str, float], factors: Factors) -> float:
+    """Hook load of a string in the direction of a measured one, N."""
+    string, way, load = row
+    try:
+        return string.solve(factors, way).hook_load
+    except (StoppedEarly, LockedUp) as stop:
+        detail = f"friction factor {factors:g}" if isinstance(stop, StoppedEarly) else str(stop)
+        part = f"{way.replace('_', ' ')} {load / 1e3:g} kN with the bit at {string.depth:g} m"
+        detail = f"{detail}, tried to explain the load: check it, and the block's weight"
+        raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, part, detail) from None
+
+
+def _unexplained(rows: list[tuple[Statics, str, float]]) -> tuple[Unexplained, ...]:
+    """Loads that friction would have to push the other way for."""
+    found = []
+    for string, way, load in rows:
+        rotating = string.solve(0.0, "rotating").hook_load
+        lacking = rotating - load if way == "pick_up" else load - rotating
+        if lacking > BEYOND * abs(rotating):
+            found.append(Unexplained(string.depth, way, load, rotating))
+    return tuple(found)
+
+
+@one_thread()
+def _spread(errors: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Standard errors of the factors (m,): infinite of one that the loads do not tell."""
+    n, m = slopes.shape
+    if n <= m:
+        return np.full(m, np.nan)
+    _, sizes, ways = np.linalg.svd(slopes, full_matrices=False)
+    told = sizes > TOLD * sizes[0]
+    variance = errors @ errors / (n - m) * (ways[told] ** 2 / sizes[told, None] ** 2).sum(axis=0)
+    untold = (ways[~told] ** 2).sum(axis=0) > TOLD
+    return np.where(untold, np.inf, np.sqrt(variance))

@@ -1,0 +1,270 @@
+"""Torque and drag of a string: hook loads and surface torque against depth, buckling, lock-up.
+
+Every number is found twice: from the statics of the dynamic model, lumps or a beam (statics.py), and by the soft
+string's integral (soft_string.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drillstring.model.build import well_of
+from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene, check_lengths, of_kind
+from drillstring.statics.buckling import Limits
+from drillstring.statics.helix import LockedUp
+from drillstring.statics.motion import MOTIONS, Motion
+from drillstring.statics.soft_string import SoftString, soft_string
+from drillstring.statics.statics import Profile, Statics
+from drillstring.statics.strokes import BreakAway, break_away
+from drillstring.string.factors import Factors, factors_of, same
+from tautline.integrators.status import StoppedEarly
+from tautline.scene.errors import SceneError
+
+DIRECTIONS = tuple(MOTIONS)
+"""Picked up, slacked off, turned off bottom."""
+ELEMENTS = 100
+"""Links or elements of the string where they are not given. Hook loads of the J-well and of the ISCWSA well err by 2e-4
+so; that of lumps in a well in which the string passes from one side to the other at a jump of the curvature by 5e-3,
+for one lump lies on both. Those of a beam err by 2e-4 at half as many elements.
+"""
+
+
+class Overpull(NamedTuple):
+    """Force, N, that the hook can pull beyond the pick-up load until a section yields; its name, and where, m."""
+
+    margin: float
+    section: str
+    measured_depth: float
+
+
+class Point(NamedTuple):
+    """The string with its bit at a depth, m, for one friction factor, or one pair of them.
+
+    ``profiles`` and ``soft`` hold the statics' and the soft string's results by direction; ``profiles`` has none
+    where no equilibrium was found, and ``failures`` says why. ``limits`` are the buckling limits at the links (n,);
+    ``overpull`` is None where no section has a yield load, ``strokes`` where nothing was found and of a bit on bottom;
+    ``locks`` says of a direction in which the string locks up where the friction of a helix outgrows the pipe, m;
+    ``model`` is the kind of model, ``lumped`` or ``ale-ancf``.
+    """
+
+    friction: Factors
+    depth: float
+    link_depth: np.ndarray
+    limits: Limits
+    profiles: dict[str, Profile]
+    soft: dict[str, SoftString]
+    failures: dict[str, str]
+    overpull: Overpull | None
+    strokes: BreakAway | None
+    locks: dict[str, float]
+    model: str = LUMPED
+
+    def hook_load(self, direction: str) -> float:
+        """Hook load, N; NaN where no equilibrium was found."""
+        return self.profiles[direction].hook_load if direction in self.profiles else np.nan
+
+    def torque(self, direction: str) -> float:
+        """Surface torque, N m; NaN where no equilibrium was found."""
+        return self.profiles[direction].surface_torque if direction in self.profiles else np.nan
+
+    def compression(self, direction: str) -> np.ndarray:
+        """Compression of each link (n,), N: positive where it is pushed."""
+        return -self.profiles[direction].tension
+
+    def buckled(self, direction: str, kind: str) -> list[tuple[float, float]]:
+        """Stretches of hole, from and to measured depth in m, in which the string buckles."""
+        if direction not in self.profiles:
+            return []
+        return stretches(self.compression(direction) >= getattr(self.limits, kind), self.link_depth, self.depth)
+
+    @property
+    def locked(self) -> bool | None:
+        """Whether the string cannot be lowered by its weight, or by any force; None if not known."""
+        if "slack_off" in self.locks:
+            return True
+        return None if "slack_off" not in self.profiles else self.hook_load("slack_off") <= 0.0
+
+
+class Case(NamedTuple):
+    """All depths for one friction factor, of one kind of model."""
+
+    friction: Factors
+    points: list[Point]
+
+    def hook_loads(self, direction: str) -> np.ndarray:
+        """Against depth (m,), N."""
+        return np.array([point.hook_load(direction) for point in self.points])
+
+    def soft_hook_loads(self, direction: str) -> np.ndarray:
+        """The soft string's, against depth (m,), N."""
+        return np.array([point.soft[direction].hook_load for point in self.points])
+
+    def torques_of(self, direction: str) -> np.ndarray:
+        """Surface torque against depth (m,), N m."""
+        return np.array([point.torque(direction) for point in self.points])
+
+    def soft_torques_of(self, direction: str) -> np.ndarray:
+        """The soft string's, against depth (m,), N m."""
+        return np.array([point.soft[direction].surface_torque for point in self.points])
+
+    @property
+    def torques(self) -> np.ndarray:
+        """Surface torque of the string that turns off bottom, against depth (m,), N m."""
+        return self.torques_of("rotating")
+
+    @property
+    def soft_torques(self) -> np.ndarray:
+        """The soft string's, against depth (m,), N m."""
+        return self.soft_torques_of("rotating")
+
+    @property
+    def model(self) -> str:
+        """Kind of model."""
+        return self.points[0].model
+
+    @property
+    def ways(self) -> tuple[str, ...]:
+        """Names of the motions."""
+        return tuple(self.points[0].soft)
+
+    @property
+    def failures(self) -> list[str]:
+        """What was not found, and why."""
+        return [
+            f"{direction.replace('_', ' ')}: {text}"
+            for point in self.points
+            for direction, text in point.failures.items()
+        ]
+
+
+def stretches(marked: np.ndarray, middle: np.ndarray, end: float) -> list[tuple[float, float]]:
+    """Runs of marked links (n,) as stretches of hole; a link reaches half way to its neighbours' middles (n,) m."""
+    edges = np.concatenate([[0.0], 0.5 * (middle[1:] + middle[:-1]), [end]])
+    steps = np.diff(np.concatenate([[0], np.asarray(marked, int), [0]]))
+    return [
+        (float(edges[a]), float(edges[b])) for a, b in zip(*(np.flatnonzero(steps == k) for k in (1, -1)), strict=True)
+    ]
+
+
+def require_wall(scene: DrillstringScene) -> None:
+    """Raise SceneError where the scene has no wall: without contact there is no friction."""
+    if scene.well.wall is None:
+        cause = "without contact the string has no friction"
+        raise SceneError([scene.problem("well.wall", cause, "give {stiffness: 1.0e9, friction: 0.2}")])
+
+
+def own_depth(scene: DrillstringScene) -> float:
+    """Depth of the bit in the scene as it stands, m."""
+    return float(sum(check_lengths(scene, well_of(scene).length)))
+
+
+def own_friction(scene: DrillstringScene) -> Factors:
+    """The scene's kinetic friction factors."""
+    require_wall(scene)
+    assert scene.well.wall is not None
+    return factors_of(scene.well.wall, "kinetic")
+
+
+def links(scene: DrillstringScene) -> int:
+    """Links of the string where they are not given: the scene's, if it has more than the default."""
+    return max(ELEMENTS, scene.model.elements)
+
+
+def torque_drag(
+    scene: DrillstringScene,
+    frictions: Sequence[float | Factors] | None = None,
+    depths: Sequence[float] | None = None,
+    elements: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    reamed: dict[str, Motion] | None = None,
+    kinds: Sequence[str] = (),
+) -> list[Case]:
+    """Hook loads, torque, side force and buckling for friction factors and depths.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+    frictions : sequence of float or Factors, optional
+        Friction factors, of all of the hole or of its cased and open parts; the scene's kinetic ones if None.
+    depths : sequence of float, optional
+        Measured depths of the bit, m; the scene's own if None.
+    elements : int, optional
+        Links or elements of the string; see :func:`links`.
+    progress : callable, optional
+        Called with the number of depths done and that of all, each once to a model.
+    reamed : dict of str to Motion, optional
+        Motions beside the three, by name: see `drillstring.statics.motion.reaming`.
+    kinds : sequence of str
+        Kinds of model, ``lumped`` and ``ale-ancf``; that of the scene if empty.
+
+    Returns
+    -------
+    list of Case
+        One to a kind of model and a friction factor. A direction without an equilibrium is among the ``failures`` of
+        its point.
+
+    Raises
+    ------
+    SceneError
+        For a scene without a wall, for depths at which the string does not fit the well, and for a kind of model that
+        cannot have the scene's bending.
+    """
+    own = own_friction(scene)
+    frictions = [own] if frictions is None else list(frictions)
+    depths = [own_depth(scene)] if depths is None else list(depths)
+    motions = MOTIONS | (reamed or {})
+    found = []
+    models = [of_kind(scene, kind) for kind in kinds or (scene.model.kind,)]
+    for number, model in enumerate(models):
+        cases = [Case(same(friction, own.shoe), []) for friction in frictions]
+        found += cases
+        for done, depth in enumerate(depths, 1):
+            statics = Statics(model, depth, links(model) if elements is None else elements)
+            for case in cases:
+                case.points.append(_point(statics, case.friction, model, motions))
+            if progress is not None:
+                progress(number * len(depths) + done, len(models) * len(depths))
+    return found
+
+
+def _point(statics: Statics, friction: Factors, scene: DrillstringScene, motions: dict[str, Motion]) -> Point:
+    profiles, failures, soft, locks = {}, {}, {}, {}
+    for direction, motion in motions.items():
+        string = (statics.well, statics.tubes, statics.weight)
+        soft[direction] = soft_string(*string, friction, motion, scene.bit.load, scene.well.diameter)
+        try:
+            profiles[direction] = statics.solve(friction, direction if direction in MOTIONS else motion)
+        except LockedUp as lock:
+            place = soft[direction].locked
+            locks[direction] = lock.measured_depth if place is None else place
+        except StoppedEarly as stop:
+            # On its way to lock-up the string has no equilibrium any more.
+            place = soft[direction].locked
+            if place is not None:
+                locks[direction] = place
+            else:
+                hint = "; more elements may find one" if scene.model.kind == BEAM else ""
+                failures[direction] = f"{stop.part}: {stop.sentence}{hint}"
+    middle = statics.lumps.measured_depth[:-1] + 0.5 * statics.lumps.length
+    pull = _overpull(statics, profiles["pick_up"], scene) if "pick_up" in profiles else None
+    strokes = break_away(statics.solve(0.0, "pick_up"), profiles) if profiles and not scene.bit.on_bottom else None
+    return Point(
+        friction, statics.depth, middle, statics.limits, profiles, soft, failures, pull, strokes, locks,
+        scene.model.kind,
+    )  # fmt: skip
+
+
+def _overpull(statics: Statics, picked: Profile, scene: DrillstringScene) -> Overpull | None:
+    """Margin of the link that yields first if the bit sticks: what the hook pulls more, every link carries more."""
+    loads = np.array([np.inf if one.yield_load is None else one.yield_load for one in scene.string])
+    # At the upper ends of the links, where each carries most.
+    upper = np.concatenate([[picked.hook_load], 0.5 * (picked.tension[1:] + picked.tension[:-1])])
+    margins = loads[statics.lumps.section] - upper
+    first = int(margins.argmin())
+    if not np.isfinite(margins[first]):
+        return None
+    name = scene.string[statics.lumps.section[first]].name
+    return Overpull(float(margins[first]), name, float(statics.lumps.measured_depth[first]))

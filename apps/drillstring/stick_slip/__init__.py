@@ -1,0 +1,1 @@
+"""The map of stick-slip over rotary speed and weight on bit."""

@@ -1,0 +1,141 @@
+"""A map of stick-slip as a table, as sentences, and as CSV, NetCDF and JSON."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from math import pi
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drillstring.stick_slip.severity_map import NOT_RUN, NUMBERS, Cell, Map
+from tautline.cli.summary import quantity, shown, significant
+from tautline.results.errors import ResultError
+from tautline.version import __version__
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+UNITS = {
+    "speed": "rad/s", "weight": "N", "mean": "rad/s", "least": "rad/s", "largest": "rad/s", "torque": "N m",
+    "weight_mean": "N", "rate": "m/s", "wall_time": "s",
+}  # fmt: skip
+NAMES = {
+    "severity": "severity", "stuck": "stuck", "mean": "bit_speed_mean", "least": "bit_speed_min",
+    "largest": "bit_speed_max", "torque": "torque_on_bit", "weight_mean": "weight_on_bit",
+    "rate": "rate_of_penetration",
+}  # fmt: skip
+"""What a cell's numbers are called in files and JSON."""
+RPM = 2.0 * pi / 60.0
+MOST_COLUMNS = 9
+"""Columns of numbers that a screen has room for."""
+
+
+def whole_record(found: Map) -> dict[str, Any]:
+    """Keys of ``stick-slip --json``: arrays (weights, speeds), SI; null where a run has no number."""
+    record: dict[str, Any] = {"speed": list(found.speeds), "weight": list(found.weights)}
+    for field, name in NAMES.items():
+        record[name] = [[None if np.isnan(x) else float(x) for x in row] for row in found.values(field)]
+    record["outcome"] = [[cell.status for cell in row] for row in found.cells]
+    record["sticking_ends"] = [
+        {"weight": weight, "sticks_at": sticks, "turns_at": turns}
+        for weight, (sticks, turns) in zip(found.weights, found.ends(), strict=True)
+    ]
+    record["failures"] = [
+        {"speed": cell.speed, "weight": cell.weight, "status": cell.status, "sentence": cell.sentence}
+        for cell in found.failures
+    ]
+    return record
+
+
+def write_csv(found: Map, path: Path) -> Path:
+    """Write a row to a cell, with units in the header; raises ResultError if the file cannot be written."""
+    fields = ("speed", "weight", *NUMBERS, "status", "sentence", "wall_time")
+    heads = [f"{NAMES.get(f, f)} [{UNITS[f]}]" if f in UNITS else NAMES.get(f, f) for f in fields]
+    try:
+        with path.open("w", newline="", encoding="utf8") as file:
+            writer = csv.writer(file)
+            writer.writerow(heads)
+            for row in found.cells:
+                for cell in row:
+                    values = [getattr(cell, field) for field in fields]
+                    writer.writerow(["" if isinstance(x, float) and np.isnan(x) else x for x in values])
+    except OSError as error:
+        raise ResultError(path, f"cannot be written: {error.strerror}", "name another with -o") from None
+    return path
+
+
+def write_netcdf(found: Map, attributes: Mapping[str, str], path: Path) -> Path:
+    """Write arrays along ``weight`` and ``speed``; raises ResultError if the file cannot be written."""
+    import xarray
+
+    shape = ("weight", "speed")
+    columns: dict[str, Any] = {
+        name: (shape, found.values(field), {"units": UNITS[field]} if field in UNITS else {})
+        for field, name in NAMES.items()
+    }
+    columns["status"] = (shape, found.values("status").astype(object))
+    axes = {
+        "speed": ("speed", np.array(found.speeds), {"units": "rad/s", "long_name": "rotary speed"}),
+        "weight": ("weight", np.array(found.weights), {"units": "N", "long_name": "weight on bit"}),
+    }
+    try:
+        xarray.Dataset(columns, axes, {**attributes, "version": __version__}).to_netcdf(path, engine="h5netcdf")
+    except OSError as error:
+        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
+    return path
+
+
+def table(found: Map, system: str) -> Table | None:
+    """Severity at every speed and weight, and the share of time that the bit is stuck where it is.
+
+    Speeds are across where they fit on a screen, else weights; None where neither do.
+    """
+    from rich.table import Table
+
+    if min(len(found.speeds), len(found.weights)) > MOST_COLUMNS:
+        return None
+    laid_out = Table(box=None, padding=(0, 1, 0, 0), header_style="cyan", title="severity, and share of time stuck")
+    speeds = [f"{significant(speed / RPM)}\u00a0rpm" for speed in found.speeds]
+    weights = [shown(weight, "N", system).replace(" ", "\u00a0") for weight in found.weights]
+    words = [[_word(cell) for cell in row] for row in found.cells]
+    across = len(speeds) <= MOST_COLUMNS
+    laid_out.add_column("weight on bit" if across else "rotary speed", justify="right")
+    for head in speeds if across else weights:
+        laid_out.add_column(head, justify="right")
+    for head, row in zip(*((weights, words) if across else (speeds, zip(*words, strict=True))), strict=True):
+        laid_out.add_row(head, *row)
+    return laid_out
+
+
+def _word(cell: Cell) -> str:
+    if cell.status != "done":
+        return "–" if cell.status == NOT_RUN else cell.status
+    return f"{cell.severity:.2f}" + (f"\u00a0{100.0 * cell.stuck:.0f}%" if cell.sticks else "")
+
+
+def sentences(found: Map, system: str) -> list[tuple[str, str]]:
+    """Where sticking ends for each weight, and what was not found: text and style."""
+    said = []
+    for weight, row, (sticks, turns) in zip(found.weights, found.cells, found.ends(), strict=True):
+        if all(cell.status != "done" for cell in row):
+            continue
+        at = shown(weight, "N", system)
+        low, high = (quantity(x / RPM, "rpm") if x is not None else "" for x in (sticks, turns))
+        if sticks is None:
+            said.append((f"{at}: the bit does not stick from {high} up", "green"))
+        elif turns is None:
+            of = "that was run" if any(cell.status != "done" for cell in row) else "of all"
+            said.append((f"{at}: the bit sticks up to the highest speed {of}, {low}", "yellow"))
+        else:
+            said.append((f"{at}: sticking ends between {low} and {high}", "yellow"))
+    said += [
+        (f"stopped at {quantity(cell.speed / RPM, 'rpm')}, {shown(cell.weight, 'N', system)}: {cell.status}, "
+         f"{cell.sentence}", "red")
+        for cell in found.failures
+    ]  # fmt: skip
+    if found.interrupted:
+        said.append(("interrupted: some of the map was not run", "yellow"))
+    return said

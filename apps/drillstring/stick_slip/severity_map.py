@@ -1,0 +1,280 @@
+"""The map of stick-slip: how a bit turns at rotary speeds and weights, one run of the scene for each, on all cores.
+
+Every run begins with the string at rest, the bit on the bottom with its weight. The drive comes to its speed, with it
+the block to the rate of penetration there, and the bit is let go by a torque above what would turn it: the hardest
+start. What the last half of the run shows is whether the string comes to turn steadily from there.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drillstring.drilling.bit_numbers import bit_row, rate_at
+from drillstring.drilling.impedance import torsional_frequency
+from drillstring.model.build import build, tubes_of, well_of
+from drillstring.results.drilling import last_part, stick_slip
+from drillstring.scene.ends import Controller
+from drillstring.scene.scene import DrillstringScene
+from tautline.integrators.status import StoppedEarly
+from tautline.integrators.time_loop import compile_for
+from tautline.scene.document import Document, Path_
+from tautline.scene.errors import SceneError
+from tautline.scene.model import validate
+from tautline.simulation import Run, simulate
+
+TURNS = 1.0
+"""Time in which a drive comes to its speed, over the period of the string's first torsional mode."""
+CYCLES = 20.0
+"""Least length of a run, over that period: half of it tells."""
+NOT_RUN = "not run"
+
+
+class Cell(NamedTuple):
+    """One run, in SI; numbers of a run that did not come to its end are NaN.
+
+    Rotary speed and weight asked for; of the bit's rotary speed severity, share of time stuck, mean, least and largest;
+    means of torque on bit, weight on bit and rate of penetration; how it ended, and why if early; run time.
+    """
+
+    speed: float
+    weight: float
+    severity: float
+    stuck: float
+    mean: float
+    least: float
+    largest: float
+    torque: float
+    weight_mean: float
+    rate: float
+    status: str
+    sentence: str
+    wall_time: float
+
+    @property
+    def sticks(self) -> bool:
+        """Whether the bit comes to rest; False where that is not known."""
+        return self.stuck > 0.0
+
+
+NUMBERS = ("severity", "stuck", "mean", "least", "largest", "torque", "weight_mean", "rate")
+"""Fields of a cell that a run tells."""
+
+
+@dataclass(frozen=True)
+class Map:
+    """Cells in rows of one weight, each by rising speed; ``interrupted`` if some were not run."""
+
+    speeds: tuple[float, ...]
+    weights: tuple[float, ...]
+    cells: tuple[tuple[Cell, ...], ...]
+    interrupted: bool = False
+
+    def values(self, name: str) -> np.ndarray:
+        """One field of all cells, (weights, speeds)."""
+        return np.array([[getattr(cell, name) for cell in row] for row in self.cells])
+
+    def ends(self) -> list[tuple[float | None, float | None]]:
+        """For each weight the highest speed that sticks and the lowest above it that does not; None where none does."""
+        found = []
+        for row in self.cells:
+            known = [cell for cell in row if cell.status == "done"]
+            sticking = [cell.speed for cell in known if cell.sticks]
+            highest = max(sticking) if sticking else None
+            above = [cell.speed for cell in known if highest is None or cell.speed > highest]
+            found.append((highest, min(above) if above else None))
+        return found
+
+    @property
+    def failures(self) -> list[Cell]:
+        """Cells whose run stopped early."""
+        return [cell for row in self.cells for cell in row if cell.status not in ("done", NOT_RUN)]
+
+
+def require_bit(scene: DrillstringScene) -> None:
+    """Raise SceneError where the scene has no bit whose torque could make it stick."""
+    if not scene.bit.on_bottom:
+        cause = "a bit that hangs has no torque"
+        raise SceneError([scene.problem("bit.on_bottom", cause, "set it to true, with weight and torque")])
+    if scene.bit.torque is None and scene.bit.cutting is None:
+        cause = "gives no torque, without which nothing sticks"
+        raise SceneError([scene.problem("bit", cause, "add torque: {static: 7 kN m, kinetic: 4 kN m}, or cutting")])
+
+
+def varied(scene: DrillstringScene, speed: float, weight: float, end: float | None = None) -> DrillstringScene:
+    """The scene with its string at rest, coming to a rotary speed, rad/s, with a weight on bit, N, for `end` s.
+
+    Torque and rate of penetration stay the laws that the scene gives; the block follows the rate.
+
+    Raises
+    ------
+    SceneError
+        For a scene that was not read from a text, and as the reader does.
+    """
+    if scene.document is None:
+        raise SceneError([scene.problem("", "a scene without a text cannot be varied", "read it from a file")])
+    well = well_of(scene)
+    tubes = tubes_of(scene, well.length)
+    period = 1.0 / torsional_frequency(tubes)
+    end = max(scene.solver.end, CYCLES * period) if end is None else end
+    ramp = {"to": speed, "over": min(TURNS * period, 0.25 * end)}
+    turning: Path_ = ("top", "rotation")
+    if isinstance(scene.top.rotation, Controller):
+        turning = (*turning, "controller", "speed")
+    bit = scene.bit
+    values: dict[Path_, Any] = {turning: {"ramp": ramp}, ("bit", "weight"): weight, ("solver", "end"): end}
+    for key in ("torque", "penetration"):
+        law = getattr(bit, key)
+        if law is not None:
+            values["bit", key, "weight"] = law.weight or bit.weight
+    if bit.penetration is not None or bit.cutting is not None:
+        rate = rate_at(bit_row(bit, scene.well.diameter, tubes, speed, False)[0], weight, speed)
+        values["top", "block"] = {"velocity": {"ramp": ramp | {"to": rate}}} if rate > 0.0 else 0.0
+    return validate(DrillstringScene, scene.document.replaced({path: (v, "stick-slip") for path, v in values.items()}))
+
+
+def run_cell(scene: DrillstringScene, speed: float, weight: float, end: float | None) -> Cell:
+    """Run one cell; what stops it early is told in its status."""
+    begun = time.perf_counter()
+    try:
+        result = simulate(build(varied(scene, speed, weight, end)))
+    except StoppedEarly as stop:
+        status, told = (
+            stop.status.name.lower().replace("_", " "),
+            f"t = {stop.time:.4g} s, {stop.part}: {stop.sentence}",
+        )
+        return _empty(speed, weight, status, told, time.perf_counter() - begun)
+    except SceneError as error:
+        return _empty(speed, weight, "bad input", str(error), time.perf_counter() - begun)
+    last, found = last_part(result.time), stick_slip(result.time, result["rotation_rate"][:, -1])
+    hole, seconds = result["hole_depth"][last], result.time[last]
+    return Cell(
+        speed, weight, found["severity"], found["stuck"], found["mean"], found["least"], found["largest"],
+        float(result["torque_on_bit"][last].mean()), float(result["weight_on_bit"][last].mean()),
+        float((hole[-1] - hole[0]) / (seconds[-1] - seconds[0])), "done", "", time.perf_counter() - begun,
+    )  # fmt: skip
+
+
+def _empty(speed: float, weight: float, status: str = NOT_RUN, sentence: str = "", wall: float = 0.0) -> Cell:
+    return Cell(speed, weight, *[float("nan")] * len(NUMBERS), status, sentence, wall)
+
+
+def stick_slip_map(
+    scene: DrillstringScene,
+    speeds: Sequence[float],
+    weights: Sequence[float],
+    end: float | None = None,
+    jobs: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    announce: Callable[[int], None] | None = None,
+) -> Map:
+    """Run the scene at all speeds and weights.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+        Read from a file, with a bit on bottom and its torque.
+    speeds, weights : sequence of float
+        Rotary speeds rad/s, weights on bit N.
+    end : float, optional
+        Length of every run, s; that of the scene, or twenty periods of the string's first torsional mode if more.
+    jobs : int, optional
+        Processes; as many as there are cores if None. With one all is done in this process.
+    progress, announce : callable, optional
+        Called with the number of cells done and that of all; with that of what is to be compiled first.
+
+    Returns
+    -------
+    Map
+        With the cells that were run where it was interrupted by Ctrl-C.
+
+    Raises
+    ------
+    SceneError
+        For a scene without such a bit, and where the first cell cannot be built.
+    """
+    require_bit(scene)
+    speeds, weights = tuple(sorted(set(speeds))), tuple(sorted(set(weights)))
+    cells = {(w, s): _empty(s, w) for w in weights for s in speeds}
+    # What is compiled here is loaded by all: they share the cache.
+    first = Run(build(varied(scene, speeds[0], weights[0], end)))
+    compile_for(first.method, first.model.system, first.state, announce)
+    jobs = min(jobs or os.cpu_count() or 1, len(cells))
+    done, interrupted = 0, False
+    try:
+        for cell in _run_all(scene, [(s, w, end) for w in weights for s in speeds], jobs):
+            cells[cell.weight, cell.speed] = cell
+            done += 1
+            if progress is not None:
+                progress(done, len(cells))
+    except KeyboardInterrupt:
+        interrupted = True
+    return Map(speeds, weights, tuple(tuple(cells[w, s] for s in speeds) for w in weights), interrupted)
+
+
+def _run_all(scene: DrillstringScene, asked: Sequence[tuple[float, float, float | None]], jobs: int) -> Iterator[Cell]:
+    """Cells as they are done."""
+    if jobs == 1:
+        for one in asked:
+            yield run_cell(scene, *one)
+        return
+    assert scene.document is not None
+    with _processes(scene.document, jobs) as pool:
+        waiting = {pool.submit(_work, *one): one for one in asked}
+        for future in as_completed(waiting):
+            speed, weight, _ = waiting[future]
+            try:
+                yield future.result()
+            except BrokenProcessPool:
+                yield _empty(speed, weight, "process died", "its process was killed: less memory with fewer --jobs")
+
+
+@contextmanager
+def _processes(document: Document, jobs: int) -> Iterator[Executor]:
+    """Fresh processes that have read the scene; on the way out what waits is given up."""
+    # A process is started when there is work for it, and one beside them as soon as there is a pool.
+    with _without_current_folder():
+        context = multiprocessing.get_context("spawn")
+        pool = ProcessPoolExecutor(jobs, context, initializer=_read, initargs=(document,))
+        try:
+            yield pool
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _without_current_folder() -> Iterator[None]:
+    """Have processes that are started inside look for no module in the current folder."""
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = before
+
+
+_scene: list[DrillstringScene] = []
+"""The scene of a process."""
+
+
+def _read(document: Document) -> None:
+    # Ctrl-C is for the process that waits; it takes back what has not begun.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _scene[:] = [validate(DrillstringScene, document)]
+
+
+def _work(speed: float, weight: float, end: float | None) -> Cell:
+    return run_cell(_scene[0], speed, weight, end)

@@ -1,0 +1,1 @@
+"""Commands that only drill strings have. What they print with ``--json`` is a contract."""

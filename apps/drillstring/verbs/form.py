@@ -1,0 +1,358 @@
+"""The verb ``form``: form finding. What it prints with ``--json`` is a contract."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tautline.cli.run import searched
+from tautline.cli.verbs import Json
+from tautline.scene.errors import option_error
+
+if TYPE_CHECKING:
+    from drillstring.statics.form import Finding, Form
+
+MOST_MESHES = 20
+DECIMALS = 4
+"""Of a position in m."""
+NOTHING = 1.0e-7
+"""Share of the largest tension below which a hook load is what rounding leaves."""
+
+Scenes = Annotated[
+    list[Path], typer.Argument(metavar="SCENE...", help="YAML files; several make one report.", show_default=False)
+]
+By = Annotated[str, typer.Option("--by", metavar="static|relaxation", help="How the string is brought to rest.")]
+Elements = Annotated[
+    str | None,
+    typer.Option(
+        "--elements", metavar="N,N,...", help="Elements, between commas: 10,20,50. [dim]\\[default: the scene's][/]"
+    ),
+]
+Models = Annotated[
+    str | None,
+    typer.Option(
+        "--model", metavar="KIND,KIND", help="lumped, ale-ancf, or lumped,ale-ancf. [dim]\\[default: the scene's][/]"
+    ),
+]
+Most = Annotated[
+    int | None,
+    typer.Option("--most", min=1, help="Steps of the relaxation after which to give up.", show_default=False),
+]
+Picture = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
+    ),
+]
+Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write every lump of every mesh as a table.")]
+
+
+def form(
+    scenes: Scenes,
+    by: By = "static",
+    elements: Elements = None,
+    model: Models = None,
+    most: Most = None,
+    output: Picture = None,
+    csv: Csv = None,
+    as_json: Json = False,
+) -> None:
+    """Find the string's shape at rest, and set the exact extensible rod beside it where there is one."""
+    from drillstring.scene.scene import read
+    from drillstring.statics.form import find_form
+    from tautline.integrators.statics.relaxation import MOST_STEPS
+    from tautline.results.target import check_figure, check_table
+
+    way, meshes, kinds = _way(by, most), parse_elements(elements), parse_models(model)
+    read_scenes = [read(path) for path in scenes]
+    name = f"{scenes[0].stem}_form.png" if len(scenes) == 1 else "forms.png"
+    figure, table = check_figure(output or Path(name)), check_table(csv)
+    found = []
+    for path, scene in zip(scenes, read_scenes, strict=True):
+        search = partial(find_form, scene, meshes, way, most or MOST_STEPS, kinds)
+        found.append(searched(path, as_json, search))
+    # One table and one figure have one system of units: the first scene's.
+    system = read_scenes[0].units
+    _print(scenes, found, system)
+    _draw(scenes, found, figure, system)
+    if table is not None:
+        _write(scenes, found, table)
+    if as_json:
+        from tautline.cli.console import print_json
+
+        said = {"status": "done", "figure": str(figure), "csv": None if table is None else str(table)}
+        reports = [report(path, one) for path, one in zip(scenes, found, strict=True)]
+        print_json(reports[0] | said if len(reports) == 1 else {"scenes": reports} | said)
+
+
+def report(path: Path, found: Finding) -> dict[str, Any]:
+    """What ``--json`` tells of a scene: its finest mesh, the rod at the same lumps, and a summary of each mesh."""
+    import numpy as np
+
+    finest, reference = found.finest, found.reference
+    rod = reference.rod
+    exact = None
+    if rod is not None:
+        s = np.linspace(0.0, rod.length, 2001)
+        exact = {
+            "hook_load": rod.hook_load,
+            "tension_max": float(rod.tension(s).max()),
+            "stretch": rod.stretch,
+            "end": reference.position(np.array([rod.length]))[0],
+            "error": rod.error,
+        }
+    return {
+        "scene": str(path),
+        "by": found.by,
+        "model": finest.kind,
+        "node": list(range(finest.elements + 1)),
+        "measured_depth": finest.measured_depth,
+        "position": finest.position,
+        "reference": None if rod is None else reference.position(finest.unstretched),
+        "difference": found.difference(finest),
+        "reference_said": reference.said,
+        "rod": exact,
+        "unstretched_depth": finest.unstretched,
+        "meshes": [
+            {
+                "model": one.kind,
+                "elements": one.elements,
+                "end": one.position[-1],
+                "end_moved": one.moved[-1],
+                "offset_max": float(one.offset.max()),
+                "difference_max": _largest(found, one),
+                "hook_load": one.hook_load,
+                "tension_max": float(one.tension.max()),
+                "stretch": one.stretch,
+                "touching": one.touching,
+                "iterations": one.iterations,
+                "negative_pivots": None if one.negative < 0 else one.negative,
+            }
+            for one in found.forms
+        ],
+    }
+
+
+def parse_elements(text: str | None) -> list[int]:
+    """Numbers of elements of ``10,20,50``, rising and each once; none for None.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, the value, and what would do.
+    """
+    if text is None:
+        return []
+    words = [word.strip() for word in text.split(",")]
+    if not all(word.isascii() and word.isdigit() and len(word) < 10 and int(word) > 0 for word in words):
+        raise option_error("--elements", text, "is no list of numbers of elements", "write 10,20,50")
+    counts = sorted({int(word) for word in words})
+    if len(counts) > MOST_MESHES:
+        raise option_error("--elements", text, f"are {len(counts)} meshes, more than {MOST_MESHES}", "take fewer")
+    return counts
+
+
+def parse_models(text: str | None) -> list[str]:
+    """Kinds of model of ``lumped,ale-ancf``, each once; none for None.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, the value, and what would do.
+    """
+    from drillstring.scene.scene import BEAM, LUMPED
+
+    if text is None:
+        return []
+    meant = {"lumped": LUMPED, "ale-ancf": BEAM, "ancf": BEAM}
+    words = [word.strip().lower().replace("_", "-") for word in text.split(",")]
+    for word in words:
+        if word not in meant:
+            raise option_error(
+                "--model", text, f"'{word}' is no kind of model", f"write {LUMPED}, {BEAM} or {LUMPED},{BEAM}"
+            )
+    return list(dict.fromkeys(meant[word] for word in words))
+
+
+def _way(by: str, most: int | None) -> str:
+    from drillstring.statics.form import WAYS
+
+    if by not in WAYS:
+        raise option_error("--by", by, "is no way to bring a string to rest", "write static or relaxation")
+    if most is not None and by == "static":
+        cause = "is given without --by relaxation: the static solver takes no steps"
+        raise option_error("--most", str(most), cause, "leave it out, or add --by relaxation")
+    return by
+
+
+def _largest(found: Finding, one: Form) -> float | None:
+    difference = found.difference(one)
+    return None if difference is None else float(difference.max())
+
+
+def _print(scenes: list[Path], found: list[Finding], system: str) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    from tautline.cli.console import say
+    from tautline.cli.study import show
+
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    table.add_column("scene")
+    spent = "steps" if found[0].by == "relaxation" else "iterations"
+    names = (
+        "model",
+        "n",
+        f"end north, east, down [{_unit(system)[1]}]",
+        f"end moved [{_unit(system)[1]}]",
+        "off axis",
+        "off the rod",
+        "hook load",
+        "largest tension",
+    )
+    for name in (*names, "stretch", spent):
+        table.add_column(Text(name), justify="right")
+    for path, one in zip(scenes, found, strict=True):
+        for number, form_ in enumerate(one.forms):
+            table.add_row(path.stem if number == 0 else "", *_row(one, form_, system))
+        if one.reference.rod is not None:
+            table.add_row("", *_exact_row(one, system))
+    show(table)
+    for path, one in zip(scenes, found, strict=True):
+        rod = one.reference.rod
+        error = f", to {rod.error:.0e} m" if rod is not None and rod.error > 0.0 else ""
+        doubtful = rod is None or "may" in one.reference.said
+        say(f"{path.stem}: {one.reference.said}{error}", "yellow" if doubtful else "")
+        if touching := one.finest.touching:
+            parts = "lumps" if one.finest.kind == "lumped" else "nodes"
+            say(f"{path.stem}: {touching} of the {one.finest.elements + 1} {parts} lie on the wall", "yellow")
+        for form_ in one.forms:
+            if form_.negative > 0:
+                text = (
+                    f"{path.stem}, {form_.elements} elements: this shape is unstable. The string is pressed beyond its "
+                    "buckling load. The least push moves it aside"
+                )
+                say(text, "yellow")
+
+
+def _unit(system: str) -> tuple[float, str]:
+    """Length in m of one unit of places, and its name."""
+    return (0.3048, "ft") if system == "field" else (1.0, "m")
+
+
+def _place(place: Any, system: str) -> str:
+    # Rounding makes -0.0000 of what is nothing.
+    length, _ = _unit(system)
+    return ", ".join(f"{round(float(x) / length, DECIMALS) + 0.0:.{DECIMALS}f}" for x in place)
+
+
+def _length(value: float, system: str) -> str:
+    from tautline.cli.summary import significant
+
+    length, name = _unit(system)
+    return f"{significant(value / length, 5)} {name}"
+
+
+def _hook(load: float, tension: Any) -> float:
+    """A hook load, or zero where it is rounding."""
+    return 0.0 if abs(load) < NOTHING * float(abs(tension).max()) else load
+
+
+def _row(found: Finding, one: Form, system: str) -> list[str]:
+    import numpy as np
+
+    from tautline.cli.summary import shown
+
+    largest = _largest(found, one)
+    off = "–" if largest is None else shown(largest, "m", system)
+    numbers = (_hook(one.hook_load, one.tension), "N"), (float(one.tension.max()), "N"), (one.stretch, "m")
+    moved = _place([np.linalg.norm(one.moved[-1])], system)
+    written = [shown(value, unit, system) for value, unit in numbers]
+    return [
+        one.kind, str(one.elements), _place(one.position[-1], system), moved,
+        _length(float(one.offset.max()), system), off, *written, str(one.iterations),
+    ]  # fmt: skip
+
+
+def _exact_row(found: Finding, system: str) -> list[str]:
+    import numpy as np
+
+    from tautline.cli.summary import shown
+
+    reference, finest = found.reference, found.finest
+    rod = reference.rod
+    assert rod is not None
+    s = np.linspace(0.0, rod.length, 2001)
+    end = reference.position(s[-1:])[0]
+    moved = float(np.linalg.norm(end - finest.position[-1] + finest.moved[-1]))
+    off = _length(float(np.abs(rod.locate(s)[1]).max()), system)
+    tension = rod.tension(s)
+    numbers = (_hook(rod.hook_load, tension), "N"), (float(tension.max()), "N"), (rod.stretch, "m")
+    written = [shown(value, unit, system) for value, unit in numbers]
+    return ["rod", "", _place(end, system), _place([moved], system), off, "", *written, ""]
+
+
+def _draw(scenes: list[Path], found: list[Finding], path: Path, system: str) -> None:
+    from drillstring.view.form_figures import form_figure
+    from tautline.cli.console import say
+    from tautline.view.figures.figure import save
+
+    titles = [one.title or scene.stem for scene, one in zip(scenes, found, strict=True)]
+    figure = form_figure(titles, found)
+    if system == "field":
+        from tautline.view.figures.field_axes import use_field_units
+
+        use_field_units(figure)
+    say(f"wrote {save(figure, path)}", "green")
+
+
+def _write(scenes: list[Path], found: list[Finding], path: Path) -> None:
+    """A row for each lump of each mesh of each scene; where there is no rod its cells are empty."""
+    import csv
+
+    from tautline.cli.console import say
+    from tautline.results.errors import WriteError
+
+    header = [
+        "scene",
+        "model",
+        "elements",
+        "node",
+        "unstretched depth [m]",
+        "measured depth [m]",
+        "north [m]",
+        "east [m]",
+    ]
+    header += ["down [m]", "rod north [m]", "rod east [m]", "rod down [m]", "difference [m]", "tension below [N]"]
+    try:
+        with path.open("w", encoding="utf8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(header)
+            for scene, one in zip(scenes, found, strict=True):
+                for form_ in one.forms:
+                    writer.writerows(_rows(scene, one, form_))
+    except OSError as error:
+        raise WriteError(path, f"cannot be written: {error.strerror or error}", "name another with --csv") from None
+    say(f"wrote {path}", "green")
+
+
+def _rows(scene: Path, found: Finding, one: Form) -> list[list[Any]]:
+    difference = found.difference(one)
+    exact = None if difference is None else found.reference.position(one.unstretched).tolist()
+    rows = []
+    for i in range(one.elements + 1):
+        row: list[Any] = [
+            scene.stem,
+            one.kind,
+            one.elements,
+            i,
+            float(one.unstretched[i]),
+            float(one.measured_depth[i]),
+        ]
+        row += one.position[i].tolist()
+        row += ["", "", "", ""] if exact is None or difference is None else [*exact[i], float(difference[i])]
+        rows.append([*row, float(one.tension[i]) if i < one.elements else ""])
+    return rows

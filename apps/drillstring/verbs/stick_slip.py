@@ -1,0 +1,158 @@
+"""The verb ``stick-slip``: the map over rotary speed and weight on bit. What ``--json`` prints is a contract."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tautline.cli.verbs import Json, Scene
+from tautline.scene.errors import option_error
+
+if TYPE_CHECKING:
+    from drillstring.scene.scene import DrillstringScene
+    from drillstring.stick_slip.severity_map import Map
+
+RPM = 2.0 * math.pi / 60.0
+SPEEDS, SHARES = "40:160:20", (0.5, 1.0, 1.5, 2.0)
+"""Rotary speeds where none are given, rpm, and weights over the scene's own."""
+MOST_CELLS, MOST_JOBS = 2000, 256
+ENDINGS = (".csv", ".nc", ".png")
+
+Speeds = Annotated[
+    str,
+    typer.Option("--speed", metavar="FROM:TO:STEP|A,B,C", help="Rotary speeds, rpm unless a unit is given."),
+]
+Weights = Annotated[
+    str | None,
+    typer.Option(
+        "--weight",
+        metavar="FROM:TO:STEP|A,B,C",
+        help="Weights on bit, N unless a unit is given. [dim]\\[default: half to twice the scene's][/]",
+    ),
+]
+End = Annotated[
+    str | None,
+    typer.Option(
+        "--end",
+        metavar="TIME",
+        help="Length of a run. [dim]\\[default: the scene's, or 20 torsional periods if more][/]",
+    ),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option("--jobs", min=1, max=MOST_JOBS, show_default=False, help="Processes. [dim]\\[default: all cores][/]"),
+]
+Stem = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="STEM", help="Beginning of the names of the files that are written."),
+]
+
+
+def stick_slip(
+    scene: Scene,
+    speed: Speeds = SPEEDS,
+    weight: Weights = None,
+    end: End = None,
+    jobs: Jobs = None,
+    output: Stem = None,
+    as_json: Json = False,
+) -> None:
+    """Map stick-slip of the bit over rotary speed and weight on bit, one run to each, on all cores."""
+    from drillstring.scene.scene import read
+    from drillstring.stick_slip.severity_map import require_bit, stick_slip_map
+    from tautline.cli.console import say
+    from tautline.cli.lists import number
+    from tautline.cli.progress import Counter
+    from tautline.cli.run import Ended, ExitCode
+    from tautline.cli.simulate import FIRST_RUN
+    from tautline.cli.study import stem_of
+
+    drillstring = read(scene)
+    require_bit(drillstring)
+    speeds = parse_range(speed, "--speed", "rad/s", RPM)
+    weights = _weights(drillstring, weight)
+    if len(speeds) * len(weights) > MOST_CELLS:
+        raise option_error(
+            "--speed", speed, f"makes {len(speeds) * len(weights)} runs, more than {MOST_CELLS}", "take fewer"
+        )
+    length = None if end is None else number(end, "--end", "s")
+    stem = stem_of(scene, output, "stick_slip")
+    with Counter("runs") as counter:
+        found = stick_slip_map(
+            drillstring, speeds, weights, length, jobs, counter, announce=lambda _: say(FIRST_RUN, "cyan")
+        )
+    _report(scene, drillstring, found, stem, as_json)
+    if found.interrupted:
+        raise Ended(ExitCode.INTERRUPTED)
+    if found.failures:
+        raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[float]:
+    """Values of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``; a bare number counts `bare` SI units.
+
+    Raises
+    ------
+    SceneError
+        Naming the option and what is wrong.
+    """
+    from tautline.cli.lists import numbers
+
+    def one(word: str) -> float:
+        value = numbers(word, option, unit)[0]
+        try:
+            float(word)
+        except ValueError:
+            return value
+        return value * bare
+
+    if ":" not in text:
+        return [one(word) for word in text.split(",")]
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise option_error(option, text, "needs three numbers: from, to and step", "write 40:160:20, or 60,90,120")
+    first, last, step = (one(part) for part in parts)
+    if last < first:
+        raise option_error(option, text, "ends below where it begins", "write the smaller first, such as 40:160:20")
+    count = math.floor((last - first) / step * (1.0 + 1e-12) + 1e-9) + 1
+    if count > MOST_CELLS:
+        raise option_error(option, text, f"makes {count} values, more than {MOST_CELLS}", "take a larger step")
+    return [first + k * step for k in range(count)]
+
+
+def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
+    if text is not None:
+        return parse_range(text, "--weight", "N")
+    own = scene.bit.weight or (scene.bit.torque.weight if scene.bit.torque is not None else None)
+    if not own:
+        raise option_error(
+            "--weight", "", "is needed: the scene's own weight on bit is 0", "write '50 kN:250 kN:50 kN'"
+        )
+    return [share * own for share in SHARES]
+
+
+def _report(path: Path, scene: DrillstringScene, found: Map, stem: Path, as_json: bool) -> None:
+    from drillstring.stick_slip.record import sentences, table, whole_record, write_csv, write_netcdf
+    from drillstring.view.stick_slip_figures import stick_slip_figure
+    from tautline.cli.console import console, print_json, say
+    from tautline.cli.study import named
+
+    title = f"{scene.title or path.stem}: stick-slip"
+    laid_out = table(found, scene.units)
+    if laid_out is not None:
+        console().print(laid_out)
+    files = [
+        write_csv(found, named(stem, ".csv")),
+        write_netcdf(found, {"scene": str(path), "title": title}, named(stem, ".nc")),
+        stick_slip_figure(found, title, named(stem, ".png"), scene.units),
+    ]
+    for text, style in sentences(found, scene.units):
+        say(text, style)
+    for file in files:
+        say(f"wrote {file}", "green")
+    if as_json:
+        status = "interrupted" if found.interrupted else "stopped: some runs" if found.failures else "done"
+        print_json({"scene": str(path), "status": status} | whole_record(found) | {"files": [str(f) for f in files]})

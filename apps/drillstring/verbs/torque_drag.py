@@ -1,0 +1,296 @@
+"""The verb ``torque-drag``: hook loads, torque and buckling. What it prints with ``--json`` is a contract."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drillstring.verbs.form import Models, parse_models
+from tautline.cli.run import searched
+from tautline.cli.verbs import Json, Scene
+from tautline.scene.errors import option_error
+
+if TYPE_CHECKING:
+    from drillstring.scene.scene import DrillstringScene
+    from drillstring.statics.back_calculation import Fit, Measured
+    from drillstring.statics.motion import Motion
+    from drillstring.statics.torque_drag import Case
+    from drillstring.string.factors import Factors
+
+MOST_DEPTHS, MOST_FACTORS, MOST_ELEMENTS = 1000, 20, 5000
+LARGEST_FACTOR = 2.0
+
+Frictions = Annotated[
+    str | None,
+    typer.Option(
+        "--friction",
+        metavar="A,B,C",
+        help="Friction factors; 0.2/0.3 for cased and open hole. [dim]\\[default: the scene's kinetic ones][/]",
+    ),
+]
+Depths = Annotated[
+    str | None,
+    typer.Option(
+        "--depth",
+        metavar="FROM:TO:STEP|A,B,C",
+        help="Measured depths of the bit, m. [dim]\\[default: the scene's own][/]",
+    ),
+]
+Elements = Annotated[
+    int | None,
+    typer.Option(
+        "--elements", min=1, max=MOST_ELEMENTS, show_default=False,
+        help="Links or elements of the string. [dim]\\[default: 100, or the scene's if more][/]",
+    ),
+]  # fmt: skip
+MeasuredFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--measured",
+        metavar="FILE",
+        help="CSV of measured hook loads, depth, pick_up, slack_off: fits the friction factor, which is then used.",
+    ),
+]
+Reaming = Annotated[
+    str | None,
+    typer.Option(
+        "--reaming", metavar="SPEED", help="Also up and down at this speed while turning, m/s or such as '0.3 m/s'."
+    ),
+]
+Rotary = Annotated[
+    str | None,
+    typer.Option("--rotary", metavar="SPEED", help="Rotary speed of reaming. [dim]\\[default: 60 rpm][/]"),
+]
+Picture = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
+    ),
+]
+
+
+def torque_drag(
+    scene: Scene,
+    friction: Frictions = None,
+    depth: Depths = None,
+    elements: Elements = None,
+    measured: MeasuredFile = None,
+    reaming: Reaming = None,
+    rotary: Rotary = None,
+    model: Models = None,
+    output: Picture = None,
+    as_json: Json = False,
+) -> None:
+    """Find hook loads, surface torque, side force and buckling, at one depth or many, for several friction factors."""
+    from drillstring.scene.scene import of_kind, read
+    from drillstring.statics.torque_drag import own_friction
+    from drillstring.statics.torque_drag import torque_drag as compute
+    from tautline.cli.console import print_json, say
+    from tautline.cli.run import Ended, ExitCode
+    from tautline.results.target import check_figure
+
+    drillstring = read(scene)
+    # The first of several models is the one that measured loads are fitted by.
+    kinds = parse_models(model) or [drillstring.model.kind]
+    drillstring = of_kind(drillstring, kinds[0])
+    own = own_friction(drillstring)
+    figure = check_figure(output or Path(f"{scene.stem}_torque_drag.png"))
+    factors = parse_frictions(friction, own.shoe) if friction is not None else None
+    reamed = parse_reaming(reaming, rotary)
+    depths = parse_depths(depth) if depth is not None else None
+    _check_elements(drillstring, elements)
+    loads, fitted = _fitted(drillstring, measured, elements, as_json)
+    if fitted is not None:
+        factors = [fitted.factors(own.shoe)] if factors is None else factors
+        depths = sorted(set(loads.depth.tolist())) if depths is None else depths
+    cases = compute(drillstring, factors, depths, elements, reamed=reamed, kinds=kinds)
+    failures = [text for case in cases for text in case.failures]
+    _print(drillstring, cases, fitted)
+    _draw(drillstring, cases, figure, loads)
+    for text in failures:
+        say(f"stopped, {text}", "red")
+    if as_json:
+        status = "stopped: no equilibrium in places" if failures else "done"
+        told = report(cases, fitted, failures, drillstring.top.weight)
+        print_json({"scene": str(scene), "status": status, "figure": str(figure)} | told)
+    if failures:
+        raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
+    """Friction factors between commas, each a number, or cased/open where the hole has a casing down to its shoe, m.
+
+    Raises
+    ------
+    SceneError
+        Naming the option and the word that is none.
+    """
+    import math
+
+    from drillstring.string.factors import Factors
+    from tautline.cli.lists import words
+
+    def factor(word: str) -> float:
+        try:
+            value = float(word)
+        except ValueError:
+            raise ValueError("is no friction factor: write 0.1,0.2,0.3") from None
+        if not math.isfinite(value) or not 0.0 <= value <= LARGEST_FACTOR:
+            raise ValueError(f"is no friction factor: one lies between 0 and {LARGEST_FACTOR:g}")
+        return value
+
+    def read(word: str) -> Any:
+        both = word.split("/")
+        if len(both) > 2:
+            raise ValueError("is no pair of friction factors: write cased/open, such as 0.2/0.3")
+        if len(both) == 2 and shoe == 0.0:
+            raise ValueError("is a pair, and the hole has no casing: give well.wall.casing its shoe, or one number")
+        values = [factor(part) for part in both]
+        return Factors(values[-1], values[0], shoe)
+
+    found: list[Any] = words(text, "--friction", read)
+    if len(found) > MOST_FACTORS:
+        cause = f"makes {len(found)} friction factors, more than {MOST_FACTORS}"
+        raise option_error("--friction", text, cause, "give fewer")
+    return found
+
+
+def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | None:
+    """Motions of reaming up and down; None without a speed. Raises SceneError for a rotary speed alone."""
+    from drillstring.statics.motion import reaming
+    from tautline.cli.lists import number
+
+    if speed is None:
+        if rotary is not None:
+            cause = "turns a string that is not moved: `rotating` is the same at any speed"
+            raise option_error("--rotary", rotary, cause, "give --reaming a speed, or leave it out")
+        return None
+    return reaming(number(speed, "--reaming", "m/s"), number(rotary or "60 rpm", "--rotary", "rad/s"))
+
+
+def parse_depths(text: str) -> list[float]:
+    """Depths of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``, m or with units; raises SceneError with the cure."""
+    import math
+
+    from tautline.cli.lists import number, numbers
+
+    refuse = partial(option_error, "--depth", text)
+
+    if ":" not in text:
+        found = numbers(text, "--depth", "m")
+        if len(found) > MOST_DEPTHS:
+            raise refuse(f"makes {len(found)} depths, more than {MOST_DEPTHS}", "give fewer")
+        return found
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise refuse("needs three numbers: from, to and step", "write 500:3500:250, or 500,1000,2000")
+    first, last, step = (number(part, "--depth", "m") for part in parts)
+    if last < first:
+        raise refuse("ends above where it begins", "write the shallow depth first, such as 500:3500:250")
+    count = math.floor((last - first) / step * (1.0 + 1e-12) + 1e-9) + 1
+    if count > MOST_DEPTHS:
+        raise refuse(f"makes {count} depths, more than {MOST_DEPTHS}", "take a larger step")
+    return [first + k * step for k in range(count)]
+
+
+def _check_elements(scene: DrillstringScene, elements: int | None) -> None:
+    if elements is not None and elements < len(scene.string):
+        cause = f"fewer than the {len(scene.string)} sections of the string"
+        raise option_error("--elements", str(elements), cause, "give one for each section at least")
+
+
+def _fitted(scene: DrillstringScene, path: Path | None, elements: int | None, as_json: bool) -> tuple[Any, Fit | None]:
+    """Measured loads and the friction factor that fits them; a search that fails ends the command."""
+    if path is None:
+        return None, None
+    from drillstring.statics.back_calculation import fit, read_measured
+
+    loads = read_measured(path, scene.top.weight)
+    return loads, searched(path, as_json, lambda: fit(scene, loads, elements, path))
+
+
+def report(cases: list[Case], fitted: Fit | None, failures: list[str], block: float) -> dict[str, Any]:
+    """What ``--json`` tells: the first model's first friction factor at the top, all in ``cases``, SI units.
+
+    ``block`` is the weight of the block, N, which hook loads are without.
+    """
+    every = [_report_of(case) for case in cases]
+    return every[0] | {
+        "elements": cases[0].points[0].link_depth.size,
+        "cases": every,
+        "block_weight": block,
+        "fit": None if fitted is None else _fit_report(fitted),
+        "failures": failures,
+    }
+
+
+def _fit_report(fitted: Fit) -> dict[str, Any]:
+    return fitted._asdict() | {"unexplained": [one._asdict() for one in fitted.unexplained]}
+
+
+def _report_of(case: Case) -> dict[str, Any]:
+    from drillstring.statics.torque_drag import DIRECTIONS
+
+    last = max(case.points, key=lambda point: point.depth)
+    soft = {way: case.soft_hook_loads(way) for way in DIRECTIONS} | {"torque": case.soft_torques}
+    loads = {way: case.hook_loads(way) for way in DIRECTIONS} | {"torque": case.torques}
+    return {
+        "model": case.model,
+        "friction": case.friction.plain(),
+        "depth": [point.depth for point in case.points],
+        **loads,
+        "soft_string": soft,
+        "difference": {way: loads[way] - soft[way] for way in loads},
+        "buckling": {
+            "measured_depth": last.link_depth, "sinusoidal": last.limits.sinusoidal, "helical": last.limits.helical,
+        },
+        "buckled": [
+            {way: {kind: point.buckled(way, kind) for kind in ("sinusoidal", "helical")} for way in DIRECTIONS}
+            for point in case.points
+        ],
+        "lock_up": [point.locks for point in case.points],
+        "locked": [point.locked for point in case.points],
+        "reaming": {
+            way.removeprefix("reaming_"): {
+                "hook_load": case.hook_loads(way), "torque": case.torques_of(way),
+                "soft_string": {"hook_load": case.soft_hook_loads(way), "torque": case.soft_torques_of(way)},
+            }
+            for way in case.ways[len(DIRECTIONS):]
+        },
+        "break_away": [None if point.strokes is None else point.strokes._asdict() for point in case.points],
+        "overpull": [None if point.overpull is None else point.overpull._asdict() for point in case.points],
+        "profile": {
+            way: {
+                "measured_depth": profile.measured_depth, "side_force": profile.side_force,
+                "link_depth": profile.link_depth, "tension": profile.tension, "torque": profile.torque,
+            }
+            for way, profile in last.profiles.items()
+        },
+    }  # fmt: skip
+
+
+def _print(scene: DrillstringScene, cases: list[Case], fitted: Fit | None) -> None:
+    from drillstring.view.torque_summary import sentences, table
+    from tautline.cli.console import say
+    from tautline.cli.study import show
+    from tautline.cli.summary import shown
+
+    show(table(cases, scene.units))
+    if scene.bit.on_bottom:
+        weight = shown(scene.bit.weight, "N", scene.units)
+        text = f"the bit is on bottom: all of this is with {weight} on it, and without its torque"
+        say(f"{text}; `bit: {{on_bottom: false}}` tells the loads off bottom", "yellow")
+    for text, style in sentences(cases, fitted, scene.units, scene.top.weight):
+        say(text, style)
+
+
+def _draw(scene: DrillstringScene, cases: list[Case], path: Path, loads: Measured | None) -> None:
+    from drillstring.view.torque_figures import torque_drag_figure
+    from tautline.cli.console import say
+    from tautline.view.figures.figure import save
+
+    title = f"{scene.title or path.stem}: torque and drag"
+    say(f"wrote {save(torque_drag_figure(cases, title, scene.units, loads), path)}", "green")

@@ -1,0 +1,135 @@
+"""Figures of ``torque-drag``: the broomstick, and what happens along the string at the deepest of the depths."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from drillstring.statics.back_calculation import Measured
+from drillstring.statics.torque_drag import Case, Point
+from drillstring.view.torque_summary import column_unit
+from tautline.view.figures.figure import COLOURS, QUIET, Axes, Figure, axes, colour, label, sample_line, styled
+
+LOOKS: dict[str, dict[str, Any]] = {
+    "pick_up": {"ls": "-"}, "slack_off": {"ls": "--"}, "rotating": {"ls": ":"},
+    "reaming_up": {"ls": "-", "lw": 0.8}, "reaming_down": {"ls": "--", "lw": 0.8},
+}  # fmt: skip
+"""Lines of each motion."""
+NAMES = {
+    "pick_up": "pick up", "slack_off": "slack off", "rotating": "rotating off bottom",
+    "reaming_up": "reaming up", "reaming_down": "reaming down",
+}  # fmt: skip
+SINE, HELIX = COLOURS[4], COLOURS[3]
+SHOWN_BEYOND = 1.3
+"""Limits are drawn as far as so many times the largest force of the string."""
+
+
+@styled
+def torque_drag_figure(
+    cases: Sequence[Case], title: str = "Torque and drag", system: str = "si", measured: Measured | None = None
+) -> Figure:
+    """Tension with buckling limits, side force and torque along the string; above them the broomstick.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        One to a model and a friction factor, each a colour; directions are told apart by the lines.
+    title : str
+        Heading.
+    system : str
+        Units: ``si`` or ``field``.
+    measured : Measured, optional
+        Hook loads to mark in the broomstick, which is drawn where there are several depths.
+    """
+    several = len(cases[0].points) > 1
+    rows = 2 if several else 1
+    figure, plots = axes(rows, 3, 11.0, 4.9 * rows + 0.9, title, sharey="row")
+    if several:
+        _broomstick(plots[0], cases, system, measured)
+    deepest = [max(case.points, key=lambda point: point.depth) for case in cases]
+    _profiles(plots[-1], deepest, system, several)
+    beside = len({case.model for case in cases}) > 1
+    handles = [
+        sample_line(f"friction {case.friction:.3g}" + beside * f", {case.model}", color=colour(k, len(cases)))
+        for k, case in enumerate(cases)
+    ]
+    handles += [sample_line(NAMES[way], color=QUIET, **LOOKS[way]) for way in cases[0].ways]
+    handles += [sample_line("buckles into a sine", color=SINE, lw=3, alpha=0.6)]
+    handles += [sample_line("buckles into a helix", color=HELIX, lw=3, alpha=0.6)]
+    if measured is not None:
+        handles += [sample_line("measured", color="black", ls="", marker="o", mfc="white")]
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    return figure
+
+
+def _broomstick(plots: Sequence[Axes], cases: Sequence[Case], system: str, measured: Measured | None) -> None:
+    """Hook loads, torque, and drag against the depth of the bit."""
+    ways = cases[0].ways
+    hook = np.concatenate([case.hook_loads(way) for case in cases for way in ways])
+    force, newton = column_unit("N", _largest(hook), system)
+    moment, metre = column_unit("N m", _largest(np.concatenate([case.torques for case in cases])), system)
+    length, name = column_unit("m", max(point.depth for point in cases[0].points), system)
+    for k, case in enumerate(cases):
+        depth, ink = np.array([point.depth for point in case.points]) / length, colour(k, len(cases))
+        for way in ways:
+            loads = case.hook_loads(way)
+            plots[0].plot(loads / force, depth, color=ink, marker="o", ms=2.5, **LOOKS[way])
+            if way != "rotating":
+                drag = (loads - case.hook_loads("rotating")) / force
+                plots[2].plot(drag, depth, color=ink, marker="o", ms=2.5, **LOOKS[way])
+        for way in ways[2:]:
+            plots[1].plot(case.torques_of(way) / moment, depth, color=ink, marker="o", ms=2.5, **LOOKS[way])
+    if measured is not None:
+        for loads in (measured.pick_up, measured.slack_off):
+            plots[0].plot(loads / force, measured.depth / length, "o", color="black", mfc="white", ms=5)
+    for plot, text, unit in zip(
+        plots, ("hook load", "surface torque", "drag: hook load less rotating"), (newton, metre, newton), strict=True
+    ):
+        plot.set_xlabel(label(text, unit))
+    plots[2].axvline(0.0, color="black", lw=0.8)
+    plots[0].set_ylabel(label("measured depth of the bit", name))
+    _downwards(plots[0], max(point.depth for point in cases[0].points) / length)
+
+
+def _profiles(plots: Sequence[Axes], points: Sequence[Point], system: str, several: bool) -> None:
+    """Tension and the limits, side force and torque along the string with the bit at one depth."""
+    tension = np.concatenate([one.tension for point in points for one in point.profiles.values()] or [np.zeros(1)])
+    twist = np.concatenate([one.torque for point in points for one in point.profiles.values()] or [np.zeros(1)])
+    side = np.concatenate([one.side_force for point in points for one in point.profiles.values()] or [np.zeros(1)])
+    force, newton = column_unit("N", _largest(tension), system)
+    moment, metre = column_unit("N m", _largest(twist), system)
+    load, per_metre = column_unit("N/m", _largest(side), system)
+    length, name = column_unit("m", points[0].depth, system)
+    for k, point in enumerate(points):
+        ink = colour(k, len(points))
+        for way, one in point.profiles.items():
+            plots[0].plot(one.tension / force, one.link_depth / length, color=ink, **LOOKS[way])
+            plots[1].plot(one.side_force / load, one.measured_depth / length, color=ink, **LOOKS[way])
+            if way not in ("pick_up", "slack_off"):
+                plots[2].plot(one.torque / moment, one.link_depth / length, color=ink, **LOOKS[way])
+    reach = SHOWN_BEYOND * max(_largest(tension), 1.0)
+    for limit, ink in ((points[0].limits.sinusoidal, SINE), (points[0].limits.helical, HELIX)):
+        drawn = np.where(limit <= reach, -limit / force, np.nan)
+        plots[0].plot(drawn, points[0].link_depth / length, color=ink, lw=3, alpha=0.6, zorder=1)
+    for plot, values in ((plots[1], side), (plots[2], twist)):
+        if _largest(values) == 0.0:
+            # A string that touches nothing: its line stands off the edge.
+            plot.set_xlim(-0.05, 1.0)
+    plots[0].axvline(0.0, color="black", lw=0.8)
+    where = f", bit at {points[0].depth / length:.0f} {name}" if several else ""
+    plots[0].set_xlabel(label("effective tension" + where, newton))
+    plots[1].set_xlabel(label("side force", per_metre))
+    plots[2].set_xlabel(label("torque, of the string that turns", metre))
+    plots[0].set_ylabel(label("measured depth", name))
+    _downwards(plots[0], points[0].depth / length)
+
+
+def _largest(values: np.ndarray) -> float:
+    finite = np.abs(values[np.isfinite(values)])
+    return float(finite.max(initial=0.0))
+
+
+def _downwards(plot: Axes, depth: float) -> None:
+    plot.set_ylim(1.03 * depth, -0.01 * depth)

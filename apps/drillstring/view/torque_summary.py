@@ -1,0 +1,280 @@
+"""What ``torque-drag`` found, on one screen: a table, and a sentence for whatever a driller must know."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drillstring.scene.scene import LUMPED
+from tautline.cli.summary import shown
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from drillstring.statics.back_calculation import Fit
+    from drillstring.statics.torque_drag import Case, Point
+
+MOST_ROWS = 24
+"""Rows of the table; of more, the figure and ``--json`` tell all."""
+IN_FULL = 6
+"""Points up to which every number stands beside that of the soft string."""
+WORDS = {
+    "pick_up": "pick up", "slack_off": "slack off", "rotating": "rotating", "torque": "torque",
+    "reaming_up": "reaming up", "reaming_down": "reaming down", "torque_up": "torque up", "torque_down": "torque down",
+}  # fmt: skip
+SHORT = {
+    "pick_up": "up", "slack_off": "down", "rotating": "rotating", "reaming_up": "ream up", "reaming_down": "down",
+    "torque": "torque",
+}  # fmt: skip
+"""Heads of columns."""
+TORQUES = {"rotating": "torque", "reaming_up": "torque_up", "reaming_down": "torque_down"}
+"""What the torque of a motion is called."""
+MOST_SENTENCES = 8
+NO_STROKE = 1e-6
+"""Stroke, m, below which no friction holds the bit."""
+
+
+def column_unit(unit: str, largest: float, system: str) -> tuple[float, str]:
+    """Factor to divide SI by, and the unit to write, the same for a whole column or axis."""
+    from tautline.scene.field_units import in_field_units
+
+    if system == "field":
+        size = abs(largest) or 1.0
+        value, name = in_field_units(size, unit)
+        return size / value, name
+    return (1e3, f"k{unit}") if unit in ("N", "N m") else (1.0, unit)
+
+
+def table(cases: list[Case], system: str = "si") -> Table:
+    """Table of the statics beside the soft string; it names the models where one of them is not lumped."""
+    points = [point for case in cases for point in case.points]
+    return _in_full(points, system) if len(points) <= IN_FULL else _compact(cases, system)
+
+
+def numbers_of(point: Point) -> dict[str, tuple[float, float, str]]:
+    """Statics, soft string and SI unit of a point's hook loads and torque."""
+    found = {way: (point.hook_load(way), soft.hook_load, "N") for way, soft in point.soft.items()}
+    return found | {
+        name: (point.torque(way), point.soft[way].surface_torque, "N m")
+        for way, name in TORQUES.items()
+        if way in point.soft
+    }
+
+
+def _largest(points: list[Point], unit: str) -> float:
+    values = [abs(x) for point in points for a, b, kind in numbers_of(point).values() if kind == unit for x in (a, b)]
+    return max((x for x in values if np.isfinite(x)), default=0.0)
+
+
+def _new_table(heads: list[str], gap: int = 2) -> Table:
+    from rich.markup import escape
+    from rich.table import Table
+
+    made = Table(box=None, padding=(0, gap, 0, 0))
+    for head in heads:
+        # A unit in brackets is no mark-up.
+        made.add_column(escape(head), justify="left" if head == "" else "right", no_wrap=True)
+    return made
+
+
+def _in_full(points: list[Point], system: str) -> Table:
+    length, name = column_unit("m", max(point.depth for point in points), system)
+    named = _named(points)
+    heads = ["model"] * named + ["friction", f"depth [{name}]", "", "statics", "soft string", "differs by"]
+    made = _new_table(heads, gap=1 if named else 2)
+    for point in points:
+        head = [point.model] * named + [f"{point.friction:.3g}", f"{point.depth / length:.1f}"]
+        for what, (ours, soft, unit) in numbers_of(point).items():
+            factor, word = column_unit(unit, _largest(points, unit), system)
+            made.add_row(*head, WORDS[what], _cell(ours / factor, word), _cell(soft / factor, word), _off(ours, soft))
+            head = [""] * len(head)
+    return made
+
+
+def _named(points: list[Point]) -> bool:
+    """Whether to say which model a number is of."""
+    return any(point.model != LUMPED for point in points)
+
+
+def _compact(cases: list[Case], system: str) -> Table:
+    """One row to a point, with the largest of its differences; evenly spaced depths where there are many."""
+    points = [point for case in cases for point in case.points]
+    length, name = column_unit("m", max(point.depth for point in points), system)
+    force, newton = column_unit("N", _largest(points, "N"), system)
+    moment, metre = column_unit("N m", _largest(points, "N m"), system)
+    columns = [*points[0].soft, "torque"]
+    # With more motions there is no room for the soft string beside them.
+    beside = len(columns) == len(SHORT) - 2
+    named = _named(points)
+    heads = ["model"] * named + [
+        "friction",
+        f"depth [{name}]",
+        f"up [{newton}]",
+        *(SHORT[way] for way in columns[1:-1]),
+    ]
+    made = _new_table([*heads, f"torque [{metre}]", *(["soft: load", "torque"] if beside else [])], gap=1)
+    for case in cases:
+        count = len(case.points)
+        kept = np.unique(np.linspace(0, count - 1, min(max(2, MOST_ROWS // len(cases)), count)).round().astype(int))
+        for point in (case.points[k] for k in kept):
+            rows = numbers_of(point)
+            hook = max((rows[way][:2] for way in point.soft), key=lambda pair: _share(*pair))
+            values = [_cell(rows[way][0] / (moment if way == "torque" else force)) for way in columns]
+            differences = [_off(*hook), _off(*rows["torque"][:2])]
+            cells = [point.model] * named + [f"{point.friction:.3g}", f"{point.depth / length:.0f}", *values]
+            made.add_row(*cells, *(differences if beside else []))
+    return made
+
+
+def _cell(value: float, unit: str = "") -> str:
+    return f"{round(value, 2) + 0.0:.2f} {unit}".strip() if np.isfinite(value) else "–"
+
+
+def _share(ours: float, soft: float) -> float:
+    return abs(ours - soft) / abs(soft) if np.isfinite([ours, soft]).all() and soft != 0.0 else 0.0
+
+
+def _off(ours: float, soft: float) -> str:
+    if not np.isfinite([ours, soft]).all() or abs(soft) < 1.0:
+        return "–"
+    # Without a sign before what is zero as written.
+    share = round(100.0 * (ours / soft - 1.0), 2)
+    return f"{share:+.2f} %" if share != 0.0 else "0.00 %"
+
+
+def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: float = 0.0) -> list[tuple[str, str]]:
+    """Sentences and their colours: fit, lock-up, buckling, overpull; the first few where there are many.
+
+    ``block`` is the weight of block and drive, N, that hook loads do not hold.
+    """
+    points = [point for case in cases for point in case.points]
+    found = [] if fitted is None else [(fit_in_words(fitted, system), "green")]
+    if fitted is not None and fitted.unexplained:
+        found.append((_unexplained(fitted, system), "yellow"))
+    if fitted is not None and fitted.out_of_reach:
+        text = "the friction factor is the largest that is tried: the loads are out of its reach"
+        found.append((f"{text}; check the loads, top.weight, mud and string", "yellow"))
+    warned = [(text, "yellow") for point in points for text in _warnings(point, points, system)]
+    found += warned[:MOST_SENTENCES]
+    if len(warned) > MOST_SENTENCES:
+        found.append((f"and {len(warned) - MOST_SENTENCES} more of these: --json has them all", "yellow"))
+    if not warned and all(not point.failures for point in points):
+        found.append(("no part of the string buckles or locks up", "green"))
+    if block > 0.0:
+        found += [(text, "green") for text in _with_block(cases, system, block)]
+    found += [(text, "green") for text in _strokes(cases, system)]
+    pulls = [point for point in points if point.overpull is not None]
+    if pulls:
+        least = min(pulls, key=lambda point: point.overpull.margin if point.overpull is not None else 0.0)
+        assert least.overpull is not None
+        text = (
+            f"margin of overpull at {shown(least.depth, 'm', system)}, "
+            f"friction {least.friction:.3g}{_of(least, points)}: "
+            f"{shown(least.overpull.margin, 'N', system)}, then {least.overpull.section} yields at "
+            f"{shown(least.overpull.measured_depth, 'm', system)}"
+        )
+        found.append((text, "green" if least.overpull.margin > 0.0 else "red"))
+    return found
+
+
+def _of(point: Point, points: list[Point]) -> str:
+    """Which model a number is of, where there are several."""
+    return f", {point.model}" if len({one.model for one in points}) > 1 else ""
+
+
+def _head(point: Point, points: list[Point], system: str) -> str:
+    """Of which friction, model and depth a sentence is."""
+    return f"friction {point.friction:.3g}{_of(point, points)}, bit at {shown(point.depth, 'm', system)}"
+
+
+def _deepest(cases: list[Case]) -> list[Point]:
+    return [max(case.points, key=lambda point: point.depth) for case in cases]
+
+
+def _with_block(cases: list[Case], system: str, block: float) -> list[str]:
+    """Hook loads as the rig's gauge shows them, at the deepest point of each friction factor."""
+    found = []
+    deepest = _deepest(cases)
+    for point in deepest:
+        loads = [
+            f"{WORDS[way]} {shown(point.hook_load(way) + block, 'N', system)}"
+            for way in point.soft
+            if way in point.profiles
+        ]
+        head = _head(point, deepest, system)
+        found.append(f"{head}, with the block's {shown(block, 'N', system)}: {', '.join(loads)}")
+    return found
+
+
+def _strokes(cases: list[Case], system: str) -> list[str]:
+    """What the block has to do before the bit moves, at the deepest point of each friction factor."""
+    found = []
+    deepest = _deepest(cases)
+    for point in deepest:
+        if point.strokes is None or point.friction.largest == 0.0 or not np.isfinite(point.strokes).all():
+            continue
+        if max(point.strokes) < NO_STROKE:
+            continue
+        up, down, other = (shown(way, "m", system) for way in point.strokes)
+        found.append(
+            f"{_head(point, deepest, system)}: it moves after a stroke of the "
+            f"block of {up} up or {down} down from rest, {other} either way after the other"
+        )
+    return found
+
+
+def fit_in_words(fitted: Fit, system: str = "si") -> str:
+    """The factor with its spread, and what each direction alone would say."""
+    alone = [
+        f"{value:.3f} by {word}" if np.isfinite(value) else f"– by {word}"
+        for value, word in ((fitted.pick_up, "pick-up"), (fitted.slack_off, "slack-off"))
+    ]
+    off = f"the loads are off by {shown(fitted.residual, 'N', system)} rms"
+    if fitted.cased is not None and fitted.cased_spread is not None:
+        cased, opened = _factor(fitted.cased, fitted.cased_spread), _factor(fitted.friction, fitted.spread)
+        return f"friction factors of the {fitted.loads} measured hook loads: cased {cased}, open {opened} ({off})"
+    text = f"friction factor of the {fitted.loads} measured hook loads: {_factor(fitted.friction, fitted.spread)}"
+    return f"{text} ({', '.join(alone)}; {off})"
+
+
+def _unexplained(fitted: Fit, system: str) -> str:
+    """Loads that no factor explains, by the one that is furthest off."""
+    worst = max(fitted.unexplained, key=lambda one: abs(one.load - one.rotating))
+    side = "below" if worst.direction == "pick_up" else "above"
+    text = (
+        f"no friction factor explains {WORDS[worst.direction]} {shown(worst.load, 'N', system)} at "
+        f"{shown(worst.depth, 'm', system)}: it is {side} the rotating weight, {shown(worst.rotating, 'N', system)}"
+    )
+    more = len(fitted.unexplained) - 1
+    others = f" (nor {more} more of the loads)" if more else ""
+    return f"{text}{others}; check the loads, top.weight, mud and string"
+
+
+def _factor(value: float, spread: float) -> str:
+    """A factor with its standard error; one that the loads do not tell is none."""
+    if np.isinf(spread):
+        return "not told by these loads"
+    return f"{value:.4f}" + (f" ± {spread:.2g}" if np.isfinite(spread) else "")
+
+
+def _warnings(point: Point, points: list[Point], system: str) -> list[str]:
+    where = _head(point, points, system)
+    found = []
+    if "slack_off" in point.profiles and point.hook_load("slack_off") <= 0.0:
+        found.append(f"{where}: the string does not go down by its own weight: it must be pushed or turned")
+    for way, depth in point.locks.items():
+        found.append(
+            f"{where}, {WORDS[way]}: lock-up: the friction of a helix grows without end towards "
+            f"{shown(depth, 'm', system)}, and no force at the top moves the bit"
+        )
+    # Of several motions that buckle the string at the same places there is one sentence.
+    buckled: dict[str, list[str]] = {}
+    for way in point.profiles:
+        helix = point.buckled(way, "helical")
+        sine = [] if helix else point.buckled(way, "sinusoidal")
+        for kind, places in (("into a helix", helix), ("into a sine", sine)):
+            if places:
+                spans = ", ".join(f"{shown(a, 'm', system)} to {shown(b, 'm', system)}" for a, b in places[:4])
+                buckled.setdefault(f"the string buckles {kind} from {spans}", []).append(WORDS[way])
+    return found + [f"{where}, {', '.join(ways)}: {text}" for text, ways in buckled.items()]

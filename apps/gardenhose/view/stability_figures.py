@@ -1,0 +1,261 @@
+"""Figures of what ``static`` and ``flutter`` find, and of stability boundaries, from plain arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gardenhose.motion.curves import Plane, name_of, plane_of
+from tautline.view.figures.figure import (
+    COLOURS,
+    QUIET,
+    SHADE,
+    SHADES,
+    Axes,
+    Figure,
+    axes,
+    bar_of_shades,
+    equal_scale,
+    height_over_width,
+    label,
+    outline,
+    round_numbers,
+    sample_line,
+    styled,
+    widen,
+)
+
+NOTHING = 1.0e-6
+"""Damping over the largest frequency that is none: axes show no more of it."""
+STYLES = {"-": "in the plane", "--": "out of the plane"}
+"""Lines of modes."""
+MOST_NAMED = 8
+"""Static shapes up to which each is named; of more, a bar tells the speed."""
+
+
+def show_in_plane(plot: Axes, plane: Plane, points: np.ndarray, least: float) -> None:
+    """Same scale both ways, round points (n, 3), at least `least` m each way; labels with the axes' names."""
+    equal_scale(plot, *plane(points), least)
+    plot.set_xlabel(label(name_of(plane.across), "m"))
+    plot.set_ylabel(label(name_of(plane.up), "m"))
+
+
+@styled
+def static_figure(
+    speed: np.ndarray, shapes: Sequence[np.ndarray], tips: np.ndarray, title: str = "Static shapes"
+) -> Figure:
+    """The hose at rest at several flow speeds, as Fig. 2.28 of the thesis, and where its tip goes.
+
+    Parameters
+    ----------
+    speed : (k,) array
+        m/s.
+    shapes : list of k (m, 3) arrays
+        Points along the hose from root to tip, m.
+    tips : (k, 3) array
+        m.
+    title : str
+        Heading.
+    """
+    speed, tips = np.asarray(speed, float), np.asarray(tips, float)
+    points = np.concatenate([np.asarray(shape) for shape in shapes])
+    plane = plane_of(points, towards=(tips - np.array([shape[0] for shape in shapes])).mean(axis=0))
+    length = max(float(np.linalg.norm(np.diff(shape, axis=0), axis=1).sum()) for shape in shapes)
+    ratio = height_over_width(*plane(points), 0.2 * length)
+    figure, plots = axes(1, 2, 10.0, min(max(5.2 * ratio, 2.6), 7.0) + 1.4, title, width_ratios=(1.5, 1.0))
+    left, right = plots[0]
+    span = float(np.ptp(speed)) or 1.0
+    few = len(speed) <= MOST_NAMED
+    for value, shape in zip(speed, shapes, strict=True):
+        colour = SHADES((value - speed.min()) / span)
+        left.plot(*plane(np.asarray(shape)), color=colour, label=f"{value:g} m/s" if few else None)
+    left.plot(*plane(points[:1]), color="black", marker="s", ms=6, ls="")
+    left.plot(*plane(tips), color="black", lw=0.8, ls=":", marker="o", ms=3)
+    show_in_plane(left, plane, points, 0.2 * length)
+    left.set_title("Shape")
+    for number, direction in enumerate(plane):
+        look = {"color": COLOURS[number], "marker": "o", "ms": 3.5}
+        right.plot(speed, tips @ direction, label=name_of(direction), **look)
+    widen(right, tips @ np.array(plane).T, 2e-3 * length)
+    right.set_xlabel(label("flow speed", "m/s"))
+    right.set_ylabel(label("tip", "m"))
+    right.set_title("Tip")
+    right.legend(loc="lower left", bbox_to_anchor=(0.3, 1.0), ncols=2, borderaxespad=0.2)
+    if few:
+        figure.legend(*left.get_legend_handles_labels(), loc="outside lower left", ncols=6)
+    else:
+        bar_of_shades(figure, left, float(speed.min()), float(speed.max()), label("flow speed", "m/s"), shrink=0.8)
+    return figure
+
+
+@styled
+def flutter_figure(
+    speed: np.ndarray,
+    eigenvalues: np.ndarray,
+    out_of_plane: np.ndarray,
+    critical_speed: float | None = None,
+    critical_frequency: float | None = None,
+    title: str = "Stability",
+) -> Figure:
+    """Argand diagram and growth rates of a hose's modes against flow speed.
+
+    The diagram is that of the literature: a motion goes with exp(i omega t), omega = -i lambda, Re(omega) stands to the
+    right and Im(omega) up, so that what is below the horizontal axis grows; numbers along the curves are speeds. Modes
+    in the plane that the hose hangs in are solid, those out of it dashed.
+
+    Parameters
+    ----------
+    speed : (k,) array
+        Rising, m/s.
+    eigenvalues : (k, modes) array of complex
+        lambda of motions exp(lambda t), 1/s; one column a mode, followed from speed to speed; not finite where it is
+        not known. Of a conjugate pair either will do.
+    out_of_plane : (k, modes) array
+        Bool, or share of the mode that is out of the plane.
+    critical_speed, critical_frequency : float, optional
+        Where the hose begins to flutter, m/s and Hz.
+    title : str
+        Heading.
+    """
+    speed, eigenvalues = np.asarray(speed, float), np.asarray(eigenvalues, complex)
+    outside = np.broadcast_to(np.asarray(out_of_plane, float) > 0.5, eigenvalues.shape)
+    frequency, damping = np.abs(eigenvalues.imag), -eigenvalues.real
+    figure, plots = axes(1, 2, 11.0, 5.4, title, width_ratios=(1.15, 1.0))
+    argand, growth = plots[0]
+    known = np.isfinite(frequency) & np.isfinite(damping)
+    wide = float(frequency[known].max(initial=0.0)) or 1.0
+    least = NOTHING * wide
+    unstable = float(-damping[known].min(initial=0.0))
+    # Strong damping takes high modes far up, where nothing happens: the picture is as high as it is wide.
+    argand.set_xlim(-0.03 * wide, 1.08 * wide)
+    top = min(float(damping[known].max(initial=0.0)), wide)
+    low = -max(1.25 * unstable, 0.15 * max(top, unstable, least))
+    argand.set_ylim(low, 1.08 * max(top, unstable, least))
+    argand.axhspan(low, 0.0, color=SHADE, lw=0, zorder=0)
+    argand.text(0.99, 0.015, "unstable", transform=argand.transAxes, ha="right", fontsize=9, color=QUIET)
+    for plot in (argand, growth):
+        plot.axhline(0.0, color="black", lw=0.8)
+    number = _numbers(frequency, outside)
+    colours = [COLOURS[i % len(COLOURS)] for i in number]
+    for mode in range(eigenvalues.shape[1]):
+        for chosen, style in ((~outside[:, mode], "-"), (outside[:, mode], "--")):
+            if not (chosen & known[:, mode]).any():
+                continue
+            # One speed makes no line.
+            look = {"color": colours[mode], "ls": style, "marker": "o" if len(speed) == 1 else ""}
+            # A mode that turns out of the plane keeps its line whole: the point before it belongs to both.
+            chosen = chosen & known[:, mode]
+            chosen = chosen | (np.append(chosen[1:], False) & known[:, mode])
+            right, up = (np.where(chosen, values[:, mode], np.nan) for values in (frequency, damping))
+            argand.plot(right, up, **look)
+            growth.plot(speed, -up, **look)
+    _label_speeds(argand, speed, frequency, damping, colours)
+    if critical_speed is not None:
+        at = (f"{critical_speed:.4g} m/s", "" if critical_frequency is None else f", {critical_frequency:.3g} Hz")
+        dot = {"ls": "", "marker": "o", "ms": 8, "mfc": "none", "mec": "black", "mew": 1.4, "zorder": 5}
+        growth.plot(critical_speed, 0.0, label="critical: " + "".join(at), **dot)
+        if critical_frequency is not None:
+            argand.plot(2.0 * np.pi * critical_frequency, 0.0, **dot)
+    argand.set_xlabel(label("Re ω, frequency", "rad/s"))
+    argand.set_ylabel(label("Im ω, damping", "1/s"))
+    argand.set_title("Argand diagram, flow speed in m/s")
+    growth.set_xlabel(label("flow speed", "m/s"))
+    growth.set_ylabel(label("growth rate", "1/s"))
+    growth.set_title("Growth rate")
+    if len(speed) > 1:
+        growth.set_xlim(speed.min(), speed.max())
+    growth.set_ylim(-1.08 * max(top, unstable, least), -low)
+    handles, _ = growth.get_legend_handles_labels()
+    both = [sample_line(text, color="black", ls=style) for style, text in STYLES.items()]
+    present = both if outside[known].any() else []
+    modes = [sample_line(f"mode {i + 1}", color=COLOURS[i]) for i in range(min(number.max() + 1, len(COLOURS)))]
+    figure.legend(handles=modes + present + handles, loc="outside lower center", ncols=7)
+    return figure
+
+
+def _numbers(frequency: np.ndarray, outside: np.ndarray) -> np.ndarray:
+    """Number of each mode (k, modes), from 0, by frequency at the first speed among those in or out of the plane.
+
+    A mode in the plane and its like out of it so have one colour.
+    """
+    first = np.where(np.isfinite(frequency[0]), frequency[0], np.inf)
+    order = np.argsort(first, kind="stable")
+    numbers = np.zeros(len(first), int)
+    for kind in (False, True):
+        alike = order[outside[0, order] == kind]
+        numbers[alike] = np.arange(len(alike))
+    return numbers
+
+
+def _label_speeds(plot: Axes, speed: np.ndarray, right: np.ndarray, up: np.ndarray, colours: Sequence[str]) -> None:
+    """Mark round speeds along the curves (k, modes), and write those that find room."""
+    marks = round_numbers(float(speed.min()), float(speed.max()), 8)
+    plot.figure.draw_without_rendering()
+    (left, end), (low, high) = plot.get_xlim(), plot.get_ylim()
+    box = plot.get_window_extent()
+    x, y = (np.array([np.interp(marks, speed, curve) for curve in values.T]) for values in (right, up))
+    inside = np.isfinite(x) & np.isfinite(y) & (left <= x) & (x <= end) & (low <= y) & (y <= high)
+    # Places in points, in which sizes of letters are told too.
+    point = plot.figure.dpi / 72.0
+    across, height = (x - left) / (end - left) * box.width / point, (y - low) / (high - low) * box.height / point
+    dots = np.column_stack([across[inside], height[inside]])
+    taken: list[np.ndarray] = []
+    named: list[tuple[int, np.ndarray]] = []
+    for mode in np.argsort(np.where(np.isfinite(right[0]), right[0], np.inf), kind="stable"):
+        for i in np.flatnonzero(inside[mode]):
+            plot.plot(x[mode, i], y[mode, i], color=colours[mode], marker="o", ms=3, ls="")
+            dot, words = np.array([across[mode, i], height[mode, i]]), f"{marks[i]:g}"
+            # A mode out of the plane that runs along its like in it needs no numbers of its own.
+            if any(i == j and np.hypot(*(dot - place)) < 22.0 for j, place in named):
+                continue
+            size = np.array([5.2 * len(words), 8.0])
+            for corner in ((5.0, 2.0), (5.0, -10.0), (-5.0 - size[0], 2.0), (-5.0 - size[0], -10.0)):
+                centre = dot + corner + 0.5 * size
+                others = dots[np.abs(dots - dot).max(axis=1) > 1e-9]
+                hit = np.any(np.all(np.abs(others - centre) < 0.5 * size + 2.0, axis=1))
+                if hit or centre[0] < 0.5 * size[0] or any(np.all(np.abs(centre - t) < size + 1.0) for t in taken):
+                    continue
+                taken.append(centre)
+                named.append((int(i), dot))
+                text = plot.annotate(words, (x[mode, i], y[mode, i]), corner, textcoords="offset points", fontsize=8)
+                text.set_color(colours[mode])
+                outline(text)
+                break
+
+
+@styled
+def boundary_figure(
+    beta: np.ndarray,
+    u: np.ndarray,
+    published: tuple[np.ndarray, np.ndarray] | None = None,
+    published_label: str = "published",
+    computed_label: str = "computed",
+    title: str = "Stability boundary",
+    xlabel: str = "mass ratio β = M/(M + m) [–]",
+    ylabel: str = "critical flow speed u = U L √(M/EJ) [–]",
+) -> Figure:
+    """Critical flow speed against the mass ratio, both without dimension, beside a published curve.
+
+    Parameters
+    ----------
+    beta, u : (k,) array
+        Ours, drawn as dots; several u at one beta are fine, as where the boundary is S-shaped.
+    published : ((n,) array, (n,) array), optional
+        beta and u along a curve, in the order in which to join them.
+    published_label, computed_label, title, xlabel, ylabel : str
+        Words in the figure.
+    """
+    figure, plots = axes(1, 1, 7.2, 5.0, title)
+    plot = plots[0, 0]
+    if published is not None:
+        plot.plot(*published, color=QUIET, lw=1.8, label=published_label)
+    plot.plot(beta, u, color=COLOURS[0], marker="o", ms=4.5, ls="", label=computed_label)
+    plot.set_xlim(0.0, 1.0 if np.max(beta) > 0.85 else 1.05 * float(np.max(beta)))
+    plot.set_ylim(0.0, 1.08 * max(float(np.max(u)), 0.0 if published is None else float(np.max(published[1]))))
+    plot.text(0.97, 0.06, "stable", transform=plot.transAxes, ha="right", color=QUIET)
+    plot.text(0.03, 0.93, "flutter", transform=plot.transAxes, ha="left", color=QUIET)
+    plot.set_xlabel(xlabel)
+    plot.set_ylabel(ylabel)
+    plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    return figure

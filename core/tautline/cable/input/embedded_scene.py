@@ -1,0 +1,24 @@
+"""The scene that a result carries; read without any library that draws."""
+
+from __future__ import annotations
+
+from tautline.cable.input.scene import CableScene, parse
+from tautline.results.errors import ResultError
+from tautline.results.result import Result
+from tautline.scene.errors import SceneError
+
+
+def scene_of(result: Result) -> CableScene:
+    """Scene of a result, from the text that it carries.
+
+    Raises
+    ------
+    ResultError
+        If the text is no scene of a cable.
+    """
+    name = str(result.path or "result")
+    try:
+        return parse(str(result.attributes.get("scene", "")), name)
+    except SceneError as error:
+        cause = f"carries a scene that cannot be read: {error.problems[0].cause}"
+        raise ResultError(name, cause, "run the scene again") from None

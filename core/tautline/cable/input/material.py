@@ -1,0 +1,206 @@
+"""Where along the cable each node begins: its material coordinate p."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict, deque
+from collections.abc import Iterator
+
+from tautline.cable.input.geometry import COINCIDENT, FARTHEST, chord, element_length
+from tautline.cable.input.parts import CableScene, Element
+from tautline.scene.errors import Problem, SceneError
+
+SHORTEST = 1.0e-12
+"""Length of an element, m, below which it has none."""
+
+
+def material_coordinates(scene: CableScene) -> dict[int, float]:
+    """Material coordinates of all nodes at the start.
+
+    Known are those that nodes give, and of nodes whose p follows a function, its first value. The rest follow along
+    the elements, each as long as it lies (`element_length`). Between two known nodes the lengths are stretched alike,
+    so that the strain is the same in all elements between them. A chain with no known node begins where it is tied to
+    one that has: by p = p, else by r = r; if it is tied to none, its first node has p = 0.
+
+    Returns
+    -------
+    dict of int to float
+        Node id -> p, m.
+
+    Raises
+    ------
+    SceneError
+        Where p does not grow along an element, or an element's length cannot be told.
+    """
+    fixed = known_coordinates(scene)
+    nodes = {node.id: node for node in scene.nodes}
+    lengths: dict[int, float] = {}
+    problems: list[Problem] = []
+    for element in scene.elements:
+        first, second = element.nodes
+        length = element_length(element, nodes[first], nodes[second])
+        if length is not None:
+            lengths[element.id] = length
+        elif not {first, second} <= fixed.keys():
+            problems.append(_unknown(scene, element))
+    if problems:
+        raise SceneError(problems)
+    chains = _Chains(scene, lengths)
+    p = dict(fixed)
+    waiting = []
+    for chain in chains.all():
+        if any(node in fixed for node in chain):
+            p |= chains.fill(chain, fixed)
+        else:
+            waiting.append(chain)
+    while waiting:
+        chain = next((chain for chain in waiting if _link(scene, chain, p)), waiting[0])
+        waiting.remove(chain)
+        node, value = _link(scene, chain, p) or (chains.start(chain), 0.0)
+        p |= chains.fill(chain, {node: value})
+    problems = [problem for element in scene.elements if (problem := _backwards(scene, element, p))]
+    if problems:
+        raise SceneError(problems)
+    return {node.id: p[node.id] for node in scene.nodes}
+
+
+def known_coordinates(scene: CableScene) -> dict[int, float]:
+    """Material coordinates, m, that the scene itself gives, by node id."""
+    begins = {motion.id: motion.pos0 for motion in scene.motions}
+    known: dict[int, float] = {}
+    for node in scene.nodes:
+        if node.functions[-1]:
+            known[node.id] = begins[node.functions[-1]]
+        elif node.p is not None:
+            known[node.id] = node.p
+    return known
+
+
+class _Chains:
+    """Nodes joined by elements."""
+
+    def __init__(self, scene: CableScene, lengths: dict[int, float]) -> None:
+        self.nodes = [node.id for node in scene.nodes]
+        self.arms: dict[int, list[tuple[int, float]]] = defaultdict(list)
+        self.joined: dict[int, list[int]] = defaultdict(list)
+        self.ends = {element.nodes[1] for element in scene.elements}
+        for element in scene.elements:
+            first, second = element.nodes
+            self.joined[first].append(second)
+            self.joined[second].append(first)
+            if element.id in lengths:
+                self.arms[first].append((second, lengths[element.id]))
+                self.arms[second].append((first, -lengths[element.id]))
+
+    def all(self) -> Iterator[list[int]]:
+        """Connected chains, each as its nodes in the scene's order."""
+        seen: set[int] = set()
+        for node in self.nodes:
+            if node in seen:
+                continue
+            queue, chain = deque([node]), {node}
+            while queue:
+                for other in self.joined[queue.popleft()]:
+                    if other not in chain:
+                        chain.add(other)
+                        queue.append(other)
+            seen |= chain
+            yield [one for one in self.nodes if one in chain] if len(chain) > 1 else [node]
+
+    def start(self, chain: list[int]) -> int:
+        """Return the node where the material begins: no element ends there."""
+        return next((node for node in chain if node not in self.ends), chain[0])
+
+    def fill(self, chain: list[int], fixed: dict[int, float]) -> dict[int, float]:
+        """Coordinates of a chain's nodes, some of which are fixed."""
+        p = {node: fixed[node] for node in chain if node in fixed}
+        queue = deque(p)
+        several = len(p) > 1
+        while queue:
+            node = queue.popleft()
+            for other, length in self.arms[node]:
+                if other not in p:
+                    p[other] = p[node] + length
+                    queue.append(other)
+        return self._even(p, fixed) if several and len(p) > sum(node in fixed for node in p) else p
+
+    def _even(self, p: dict[int, float], fixed: dict[int, float]) -> dict[int, float]:
+        """Spread what the lengths lack between fixed nodes in proportion: springs of stiffness 1/L in equilibrium."""
+        import numpy as np
+        from scipy.sparse import coo_array
+        from scipy.sparse.linalg import spsolve
+
+        free = {node: i for i, node in enumerate(node for node in p if node not in fixed)}
+        rows, columns, entries = [], [], []
+        force = np.zeros(len(free))
+        for node, i in free.items():
+            for other, length in self.arms[node]:
+                stiffness = 1.0 / abs(length)
+                force[i] += stiffness * (p[other] - length - p[node])
+                for column, entry in ((node, stiffness), (other, -stiffness)):
+                    if column in free:
+                        rows.append(i)
+                        columns.append(free[column])
+                        entries.append(entry)
+        if not np.any(np.abs(force) > 1e-13 * max(1.0, *map(abs, p.values()))):
+            return p
+        matrix = coo_array((entries, (rows, columns)), shape=(len(free), len(free))).tocsc()
+        shift = np.atleast_1d(spsolve(matrix, force))
+        return p | {node: p[node] + float(shift[i]) for node, i in free.items()}
+
+
+def _link(scene: CableScene, chain: list[int], p: dict[int, float]) -> tuple[int, float] | None:
+    """Return a node of a chain that is tied to one whose p is known, and the p that it takes from there."""
+    own = set(chain)
+
+    def end(first: int, second: int, offset: float) -> tuple[int, float] | None:
+        if first in own and second in p:
+            return first, p[second] + offset
+        return (second, p[first] - offset) if second in own and first in p else None
+
+    kinds = {node.id: node.kind for node in scene.nodes}
+    links: tuple[list[tuple[int, int, float]], ...] = ([], [])
+    for tie in scene.ties:
+        if tie.what in (0, 1):
+            links[1 - tie.what].append((*tie.nodes, 0.0))
+    for coupling in scene.couplings:
+        (slave, dof), (master, followed, factor) = coupling.slave, coupling.masters[0]
+        if len(coupling.masters) > 1 or factor != 1.0 or slave == master:
+            continue
+        if dof == kinds[slave] and followed == kinds[master]:
+            links[0].append((slave, master, coupling.f0))
+        elif dof == followed and dof <= 3:
+            links[1].append((slave, master, 0.0))
+    return next((found for link in (*links[0], *links[1]) if (found := end(*link))), None)
+
+
+def _unknown(scene: CableScene, element: Element) -> Problem:
+    nodes = {node.id: node for node in scene.nodes}
+    first, second = element.nodes
+    key = _key(element)
+    apart = math.hypot(*chord(nodes[first].position, nodes[second].position))
+    if apart >= FARTHEST:
+        cause = f"nodes {first} and {second} are {apart:.3g} m apart: no element is that long"
+        return scene.problem((*element.place, key), cause, "give positions in m, such as [0.5, 0, 0]")
+    if apart <= COINCIDENT:
+        cause = f"nodes {first} and {second} stand at one point: the element has no length"
+        return scene.problem((*element.place, key), cause, "move one of them, or give both a `p:`")
+    cause = f"the slopes of nodes {first} and {second} are too long: no length of the element fits its arc"
+    return scene.problem((*element.place, key), cause, "give xyz_d as unit vectors, or give both nodes a `p:`")
+
+
+def _backwards(scene: CableScene, element: Element, p: dict[int, float]) -> Problem | None:
+    first, second = element.nodes
+    if FARTHEST > p[second] - p[first] > SHORTEST:
+        return None
+    if p[second] > p[first]:
+        cause = f"p goes from {p[first]:g} m at node {first} to {p[second]:g} m at node {second}: "
+        cause += "no element is that long" if p[second] - p[first] > 1.0 else "nothing is left of the element"
+        return scene.problem((*element.place, _key(element)), cause, "put right `p:` or pos0, in m")
+    cause = f"p goes from {p[first]:g} m at node {first} to {p[second]:g} m at node {second}: it must grow"
+    cure = f"swap the element's nodes, or put right `p:` and pos0 so that node {second} has the larger"
+    return scene.problem((*element.place, _key(element)), cause, cure)
+
+
+def _key(element: Element) -> str:
+    return "nodes7" if element.kind == "cubic" else "nodes4"

@@ -1,0 +1,234 @@
+"""The parts of a cable scene as the builder meets them: plain numbers in SI, references checked, defaults filled in.
+
+Every part carries `place`, its key path in the file (``("CableModel", 3, "Node7Dof")``), and `line`, for messages.
+Degrees of freedom are numbered from one, as in the file: of a cubic node r (1-3), r' (4-6), p (7), of a linear node
+r (1-3), p (4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from tautline.cable.input.solver import CableSolver
+from tautline.scene.document import Document
+from tautline.scene.errors import Caution, Problem
+
+Vector = tuple[float, float, float]
+Place = tuple[str | int, ...]
+Dof = tuple[int, int]
+"""A degree of freedom: id of the node, number from one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A node: position m; slope dr/dp (of a cubic node); p its material coordinate, m, where the scene gives one.
+
+    `held` and `functions` have an entry for each degree of freedom; functions are ids, 0 for none. A degree of freedom
+    that is held and has a function follows it.
+    """
+
+    id: int
+    kind: Literal[7, 4]
+    position: Vector
+    slope: Vector | None
+    p: float | None
+    held: tuple[bool, ...]
+    functions: tuple[int, ...]
+    line: int
+    place: Place
+
+    @property
+    def material_dof(self) -> int:
+        """Number of p among the node's degrees of freedom, from one: it is the last."""
+        return int(self.kind)
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """A cable element: EA N, EJ N m^2, rhoA kg/m, damping c s (eq. 2.49), load N/m of unstretched length.
+
+    ``compression`` false is a rope that takes tension only. ``quadrature`` of the axial term: None leaves the choice
+    to the builder. ``spinless``: bending is damped as that of a rope that does not spin about its own line
+    (`tautline.elements.bending_damping`), else as that of one that spins as damps least. ``conveyed`` is a fluid that
+    flows along the element's own curve: mass per length kg/m, and id of the motion of its p.
+    """
+
+    id: int
+    kind: Literal["cubic", "linear"]
+    nodes: tuple[int, int]
+    EA: float
+    EJ: float
+    rhoA: float
+    damping: float
+    strain: Literal["green", "engineering"]
+    compression: bool
+    quadrature: Literal["gauss", "lobatto"] | None
+    load: Vector
+    line: int
+    place: Place
+    spinless: bool = False
+    conveyed: tuple[float, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Tie:
+    """Two nodes made equal: what 0 r = r, 1 p = p, 2 r' = r'.
+
+    ``offset``, m, is kept between the second position and the first: r_2 - r_1 = offset. ``stiffness`` of a penalty or
+    an augmented multiplier is N/m (N m for slopes); None leaves it to the builder.
+    """
+
+    id: int
+    method: Literal["multiplier", "penalty", "augmented"]
+    nodes: tuple[int, int]
+    what: Literal[0, 1, 2]
+    stiffness: float | None
+    offset: Vector
+    line: int
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Coupling:
+    """A slave degree of freedom: slave = f0 + sum of factor times master; masters are (node, dof, factor)."""
+
+    id: int
+    slave: Dof
+    f0: float
+    masters: tuple[tuple[int, int, float], ...]
+    line: int
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """A force, N, on each of some nodes, from ``interval[0]`` to ``interval[1]``, s: infinity where no end is given."""
+
+    id: int
+    nodes: tuple[int, ...]
+    force: Vector
+    interval: tuple[float, float]
+    line: int
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Anchor:
+    """A spring N/m and damper N s/m from each of some nodes to where it began (`OneNodeSpring`, eqs 3.1-3.4)."""
+
+    id: int
+    nodes: tuple[int, ...]
+    stiffness: float
+    damping: float
+    line: int
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Spring:
+    """A spring N/m and damper N s/m along the line between two nodes; `length` m at rest, None: as the scene begins."""
+
+    id: int
+    nodes: tuple[int, int]
+    stiffness: float
+    damping: float
+    length: float | None
+    line: int
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Mass:
+    """A point mass, kg, at each of some nodes."""
+
+    id: int
+    nodes: tuple[int, ...]
+    mass: float
+    line: int
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """What a held degree of freedom follows.
+
+    Either the integral from `pos0` (m, at t = 0) of a rate that is piecewise linear in time (`times` s, `velocities`
+    m/s, held before the first and after the last), or of `rate`, a model of `tautline.scene.functions`, times
+    `factor`; or `function`, a model whose value is the degree of freedom itself: `pos0` is then its value at t = 0.
+    """
+
+    id: int
+    pos0: float
+    times: tuple[float, ...]
+    velocities: tuple[float, ...]
+    function: Any | None
+    line: int
+    place: Place
+    rate: Any | None = None
+    factor: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A line in a plot, of a cable element or of a node.
+
+    ``what`` is ``N`` (axial force) or ``kappa`` (curvature) of a cable; ``r``, ``v``, ``rp`` (slope) of a node, with
+    `dof` 1, 2 or 3 for x, y, z; ``p`` or ``pdot`` of a node, whose `dof` is None.
+    """
+
+    cable: int | None
+    node: int | None
+    dof: int | None
+    what: Literal["N", "kappa", "r", "v", "rp", "p", "pdot"]
+    label: str
+    line: int
+    place: Place
+
+
+@dataclass(frozen=True)
+class CableScene:
+    """All that a run needs to know; parts in the order of the file, references checked.
+
+    Attributes
+    ----------
+    gravity : (3,) m/s^2
+    plots : tuple of panels, each a tuple of Curve
+    text, path : str, Path
+        The file.
+    cautions : tuple of Caution
+        Liberties that the reader took; `tautline.cable.warnings` has more to say.
+    document : Document
+        For messages.
+    """
+
+    title: str | None
+    gravity: Vector
+    nodes: tuple[Node, ...]
+    elements: tuple[Element, ...]
+    ties: tuple[Tie, ...]
+    couplings: tuple[Coupling, ...]
+    forces: tuple[Force, ...]
+    anchors: tuple[Anchor, ...]
+    springs: tuple[Spring, ...]
+    masses: tuple[Mass, ...]
+    motions: tuple[Motion, ...]
+    plots: tuple[tuple[Curve, ...], ...]
+    solver: CableSolver
+    cautions: tuple[Caution, ...]
+    document: Document = field(repr=False, compare=False)
+
+    @property
+    def text(self) -> str:
+        """The text of the file."""
+        return self.document.text
+
+    @property
+    def path(self) -> Path:
+        """The file, as it was named."""
+        return self.document.path
+
+    def problem(self, place: Place, cause: str, cure: str = "") -> Problem:
+        """Build a problem at a key path, such as ``(*node.place, "BC")``, for a check that the builder makes."""
+        return self.document.problem(place, cause, cure)

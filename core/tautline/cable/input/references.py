@@ -1,0 +1,248 @@
+"""From the items of a file to the parts of a scene: ids looked up, defaults filled in, one item held against another.
+
+All faults are collected and told at once. What needs lengths is left to `tautline.cable.input.material`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tautline.cable.input import couplings as joints
+from tautline.cable.input import models as w
+from tautline.cable.input.entries import DOFS
+from tautline.cable.input.geometry import COINCIDENT, chord, mean_direction
+from tautline.cable.input.initial import initial_value
+from tautline.cable.input.parts import (
+    Anchor,
+    Coupling,
+    Curve,
+    Element,
+    Force,
+    Mass,
+    Motion,
+    Node,
+    Place,
+    Spring,
+    Tie,
+    Vector,
+)
+from tautline.cable.input.register import Register, known_ids
+from tautline.cable.input.thesis_compat import without_alternatives
+from tautline.scene.document import Document
+from tautline.scene.errors import Caution
+
+STEEPEST = 1.0e3
+"""Slope dr/dp, the stretch of the cable, that is surely something else."""
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The parts of a scene, in the order of the file."""
+
+    nodes: tuple[Node, ...]
+    elements: tuple[Element, ...]
+    ties: tuple[Tie, ...]
+    couplings: tuple[Coupling, ...]
+    forces: tuple[Force, ...]
+    anchors: tuple[Anchor, ...]
+    springs: tuple[Spring, ...]
+    masses: tuple[Mass, ...]
+    motions: tuple[Motion, ...]
+    plots: tuple[tuple[Curve, ...], ...]
+    cautions: tuple[Caution, ...]
+
+
+def resolve(written: w.WrittenCable, document: Document) -> Parts:
+    """Make the parts of a scene.
+
+    Raises
+    ------
+    SceneError
+        Listing every fault with its line, key and cure.
+    """
+    kept, cautions = without_alternatives(written.CableModel, document)
+    register = Register(document, [(item.kind, item.model, ("CableModel", i, item.kind)) for i, item in kept])
+    register.check_ids()
+    motions = _motions(register)
+    material = written.CableModelMaterial
+    elements = _elements(register, material)
+    nodes = _nodes(register, elements, {motion.id: motion for motion in motions})
+    ties, ignored = joints.ties(register)
+    couplings = joints.couplings(register)
+    parts = Parts(
+        nodes=nodes,
+        elements=elements,
+        ties=ties,
+        couplings=couplings,
+        motions=motions,
+        forces=register.make(w.PointForce, _force),
+        anchors=register.make(
+            w.OneNodeSpring,
+            lambda m, at, line, ids: Anchor(m.id, ids, m.stiffness, m.damping, line, at),
+        ),
+        springs=register.make(w.TwoNodeSpring, _spring),
+        masses=register.make(w.PointMass, lambda m, at, line, ids: Mass(m.id, ids, m.mass, line, at)),
+        plots=_plots(written, register),
+        cautions=(*cautions, *ignored),
+    )
+    register.report()
+    _check_loose(parts, register)
+    register.report()
+    return parts
+
+
+def _force(model: w.PointForce, place: Place, line: int, ids: tuple[int, ...]) -> Force:
+    first, last = model.timeInterval or (0.0, math.inf)
+    return Force(model.id, ids, _vector(model.force), (first, last), line, place)
+
+
+def _spring(model: w.TwoNodeSpring, place: Place, line: int, ids: tuple[int, ...]) -> Spring:
+    return Spring(model.id, (ids[0], ids[1]), model.stiffness, model.damping, model.length, line, place)
+
+
+def _vector(values: tuple[float, ...]) -> Vector:
+    return values[0], values[1], values[2]
+
+
+def _motions(register: Register) -> tuple[Motion, ...]:
+    made = []
+    for _, model, place in register.of(w.VelocityDefined, w.Function):
+        line = register.line(place)
+        if isinstance(model, w.VelocityDefined):
+            made.append(Motion(model.id, model.pos0, model.timeList, model.velocityList, None, line, place))
+        else:
+            made.append(Motion(model.id, initial_value(model.value), (), (), model.value, line, place))
+    return tuple(made)
+
+
+def _elements(register: Register, material: w.Material) -> tuple[Element, ...]:
+    made = []
+    defaults = (("EA", "CableStiffness", "1.0e6 (N)"), ("rhoA", "CableMass", "6.5 (kg/m)"))
+    for _, model, place in register.of(w.CubicElement, w.LinearElement):
+        cubic = isinstance(model, w.CubicElement)
+        key, kind = ("nodes7", 7) if cubic else ("nodes4", 4)
+        ids = model.nodes7 if cubic else model.nodes4
+        instead = "use a CableALEelementLin with nodes4" if cubic else "use a CableALEelement with nodes7"
+        good = [register.has_node((*place, key, i), node, kind, instead) for i, node in enumerate(ids)]
+        values = {}
+        for name, default, example in defaults:
+            values[name] = getattr(model, name) if getattr(model, name) is not None else getattr(material, default)
+            if values[name] is None:
+                cure = f"add `{name}:`, such as {example}, or {default} to CableModelMaterial"
+                register.refuse((*place, name), "is missing", cure)
+        if ids[0] == ids[1]:
+            register.refuse((*place, key), f"joins node {ids[0]} to itself", "name two nodes")
+        elif all(good) and None not in values.values():
+            damping = model.cDamp if model.cDamp is not None else material.CableDamping or 0.0
+            made.append(
+                Element(
+                    id=model.id,
+                    kind="cubic" if cubic else "linear",
+                    nodes=(ids[0], ids[1]),
+                    EA=values["EA"],
+                    EJ=model.EJ,
+                    rhoA=values["rhoA"],
+                    damping=damping,
+                    strain=model.strain,
+                    compression=model.compression,
+                    quadrature=model.quadrature if cubic else None,
+                    load=_vector(model.load),
+                    line=register.line(place),
+                    place=place,
+                )
+            )
+    return tuple(made)
+
+
+def _nodes(register: Register, elements: tuple[Element, ...], motions: dict[int, Motion]) -> tuple[Node, ...]:
+    made = []
+    joined: dict[int, list[Element]] = {}
+    for element in elements:
+        for node in element.nodes:
+            joined.setdefault(node, []).append(element)
+    for _, model, place in register.of(w.Node7Dof, w.Node4Dof):
+        kind = 7 if isinstance(model, w.Node7Dof) else 4
+        names = DOFS[kind].split()
+        for i, function in enumerate(model.BC_functions):
+            at = (*place, "BC_functions", i)
+            if function and function not in motions:
+                cure = f"known: {known_ids(motions)}" if motions else "add a Function_VelocityDefined with this id"
+                register.refuse(at, f"there is no function {function}", cure)
+            elif function and not model.BC[i]:
+                cause = f"function {function} cannot move {names[i]}, which BC leaves free"
+                register.refuse(at, cause, f"set BC to 1 there (entry {i + 1}), or the function to 0")
+        follows = motions.get(model.BC_functions[-1])
+        if follows is not None and model.p is not None and model.p != follows.pos0:
+            cause = f"function {follows.id}, which p follows, begins at {follows.pos0:g} m"
+            register.refuse((*place, "p"), cause, "remove p, or give the function the same first value")
+        slope = _slope(register, model, place, joined.get(model.id, [])) if kind == 7 else None
+        held = tuple(bool(flag) for flag in model.BC)
+        made.append(
+            Node(
+                id=model.id,
+                kind=kind,
+                position=_vector(model.xyz),
+                slope=slope,
+                p=model.p,
+                held=held,
+                functions=tuple(model.BC_functions),
+                line=register.line(place),
+                place=place,
+            )
+        )
+    return tuple(made)
+
+
+def _slope(register: Register, model: w.Node7Dof, place: Place, joined: list[Element]) -> Vector:
+    """Slope of a cubic node: as given, or along the elements that it joins."""
+    if model.xyz_d is not None:
+        if math.hypot(*model.xyz_d) <= COINCIDENT:
+            register.refuse((*place, "xyz_d"), "has no direction", "give the direction of the cable, such as [1, 0, 0]")
+        elif math.hypot(*model.xyz_d) > STEEPEST:
+            cause = f"is {math.hypot(*model.xyz_d):.3g} long, and dr/dp of an unstretched cable is 1"
+            register.refuse((*place, "xyz_d"), cause, "give the direction of the cable, such as [1, 0, 0]")
+        return _vector(model.xyz_d)
+    chords = [chord(*(register.nodes[node].xyz for node in element.nodes)) for element in joined]
+    mean = mean_direction(chords)
+    if mean is None and joined:
+        cause = "is missing, and the elements at the node point to no common direction"
+        register.refuse((*place, "xyz_d"), cause, "add `xyz_d:`, the direction of the cable, such as [1, 0, 0]")
+    return mean or (1.0, 0.0, 0.0)
+
+
+def _check_loose(parts: Parts, register: Register) -> None:
+    """Refuse nodes that no element joins and whose free degrees of freedom nothing gives any mass."""
+    joined = {node for element in parts.elements for node in element.nodes}
+    heavy = {node for mass in parts.masses for node in mass.nodes}
+    slaves = {coupling.slave for coupling in parts.couplings}
+    for node in parts.nodes:
+        if node.id in joined:
+            continue
+        names = DOFS[node.kind].split()
+        loose = [
+            name
+            for i, name in enumerate(names)
+            if not node.held[i] and (node.id, i + 1) not in slaves and not (i < 3 and node.id in heavy)
+        ]
+        if loose:
+            cause = f"no element joins node {node.id}, and BC leaves {', '.join(loose)} free: nothing there has a mass"
+            register.refuse((*node.place, "BC"), cause, "hold them with 1, join the node to an element, or remove it")
+
+
+def _plots(written: w.WrittenCable, register: Register) -> tuple[tuple[Curve, ...], ...]:
+    elements = [model.id for _, model, _ in register.of(w.CubicElement, w.LinearElement)]
+    panels = []
+    for i, panel in enumerate(written.Plots):
+        curves = []
+        for j, curve in enumerate(panel.SubPlot):
+            place: Place = ("Plots", i, "SubPlot", j)
+            if curve.Cable is not None and curve.Cable not in elements:
+                cause = f"there is no cable element {curve.Cable}"
+                register.refuse((*place, "Cable"), cause, f"known: {known_ids(elements)}", str(curve.Cable))
+            if curve.Node is not None and register.has_node((*place, "Node"), curve.Node) and curve.what == "rp":
+                register.has_node((*place, "Node"), curve.Node, 7, "a linear node has no slope: plot its r or v")
+            line = register.line(place)
+            curves.append(Curve(curve.Cable, curve.Node, curve.axis, curve.what, curve.text, line, place))
+        panels.append(tuple(curves))
+    return tuple(panels)

@@ -1,0 +1,108 @@
+"""The items of a cable's file by their kinds and ids, and the faults that are found in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from tautline.cable.input import models as w
+from tautline.cable.input.parts import Place
+from tautline.scene.document import Document
+from tautline.scene.errors import Problem, SceneError
+
+SPACES: dict[type, str] = {
+    w.Node7Dof: "node",
+    w.Node4Dof: "node",
+    w.CubicElement: "element",
+    w.LinearElement: "element",
+    w.VelocityDefined: "function",
+    w.Function: "function",
+}
+"""Kinds of item that share their ids; all others are told apart by their key, with 7 or 4 at its end or not."""
+
+
+class Register:
+    """All items, the nodes by their ids, and the faults found so far."""
+
+    def __init__(self, document: Document, items: list[tuple[str, Any, Place]]) -> None:
+        self.document, self.items = document, items
+        self.problems: list[Problem] = []
+        self.nodes: dict[int, Any] = {}
+        for _, model, _ in items:
+            if isinstance(model, (w.Node7Dof, w.Node4Dof)):
+                self.nodes.setdefault(model.id, model)
+
+    def of(self, *kinds: type) -> list[tuple[str, Any, Place]]:
+        """Items of some kinds: key, model, key path."""
+        return [item for item in self.items if type(item[1]) in kinds]
+
+    def refuse(self, place: Place, cause: str, cure: str, value: str | None = None) -> None:
+        """Note a fault."""
+        self.problems.append(self.document.problem(place, cause, cure, value))
+
+    def report(self) -> None:
+        """Raise what was found, in the order of the file."""
+        if self.problems:
+            raise SceneError(sorted(dict.fromkeys(self.problems), key=lambda problem: problem.line or 0))
+
+    def line(self, place: Place) -> int:
+        """Line of a key path."""
+        return self.document.line(place) or 1
+
+    def dofs(self, node: int) -> int:
+        """Number of degrees of freedom of a node: 7 or 4."""
+        return 7 if isinstance(self.nodes[node], w.Node7Dof) else 4
+
+    def check_ids(self) -> None:
+        """Every id once; at least one node and one element."""
+        spaces: dict[str, list[tuple[int, Place]]] = {}
+        for key, model, place in self.items:
+            space = SPACES.get(type(model), key.removesuffix("7").removesuffix("4"))
+            spaces.setdefault(space, []).append((model.id, place))
+        for space, entries in spaces.items():
+            lines: dict[int, int] = {}
+            for number, place in entries:
+                if number in lines:
+                    cause = f"the {space} in line {lines[number]} has this id already"
+                    cure = f"give it one of its own, such as {max(number for number, _ in entries) + 1}"
+                    self.refuse((*place, "id"), cause, cure)
+                lines.setdefault(number, self.line(place))
+        if not self.nodes:
+            cure = f"add `- {w.EXAMPLE[1:-1]}`"
+            self.refuse(("CableModel",), "has no nodes", cure)
+        if not self.of(w.CubicElement, w.LinearElement):
+            cure = "add `- CableALEelement: {id: 0, nodes7: [0, 1], EA: 1.0e6, rhoA: 1.0}`"
+            self.refuse(("CableModel",), "has no cable elements", cure)
+
+    def has_node(self, place: Place, node: int, kind: int | None = None, instead: str = "") -> bool:
+        """Whether a node exists and is of a kind; notes a fault if not."""
+        if node not in self.nodes:
+            self.refuse(place, f"there is no node {node}", f"known: {known_ids(self.nodes)}", str(node))
+            return False
+        if kind is not None and self.dofs(node) != kind:
+            cause = f"node {node} is a Node{self.dofs(node)}Dof, and a Node{kind}Dof is wanted"
+            self.refuse(place, cause, instead or f"name a Node{kind}Dof", str(node))
+            return False
+        return True
+
+    def make(self, kind: type, build: Callable[[Any, Place, int, Any], Any]) -> tuple[Any, ...]:
+        """Parts that sit on nodes: ``build(model, place, line, ids)`` for each item whose nodes are good."""
+        made = []
+        for _, model, place in self.of(kind):
+            key, dofs = ("nodes7", 7) if model.nodes7 is not None else ("nodes4", 4)
+            ids = getattr(model, key)
+            other = "nodes4" if dofs == 7 else "nodes7"
+            good = [self.has_node((*place, key, i), node, dofs, f"write {other}") for i, node in enumerate(ids)]
+            if len(set(ids)) < len(ids):
+                self.refuse((*place, key), "names a node twice", "name each node once")
+            elif all(good):
+                made.append(build(model, place, self.line(place), ids))
+        return tuple(made)
+
+
+def known_ids(ids: Iterable[int]) -> str:
+    """Ids in words: ``0 to 4``, or a list if there are gaps."""
+    known = sorted(ids)
+    if len(known) > 2 and known[-1] - known[0] == len(known) - 1:
+        return f"{known[0]} to {known[-1]}"
+    return ", ".join(map(str, known[:12])) + (", ..." if len(known) > 12 else "") or "none"

@@ -1,0 +1,96 @@
+"""A scene in the syntax of the thesis' Appendix A: read, checked, and made into the parts that the builder takes.
+
+`tautline.cable.input.models` holds the models of the file, `tautline.cable.input.parts` those of the scene, and
+`tautline.cable.input.references` leads from the ones to the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tautline.cable.input.couplings import check_couplings
+from tautline.cable.input.material import material_coordinates
+from tautline.cable.input.models import WrittenCable
+from tautline.cable.input.parts import (
+    Anchor as Anchor,
+)
+from tautline.cable.input.parts import (
+    CableScene,
+    Coupling,
+    Curve,
+    Element,
+    Force,
+    Mass,
+    Motion,
+    Node,
+    Place,
+    Spring,
+    Tie,
+)
+from tautline.cable.input.references import Parts, resolve
+from tautline.cable.input.solver import CableSolver
+from tautline.cable.input.thesis_compat import read_quirks
+from tautline.scene.document import Document
+from tautline.scene.model import validate
+
+__all__ = [
+    "Anchor", "CableScene", "CableSolver", "Coupling", "Curve", "Element", "Force", "Mass", "Motion", "Node", "Spring",
+    "Tie", "json_schema", "parse", "read", "with_values",
+]  # fmt: skip
+
+
+def read(path: str | Path) -> CableScene:
+    """Read and validate a scene file.
+
+    Raises
+    ------
+    SceneError
+        Listing every fault with its line, key and cure.
+    """
+    return _scene(Document.read(path))
+
+
+def parse(text: str, path: str | Path = "scene.yaml") -> CableScene:
+    """Validate a text; `path` names it in messages.
+
+    Raises
+    ------
+    SceneError
+        Listing every fault with its line, key and cure.
+    """
+    return _scene(Document.parse(text, path))
+
+
+def with_values(scene: CableScene, values: Mapping[Place, tuple[Any, str]]) -> CableScene:
+    """Copy of a scene with other values: key path -> (value, the option it came from, named in messages).
+
+    Raises
+    ------
+    SceneError
+        If the scene is not valid with them.
+    """
+    return _scene(scene.document.replaced(values))
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema of a cable scene."""
+    return WrittenCable.model_json_schema()
+
+
+def _scene(document: Document) -> CableScene:
+    meant, cautions = read_quirks(document)
+    written = validate(WrittenCable, meant)
+    parts: Parts = resolve(written, meant)
+    scene = CableScene(
+        title=written.title,
+        gravity=written.CableModelMaterial.Gravity,
+        solver=written.GeneralizedAlpha,
+        document=document,
+        **{name: value for name, value in vars(parts).items() if name != "cautions"},
+        cautions=(*cautions, *parts.cautions),
+    )
+    # A scene whose lengths or couplings contradict each other is refused here, not when it is built.
+    check_couplings(scene, material_coordinates(scene))
+    return scene

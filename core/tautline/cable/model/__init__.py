@@ -1,0 +1,1 @@
+"""A cable scene compiled into a model: degrees of freedom, elements, ties, what its frames mean."""

@@ -1,0 +1,195 @@
+"""A cable scene made ready to run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from hashlib import sha256
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tautline.cable.input.material import material_coordinates
+from tautline.cable.input.scene import CableScene
+from tautline.cable.model.elements import element_groups, records, steady_flow, stencils
+from tautline.cable.model.eyelets import eyelets
+from tautline.cable.model.layout import Layout
+from tautline.cable.model.limits import limits
+from tautline.cable.model.observe import Observer, headline, variables
+from tautline.cable.model.ties import check_sound, constraint_groups, equations_of
+from tautline.constraints.multiplier import Multipliers
+from tautline.elements.node import SPRING, Anchors, PointMasses, Springs, TimedForces
+from tautline.integrators.statics.attainable import within_rounding
+from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
+from tautline.system.model import Model, SolverSettings
+from tautline.system.system import System, assemble
+
+STIFF_SHARE = 1.0e-4
+"""Share of the largest axial stiffness that counts as a large force."""
+ERROR = 1.0e-6
+"""Error of a step over the length of all ropes, where the step is chosen and the scene gives none."""
+
+
+class Assembly(NamedTuple):
+    """A scene's equations: where its unknowns stand, the system, who reads its frames, elements' lengths m, notes."""
+
+    layout: Layout
+    system: System
+    observer: Observer
+    lengths: list[float]
+    notes: list[str]
+
+
+def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lambda layout: []) -> Assembly:
+    """Number a scene's unknowns and make its groups; ``more`` adds an application's own.
+
+    An application's groups may couple what an element couples already, and nothing else.
+
+    Raises
+    ------
+    SceneError
+        For constraints that say a thing twice or contradict each other, and for nodes whose position along the rope and
+        p are both free.
+    """
+    material = material_coordinates(scene)
+    force, mass = _largest_force(scene, material), _mass(scene, material)
+    lengths = [abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements]
+    layout = Layout(scene, material, force, float(np.median(lengths)))
+    made = equations_of(layout)
+    check_sound(layout, made)
+    elements = element_groups(layout)
+    whole, massive = stencils(layout, elements)
+    constraints, notes = constraint_groups(layout, made, mass / max(1, len(scene.nodes)) or 1.0)
+    loose = _node_groups(layout)
+    groups = (*elements, *loose, *more(layout), *constraints, *eyelets(layout, made))
+    algebraic: list[int] = []
+    for group in constraints:
+        table = group.equations
+        rows = [table.place[table.start[i] : table.start[i + 1]] for i in range(table.offset.size)]
+        if isinstance(group, Multipliers):
+            algebraic = [int(i) for i in group.unknown]
+            pairs = [np.append(row, group.unknown[i])[None, :] for i, row in enumerate(rows)]
+            massive += pairs
+            whole += pairs
+        else:
+            whole += [row[None, :] for row in rows]
+    for group in loose:
+        if isinstance(group, Springs):
+            whole += [np.concatenate([row.a + np.arange(3), row.b + np.arange(3)])[None, :] for row in group.rows]
+    system = assemble(
+        groups, layout.degrees, layout.functions, layout.velocity, whole, massive, algebraic=algebraic,
+        flowing=steady_flow(layout),
+    )  # fmt: skip
+    system.q[: layout.initial.size] = layout.initial
+    system.force = force
+    observer = Observer(layout, groups, [e.name for e in made if e.tie.method != "penalty"])
+    return Assembly(layout, system, observer, lengths, notes)
+
+
+def build(scene: CableScene) -> Model:
+    """Compile a scene.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    SceneError
+        As :func:`assemble_cables` does.
+    """
+    _, system, observer, lengths, notes = assemble_cables(scene)
+    notes += unused_alphas(scene.solver)
+    solver = scene.solver
+    alpha_m, alpha_f = solver.alphas
+    error = error_of_steps(solver, ERROR * sum(lengths))
+    if solver.step == "auto" and error > 0.0:
+        notes.append(f"time_step: auto keeps the error of a step below {error:.2g} m")
+    model = Model(
+        system=system,
+        solver=SolverSettings(
+            solver.method, longest_step(solver, solver.interval), solver.end, solver.interval,
+            alpha_m, alpha_f, solver.tolerance, "energy",
+            solver.max_iterations, projection=solver.projection, stabilise=solver.stabilise, energy_unit=1.0,
+            step_error=error, automatic=solver.step == "auto", newton=solver.newton,
+        ),
+        variables=variables(observer),
+        coordinates=observer.coordinates(),
+        attributes={
+            "scene": scene.text,
+            "title": scene.title or "",
+            "application": "cable",
+            "physics": _physics(scene),
+            "conventions": "axial_force is positive in tension and counts the damping; material is p",
+        },
+        observe=observer.observe,
+        headline=lambda result: headline(result),
+        limits=lambda result: limits(result, scene),
+        start=solver.start,
+        step_limit=max(0.5 * min(lengths), 1e-9),
+        notes=notes,
+    )  # fmt: skip
+    return within_rounding(model, "eps_energy")
+
+
+def _physics(scene: CableScene) -> str:
+    """Hash of all that a scene says but how it is solved: a run can be gone on with if it agrees."""
+    parts = (scene.gravity, scene.nodes, scene.elements, scene.ties, scene.couplings, scene.forces, scene.anchors,
+             scene.springs, scene.masses, scene.motions, scene.solver.mass_damping)  # fmt: skip
+    return sha256(repr(parts).encode()).hexdigest()[:16]
+
+
+def _mass(scene: CableScene, material: dict[int, float]) -> float:
+    ropes = sum(e.rhoA * abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements)
+    return ropes + sum(m.mass * len(m.nodes) for m in scene.masses)
+
+
+def _largest_force(scene: CableScene, material: dict[int, float]) -> float:
+    """Force that counts as large, N: all weight, loads and forces, and a little of the stiffness."""
+    gravity = float(np.linalg.norm(scene.gravity))
+    loads = sum(
+        float(np.linalg.norm(e.load)) * abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements
+    )
+    forces = sum(float(np.linalg.norm(f.force)) * len(f.nodes) for f in scene.forces)
+    stiff = max((max(e.EA, 1e-3 * e.EJ) for e in scene.elements), default=0.0)
+    return _mass(scene, material) * gravity + loads + forces + STIFF_SHARE * stiff or 1.0
+
+
+def _node_groups(layout: Layout) -> list[Any]:
+    """Masses, forces, springs: those that the scene has."""
+    scene, groups = layout.scene, []
+    masses = [(layout.start[node], m.mass) for m in scene.masses for node in m.nodes]
+    if masses:
+        places, values = zip(*masses, strict=True)
+        groups.append(
+            PointMasses(
+                np.array(places), np.array(values, float), scene.solver.mass_damping, np.array(scene.gravity, float)
+            )
+        )
+    forces = [(layout.start[node], f.force, f.interval) for f in scene.forces for node in f.nodes]
+    if forces:
+        places, values, intervals = zip(*forces, strict=True)
+        shape = (
+            np.array(places),
+            np.array(values, float),
+            np.array(intervals, float),
+            np.zeros(len(forces)),
+            np.zeros(len(forces)),
+        )
+        groups.append(TimedForces(*shape))
+    anchors = [(layout.start[node], a.stiffness, a.damping) for a in scene.anchors for node in a.nodes]
+    if anchors:
+        places, stiffness, damping = zip(*anchors, strict=True)
+        home = np.array([layout.initial[place : place + 3] for place in places])
+        groups.append(Anchors(np.array(places), np.array(stiffness, float), np.array(damping, float), home))
+    if scene.springs:
+        groups.append(Springs(records(SPRING, [_spring(layout, s) for s in scene.springs]), np.zeros((6, 6))))
+    return groups
+
+
+def _spring(layout: Layout, spring: Any) -> dict[str, Any]:
+    a, b = (layout.start[node] for node in spring.nodes)
+    apart = float(np.linalg.norm(layout.initial[b : b + 3] - layout.initial[a : a + 3]))
+    return {
+        "a": a, "b": b, "stiffness": spring.stiffness, "damping": spring.damping,
+        "length": apart if spring.length is None else spring.length,
+    }  # fmt: skip

@@ -1,0 +1,257 @@
+"""Elements of a scene as groups: each term of the equations for the elements that have it, and for no others."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from tautline.cable.input.parts import Element
+from tautline.cable.model.layout import Layout
+from tautline.elements.bending import BENDING, Bending, FlowingBending
+from tautline.elements.bending_damping import VISCOUS, BendingDamping
+from tautline.elements.flow import Flow
+from tautline.elements.inertia import INERTIA, Inertia
+from tautline.elements.linear import LinearInertia, LinearTension
+from tautline.elements.linear_flow import LINEAR_FLOW, LinearFlow
+from tautline.elements.outlet import OUTLET, Outlets
+from tautline.elements.pipe import PIPE, Pipes
+from tautline.elements.shared_flow import SharedFlow, unit_matrices
+from tautline.elements.tension import TENSION, FlowingTension, Tension
+from tautline.kernels.hermite import gauss, lobatto, table
+
+SMOOTHING = 0.01
+"""Curvature from which bending is damped in full, over that of an element bent to a radius of its own length."""
+
+
+TOGETHER = 1.0e-9
+"""Distance, m, below which two ends of ropes are one corner."""
+
+
+def records(kind: np.dtype, rows: Sequence[dict[str, Any]]) -> np.recarray:
+    """A record array with a row for each dict; what a dict leaves out is zero."""
+    made = np.zeros(len(rows), kind).view(np.recarray)
+    for i, row in enumerate(rows):
+        for name, value in row.items():
+            made[name][i] = value
+    return made
+
+
+STILL, SHARED, MOVING = "still", "shared", "moving"
+"""How material moves through an element: not at all, through both nodes at one rate, or anyhow."""
+
+
+def flow_of(layout: Layout, element: Element) -> str:
+    """How material moves through an element, or may."""
+    places = [layout.material(node) for node in element.nodes]
+    if all(layout.is_still(place) for place in places):
+        return STILL
+    first, second = (layout.rate_of(place) for place in places)
+    return SHARED if element.kind == "cubic" and first == second else MOVING
+
+
+def steady_flow(layout: Layout) -> list[int]:
+    """Places of the p of material that is driven through elements of constant length: it flows on while they rest."""
+    places: set[int] = set()
+    for element in layout.scene.elements:
+        ends = [layout.material(node) for node in element.nodes]
+        if flow_of(layout, element) == SHARED and all(layout.is_held(place) for place in ends):
+            places.update(ends)
+    return sorted({*places, *layout.flow.values()})
+
+
+def element_groups(layout: Layout) -> list[Any]:
+    """Groups of inertia, tension, bending and open ends, of the kinds that the scene has."""
+    scene = layout.scene
+    sorts: dict[tuple, list[Element]] = {}
+    for element in scene.elements:
+        if element.conveyed is None:
+            sorts.setdefault((element.kind, flow_of(layout, element)), []).append(element)
+    pipes = [element for element in scene.elements if element.conveyed is not None]
+    groups: list[Any] = [
+        _pipes(layout, some) for rule in RULES if (some := [e for e in pipes if _quadrature(e) == rule])
+    ]
+    for (kind, flow), elements in sorts.items():
+        massive = [e for e in elements if e.rhoA > 0.0 or any(e.load)]
+        if massive:
+            groups.append(_inertia(layout, kind, flow, massive))
+        # At a constant length only damping sees the material move: without it the stored energy is all there is.
+        for moving in (False, True):
+            some = [e for e in elements if (flow == MOVING or (flow == SHARED and e.damping > 0.0)) == moving]
+            for quadrature in RULES:
+                stiff = [e for e in some if e.EA > 0.0 and _quadrature(e) == quadrature]
+                if stiff:
+                    groups.append(_tension(layout, kind, moving, stiff, quadrature))
+            bent = [e for e in some if e.EJ > 0.0 and kind == "cubic"]
+            if bent:
+                groups.append(_bending(layout, moving, bent))
+            spinless = [e for e in bent if e.spinless and e.damping > 0.0 and not moving]
+            if spinless:
+                groups.append(_bending_damping(layout, spinless))
+    open_ends = _outlets(layout)
+    if open_ends:
+        groups.append(Outlets(records(OUTLET, open_ends), np.zeros((4, 4)), np.zeros((3, 6))))
+    return groups
+
+
+RULES = ("gauss", "lobatto")
+
+
+def _quadrature(element: Element) -> str:
+    """Three Gauss points along a rope; with bending three Lobatto points, which do not lock."""
+    if element.kind == "linear":
+        return "gauss"
+    return element.quadrature or ("lobatto" if element.EJ > 0.0 else "gauss")
+
+
+def _ends(layout: Layout, element: Element) -> dict[str, int]:
+    return {"a": layout.start[element.nodes[0]], "b": layout.start[element.nodes[1]]}
+
+
+def _inertia(layout: Layout, kind: str, flow: str, elements: list[Element]) -> Any:
+    scene = layout.scene
+    rows = [
+        _ends(layout, e)
+        | {
+            "mass": e.rhoA,
+            "damping": scene.solver.mass_damping,
+            "load": [e.rhoA * g + f for g, f in zip(scene.gravity, e.load, strict=True)],
+        }
+        for e in elements
+    ]
+    if kind == "linear" and flow != STILL:
+        goes_on = Counter(node for e in scene.elements if e.kind == "linear" for node in e.nodes)
+        for row, element in zip(rows, elements, strict=True):
+            row["kinks"] = [float(goes_on[node] > 1) for node in element.nodes]
+        return LinearFlow(records(LINEAR_FLOW, rows), np.zeros((3, 3)), np.zeros((8, 8)))
+    if kind == "linear":
+        return LinearInertia(records(INERTIA, rows))
+    if flow == SHARED:
+        return SharedFlow(records(INERTIA, rows), unit_matrices(), np.zeros((4, 3, 4)), np.zeros((14, 14)))
+    if flow == MOVING:
+        shapes = np.zeros((6, 4)), np.zeros((10, 3)), np.zeros((14, 14))
+        return Flow(records(INERTIA, rows), table(*gauss(4)), *shapes)
+    return Inertia(records(INERTIA, rows), np.zeros((4, 4)))
+
+
+def _strain(element: Element) -> dict[str, Any]:
+    return {
+        "stiffness": element.EA,
+        "engineering": int(element.strain == "engineering"),
+        "slack": int(not element.compression),
+    }
+
+
+def _tension(layout: Layout, kind: str, moving: bool, elements: list[Element], quadrature: str) -> Any:
+    rows = records(TENSION, [_ends(layout, e) | _strain(e) | {"damping": e.damping} for e in elements])
+    points = table(*(gauss(3) if quadrature == "gauss" else lobatto()))
+    if kind == "linear":
+        return LinearTension(rows, np.zeros((4, 3)), np.zeros((8, 8)))
+    if moving:
+        return FlowingTension(rows, points, np.zeros((6, 4)), np.zeros((9, 3)), np.zeros((14, 14)))
+    return Tension(rows, points, np.zeros((2, 3)), np.zeros((12, 12)))
+
+
+def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
+    rows = [
+        _ends(layout, e)
+        | {"stiffness": e.EJ, "damping": 0.0 if e.spinless and not moving else e.damping}
+        | {"smoothing": SMOOTHING / length_of(layout, e)}
+        for e in elements
+    ]
+    common = records(BENDING, rows), table(*gauss(3)), np.zeros((5, 4))
+    stress = np.zeros((2, 6, 6))
+    if moving:
+        return FlowingBending(*common, np.zeros((14, 6)), stress, np.zeros((14, 14)))
+    return Bending(*common, np.zeros((4, 6)), stress, np.zeros((12, 12)))
+
+
+def _pipes(layout: Layout, elements: list[Element]) -> Pipes:
+    rows = [
+        _ends(layout, e)
+        | _strain(e)
+        | {"flow": layout.flow[e.conveyed[1]], "length": length_of(layout, e), "gravity": layout.scene.gravity}
+        | {"mass": e.rhoA, "fluid": e.conveyed[0], "bending": e.EJ, "damping": e.damping}
+        for e in elements
+        if e.conveyed is not None
+    ]
+    axial = table(*(gauss(3) if _quadrature(elements[0]) == "gauss" else lobatto()))
+    scratch = np.zeros((1, 6)), np.zeros((6, 6)), np.zeros((9, 9)), np.zeros((12, 12))
+    return Pipes(records(PIPE, rows), axial, table(*gauss(3)), unit_matrices(), *scratch)
+
+
+def _bending_damping(layout: Layout, elements: list[Element]) -> BendingDamping:
+    rows = records(VISCOUS, [_ends(layout, e) | {"viscosity": e.EJ * e.damping} for e in elements])
+    scratch = np.zeros((2, 4)), np.zeros((4, 6)), np.zeros((2, 3, 6)), np.zeros((6, 6)), np.zeros((12, 12))
+    return BendingDamping(rows, table(*gauss(3)), *scratch)
+
+
+def length_of(layout: Layout, element: Element) -> float:
+    """Material length of an element at t = 0, m."""
+    first, second = (layout.initial[layout.material(node)] for node in element.nodes)
+    return float(second - first)
+
+
+def _outlets(layout: Layout) -> list[dict[str, Any]]:
+    """Open ends: where a rope stops at a node that lets material through without prescribing how much."""
+    uses = Counter(node for e in layout.scene.elements for node in e.nodes)
+    joined = {node for tie in layout.scene.ties if tie.what == 1 for node in tie.nodes}
+    joined |= {node for c in layout.scene.couplings for node in _coupled_in_place(layout, c)}
+    last = [node for node, count in uses.items() if count == 1]
+    ends = []
+    for element in layout.scene.elements:
+        for end, node in enumerate(element.nodes):
+            lets_through = uses[node] == 1 and not layout.is_held(layout.material(node)) and node not in joined
+            if element.kind == "cubic" and lets_through and not any(_goes_on(layout, node, other) for other in last):
+                ends.append(_ends(layout, element) | _strain(element) | {"end": end, "bending": element.EJ})
+    return ends
+
+
+def _coupled_in_place(layout: Layout, coupling: Any) -> list[int]:
+    """Nodes of which one takes its position from the other: the rope goes on from the one to the other."""
+    return [coupling.slave[0], *(m[0] for m in coupling.masters)] if coupling.slave[1] <= 3 else []
+
+
+def _goes_on(layout: Layout, node: int, other: int) -> bool:
+    """Whether two ends stand at one point with the same p, which moves alike: a corner, for the rope."""
+    if node == other:
+        return False
+    start, there = layout.start[node], layout.start[other]
+    apart = layout.initial[start : start + 3] - layout.initial[there : there + 3]
+    p, q = layout.material(node), layout.material(other)
+    together = np.abs(apart).max() <= TOGETHER and abs(layout.initial[p] - layout.initial[q]) <= TOGETHER
+    return bool(together and layout.rate_of(p) == layout.rate_of(q))
+
+
+Stencil = np.ndarray
+
+
+def stencils(layout: Layout, groups: Sequence[Any]) -> tuple[list[Stencil], list[Stencil]]:
+    """Degrees of freedom that elements couple in the tangent, and in the mass matrix."""
+    whole: list[Stencil] = []
+    massive: list[Stencil] = []
+    for kind, size in (("cubic", 7), ("linear", 4)):
+        pairs = [_ends(layout, e) for e in layout.scene.elements if e.kind == kind]
+        if pairs:
+            ends = np.array([[pair["a"], pair["b"]] for pair in pairs])
+            whole.append((ends[:, :, None] + np.arange(size)).reshape(len(pairs), -1))
+    shapes: dict[type, Callable[[np.ndarray], np.ndarray]] = {
+        Inertia: lambda ends: _axes(ends, (0, 3)),
+        LinearInertia: lambda ends: _axes(ends, (0,)),
+        Pipes: lambda ends: _axes(ends, (0, 3)),
+        SharedFlow: lambda ends: (ends[:, :, None] + np.arange(7)).reshape(len(ends), -1),
+        Flow: lambda ends: (ends[:, :, None] + np.arange(7)).reshape(len(ends), -1),
+        LinearFlow: lambda ends: (ends[:, :, None] + np.arange(4)).reshape(len(ends), -1),
+    }
+    for group in groups:
+        if type(group) in shapes:
+            massive.append(shapes[type(group)](np.column_stack([group.rows.a, group.rows.b])))
+    return whole, massive
+
+
+def _axes(ends: np.ndarray, vectors: tuple[int, ...]) -> np.ndarray:
+    """A row for each element and axis: its component of the vectors at both nodes."""
+    places = (ends[:, :, None] + np.array(vectors)).reshape(len(ends), 1, -1)
+    return (places + np.arange(3)[None, :, None]).reshape(3 * len(ends), -1)

@@ -1,0 +1,141 @@
+"""Degrees of freedom of a cable scene: where each node's stand, what is held, prescribed, coupled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tautline.cable.input.parts import Node
+from tautline.cable.input.scene import CableScene
+from tautline.kernels.time_function import TimeFunctions, value_at
+from tautline.scene.document import join_key
+from tautline.scene.functions import Table
+from tautline.system.system import Degrees
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+DIRECTIONS = {7: ("rx", "ry", "rz", "r'x", "r'y", "r'z", "p"), 4: ("rx", "ry", "rz", "p")}
+
+
+class Layout:
+    """Where the degrees of freedom of a scene's nodes stand, and what they do.
+
+    Attributes
+    ----------
+    scene : CableScene
+    start : dict
+        Node's id -> place of its first degree of freedom in the full vectors.
+    kind : dict
+        Node's id -> 7 or 4.
+    flow : dict
+        Id of the motion of a conveyed fluid -> place of its p.
+    degrees : Degrees
+    functions : TimeFunctions
+    velocity : (n,) array
+        At t = 0, m/s.
+    """
+
+    def __init__(self, scene: CableScene, material: dict[int, float], force: float, length: float) -> None:
+        """Lay out the nodes; ``force`` N and ``length`` m are large in the scene."""
+        self.scene = scene
+        self.kind = {node.id: int(node.kind) for node in scene.nodes}
+        ends = np.cumsum([0] + [node.kind for node in scene.nodes])
+        self.start = {node.id: int(at) for node, at in zip(scene.nodes, ends[:-1], strict=True)}
+        names = [f"node {node.id}: {name}" for node in scene.nodes for name in DIRECTIONS[node.kind]]
+        value = np.concatenate([_values(node, material[node.id]) for node in scene.nodes])
+        scale = np.concatenate([_scales(node, force, length) for node in scene.nodes])
+        # What flows along an element's own curve has its p at no node.
+        motions = {motion.id: motion for motion in scene.motions}
+        streams = sorted({e.conveyed[1] for e in scene.elements if e.conveyed is not None})
+        self.flow = {stream: len(names) + k for k, stream in enumerate(streams)}
+        names += [f"p of {join_key(motions[stream].place)}" for stream in streams]
+        value = np.append(value, [motions[stream].pos0 for stream in streams])
+        scale = np.append(scale, np.full(len(streams), force))
+        self.degrees = Degrees(names, value, scale)
+        self.velocity = np.zeros(value.size)
+        self.functions = self._follow()
+        for coupling in scene.couplings:
+            masters = [(self.dof(node, dof), factor) for node, dof, factor in coupling.masters]
+            self.degrees.tie(self.dof(*coupling.slave), masters, coupling.f0)
+        self._settle()
+
+    def dof(self, node: int, number: int) -> int:
+        """Full place of a degree of freedom of a node, numbered from one as in the file."""
+        return self.start[node] + number - 1
+
+    def material(self, node: int) -> int:
+        """Full place of a node's p."""
+        return self.start[node] + self.kind[node] - 1
+
+    def is_still(self, place: int) -> bool:
+        """Whether a degree of freedom stays what it is at t = 0."""
+        return all(self.degrees.motion.get(i, 0) == -1 for i, _ in self.degrees.resolved(place))
+
+    def rate_of(self, place: int) -> frozenset:
+        """What the rate of a degree of freedom is made of: free masters and motions, each with its factor."""
+        parts = []
+        for i, factor in self.degrees.resolved(place):
+            motion = self.degrees.motion.get(i)
+            if motion is None:
+                parts.append((i, factor))
+            elif motion >= 0:
+                given = self.scene.motions[motion]
+                what = (given.times, given.velocities) if given.function is None and given.rate is None else motion
+                parts.append((("motion", what), factor))
+        return frozenset(parts)
+
+    def is_held(self, place: int) -> bool:
+        """Whether a degree of freedom is fixed, prescribed, or follows only such ones."""
+        return all(i in self.degrees.motion for i, _ in self.degrees.resolved(place))
+
+    def _follow(self) -> TimeFunctions:
+        """Hold and prescribe as the nodes say; returns the scene's functions of time."""
+        index = {motion.id: k for k, motion in enumerate(self.scene.motions)}
+        functions = compile_functions([_request(motion, self.scene.solver.end) for motion in self.scene.motions])
+        for node in self.scene.nodes:
+            for k, (held, function) in enumerate(zip(node.held, node.functions, strict=True)):
+                place = self.start[node.id] + k
+                if held and function:
+                    motion = self.scene.motions[index[function]]
+                    self.degrees.prescribe(place, index[function])
+                    # A rate goes on from pos0, a function is the value itself.
+                    self.degrees.value[place] = motion.pos0 if motion.function is None else 0.0
+                    self.velocity[place] = value_at(functions, index[function], 0.0)[1]
+                elif held:
+                    self.degrees.fix(place)
+        for stream, place in self.flow.items():
+            self.degrees.prescribe(place, index[stream])
+            self.velocity[place] = value_at(functions, index[stream], 0.0)[1]
+        return functions
+
+    def _settle(self) -> None:
+        """Give what is coupled, and what follows a function, its value and velocity at t = 0."""
+        full = len(self.degrees.names)
+        self.velocity = np.append(self.velocity, np.zeros(full - self.velocity.size))
+        value = self.degrees.value.copy()
+        for place, function in self.degrees.motion.items():
+            if function >= 0:
+                value[place] += value_at(self.functions, function, 0.0)[0]
+        for place in self.degrees.masters:
+            masters = self.degrees.resolved(place)
+            self.degrees.value[place] = sum(f * value[i] for i, f in masters)
+            self.velocity[place] = sum(f * self.velocity[i] for i, f in masters)
+        self.initial = value
+        for place in self.degrees.masters:
+            self.initial[place] = self.degrees.value[place]
+
+
+def _request(motion, end: float) -> FunctionRequest:
+    if motion.function is not None:
+        return FunctionRequest(motion.function, end=end, key=f"function {motion.id}")
+    if motion.rate is not None:
+        return FunctionRequest(motion.rate, integrate=True, end=end, key=join_key(motion.place), factor=motion.factor)
+    rate = Table(time=motion.times, value=motion.velocities, interpolation="linear")
+    return FunctionRequest(rate, integrate=True, end=end, key=f"function {motion.id}")
+
+
+def _values(node: Node, p: float) -> np.ndarray:
+    slope = node.slope if node.slope is not None else ()
+    return np.array([*node.position, *slope, p], dtype=np.float64)
+
+
+def _scales(node: Node, force: float, length: float) -> np.ndarray:
+    return np.array([force] * 3 + [force * length] * (3 if node.kind == 7 else 0) + [force], dtype=np.float64)

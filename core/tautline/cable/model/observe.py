@@ -1,0 +1,139 @@
+"""What a run's frames mean in a cable scene: variables, units, headline figures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tautline.cable.model.layout import Layout
+from tautline.constraints.multiplier import Multipliers
+from tautline.kernels.hermite import FIRST, SECOND, table
+from tautline.results.variable import Variable
+
+SHORTEST_SLOPE = 1.0e-90
+"""Slope below which a curve has no direction, and no curvature to speak of."""
+
+
+def variables(observer: Observer) -> list[Variable]:
+    """Everything that is stored, with units."""
+    node, element, time = ("time", "node"), ("time", "element"), ("time",)
+    slopes = [Variable("slope", (*node, "axis"), "", "slope dr/dp; zero at nodes of linear elements")]
+    curved = [Variable("curvature", element, "1/m", "curvature in the middle of an element")]
+    return [
+        Variable("position", (*node, "axis"), "m", "position"),
+        *(slopes if observer.cubic_nodes.size else []),
+        Variable("material", node, "m", "material coordinate p"),
+        Variable("velocity", (*node, "axis"), "m/s", "velocity"),
+        Variable("material_rate", node, "m/s", "rate of the material coordinate"),
+        Variable("axial_force", element, "N", "axial force in the middle of an element, with its damping"),
+        *(curved if observer.cubic_nodes.size else []),
+        *([Variable("multiplier", ("time", "constraint"), "N", "multiplier")] if observer.names else []),
+        Variable("kinetic_energy", time, "J", "kinetic energy"),
+        Variable("strain_energy", time, "J", "strain energy, of springs too"),
+        Variable("potential_energy", time, "J", "potential energy of weight and loads"),
+        Variable("dissipated_energy", time, "J", "energy lost to damping"),
+        Variable(
+            "external_work", time, "J", "work of forces and prescribed motion, and energy that material brings in"
+        ),
+    ]
+
+
+class Observer:
+    """Turns frames into variables; all of it vectorised over the frames of a batch."""
+
+    def __init__(self, layout: Layout, groups: tuple[Any, ...], names: list[str]) -> None:
+        scene = layout.scene
+        self.names = names
+        self.multipliers = next((g for g in groups if isinstance(g, Multipliers)), None)
+        self.ids = np.array([node.id for node in scene.nodes])
+        self.element_ids = np.array([e.id for e in scene.elements])
+        self.start = np.array([layout.start[node.id] for node in scene.nodes])
+        self.material = np.array([layout.material(node.id) for node in scene.nodes])
+        self.cubic_nodes = np.array([i for i, node in enumerate(scene.nodes) if node.kind == 7], dtype=int)
+        index = {node.id: i for i, node in enumerate(scene.nodes)}
+        self.ends = np.array([[index[n] for n in e.nodes] for e in scene.elements])
+        self.cubic = np.array([e.kind == "cubic" for e in scene.elements])
+        self.stiffness = np.array([e.EA for e in scene.elements])
+        self.damping = np.array([e.damping for e in scene.elements])
+        self.engineering = np.array([e.strain == "engineering" for e in scene.elements])
+        self.slack = np.array([not e.compression for e in scene.elements])
+        self.middle = table(np.array([0.5]), np.ones(1))[0]
+
+    def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
+        """Arrays that do not change with time."""
+        named = {"constraint": ("constraint", np.array(self.names), "", "equation")} if self.names else {}
+        return {
+            "node": ("node", self.ids, "", "node's id in the scene"),
+            "element": ("element", self.element_ids, "", "element's id in the scene"),
+            "axis": ("axis", np.array(["x", "y", "z"]), "", "axis"),
+            **named,
+        }
+
+    def observe(self, frames: Any) -> dict[str, np.ndarray]:
+        """Variables of a batch of frames, leading axis time."""
+        three = np.arange(3)
+        q, v = frames.q, frames.v
+        made = {
+            "position": q[:, self.start[:, None] + three],
+            "material": q[:, self.material],
+            "velocity": v[:, self.start[:, None] + three],
+            "material_rate": v[:, self.material],
+        }
+        slope, slope_rate = np.zeros_like(made["position"]), np.zeros_like(made["position"])
+        places = self.start[self.cubic_nodes][:, None] + 3 + three
+        slope[:, self.cubic_nodes], slope_rate[:, self.cubic_nodes] = q[:, places], v[:, places]
+        made["axial_force"], curvature = self._forces(made, slope, slope_rate)
+        if self.cubic_nodes.size:
+            made["slope"], made["curvature"] = slope, curvature
+        if self.multipliers is not None:
+            made["multiplier"] = frames.a[:, self.multipliers.unknown] * self.multipliers.weight
+        for k, name in enumerate(("kinetic_energy", "strain_energy", "potential_energy")):
+            made[name] = frames.energy[:, k].copy()
+        made["external_work"], made["dissipated_energy"] = frames.energy[:, 3].copy(), frames.energy[:, 4].copy()
+        return made
+
+    def _forces(self, made: dict[str, np.ndarray], slope: np.ndarray, slope_rate: np.ndarray):
+        """Axial force (m, elements) N and curvature 1/m in the middle of elements."""
+        i, j = self.ends.T
+        p, rate = made["material"], made["material_rate"]
+        length = (p[:, j] - p[:, i])[..., None]
+        grown, u = (rate[:, j] - rate[:, i])[..., None], 0.5 * (rate[:, i] + rate[:, j])[..., None]
+        ends = [made["position"][:, i], slope[:, i], made["position"][:, j], slope[:, j]]
+        rates = [made["velocity"][:, i], slope_rate[:, i], made["velocity"][:, j], slope_rate[:, j]]
+        first, second = self.middle[FIRST : FIRST + 4], self.middle[SECOND : SECOND + 4]
+        e, by_l = self._middle(first, ends, length, 1), -(first[0] * ends[0] + first[2] * ends[2]) / length**2
+        turn = self._middle(second, ends, length, 2)
+        straight, moved = (ends[2] - ends[0]) / length, (rates[2] - rates[0]) / length
+        linear = ~self.cubic
+        e[:, linear], by_l[:, linear], turn[:, linear] = straight[:, linear], (-straight / length)[:, linear], 0.0
+        e_d = self._middle(first, rates, length, 1)
+        e_d[:, linear] = moved[:, linear]
+        e_d = e_d + grown * by_l - u * turn
+        square = (e**2).sum(axis=-1)
+        size = np.sqrt(square)
+        factor = np.where(self.engineering, 1.0 / np.maximum(size, 1e-300), 1.0)
+        strain = np.where(self.engineering, size - 1.0, 0.5 * (square - 1.0))
+        stress = strain + self.damping * factor * (e * e_d).sum(axis=-1)
+        force = np.where(self.slack & (strain < 0.0), 0.0, self.stiffness * stress * factor * size)
+        across = np.linalg.norm(np.cross(e, turn), axis=-1)
+        return force, across / np.maximum(size, SHORTEST_SLOPE) ** 3
+
+    @staticmethod
+    def _middle(shape: np.ndarray, x: list[np.ndarray], length: np.ndarray, order: int) -> np.ndarray:
+        """Derivative by p of an order in the middle of cubic elements."""
+        parts = [shape[0] * x[0], length * shape[1] * x[1], shape[2] * x[2], length * shape[3] * x[3]]
+        return (parts[0] + parts[1] + parts[2] + parts[3]) / length**order
+
+
+def headline(result: Any) -> dict[str, dict[str, Any]]:
+    """Figures that sum a run up."""
+    force, position = result["axial_force"], result["position"]
+    moved = np.linalg.norm(position - position[0], axis=-1)
+    figures = {
+        "axial_force_max": (force.max(), "N", "largest axial force"),
+        "axial_force_min": (force.min(), "N", "smallest axial force"),
+        "displacement_max": (moved.max(), "m", "largest displacement of a node"),
+        "speed_max": (np.linalg.norm(result["velocity"], axis=-1).max(), "m/s", "largest speed of a node"),
+    }
+    return {name: {"value": float(value), "unit": unit, "text": text} for name, (value, unit, text) in figures.items()}

@@ -1,0 +1,174 @@
+"""Ties of a scene as equations: multipliers and penalty springs, and what is wrong with them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import floor, log10, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tautline.cable.input.geometry import COINCIDENT
+from tautline.cable.input.material import SHORTEST
+from tautline.cable.input.parts import Tie
+from tautline.cable.model.elements import length_of
+from tautline.cable.model.layout import Layout
+from tautline.constraints.equations import equations
+from tautline.constraints.multiplier import Multipliers
+from tautline.constraints.penalty import Penalties
+from tautline.scene.errors import Problem, SceneError
+from tautline.system.soundness import null_motions, redundant
+
+MISMATCH = 1.0e-9
+"""Distance, m, by which two nodes may miss one another and still count as together."""
+PRECISION = 16
+"""Decimal digits of a number, b of eq. 2.158."""
+WORDS = ("r = r", "p = p", "r' = r'")
+
+
+class Equation(NamedTuple):
+    """One equation of a tie: (place, factor) of its degrees of freedom, offset, what it is."""
+
+    tie: Tie
+    row: list[tuple[int, float]]
+    offset: float
+    name: str
+
+    def value(self, q: np.ndarray) -> float:
+        """Value at positions q."""
+        return sum(factor * q[place] for place, factor in self.row) + self.offset
+
+
+def equations_of(layout: Layout) -> list[Equation]:
+    """Every equation of the scene's ties, but for those between degrees of freedom that are held anyway."""
+    made: list[Equation] = []
+    for tie in layout.scene.ties:
+        first, second = tie.nodes
+        places = {
+            0: [(layout.start[first] + c, layout.start[second] + c) for c in range(3)],
+            1: [(layout.material(first), layout.material(second))],
+            2: [(layout.start[first] + 3 + c, layout.start[second] + 3 + c) for c in range(3)],
+        }[tie.what]
+        for axis, (i, j) in enumerate(places):
+            offset = -tie.offset[axis] if tie.what == 0 else 0.0
+            name = f"{WORDS[tie.what]} of nodes {first} and {second}" + (f", {'xyz'[axis]}" if tie.what != 1 else "")
+            equation = Equation(tie, [(j, 1.0), (i, -1.0)], offset, name)
+            if not (layout.is_held(i) and layout.is_held(j)):
+                made.append(equation)
+            elif abs(equation.value(layout.initial)) > MISMATCH and tie.method != "penalty":
+                cause = f"{name}: both are held, {abs(equation.value(layout.initial)):g} apart"
+                problem = layout.scene.problem(tie.place, cause, "free one of them, or remove the constraint")
+                raise SceneError([problem])
+    return made
+
+
+def check_sound(layout: Layout, made: Sequence[Equation]) -> None:
+    """Refuse constraints that say a thing twice, and nodes that may slide along their rope without moving any of it.
+
+    Raises
+    ------
+    SceneError
+        Naming the tie, or the node.
+    """
+    rows = [e for e in made if e.tie.method != "penalty"]
+    problems: list[Problem] = []
+    found = redundant(
+        [e.row for e in rows], layout.degrees.motion, layout.degrees.masters, [e.value(layout.initial) for e in rows]
+    )
+    for i in found:
+        cause = f"{rows[i].name}: follows from the other constraints"
+        problems.append(
+            layout.scene.problem(rows[i].tie.place, cause, "remove it: a constraint said twice has no force")
+        )
+    problems += _lost(layout)
+    problems += _null_motions(layout, rows)
+    if problems:
+        raise SceneError(problems)
+
+
+def _lost(layout: Layout) -> list[Problem]:
+    """Elements without length once each node stands where its function begins and its masters put it."""
+    scene, q = layout.scene, layout.initial
+    problems = []
+    for element in scene.elements:
+        first, second = (q[layout.start[n] : layout.start[n] + 3] for n in element.nodes)
+        material = q[layout.material(element.nodes[1])] - q[layout.material(element.nodes[0])]
+        if not material > SHORTEST:
+            cause = f"has {material:.3g} m of cable between its nodes once functions and couplings hold"
+        elif element.kind == "linear" and not np.linalg.norm(second - first) > COINCIDENT:
+            cause = "has both of its nodes at one point once functions and couplings hold"
+        else:
+            continue
+        cure = "let the functions and couplings of its nodes begin where the nodes are drawn"
+        problems.append(scene.problem(element.place, cause, cure))
+    return problems
+
+
+def _null_motions(layout: Layout, rows: Sequence[Equation]) -> list[Problem]:
+    scene = layout.scene
+    tangents = np.zeros((len(scene.nodes), 3))
+    index = {node.id: i for i, node in enumerate(scene.nodes)}
+    for element in scene.elements:
+        first, second = (np.array(layout.initial[layout.start[n] : layout.start[n] + 3]) for n in element.nodes)
+        for node in element.nodes:
+            tangents[index[node]] += (second - first) / max(np.linalg.norm(second - first), 1e-300)
+    for i, node in enumerate(scene.nodes):
+        if node.kind == 7:
+            tangents[i] = layout.initial[layout.start[node.id] + 3 : layout.start[node.id] + 6]
+    places = np.array([layout.start[node.id] for node in scene.nodes])
+    material = np.array([layout.material(node.id) for node in scene.nodes])
+    beads = [[(layout.material(node), 1.0)] for mass in scene.masses for node in mass.nodes if mass.mass > 0.0]
+    wrong = null_motions(
+        places, tangents, material, layout.degrees.motion, layout.degrees.masters, [e.row for e in rows] + beads
+    )
+    problems = []
+    for i in dict.fromkeys(wrong):
+        node = scene.nodes[i]
+        cause = f"node {node.id} may slide along the rope without moving any of it: position and p are both free"
+        cure = "hold p (last entry of BC), or hold the position along the rope, or couple p to that of a neighbour"
+        problems.append(scene.problem((*node.place, "BC"), cause, cure))
+    return problems
+
+
+def constraint_groups(layout: Layout, made: Sequence[Equation], weight: float) -> tuple[list[Any], list[str]]:
+    """Groups of multipliers and penalties, and notes on what was chosen; adds the multipliers' degrees of freedom."""
+    groups: list[Any] = []
+    notes: list[str] = []
+    multiplied = [e for e in made if e.tie.method != "penalty"]
+    if multiplied:
+        degrees = layout.degrees
+        first = len(degrees.names)
+        degrees.names += [f"multiplier of {e.name}" for e in multiplied]
+        degrees.value = np.append(degrees.value, np.zeros(len(multiplied)))
+        degrees.scale = np.append(degrees.scale, np.full(len(multiplied), degrees.scale.max()))
+        table = equations([e.row for e in multiplied], [e.offset for e in multiplied])
+        unknown = np.arange(first, first + len(multiplied))
+        groups.append(Multipliers(table, unknown, weight, np.zeros(1)))
+    sprung = [e for e in made if e.tie.method != "multiplier"]
+    if sprung:
+        chosen = penalty_stiffness(layout)
+        stiffness = [_stiffness(layout, e, chosen) for e in sprung]
+        groups.append(Penalties(equations([e.row for e in sprung], [e.offset for e in sprung]), np.array(stiffness)))
+        if any(e.tie.stiffness is None for e in sprung):
+            notes.append(
+                f"penalty stiffness of the ties that give none: {chosen:.3g} N/m (square root rule, eq. 2.158); "
+                "slopes take it times the square of an element's length"
+            )
+    return groups, notes
+
+
+def penalty_stiffness(layout: Layout) -> float:
+    """Penalty stiffness by the square root rule, eq. 2.158, N/m: the largest stiffness's power of ten times 10^8."""
+    stiffest = max(
+        max(e.EA / length_of(layout, e), 12.0 * e.EJ / length_of(layout, e) ** 3) for e in layout.scene.elements
+    )
+    return 10.0 ** floor(log10(stiffest)) * sqrt(10.0**PRECISION) if stiffest > 0.0 else 1.0
+
+
+def _stiffness(layout: Layout, equation: Equation, chosen: float) -> float:
+    if equation.tie.stiffness is not None:
+        return equation.tie.stiffness
+    if equation.tie.what != 2:
+        return chosen
+    lengths = [length_of(layout, e) for e in layout.scene.elements if set(e.nodes) & set(equation.tie.nodes)]
+    return chosen * min(lengths, default=1.0) ** 2

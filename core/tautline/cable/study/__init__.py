@@ -1,0 +1,1 @@
+"""How a cable scene is varied in a study: other elements, stiffness and constraints."""

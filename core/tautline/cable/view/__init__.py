@@ -1,0 +1,1 @@
+"""Figures and the look of cables in space."""

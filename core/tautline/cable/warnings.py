@@ -1,0 +1,268 @@
+"""What to tell a user about a cable scene before it runs: large against what, and what to do."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from tautline.cable.input.couplings import APART, coupling_gap, value_of
+from tautline.cable.input.geometry import arc_length, chord
+from tautline.cable.input.material import material_coordinates
+from tautline.cable.input.parts import Element, Node, Place, Tie
+from tautline.cable.input.scene import CableScene
+from tautline.scene.document import join_key
+from tautline.scene.errors import Caution
+from tautline.scene.solver import longest_step
+
+RK4_LIMIT = 2.8
+"""omega h on the imaginary axis beyond which RK4 is unstable, eq. 2.137."""
+STIFF_PENALTY = 1.0e6
+"""Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
+PRESTRETCHED = 0.05
+"""Strain at the start that is more likely a slip of the pen than meant."""
+WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
+
+
+def cautions(scene: CableScene) -> list[Caution]:
+    """All that is odd about a scene, what the reader found first."""
+    found = list(scene.cautions)
+    for sentences in (_steps, _frames, _lengths, _gaps, _twice, _penalties, _idle):
+        found += [_caution(scene, place, text) for place, text in sentences(scene)]
+    return list(dict.fromkeys(found))
+
+
+def figures(scene: CableScene) -> dict[str, Any]:
+    """Figures of the cable for ``check --json``: counts, unstretched length m, mass kg, RK4's critical step s."""
+    p = material_coordinates(scene)
+    lengths = [_length(element, p) for element in scene.elements]
+    ropes = sum(element.rhoA * length for element, length in zip(scene.elements, lengths, strict=True))
+    points = sum(mass.mass * len(mass.nodes) for mass in scene.masses)
+    parts = ("nodes", "elements", "ties", "couplings", "forces", "anchors", "springs", "masses", "motions")
+    square, _ = _fastest(scene, p)
+    return {
+        "cable": {part: len(getattr(scene, part)) for part in parts} | {"length": sum(lengths), "mass": ropes + points},
+        "critical_step_rk4": RK4_LIMIT / math.sqrt(square) if square > 0.0 else None,
+    }
+
+
+Sentences = Iterator[tuple[Place, str]]
+
+
+def _caution(scene: CableScene, place: Place, text: str) -> Caution:
+    line = scene.document.line(place)
+    return Caution(join_key(place) + (f" (line {line})" if line else ""), text)
+
+
+def _key(element: Element) -> str:
+    return "nodes7" if element.kind == "cubic" else "nodes4"
+
+
+def _length(element: Element, p: dict[int, float]) -> float:
+    return p[element.nodes[1]] - p[element.nodes[0]]
+
+
+@functools.cache
+def _unit_element(kind: str) -> tuple[float, float, tuple[float, float]]:
+    """Largest eigenvalues, axial and bending, of a free element of unit length, stiffness and mass; how easily r and
+    r' of its end move (diagonal of the inverse mass)."""
+    if kind == "linear":
+        return 12.0, 0.0, (4.0, 0.0)
+    x, weights = np.polynomial.legendre.leggauss(5)
+    x, weights = 0.5 * (x + 1.0), 0.5 * weights
+    value = np.array([1 - 3 * x**2 + 2 * x**3, x - 2 * x**2 + x**3, 3 * x**2 - 2 * x**3, x**3 - x**2])
+    first = np.array([6 * x**2 - 6 * x, 1 - 4 * x + 3 * x**2, 6 * x - 6 * x**2, 3 * x**2 - 2 * x])
+    second = np.array([12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2])
+    inverse = np.linalg.inv((value * weights) @ value.T)
+    axial, bending = (
+        float(np.linalg.eigvals(inverse @ ((shape * weights) @ shape.T)).real.max()) for shape in (first, second)
+    )
+    return axial, bending, (float(inverse[0, 0]), float(inverse[1, 1]))
+
+
+def _fastest(scene: CableScene, p: dict[int, float]) -> tuple[float, Place]:
+    """Largest squared frequency, rad^2/s^2, of any part by itself, and the part: an upper bound but for sums."""
+    found: list[tuple[float, Place]] = [(0.0, ())]
+    with np.errstate(all="ignore"):
+        found += _squares(scene, p)
+    return max((entry for entry in found if math.isfinite(entry[0])), key=lambda entry: entry[0])
+
+
+def _squares(scene: CableScene, p: dict[int, float]) -> list[tuple[float, Place]]:
+    """Squared frequencies of the parts; infinite or undefined for numbers that are no cable's."""
+    found: list[tuple[float, Place]] = []
+    ease: dict[int, tuple[float, float]] = {}
+    for element in scene.elements:
+        if element.rhoA == 0.0:
+            continue
+        length, density = np.float64(_length(element, p)), np.float64(element.rhoA)
+        axial, bending, (easy, turning) = _unit_element(element.kind)
+        square = axial * element.EA / (density * length**2) + bending * element.EJ / (density * length**4)
+        found.append((float(square), element.place))
+        mass = density * length
+        for node in element.nodes:
+            # A node between two elements is harder to move than the end of either.
+            known = ease.get(node, (math.inf, math.inf))
+            ease[node] = min(known[0], easy / mass), min(known[1], turning / (mass * length**2))
+    for tie in scene.ties:
+        if tie.stiffness is not None and tie.what in (0, 2):
+            both = sum(ease.get(node, (0.0, 0.0))[tie.what // 2] for node in tie.nodes)
+            found.append((float(tie.stiffness * both), tie.place))
+    for spring in (*scene.anchors, *scene.springs):
+        easiest = max(ease.get(node, (0.0, 0.0))[0] for node in spring.nodes)
+        found.append((float(spring.stiffness * easiest), spring.place))
+    return found
+
+
+def _steps(scene: CableScene) -> Sentences:
+    square, place = _fastest(scene, material_coordinates(scene))
+    step = longest_step(scene.solver, 0.0)
+    if scene.solver.method == "rk4" and step * math.sqrt(square) > RK4_LIMIT:
+        text = (
+            f"{step:g} s may be longer than RK4's critical step, which is at least about "
+            f"{RK4_LIMIT / math.sqrt(square):.2g} s (eq. 2.137, by {join_key(place)} in line "
+            f"{scene.document.line(place)} alone): `stability` finds it; take a smaller step, or type: G-alpha"
+        )
+        yield ("GeneralizedAlpha", "time_step"), text
+
+
+def _frames(scene: CableScene) -> Sentences:
+    solver = scene.solver
+    place = ("GeneralizedAlpha", "plotpoints")
+    step = longest_step(solver, solver.interval)
+    if solver.plotpoints * step > 1.0 + 1e-9:
+        text = (
+            f"{solver.plotpoints:g} frames a second are more than there are steps of {step:g} s: every step "
+            "is kept; ask for fewer, or take smaller steps"
+        )
+        yield place, text
+    elif 0.0 < solver.plotpoints * solver.end < 1.0 - 1e-9:
+        yield place, f"{solver.plotpoints:g} frames a second leave only the first and the last of {solver.end:g} s"
+    ratio = solver.interval / step
+    if abs(ratio - round(ratio)) > 1e-6 * ratio:
+        text = (
+            f"a frame every {solver.interval:g} s is not a whole number of steps of {step:g} s: the step "
+            f"taken is {solver.interval / math.ceil(ratio):.6g} s"
+        )
+        yield place, text
+
+
+def _lengths(scene: CableScene) -> Sentences:
+    """Elements that begin stretched or backwards, and ends without mass."""
+    p, nodes = material_coordinates(scene), {node.id: node for node in scene.nodes}
+    heavy = {node for mass in scene.masses for node in mass.nodes}
+    heavy |= {node for element in scene.elements if element.rhoA > 0.0 for node in element.nodes}
+    for element in scene.elements:
+        first, second = (nodes[node] for node in element.nodes)
+        line = chord(first.position, second.position)
+        if element.kind == "cubic":
+            for node in (first, second):
+                if sum(a * b for a, b in zip(node.slope or line, line, strict=True)) < 0.0:
+                    text = (
+                        f"the slope of node {node.id} points back along the element, which begins folded: swap the "
+                        "element's nodes, or turn xyz_d round"
+                    )
+                    yield (*element.place, "nodes7"), text
+        length = _length(element, p)
+        for node in (first, second) if element.kind == "cubic" else ():
+            size = math.hypot(*(node.slope or ()))
+            if abs(size - 1.0) > PRESTRETCHED:
+                text = f"is {size:.3g} long: it is dr/dp, and 1 where the cable is not stretched; give a unit vector"
+                yield (*node.place, "xyz_d"), text
+        arc = arc_length(first, second, length) if element.kind == "cubic" else math.hypot(*line)
+        if abs(arc / length - 1.0) > PRESTRETCHED:
+            word = "stretched" if arc > length else "shortened"
+            text = (
+                f"is {word} by {100.0 * abs(arc / length - 1.0):.2g} % at the start: {arc:.4g} m lie where "
+                f"{length:.4g} m of cable are; put right `p:` or pos0 if that is not meant"
+            )
+            yield (*element.place, _key(element)), text
+        for node in (first, second):
+            if node.id not in heavy and not all(node.held[:3]):
+                yield (*element.place, "rhoA"), f"node {node.id} is free and has no mass: give rhoA, or a PointMass"
+
+
+def _gaps(scene: CableScene) -> Sentences:
+    """Constraints that do not hold at the start, and functions that begin elsewhere than their nodes."""
+    p, nodes = material_coordinates(scene), {node.id: node for node in scene.nodes}
+    begins = {motion.id: motion.pos0 for motion in scene.motions}
+    for tie in scene.ties:
+        apart = _apart(tie, *(nodes[node] for node in tie.nodes), p)
+        if apart > APART * max(1.0, *(abs(x) for node in tie.nodes for x in (*nodes[node].position, p[node]))):
+            keep = "give `offset:` to keep them apart, or " if tie.what == 0 else ""
+            text = (
+                f"{WHAT[tie.what]} does not hold at the start: nodes {tie.nodes[0]} and {tie.nodes[1]} differ by "
+                f"{apart:.3g}; {keep}let them begin alike"
+            )
+            yield (*tie.place, "constr"), text
+    for coupling in scene.couplings:
+        gap, text = coupling_gap(coupling, nodes, p)
+        if gap > 0.0:
+            yield coupling.place, text
+    for node in scene.nodes:
+        for i, function in enumerate(node.functions[:-1]):
+            place = value_of(node, i + 1, p)
+            if function and abs(begins[function] - place) > APART * max(1.0, abs(place)):
+                text = (
+                    f"function {function} begins at {begins[function]:.6g}, and the node stands at {place:.6g}: it is "
+                    "put where the function begins; give the function that first value"
+                )
+                yield (*node.place, "BC_functions", i), text
+
+
+def _apart(tie: Tie, first: Node, second: Node, p: dict[int, float]) -> float:
+    """Distance of two tied nodes from what their tie wants."""
+    if tie.what == 1:
+        return abs(p[second.id] - p[first.id])
+    if tie.what == 2:
+        return math.dist(second.slope or (), first.slope or ())
+    return math.dist(chord(first.position, second.position), tie.offset)
+
+
+def _twice(scene: CableScene) -> Sentences:
+    """Nodes that are made equal in more than one way."""
+    kinds = {node.id: node.kind for node in scene.nodes}
+    ways: dict[tuple[frozenset[int], int], list[tuple[str, Place]]] = {}
+    for tie in scene.ties:
+        ways.setdefault((frozenset(tie.nodes), tie.what), []).append((tie.method, tie.place))
+    for coupling in scene.couplings:
+        node, dof = coupling.slave
+        what = 1 if dof == kinds[node] else 0 if dof <= 3 else 2
+        for master, _, _ in coupling.masters:
+            entries = ways.setdefault((frozenset((node, master)), what), [])
+            if "coupling" not in {method for method, _ in entries}:
+                entries.append(("coupling", coupling.place))
+    for (pair, what), entries in ways.items():
+        if len(entries) > 1 and len(pair) > 1:
+            names = " and ".join(map(str, sorted(pair)))
+            methods = ", ".join(method for method, _ in entries)
+            yield entries[-1][1], f"nodes {names} are tied by {WHAT[what]} more than once ({methods}): keep one"
+
+
+def _penalties(scene: CableScene) -> Sentences:
+    p = material_coordinates(scene)
+    stiffest = max(element.EA / _length(element, p) for element in scene.elements)
+    for tie in scene.ties:
+        if tie.what == 0 and tie.stiffness is not None and tie.stiffness > STIFF_PENALTY * stiffest > 0.0:
+            text = (
+                f"{tie.stiffness:.2g} N/m is {tie.stiffness / stiffest:.1g} times the stiffest element: rounding eats "
+                f"the forces; give {1e5 * stiffest:.1g}"
+            )
+            yield (*tie.place, "p_spring"), text
+
+
+def _idle(scene: CableScene) -> Sentences:
+    """What is written and has no effect."""
+    used = {function for node in scene.nodes for function in node.functions}
+    for motion in scene.motions:
+        if motion.id not in used:
+            yield (*motion.place, "id"), f"no BC_functions names function {motion.id}: it moves nothing"
+    for force in scene.forces:
+        if force.interval[0] >= scene.solver.end:
+            yield (*force.place, "timeInterval"), f"begins after the run has ended ({scene.solver.end:g} s)"
+    for motion in scene.motions:
+        if motion.velocities and not any(motion.velocities):
+            yield (*motion.place, "velocityList"), "is zero throughout: nothing moves"

@@ -1,0 +1,81 @@
+"""What a tolerance of Newton's method can reach: a residual is known no better than the numbers that it is made of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tautline.integrators.generalized_alpha import coefficients
+from tautline.integrators.linearise import evaluate
+from tautline.integrators.state import State, new_state
+from tautline.integrators.statics.equilibrium import ROUNDING
+from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, rows_of, solve_matrix
+from tautline.system.model import Model, SolverSettings
+from tautline.system.system import System
+
+EXAMINED = 1.0e-9
+"""Tolerance below which it is asked whether it can be reached; what applications choose themselves is above."""
+SAMPLES = 8
+"""Times that the signs of what rounding leaves are drawn, for its energy."""
+
+
+def within_rounding(model: Model, key: str = "solver.tolerance") -> Model:
+    """The model with a tolerance that its numbers can reach, and a note where the scene asks for less.
+
+    Iterations that seek less than rounding leaves are all in vain, and then the step is halved in vain too.
+    """
+    settings = model.solver
+    if settings.method == "rk4" or settings.tolerance >= EXAMINED:
+        return model
+    least = attainable(model.system, settings)
+    if not settings.tolerance < least < 1.0:
+        return model
+    note = (
+        f"{key} = {settings.tolerance:g} is below what the rounding of numbers leaves in this scene, {least:.1e}. "
+        f"The run uses {least:.1e}"
+    )
+    attributes = {**model.attributes, "tolerance": least}
+    return replace(
+        model, solver=replace(settings, tolerance=least), notes=[*model.notes, note], attributes=attributes
+    )
+
+
+def attainable(system: System, settings: SolverSettings) -> float:
+    """Least tolerance, by the settings' criterion, that rounding lets the iteration reach; zero where nothing moves.
+
+    A row's force is the sum of stiffnesses times positions, each of sixteen digits, as the drawing has them.
+    """
+    state = new_state(system)
+    if not system.size:
+        return 0.0
+    stiffness = new_matrix(system.size, system.bandwidth, system.border)
+    with np.errstate(all="ignore"):
+        evaluate(system, state, 0.0, 0.0, False, 0.0, 0.0, 1.0, stiffness, np.zeros(system.size))
+        left = ROUNDING * (abs(rows_of(stiffness)) @ np.abs(state.q))
+        left[system.algebraic] = 0.0
+        if settings.criterion == "energy":
+            least = _energy(system, settings, state, left)
+        else:
+            least = float((left / system.scale).max())
+    return least if np.isfinite(least) else 0.0
+
+
+def _energy(system: System, settings: SolverSettings, state: State, left: np.ndarray) -> float:
+    """Error of eq. 2.78 of increments that solve for what rounding leaves: the largest of some draws of its signs."""
+    alpha_m, alpha_f = (0.0, 0.0) if settings.method == "newmark" else (settings.alpha_m, settings.alpha_f)
+    beta, gamma = coefficients(alpha_m, alpha_f)
+    h = min(settings.step, settings.interval)
+    factors = new_factors(system.size, system.bandwidth, system.border)
+    mass = (1.0 - alpha_m) / (beta * h * h * (1.0 - alpha_f))
+    evaluate(system, state, 0.0, 0.0, False, mass, gamma / (beta * h), 1.0, factors.matrix, np.zeros(system.size))
+    if factorise_matrix(factors):
+        return 0.0
+    draws, largest = np.random.default_rng(0), 0.0
+    for _ in range(SAMPLES):
+        force = left * draws.choice([-1.0, 1.0], left.size)
+        increment = force.copy()
+        solve_matrix(factors, increment)
+        largest = max(largest, abs(float(force @ increment)))
+    unit = settings.energy_unit or float(system.scale.max(initial=0.0)) or 1.0
+    return float(np.sqrt(largest / unit))

@@ -1,0 +1,178 @@
+"""Dynamic relaxation: a damped march with everything that drives the scene held as it is at t = 0, until it is at rest.
+
+It finds what the static solver cannot look for: the state that a scene with friction, contacts and slack ropes settles
+in from where it begins. The damping is proportional to mass, eq. 2.168, with the force -alpha M v integrated exactly by
+v <- v exp(-alpha h) after each step, so that every group and every method has it. alpha is twice the frequency of what
+still moves, the critical damping of a mode of that frequency, estimated as in adaptive dynamic relaxation (Underwood
+1983) by the Rayleigh quotient of the way gone and the force lost on it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import exp, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.integrators.generalized_alpha import GeneralizedAlpha
+from tautline.integrators.linearise import evaluate
+from tautline.integrators.rk4 import RungeKutta4
+from tautline.integrators.state import WORST, State
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.integrators.time_loop import march, new_frames
+from tautline.integrators.vibration.critical_step import CriticalStep
+from tautline.kernels.dofs import expand
+from tautline.kernels.jit import entry
+from tautline.kernels.matrix import Matrix, Rows, new_matrix, rows_of
+from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
+from tautline.system.system import System
+
+MOST_STEPS = 200_000
+"""Steps after which a scene that still moves is taken not to come to rest."""
+BETWEEN = 20
+"""Steps between two looks at the balance of forces, and of an explicit method between two dampings."""
+STEPS_PER_RADIAN = 5.0
+"""An implicit method takes steps up to this part of what still moves, or the scene's own step where that is longer."""
+
+
+class Relaxation(NamedTuple):
+    """How it ended: steps taken, and the largest inertia force over its row's scale."""
+
+    steps: int
+    imbalance: float
+
+
+def relax(
+    system: System,
+    state: State,
+    method: GeneralizedAlpha | RungeKutta4,
+    step: float,
+    own: int = 0,
+    tolerance: float = 1e-7,
+    most: int = MOST_STEPS,
+) -> Relaxation:
+    """March the state to rest, and leave it there with no velocity.
+
+    Parameters
+    ----------
+    system : System
+    state : State
+        Where it begins, and where it is left.
+    method : GeneralizedAlpha or RungeKutta4
+        The method of the run; friction and contacts act as they do in it.
+    step : float
+        Step, s; an implicit method may take longer ones.
+    own : int
+        Numbers that the groups record.
+    tolerance : float
+        Largest inertia force over the scale of its row that counts as rest.
+    most : int
+        Steps after which to give up.
+
+    Returns
+    -------
+    Relaxation
+
+    Raises
+    ------
+    StoppedEarly
+        NO_EQUILIBRIUM where the scene does not come to rest, or with the status of a step that failed.
+    """
+    still = replace(system, functions=_frozen(system))
+    frames = new_frames(1, system.q.size, own)
+    mass = new_matrix(system.size, system.bandwidth, system.border)
+    explicit = isinstance(method, RungeKutta4)
+    if explicit:
+        _check(still, state, step)
+    moves = np.ones(system.size)
+    moves[system.algebraic] = 0.0
+    last_q, last_a = state.q.copy(), np.zeros(system.size)
+    alpha, h, longest, worst = 0.0, step, np.inf, 0
+    kept = state.q[system.at_rest].copy()
+    # An explicit step is so short that many pass before the damping has to act again.
+    together, times = (BETWEEN, 1) if explicit else (1, BETWEEN)
+    for round_ in range(1, most // BETWEEN + 1):
+        for _ in range(times):
+            part = np.array([together * h]), np.array([together])
+            status, _, _ = march(method, still, state, *part, 0.0, frames)
+            if status != Status.DONE and h > step:
+                # Too long a step: what it was grown by is taken back.
+                h = longest = max(step, 0.25 * h)
+                continue
+            if status != Status.DONE:
+                name = system.name_of(int(state.counters[WORST]))
+                raise StoppedEarly(Status(status), 0.0, name, "during the relaxation")
+            state.q[system.at_rest] = kept
+            state.v[system.at_rest] = state.a[system.at_rest] = 0.0
+            damp(system.dofs, state, exp(-alpha * together * h))
+        m = _mass(still, state, mass)
+        force = np.abs(m @ (moves * state.a)) * moves / system.scale
+        size, worst = float(force.max(initial=0.0)), int(force.argmax()) if force.size else 0
+        if not np.isfinite(size):
+            raise StoppedEarly(Status.NOT_FINITE, 0.0, system.names[worst], "during the relaxation")
+        if size <= tolerance:
+            _settle(system, state)
+            return Relaxation(BETWEEN * round_, size)
+        square = _frequency(m, moves * (state.q - last_q), moves * (last_a - state.a)) if round_ > 1 else 0.0
+        if square > 0.0:
+            alpha = 2.0 * sqrt(square)
+            if not explicit:
+                h = min(longest, 2.0 * h, max(step, 2.0 / (STEPS_PER_RADIAN * alpha)))
+        last_q, last_a = state.q.copy(), state.a.copy()
+    detail = f"still moving after {most} steps of dynamic relaxation"
+    raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)
+
+
+def _frequency(mass: Rows, way: np.ndarray, lost: np.ndarray) -> float:
+    """Square of the frequency of what still moves, 1/s^2, from the way gone and the acceleration lost on it."""
+    weight = float(way @ (mass @ way))
+    return float(way @ (mass @ lost)) / weight if weight > 0.0 else 0.0
+
+
+@entry
+def damp(dofs, state, factor):
+    """Multiply every velocity that is an unknown."""
+    for i in range(state.v.size):
+        state.v[i] *= factor
+    expand(dofs, state.v, state.full_v)
+
+
+def _mass(system: System, state: State, matrix: Matrix) -> Rows:
+    """Mass matrix (n, n) at the state; the state is left as it is."""
+    keep = state.residual.copy()
+    evaluate(system, state, 0.0, 0.0, False, 1.0, 0.0, 0.0, matrix, np.zeros(system.size))
+    state.residual[:] = keep
+    return rows_of(matrix)
+
+
+def _check(system: System, state: State, step: float) -> None:
+    critical, worst = CriticalStep(system).search(state, 0.0)
+    if step > critical:
+        detail = f"step {step:g} s, critical step {critical:.4g} s"
+        raise StoppedEarly(Status.UNSTABLE, 0.0, system.names[worst], detail)
+
+
+def _settle(system: System, state: State) -> None:
+    """Leave the state at rest, with nothing in the books."""
+    damp(system.dofs, state, 0.0)
+    state.a.fill(0.0)
+    state.auxiliary.fill(0.0)
+    state.ledger.fill(0.0)
+    state.counters.fill(0)
+
+
+def _frozen(system: System) -> TimeFunctions:
+    """Functions of time that stay what they are at t = 0; those of steady flow go on at their rate."""
+    count = system.functions.track_from.size - 1
+    dofs, flowing = system.dofs, set(system.dofs.flowing.tolist())
+    for i in system.dofs.flowing:
+        masters = dofs.unknown[dofs.start[i] : dofs.start[i + 1]]
+        flowing |= {int(-1 - k) for k in masters if k < 0}
+    goes_on = {int(m) for i, m in zip(dofs.held, dofs.motion, strict=True) if int(i) in flowing}
+    rows = np.zeros((count, DEGREES))
+    for k in range(count):
+        value, rate, _ = value_at(system.functions, k, 0.0)
+        rows[k, :2] = value, rate if k in goes_on else 0.0
+    each, none = np.arange(count + 1), np.zeros(count + 1, np.int64)
+    return TimeFunctions(each, none, np.empty(0), np.zeros(count), rows, none, np.empty((0, 5)))

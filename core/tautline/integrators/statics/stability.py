@@ -1,0 +1,211 @@
+"""Whether an equilibrium is stable: the inertia of the tangent, which is how many of its eigenvalues are negative."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.integrators.linearise import evaluate
+from tautline.integrators.state import State
+from tautline.integrators.statics.equilibrium import find_equilibrium, levers, search_from
+from tautline.kernels.matrix import (
+    Factors,
+    Matrix,
+    dense,
+    factorise_matrix,
+    new_factors,
+    new_matrix,
+    replace_by_identity,
+    sparse,
+)
+from tautline.system.system import System
+
+NEUTRAL = 1e-8
+"""Share of a row's own stiffness below which a negative stiffness counts as none: rounding and the balance's tolerance
+leave that much in a mode that nothing resists, such as a free rotation."""
+SKEW = 1e-6
+"""Share of the stiffness of its two rows by which an entry may differ from its mirror. Beyond it a tangent is not
+symmetric: its forces have no potential, and the sign of its pivots proves nothing."""
+SMALL = 600
+"""Unknowns up to which eigenvalues are taken in full: they show the motion that lowers the energy most."""
+
+
+SPRING = 1e-6
+"""Softness of a constraint where pivots are counted, over that of the stiffest unknown."""
+
+
+class Stability(NamedTuple):
+    """How many independent motions lower the energy, the unknown that one of them moves most, and that motion (n,).
+
+    ``negative`` is -1 where it is not known: the tangent is not symmetric, or a pivot of it is zero.
+    """
+
+    negative: int
+    worst: int
+    mode: np.ndarray
+
+
+UNKNOWN = Stability(-1, 0, np.zeros(0))
+LEAVING = ((2.0, 0.1), (2.0, 1.0), (10.0, 1.0))
+"""With which a search leaves an unstable equilibrium: its shift over the square of the rate at which the motion grows,
+and the push over the largest change of an unknown. A step as long as the motion's own time follows it downhill."""
+SHIFTS = (1.0, 100.0, 1.0e4, 1.0e6, 1.0e8)
+"""Shifts, 1/s^2, that are tried after those."""
+ASIDE = 0.1
+"""The push with them."""
+
+
+def find_stable_equilibrium(system: System, state: State, step_limit: float) -> Stability:
+    """Move the state to a static equilibrium at t = 0, and to a stable one if that can be found.
+
+    What :func:`~tautline.integrators.statics.equilibrium.find_equilibrium` finds may be a maximum or a saddle of the
+    energy. It is left then along the motion that lowers the energy most, and searched on by pseudo-transient
+    continuation, an overdamped motion downhill.
+
+    Returns
+    -------
+    Stability
+        Of where the state is left: the first equilibrium, unstable, if none that is stable was found.
+
+    Raises
+    ------
+    StoppedEarly
+        NO_EQUILIBRIUM, where none was found at all.
+    """
+    find_equilibrium(system, state, step_limit)
+    first = count_negative(system, state)
+    if first.negative <= 0:
+        return first
+    found, growth = state.q.copy(), _growth(system, state, first.mode)
+    mode = first.mode / max(float(np.abs(first.mode * levers(system)).max()), 1e-300)
+    tries = [(share * growth, push) for share, push in LEAVING if growth > 0.0]
+    for shift, push in (*tries, *((shift, ASIDE) for shift in SHIFTS)):
+        state.q[:] = found + push * step_limit * mode
+        if search_from(system, state, step_limit, shift):
+            now = count_negative(system, state)
+            if now.negative == 0:
+                return now
+    state.q[:] = found
+    again = new_factors(system.size, system.bandwidth, system.border).matrix
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, again, np.zeros(system.size))
+    return first
+
+
+def _growth(system: System, state: State, mode: np.ndarray) -> float:
+    """Square of the rate, 1/s^2, at which a motion (n,) away from a state at rest grows: -K over M along it."""
+    along = []
+    for part in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)):
+        matrix = new_matrix(system.size, system.bandwidth, system.border)
+        evaluate(system, state, 0.0, 1.0, True, *part, matrix, np.zeros(system.size))
+        along.append(float(mode @ (sparse(matrix) @ mode)))
+    mass, stiffness = along
+    return -stiffness / mass if mass > 0.0 else 0.0
+
+
+def count_negative(system: System, state: State) -> Stability:
+    """Negative pivots of the stiffness at a state at rest, with t = 0; those that multipliers bring are left out.
+
+    The factors count them. Where there are some, the eigenvalues of a small scene show the motion that gains most.
+    """
+    if system.size == 0:
+        return Stability(0, 0, np.zeros(0))
+    found = _by_pivots(system, _stiffness(system, state))
+    if found.negative == 0 or system.size > SMALL:
+        return found
+    return _by_eigenvalues(system, _stiffness(system, state).matrix)
+
+
+def _stiffness(system: System, state: State) -> Factors:
+    """Tangent at rest, with what stays at rest left out, and room for its factors."""
+    # With a threshold of zero no rows are exchanged: the signs of the pivots are then those of the eigenvalues.
+    factors = new_factors(system.size, system.bandwidth, system.border, 0.0)
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, factors.matrix, np.zeros(system.size))
+    for row in system.at_rest:
+        _leave_out(factors.matrix, row)
+    return factors
+
+
+def _leave_out(matrix: Matrix, row: int) -> None:
+    """Make a row and its column those of the unit matrix."""
+    n = matrix.band.shape[0]
+    if row >= n:
+        matrix.right[row - n] = 0.0
+        matrix.corner[row - n] = 0.0
+    else:
+        matrix.band[row] = 0.0
+        matrix.lower[:, row] = 0.0
+    replace_by_identity(matrix, row)
+
+
+def _by_pivots(system: System, factors: Factors) -> Stability:
+    """Count by the factors: as many pivots are negative as eigenvalues (Sylvester's law of inertia).
+
+    A multiplier takes away a motion and brings one negative pivot. Its row is given a slight negative entry on the
+    diagonal, which is a stiff spring in the constraint's place and lets rows stay in their order. What is left of a
+    border when the band has been eliminated is a small matrix of its own, whose eigenvalues are counted.
+    """
+    n, k, border = system.size, system.bandwidth, system.border
+    band, corner = factors.matrix.band, factors.matrix.corner
+    if not _symmetric(factors.matrix, k):
+        return UNKNOWN
+    stiffest = max(float(np.abs(band[:, 2 * k]).max(initial=0.0)), float(np.abs(corner).max(initial=0.0)), 1e-300)
+    size = np.concatenate([np.abs(band[:, 2 * k]), np.abs(np.diagonal(corner))])
+    shift = NEUTRAL * np.where(size > 0.0, size, 1.0)
+    shift[system.algebraic] = -SPRING / stiffest
+    band[:, 2 * k] += shift[: n - border]
+    corner[np.diag_indices(border)] += shift[n - border :]
+    left = corner.T.copy()
+    if factorise_matrix(factors):
+        return UNKNOWN
+    wrong = np.flatnonzero(factors.inverse < 0.0)
+    left -= factors.matrix.lower @ factors.columns.T
+    beyond = int((np.linalg.eigvalsh(0.5 * (left + left.T)) < 0.0).sum()) if border else 0
+    negative = wrong.size + beyond - system.algebraic.size
+    worst = np.setdiff1d(wrong, system.algebraic)
+    # Any disturbance has a part along the motion that grows.
+    mode = np.random.default_rng(1).uniform(-1.0, 1.0, n)
+    mode[system.at_rest] = 0.0
+    mode[system.algebraic] = 0.0
+    return Stability(negative, int(worst[0]) if worst.size else n - 1, mode)
+
+
+def _symmetric(matrix: Matrix, k: int) -> bool:
+    """Whether each entry of the band and the border is as its mirror, by the stiffness of their rows."""
+    band = matrix.band
+    size = np.sqrt(np.abs(band[:, 2 * k]))
+    size[size == 0.0] = 1.0
+    below = (
+        (band[:-d, 2 * k + d], band[d:, 2 * k - d], size[:-d] * size[d:]) for d in range(1, min(k, size.size - 1) + 1)
+    )
+    edge = np.sqrt(np.abs(np.diagonal(matrix.corner)))
+    edge[edge == 0.0] = 1.0
+    border = (
+        (matrix.right, matrix.lower, edge[:, None] * size),
+        (matrix.corner, matrix.corner.T, np.outer(edge, edge)),
+    )
+    return all(np.all(np.abs(low - high) <= SKEW * both) for low, high, both in (*below, *border))
+
+
+def _by_eigenvalues(system: System, matrix: Matrix) -> Stability:
+    full = dense(matrix)
+    unit = np.abs(np.diagonal(full)).copy()
+    unit[unit == 0.0] = 1.0
+    unit[system.algebraic] = 1.0
+    unit = 1.0 / np.sqrt(unit)
+    full *= unit[:, None] * unit
+    if np.abs(full - full.T).max() > SKEW:
+        return UNKNOWN
+    held = full[system.algebraic]
+    moves = np.setdiff1d(np.arange(system.size), system.algebraic)
+    free = np.eye(moves.size)
+    if held.size:
+        _, sizes, directions = np.linalg.svd(held[:, moves])
+        rank = int((sizes > 1e-12 * sizes.max(initial=0.0)).sum())
+        free = directions[rank:].T
+    values, modes = np.linalg.eigh(free.T @ full[np.ix_(moves, moves)] @ free)
+    negative = int((values < -NEUTRAL).sum())
+    mode = np.zeros(system.size)
+    mode[moves] = (free @ modes[:, 0]) * unit[moves]
+    worst = int(np.argmax(np.abs(mode)))
+    return Stability(negative, worst, mode / np.abs(mode[worst]))

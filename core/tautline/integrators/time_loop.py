@@ -1,0 +1,260 @@
+"""The time loop: compiled, through as many output frames as it is given, with nothing allocated inside."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import typeof
+
+from tautline.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha_step
+from tautline.integrators.linearise import SUMS, evaluate_scene
+from tautline.integrators.newton import DONE
+from tautline.integrators.rk4 import RungeKutta4, accelerate, account, rk4_step
+from tautline.integrators.state import (
+    DISSIPATED,
+    FACTORISATIONS,
+    HALVINGS,
+    ITERATIONS,
+    STEPS,
+    WORK,
+    open_ledger,
+)
+from tautline.kernels import groups as over
+from tautline.kernels.dofs import expand, expand_held
+from tautline.kernels.groups import hook_jobs
+from tautline.kernels.jit import entry, kernel
+from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix
+from tautline.kernels.parallel_compile import compile_all
+
+ENERGIES = 5
+"""Numbers of a frame that are energies."""
+WORK_LIMIT, STEP, PART = range(3)
+"""Places in ``pause``, see :func:`new_pause`."""
+PAUSED = -1
+"""In place of a status: the loop goes back to Python in the middle of a frame, and can be called again."""
+
+
+class Frames(NamedTuple):
+    """What the loop leaves behind at each output time, one row a frame, cut out of ``rows`` (m, width).
+
+    Time (m,); full position, velocity, acceleration and residual (m, n_full); kinetic, strain and potential energy,
+    work and dissipation (m, 5) J; the groups' own numbers (m, k).
+    """
+
+    rows: np.ndarray
+    time: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    residual: np.ndarray
+    energy: np.ndarray
+    own: np.ndarray
+
+
+def new_frames(rows: int, full: int, own: int) -> Frames:
+    """Room for a number of frames."""
+    return frames_of(np.zeros((rows, 1 + 4 * full + ENERGIES + own)), full)
+
+
+def frames_of(rows: np.ndarray, full: int) -> Frames:
+    """Name the parts of frames (m, width)."""
+    cuts = 1 + full * np.arange(5)
+    parts = [rows[:, cuts[k] : cuts[k + 1]] for k in range(4)]
+    return Frames(rows, rows[:, 0], *parts, rows[:, cuts[4] : cuts[4] + ENERGIES], rows[:, cuts[4] + ENERGIES :])
+
+
+def new_pause() -> np.ndarray:
+    """Where the loop stands between two calls (3,) int, at the start of a frame and without a limit.
+
+    The work (:func:`work_done`) at which it goes back to Python before the next part of a step, whether a frame is full
+    or not; the steps of the frame under way that are done; and of the step under way the parts of the finest size.
+    """
+    return np.array([np.iinfo(np.int64).max, 0, 0])
+
+
+@kernel(forceinline=True)
+def work_done(counters):
+    """Steps, iterations and factorisations of a run so far: what its time goes into, whatever its steps do."""
+    return counters[STEPS] + counters[ITERATIONS] + counters[FACTORISATIONS]
+
+
+@kernel
+def record_frame(groups, state, t, row, at):
+    """Write one frame into its row; ``at`` is scratch for the groups' own numbers."""
+    n = state.full_q.size
+    row[0] = t
+    for i in range(n):
+        row[1 + i] = state.full_q[i]
+        row[1 + n + i] = state.full_v[i]
+        row[1 + 2 * n + i] = state.full_a[i]
+        row[1 + 3 * n + i] = state.residual[i]
+    energy = row[1 + 4 * n : 1 + 4 * n + ENERGIES]
+    energy.fill(0.0)
+    over.energy(groups, t, state.full_q, state.full_v, energy)
+    energy[3] = state.ledger[WORK]
+    energy[4] = state.ledger[DISSIPATED]
+    at[0] = 1 + 4 * n + ENERGIES
+    over.record(groups, row, at)
+
+
+@kernel(forceinline=True)
+def open_run(groups, state, t, power):
+    """Settle the laws at the start and open the ledger."""
+    over.commit(groups, t, 0.0, state.full_q, state.full_v, state.full_a)
+    open_ledger(groups, state, t, power)
+
+
+DOUBLED_BELOW = 1.0 / 12.0
+"""Share of the tolerance below which a step's error lets the next be twice as long: the error grows by about eight."""
+
+
+@kernel(forceinline=True)
+def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
+    """One implicit step of length h, in halves, quarters, ... where it is not solved or not accurate.
+
+    Returns a status, or PAUSED. The next step goes on in parts of the size that this one ended with, or twice that: a
+    step much longer than the last would carry what is left of a disturbance too far.
+    """
+    finest = 2**method.max_halvings
+    controlled = method.tolerance > 0.0
+    size = max(1, int(method.control[1] * finest))
+    at = pause[PART]
+    pause[PART] = 0
+    while at < finest:
+        if work_done(state.counters) >= pause[WORK_LIMIT]:
+            pause[PART] = at
+            method.control[1] = size / finest
+            return PAUSED
+        status = generalized_alpha_step(
+            method, groups, dofs, functions, state, t + h * (at / finest), h * (size / finest)
+        )
+        if status == DONE:
+            state.counters[STEPS] += 1
+            at += size
+            may_grow = not controlled or method.control[0] < DOUBLED_BELOW * method.tolerance
+            if size < finest and at % (2 * size) == 0 and may_grow:
+                size *= 2
+        elif size == 1:
+            return status
+        else:
+            size //= 2
+            state.counters[HALVINGS] += 1
+    method.control[1] = size / finest
+    return DONE
+
+
+@entry
+def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, rows, pause):
+    """Go through output frames with an implicit method; see :func:`march`."""
+    t0 = begin
+    at = method.corrector.changed
+    for k in range(ends.size):
+        if steps[k] == 0:
+            open_run(groups, state, t0, method.power)
+        h = (ends[k] - t0) / max(steps[k], 1)
+        done = pause[STEP]
+        pause[STEP] = 0
+        for step in range(done, steps[k]):
+            status = divide_and_advance(method, groups, dofs, functions, state, t0 + step * h, h, pause)
+            if status == PAUSED:
+                pause[STEP] = step
+                return DONE, k, t0 + step * h
+            if status != DONE:
+                return status, k, t0 + step * h
+        record_frame(groups, state, ends[k], rows[k], at)
+        t0 = ends[k]
+    return DONE, ends.size, t0
+
+
+@entry
+def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, rows, pause):
+    """Go through output frames with an explicit method; see :func:`march`.
+
+    Such a method knows acceleration and reactions at the start of its steps only: they are made anew for a frame.
+    """
+    t0 = begin
+    for k in range(ends.size):
+        if steps[k] == 0:
+            open_run(groups, state, t0, method.power)
+        h = (ends[k] - t0) / max(steps[k], 1)
+        done = pause[STEP]
+        pause[STEP] = 0
+        for step in range(done, steps[k]):
+            if work_done(state.counters) >= pause[WORK_LIMIT]:
+                pause[STEP] = step
+                return DONE, k, t0 + step * h
+            status = rk4_step(method, groups, dofs, functions, state, t0 + step * h, h)
+            if status != DONE:
+                return status, k, t0 + step * h
+            state.counters[STEPS] += 1
+        expand_held(dofs, state.full_a)
+        status = accelerate(method, groups, dofs, ends[k], state)
+        if status != DONE:
+            return status, k, ends[k]
+        expand(dofs, state.a, state.full_a)
+        account(method, groups, dofs, ends[k], state)
+        record_frame(groups, state, ends[k], rows[k], method.at)
+        t0 = ends[k]
+    return DONE, ends.size, t0
+
+
+_ALWAYS = ("begin", "alarm", "commit", "record", "energy", "dissipation", "supply", "residual")
+MARCHES = {
+    GeneralizedAlpha: (march_implicit, lambda m: (*_ALWAYS, "switch", "smooth_tangent", "switching_tangent")),
+    RungeKutta4: (
+        march_explicit,
+        lambda m: (*_ALWAYS, "force", "violation", "diagonal_mass" if isinstance(m.mass, np.ndarray) else "mass"),
+    ),
+}
+"""The compiled loop of each method and the sums that it asks of the groups: a new method is one line here."""
+
+
+def compile_for(method, system, state, announce=None):
+    """Compile what a run will need, or load it, with the processors there are; see :func:`compile_all`."""
+    loop, sums = MARCHES[type(method)]
+    groups, scene = np.zeros(0, np.int64), (system.dofs, system.functions, state)
+    none, rows = np.zeros(0), np.zeros((0, 0))
+    factors = new_factors(0, 0)
+    calls = [
+        (loop, (method, groups, *scene, none, groups, 0.0, rows, groups)),
+        (evaluate_scene, (groups, *scene, 0.0, 0.0, False, 0.0, 0.0, 0.0, new_matrix(0, 0), none)),
+        (solve_matrix, (factors, none)),
+        (factorise_matrix, (factors,)),
+    ]
+    heavy, common, *parts = ((function, tuple(typeof(x) for x in given)) for function, given in calls)
+    hooks = hook_jobs(system.groups, *dict.fromkeys((*sums(method), *SUMS)))
+    # The loop, which is heaviest, takes in the last two: it is begun when others have made them.
+    compile_all([*hooks[:1], heavy, common, *hooks[1:], *parts], announce)
+
+
+def march(method, system, state, ends, steps, begin, frames, pause=None):
+    """Go through output frames and record each, in compiled code.
+
+    Parameters
+    ----------
+    method : GeneralizedAlpha or RungeKutta4
+    system : System
+    state : State
+        At time ``begin``.
+    ends : (m,) array
+        Time of each frame, s.
+    steps : (m,) int array
+        Steps up to it from the frame before; 0 for the frame that opens the run.
+    begin : float
+        Time of the frame before the first, s.
+    frames : Frames
+        Filled row by row from the first.
+    pause : (3,) int array, optional
+        From :func:`new_pause`, with a limit of work; it keeps what is needed to go on. The results are the same to the
+        bit wherever a run is paused.
+
+    Returns
+    -------
+    (int, int, float)
+        Status, frames filled, time reached. Fewer frames than were asked for, with DONE, are those of a run that was
+        paused: the next call has to begin with the frame under way.
+    """
+    loop, sums = MARCHES[type(method)]
+    groups, pause = system.link(sums(method)), new_pause() if pause is None else pause
+    return loop(method, groups, system.dofs, system.functions, state, ends, steps, begin, frames.rows, pause)

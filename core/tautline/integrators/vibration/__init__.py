@@ -1,0 +1,1 @@
+"""Small vibrations about a state: modes, complex eigenvalues, the longest explicit step, checks of the tangent."""

@@ -1,0 +1,246 @@
+"""Numba's cache for our own kernels: in our folder, in numba's file format, and never a reason for a run to fail.
+
+What cannot be read is as good as absent: it is compiled and written anew. The key of a kernel holds the contents of all
+that goes into it and is no part of the core or of an installed application.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import inspect
+import io
+import os
+import pickle
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from numba.core import sigutils, types
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
+from numba.core.compiler import CompileResult
+from numba.core.serialize import NumbaPickler
+
+from tautline.kernels.compiling import storage
+from tautline.kernels.compiling.inlined import PLAIN, Reader
+from tautline.kernels.compiling.sources import fingerprint, is_ours
+
+KERNELS_OF: list[Callable[[type], Iterator[Any]]] = []
+"""Each gives the kernels that compiled code calls for a class of named tuples among its arguments."""
+WAIT = 10.0
+"""Seconds to wait for another process that writes the same index; then this one writes all the same."""
+
+
+class Locator(_CacheLocator):
+    """Where a function's code is kept."""
+
+    def __init__(self, function: Any, file: str) -> None:
+        self._py_file, self._lineno = file, function.__code__.co_firstlineno
+        self._folder = self.get_suitable_cache_subpath(file)
+
+    def get_cache_path(self) -> str:
+        """Folder to write to."""
+        return self.path(storage.folder_to_write())
+
+    def path(self, folder: Path | None) -> str:
+        """Folder of the function below one of ours."""
+        return os.path.join(folder or os.devnull, self._folder)
+
+    def get_source_stamp(self) -> str:
+        """The contents are in the keys."""
+        return "tautline"
+
+    def get_disambiguator(self) -> str:
+        """The line, as numba has it."""
+        return str(self._lineno)
+
+
+_known: dict[str, tuple[Any, dict[Any, str]]] = {}
+"""What a list held when it was read last, and the stamp of its file then."""
+
+
+class Files(IndexDataCacheFile):
+    """One file a function that lists its compiled signatures, and one for each of them.
+
+    The list is read once while it stays as it is: a run loads dozens of signatures of one function. The name of a file
+    follows from its key, so that two processes that compile different signatures at once never give them the same.
+    """
+
+    def _load_index(self) -> dict[Any, str]:
+        try:
+            file = os.stat(self._index_path)
+            stamp = file.st_mtime_ns, file.st_size, file.st_ino
+            if _known.get(self._index_path, (None,))[0] != stamp:
+                _known[self._index_path] = stamp, dict(super()._load_index())
+            return dict(_known[self._index_path][1])
+        except Exception:  # whatever a damaged file raises when it is read as Python's objects
+            return {}
+
+    def save(self, key: Any, data: Any) -> None:
+        """Write the code, and then the list that names it; processes write a list one after another."""
+        name = f"{self._index_name[:-4]}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
+        os.makedirs(self._cache_path, exist_ok=True)
+        self._save_data(name, data)
+        with self._alone():
+            listed = self._load_index()
+            listed[key] = name
+            self._save_index(listed)
+
+    @contextlib.contextmanager
+    def _alone(self) -> Iterator[None]:
+        from filelock import FileLock
+
+        lock = FileLock(f"{self._index_path}.lock", timeout=WAIT)
+        # Without it an entry of another process may be lost, and is compiled again.
+        with contextlib.suppress(Exception):
+            lock.acquire()
+        try:
+            yield
+        finally:
+            lock.release()
+
+    def _save_data(self, name: str, data: Any) -> None:
+        # Numba reads up to the end of the object; what follows tells whether the file is whole.
+        written = self._dump(data)
+        with self._open_for_write(self._data_path(name)) as file:
+            file.write(written + hashlib.sha256(written).digest())
+
+    def _load_data(self, name: str) -> Any:
+        data = Path(self._data_path(name)).read_bytes()
+        if hashlib.sha256(data[:-32]).digest() != data[-32:]:
+            raise ValueError(f"{name} is damaged")
+        return pickle.loads(data)
+
+    def _dump(self, held: Any) -> bytes:
+        with io.BytesIO() as written:
+            _Pickler(written, protocol=4).dump(held)
+            return written.getvalue()
+
+
+class _Pickler(NumbaPickler):
+    """Names classes of a user's script, which numba would write out: what is read would be of another class then."""
+
+    def reducer_override(self, held: Any) -> Any:
+        main = sys.modules.get("__main__")
+        if isinstance(held, type) and held.__module__ == "__main__" and vars(main).get(held.__qualname__) is held:
+            return NotImplemented
+        return super().reducer_override(held)
+
+
+class Code(CompileResultCacheImpl):
+    """How a compiled function is written and read."""
+
+    def __init__(self, function: Any, file: str) -> None:
+        self._lineno = function.__code__.co_firstlineno
+        self._locator = Locator(function, file)
+        base = os.path.splitext(os.path.basename(file))[0]
+        name = f"{base}.{function.__qualname__}"
+        self._filename_base = self.get_filename_base(name, getattr(sys, "abiflags", ""))
+
+    def rebuild(self, context: Any, payload: Any) -> Any:
+        """Make the function of what numba's own wrote."""
+        if PLAIN:
+            return super().rebuild(context, payload)
+        described = payload[1]
+        names = described.llvm_func_name, described.llvm_cpython_wrapper_name, described.llvm_cfunc_wrapper_name
+        return CompileResult._rebuild(Reader(context, names), *payload)._replace(target_context=context)
+
+
+class KernelCache(FunctionCache):
+    """The cache of one of our functions. What it cannot do is not done: the function is compiled."""
+
+    _impl_class = Code
+
+    def __init__(self, function: Any) -> None:
+        self._name, self._py_func = repr(function), function
+        file = inspect.getfile(function)
+        self._impl = Code(function, file)
+        self._is_ours = is_ours(function)
+        self._files: dict[str, Files] = {}
+        self._enabled = True
+
+    @property
+    def cache_path(self) -> str:
+        """Folder to write to."""
+        return self._impl.locator.get_cache_path()
+
+    def _file(self, folder: Path | None) -> Files:
+        path = self._impl.locator.path(folder)
+        if path not in self._files:
+            self._files[path] = Files(path, self._impl.filename_base, self._impl.locator.get_source_stamp())
+        return self._files[path]
+
+    def _places(self) -> list[Files]:
+        """Where code may be: in the folder that is kept, and in the one that takes its place."""
+        folders = [storage.kept_folder()]
+        if storage.folder_to_write.cache_info().currsize:
+            folders.append(storage.folder_to_write())
+        return [self._file(folder) for folder in dict.fromkeys(folders) if folder is not None]
+
+    def flush(self) -> None:
+        """Forget what is kept."""
+        with contextlib.suppress(Exception):
+            self._file(storage.folder_to_write()).flush()
+
+    def holds(self, signature: Any, context: Any) -> bool:
+        """Whether there is code for the types of the arguments; whether it can be used is seen when it is read."""
+        key = self._index_key(signature, context.codegen())
+        return any(key in files._load_index() for files in self._places())
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """Load code, None if there is none that can be used.
+
+        Numba makes its compiler ready first, with all functions that it knows, which takes a quarter of a second. What
+        comes from the cache needs none of them.
+        """
+        if not self._enabled:
+            return None
+        arguments = sigutils.normalize_signature(signature)[0]
+        if PLAIN:
+            context.refresh()
+        key = self._index_key(signature, context.codegen())
+        for files in self._places():
+            with contextlib.suppress(Exception):  # whatever a damaged file raises
+                data = files.load(key)
+                found = None if data is None else self._impl.rebuild(context, data)
+                if found is not None and tuple(found.signature.args) == tuple(arguments):
+                    return found
+        context.refresh()
+        return None
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep code; a disk that is full, or a folder that is gone, is said once."""
+        if not self._enabled or storage.folder_to_write() is None:
+            return
+        try:
+            if self._impl.check_cachable(compiled):
+                key = self._index_key(signature, compiled.codegen)
+                self._file(storage.folder_to_write()).save(key, self._impl.reduce(compiled))
+        except OSError as error:
+            storage.say_not_kept(error.strerror or str(error))
+        except (pickle.PicklingError, TypeError, AttributeError) as error:
+            storage.say_not_kept(f"{self._py_func.__qualname__}: {error}")
+
+    def _index_key(self, signature: Any, codegen: Any) -> Any:
+        """The types by what they are, so that a list can be read without them; the function and others' kernels."""
+        arguments = sigutils.normalize_signature(signature)[0]
+        classes = list(dict.fromkeys(each for kind in arguments for each in _classes_in(kind)))
+        described = [f"{each.__module__}.{each.__qualname__}{each._fields}" for each in classes]
+        others = [each for one in classes for kernels in KERNELS_OF for each in kernels(one) if not is_ours(each)]
+        if self._is_ours:
+            _, machine, contents = super()._index_key((), codegen)
+        else:
+            machine, contents = codegen.magic_tuple(), (fingerprint(self._py_func),)
+        return (str(arguments), *described), machine, (*contents, *map(fingerprint, others))
+
+
+def _classes_in(kind: types.Type) -> Iterator[type]:
+    """Classes of the named tuples in a type."""
+    if isinstance(kind, types.TypeRef):
+        yield from _classes_in(kind.instance_type)
+    elif isinstance(kind, types.BaseTuple):
+        if hasattr(kind, "instance_class"):
+            yield kind.instance_class
+        for part in dict.fromkeys(kind.types):
+            yield from _classes_in(part)

@@ -1,0 +1,178 @@
+"""Parts: kernels that are machine code only inside of what calls them.
+
+Numba optimises every function and turns it into machine code on its own, then links it into each of its callers, and
+optimises and translates it there again. A kernel that only kernels call is never run from its own copy. So it is left
+as it was lowered, as LLVM's intermediate code, in memory and in the cache; it is optimised once with all that surrounds
+it, where it is used. A first run of the J-well takes a third less time for it.
+
+All of it is in classes of our own, which only our decorators name: functions of others are compiled by numba as ever.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import register_pass
+from numba.core.typed_passes import NativeLowering, NopythonRewrites, NopythonTypeInference
+from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, LiteralUnroll, WithLifting
+
+from tautline.kernels.compiling.indices import TrustedIndices
+
+PLAIN = os.environ.get("TAUTLINE_PLAIN_NUMBA", "") not in ("", "0")
+"""Whether kernels are compiled by numba's own steps, with nothing of ours; results are the same to rounding.
+
+The operations are. Which products and sums become one instruction is LLVM's choice, and it may choose otherwise in code
+that it has optimised twice.
+"""
+UNFUSED = os.environ.get("TAUTLINE_UNFUSED", "") not in ("", "0")
+"""Whether no product and sum become one instruction: then both ways give the same to the bit."""
+
+
+class PartLibrary(JITCodeLibrary):
+    """A function as it was lowered: neither optimised nor translated, and cached as LLVM's code."""
+
+    @property
+    def codegen(self) -> Any:
+        """What numba hands the environment of a function to."""
+        return _NoEnvironment(self._codegen)
+
+    def _optimize_final_module(self) -> None:
+        """Leave the code as it is."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        """There is no object code."""
+        return self.serialize_using_bitcode()
+
+
+class _NoEnvironment:
+    """Numba's code generator for a part, which has no machine code that could refer to an environment."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Do nothing."""
+
+
+class CachedLibrary(JITCodeLibrary):
+    """Machine code from the cache, whose LLVM code is read when a caller is compiled: most runs compile none."""
+
+    unread: bytes | None = None
+
+    def _get_module_for_linking(self) -> Any:
+        if self.unread is not None:
+            self._shared_module, self.unread = llvm.parse_bitcode(self.unread), None
+        return super()._get_module_for_linking()
+
+
+class Reader:
+    """Numba's target for what is read from the cache: its own, but for the class of the library."""
+
+    def __init__(self, context: Any, names: tuple[str, ...]) -> None:
+        """Take numba's target, and the names by which the function may be asked for in this process."""
+        self._context, self._names = context, names
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)
+
+    def codegen(self) -> Reader:
+        """What reads a library."""
+        return self
+
+    def unserialize_library(self, stored: tuple[str, str, Any]) -> JITCodeLibrary:
+        """Make a library of what numba's own wrote."""
+        name, kind, data = stored
+        codegen = self._context.codegen()
+        if kind == "bitcode":
+            part = PartLibrary(codegen, name)
+            part._final_module = llvm.parse_bitcode(data)
+            part._finalize_final_module()
+            return part
+        code, bitcode = data
+        whole = CachedLibrary(codegen, name)
+        whole.unread = bitcode
+        whole.enable_object_caching()
+        whole._set_compiled_object(code)
+        whole._finalize_final_module()
+        # The table of symbols of the LLVM code holds names as they are.
+        codegen._engine._defined_symbols.update(each for each in self._names if each.encode() in bitcode)
+        return whole
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class PartLowering(NativeLowering):
+    """Numba's last step, into a library that is a part."""
+
+    _name = "part_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        """Lower the function to LLVM's code."""
+        if state.library is None:
+            state.library = PartLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library.enable_object_caching()
+        return super().run_pass(state)
+
+
+NEEDLESS = {WithLifting, InlineClosureLikes, InlineInlinables, LiteralUnroll, NopythonRewrites}
+"""Steps that find nothing to do: kernels have no closures, no Python objects, and no expressions of whole arrays."""
+
+
+class KernelCompiler(CompilerBase):
+    """Numba's own steps for compiled code, without those that find nothing to do in a kernel."""
+
+    lowering = NativeLowering
+    indices: tuple[Any, ...] = ()
+    """Steps after those that find the types."""
+
+    def define_pipelines(self) -> list[Any]:
+        """The steps."""
+        steps = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes: list[Any] = []
+        for step, why in steps.passes:
+            if step in NEEDLESS:
+                continue
+            passes.append((self.lowering if step is NativeLowering else step, why))
+            if step is NopythonTypeInference:
+                passes += [(extra, "indices of kernels") for extra in self.indices]
+        steps.passes = passes
+        steps.finalize()
+        return [steps]
+
+
+class PartCompiler(KernelCompiler):
+    """The same, the last of them :class:`PartLowering`."""
+
+    lowering = PartLowering
+
+
+class OurCompiler(KernelCompiler):
+    """For code of the core and of installed applications, none of which counts from the end of an array."""
+
+    indices = (TrustedIndices,)
+
+
+class OurPartCompiler(PartCompiler):
+    """The same for a part."""
+
+    indices = (TrustedIndices,)
+
+
+def compiler_for(part: bool, ours: bool) -> type[CompilerBase]:
+    """The compiler of a function; ``ours`` is that of the core and of installed applications."""
+    if PLAIN:
+        return Compiler
+    if ours:
+        return OurPartCompiler if part else OurCompiler
+    return PartCompiler if part else KernelCompiler

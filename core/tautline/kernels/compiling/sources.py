@@ -1,0 +1,166 @@
+"""What goes into compiled code: the files of the core and of installed applications, and all that others' kernels use.
+
+The first are hashed as files and name the folder of the cache (:mod:`tautline.kernels.compiling.storage`). A kernel of
+a user's own script is hashed with every function that it calls and every constant that it takes in, wherever these
+stand; that hash is part of the key under which its code is kept.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import sys
+import types as python_types
+import uuid
+from collections.abc import Iterator
+from importlib import metadata, util
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+
+UNCOMPILED = ("study", "cli", "view", "results")
+"""Folders of the core in which nothing is compiled, though they speak of kernels."""
+KNOWN = {"numpy", "numba", "llvmlite", "scipy"} | set(sys.stdlib_module_names) - {"__main__"}
+"""Packages that are known by their version."""
+
+
+def kernel_sources() -> list[Path]:
+    """Files of the core and of the installed applications that hold compiled code."""
+    sources = []
+    for package in sorted(packages()):
+        spec = util.find_spec(package)
+        for root in spec.submodule_search_locations if spec and spec.submodule_search_locations else []:
+            sources += [f for f in sorted(Path(root).rglob("*.py")) if _is_compiled(f)]
+    return sources
+
+
+@functools.cache
+def packages() -> frozenset[str]:
+    """The core and the installed applications."""
+    points = metadata.entry_points(group="tautline.applications")
+    return frozenset({"tautline"} | {point.value.split(".")[0].split(":")[0] for point in points})
+
+
+def is_ours(thing: Any) -> bool:
+    """Whether a function or class is of the core or of an installed application."""
+    return (getattr(thing, "__module__", None) or "").split(".")[0] in packages()
+
+
+def _is_compiled(source: Path) -> bool:
+    """Whether a file holds compiled code, or constants that are compiled in."""
+    if source.parent.name in UNCOMPILED:
+        return False
+    return source.parent.name == "integrators" or b"kernel" in source.read_bytes()
+
+
+def hash_of_sources(*more: Any) -> str:
+    """Hash of all kernel sources, of what compiles them, and of more."""
+    versions = numba.__version__, llvmlite.__version__, np.__version__, sys.version, *more
+    digest = hashlib.sha256(" ".join(map(str, versions)).encode())
+    for source in kernel_sources():
+        digest.update(str(source).encode() + source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def fingerprint(function: Any) -> str:
+    """Hash of a function: of its code, and of all functions and constants that it uses, and so on.
+
+    Anything that cannot be told by its contents counts as new: the code that uses it is compiled in each process.
+    """
+    digest = hashlib.sha256()
+    for part in _contents(function, set()):
+        digest.update(part.encode() + b"\0")
+    return digest.hexdigest()
+
+
+def _contents(thing: Any, seen: set[int]) -> Iterator[str]:
+    """Text that changes where a value does that compiled code takes in."""
+    if isinstance(thing, (type(None), bool, int, float, complex, str, bytes, np.generic)):
+        yield f"{type(thing).__name__} {thing!r}"
+        return
+    if id(thing) in seen:
+        yield "again"
+        return
+    seen.add(id(thing))
+    function = getattr(thing, "py_func", None) or getattr(thing, "_defn", None) or thing
+    if isinstance(thing, np.ndarray):
+        yield f"array {thing.dtype} {thing.shape} {hashlib.sha256(np.ascontiguousarray(thing).tobytes()).hexdigest()}"
+    elif isinstance(thing, (tuple, list, frozenset)):
+        yield f"{type(thing).__name__} {len(thing)} {getattr(type(thing), '_fields', '')}"
+        for each in sorted(thing, key=repr) if isinstance(thing, frozenset) else thing:
+            yield from _contents(each, seen)
+    elif isinstance(thing, dict):
+        yield f"dict {len(thing)}"
+        for pair in thing.items():
+            yield from _contents(pair, seen)
+    elif isinstance(thing, python_types.ModuleType):
+        yield f"module {thing.__name__}"
+    elif _is_known(thing) or _is_known(function) or is_ours(function):
+        yield f"known {getattr(thing, '__module__', '')}.{getattr(thing, '__qualname__', thing)}"
+    elif isinstance(function, python_types.FunctionType):
+        yield f"function {function.__qualname__} {getattr(thing, 'targetoptions', '')}"
+        yield from _contents_of_function(function, seen)
+    elif isinstance(thing, type):
+        yield f"class {thing.__module__}.{thing.__qualname__} {getattr(thing, '_fields', '')}"
+        for each in (value for value in vars(thing).values() if isinstance(value, python_types.FunctionType)):
+            yield from _contents(each, seen)
+    elif isinstance(thing, numba.types.Type):
+        yield f"type {thing}"
+    else:
+        yield uuid.uuid4().hex
+
+
+def _is_known(thing: Any) -> bool:
+    module = getattr(thing, "__module__", None) or getattr(type(thing), "__module__", "")
+    return isinstance(module, str) and module.split(".")[0] in KNOWN and not isinstance(thing, numba.types.Type)
+
+
+def _contents_of_function(function: python_types.FunctionType, seen: set[int]) -> Iterator[str]:
+    yield from _contents_of_code(function.__code__, seen)
+    yield from _contents(function.__defaults__, seen)
+    for cell in function.__closure__ or ():
+        try:
+            yield from _contents(cell.cell_contents, seen)
+        except ValueError:  # a name that has no value yet
+            yield "empty"
+    names = sorted(_names(function.__code__))
+    for name in names:
+        if name not in function.__globals__:
+            continue
+        value = function.__globals__[name]
+        yield f"global {name}"
+        yield from _contents(value, seen)
+        if isinstance(value, python_types.ModuleType):
+            yield from _contents_of_module(value, names, seen)
+
+
+def _contents_of_module(module: python_types.ModuleType, names: list[str], seen: set[int]) -> Iterator[str]:
+    """What a function may take of a module: all that goes by one of the names in its code, in its packages too."""
+    if module.__name__.split(".")[0] in KNOWN | packages():
+        return
+    for name in names:
+        if name in vars(module):
+            value = vars(module)[name]
+            yield f"{module.__name__}.{name}"
+            first = id(value) not in seen
+            yield from _contents(value, seen)
+            if first and isinstance(value, python_types.ModuleType):
+                yield from _contents_of_module(value, names, seen)
+
+
+def _contents_of_code(code: python_types.CodeType, seen: set[int]) -> Iterator[str]:
+    yield f"{code.co_code.hex()} {code.co_names} {code.co_varnames} {code.co_freevars} {code.co_cellvars}"
+    for constant in code.co_consts:
+        if isinstance(constant, python_types.CodeType):
+            yield from _contents_of_code(constant, seen)
+        else:
+            yield from _contents(constant, seen)
+
+
+def _names(code: python_types.CodeType) -> set[str]:
+    """Names that a function, and those inside of it, look up outside."""
+    inner = (constant for constant in code.co_consts if isinstance(constant, python_types.CodeType))
+    return set(code.co_names).union(*map(_names, inner))

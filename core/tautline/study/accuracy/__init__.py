@@ -1,0 +1,1 @@
+"""Error against run time, beside a reference that proves itself."""

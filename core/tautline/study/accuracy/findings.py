@@ -1,0 +1,191 @@
+"""What a study has found, and which setting to take, in a sentence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from tautline.integrators.status import StoppedEarly
+from tautline.study.accuracy.reference import Reference
+from tautline.study.trials.errors import Errors
+from tautline.study.trials.history import Watched
+from tautline.study.trials.trial import Trial
+
+CERTAIN = 1.5
+"""Ratio of two run times from which one is shorter beyond the noise of a machine."""
+
+STALLED = 0.8
+"""Share of the error with the next larger step above which an error has stopped falling."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A run and how far it is off; no errors where it did not come to its end."""
+
+    trial: Trial
+    errors: Errors | None
+
+    @property
+    def factor(self) -> float | None:
+        """Real-time factor."""
+        reached = None if self.trial.result is None else float(self.trial.result.time[-1])
+        return None if not reached or self.trial.wall_time is None else self.trial.wall_time / reached
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study has found.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+    reference : Reference or None
+        None where no four runs of it came to their end.
+    watched : Watched
+    tolerance : float
+    tangent : float or None
+        Largest relative error of the tangent along a run, of the scene or of its implicit form; None if it has none.
+    load : tuple of float
+        Mean number of processes that wanted a processor in the last minute, before and after.
+    left_out : tuple of str
+        What a quick look has not tried.
+    stop : StoppedEarly or None
+        How the scene as it stands stopped, if it did; other settings have come to their end then.
+    unseen : str
+        Which part of the run was not looked at, and what happens there; empty where all was.
+    """
+
+    rows: tuple[Row, ...]
+    reference: Reference | None
+    watched: Watched
+    tolerance: float
+    tangent: float | None
+    load: tuple[float, float]
+    warnings: tuple[str, ...] = field(default=())
+    left_out: tuple[str, ...] = ()
+    interrupted: bool = False
+    stop: StoppedEarly | None = None
+    unseen: str = ""
+
+    @property
+    def advice(self) -> str:
+        """One sentence: which setting to take."""
+        return advice(self)
+
+
+def good_enough(study: Study) -> list[Row]:
+    """Runs whose errors, with those of the reference, are below the tolerance, the cheapest first."""
+    rows = [r for r in study.rows if r.errors is not None and r.factor and _judged(study, r) <= study.tolerance]
+    return sorted(rows, key=lambda row: row.factor or 0.0)
+
+
+def real_time(study: Study) -> list[Row]:
+    """Runs that are faster than real time, the most accurate first."""
+    rows = [row for row in study.rows if row.errors is not None and row.factor is not None and row.factor < 1.0]
+    return sorted(rows, key=lambda row: _largest(study, row))
+
+
+def judges_force(study: Study) -> bool:
+    """Whether forces count: not where those of the reference are not known to the tolerance themselves."""
+    return study.reference is None or (study.reference.force_error or 0.0) <= study.tolerance
+
+
+def _largest(study: Study, row: Row) -> float:
+    """The largest error of a run: of position, of the force's amplitude, and of phase in rad.
+
+    A phase of so many radians moves an oscillation by as large a share of its amplitude. Where a slow motion carries a
+    small oscillation, the position does not show that.
+    """
+    assert row.errors is not None
+    force = row.errors.force if judges_force(study) else None
+    return max(row.errors.position, force or 0.0, row.errors.phase or 0.0)
+
+
+def _judged(study: Study, row: Row) -> float:
+    """The largest error of a run together with that of the reference."""
+    assert row.errors is not None
+    force = (study.reference.force_error or 0.0) if study.reference is not None else 0.0
+    own = _own(study)
+    found = [row.errors.position + own, (row.errors.phase or 0.0) + own]
+    if judges_force(study) and row.errors.force is not None:
+        found.append(row.errors.force + force)
+    return max(found)
+
+
+def advice(study: Study) -> str:
+    """The cheapest setting below the error that is asked for, and what is best in real time.
+
+    Of a part of a run nothing is advised for the whole: what comes later may need another step.
+    """
+    found = _advice(study)
+    if not study.unseen or found.startswith("no advice"):
+        return found
+    return f"no advice for the whole run: {study.unseen}; in what was looked at: {found}"
+
+
+def _advice(study: Study) -> str:
+    asked = f"an error below {100.0 * study.tolerance:.3g} %"
+    if not judges_force(study):
+        asked += " in position and phase (the reference does not know the force so well)"
+    if study.reference is None:
+        return "no advice: there is no reference to judge by"
+    enough, live = good_enough(study), real_time(study)
+    if not enough:
+        best = min((r for r in study.rows if r.errors is not None), key=lambda r: _largest(study, r), default=None)
+        if best is None:
+            return "no advice: no run came to its end"
+        return f"no run has {asked}: the best is {_told(best)}{_doubt(study, best)}; {_cure(study, best)}"
+    first = f"cheapest with {asked}: {_told(enough[0])}"
+    cheap = enough[0].factor or 0.0
+    if not live:
+        return f"{first}; none is faster than real time"
+    if cheap < 1.0 and live[0] is enough[0]:
+        return f"{first}, and it is the most accurate in real time as well"
+    second = f"most accurate in real time: {_told(live[0])}"
+    return f"{first}; {second}" if cheap < 1.0 else f"{first}, which is not real time; {second}"
+
+
+def _doubt(study: Study, best: Row) -> str:
+    """What is unknown of a run that would be good enough if its reference were right."""
+    if study.reference is None or best.errors is None or _largest(study, best) > study.tolerance:
+        return ""
+    own = _own(study)
+    if judges_force(study) and best.errors.force is not None:
+        own = max(own, study.reference.force_error or 0.0)
+    return f", beside a reference that may be off by {100.0 * own:.2g} % itself"
+
+
+def _own(study: Study) -> float:
+    return study.reference.error + study.reference.mesh_error if study.reference is not None else 0.0
+
+
+def _cure(study: Study, best: Row) -> str:
+    """What would make the best run better: smaller steps, unless its error has stopped falling with them."""
+    own = study.reference.mesh_error if study.reference is not None else 0.0
+    if own > 0.5 * study.tolerance:
+        return f"the reference's mesh alone is {100.0 * own:.2g} % off: take more elements with --elements"
+    assert best.errors is not None
+    least = _largest(study, best)
+    if least <= max(study.tolerance, study.reference.error if study.reference is not None else 0.0):
+        return "let it be judged by a finer reference: leave --reference-step out, or give a larger --budget"
+    coarser = [_largest(study, row) for row in study.rows if _like(row, best) and row.errors is not None]
+    if coarser and least > STALLED * min(coarser):
+        return "smaller steps do not help it any more: its mesh, its constraints or its laws of friction differ"
+    return "take smaller steps with --steps"
+
+
+def _like(row: Row, best: Row) -> bool:
+    """Whether a run differs from the best by a larger step alone."""
+    one, two = row.trial.setting, best.trial.setting
+    return one.kind == two.kind and one.step is not None and two.step is not None and one.step > 1.01 * two.step
+
+
+def _told(row: Row) -> str:
+    assert row.errors is not None
+    taken = row.trial.attribute("step")
+    setting = row.trial.setting if row.trial.setting.step_error is not None else replace(row.trial.setting, step=taken)
+    error = f"error {100.0 * row.errors.position:.2g} %"
+    if row.errors.force is not None:
+        error += f", of the force {100.0 * row.errors.force:.2g} %"
+    if row.errors.phase is not None:
+        error += f", phase {row.errors.phase:.2g} rad"
+    return f"{setting} ({error}, real-time factor {row.factor:.2g})"

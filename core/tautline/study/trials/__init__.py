@@ -1,0 +1,1 @@
+"""Runs of a scene for a study: settings, histories, and how far two runs are apart."""

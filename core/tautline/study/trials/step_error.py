@@ -1,0 +1,328 @@
+"""What the length of its steps does to a run: how far the result may be off, estimated from runs with other steps.
+
+Shorter steps, for dry friction. Which contact lets go first may turn on the last digit. A step and its half may then
+miss the same event and agree while both are wrong, so there are two other runs, with a half and a third of the step.
+The largest difference is taken as that of a method of first order, which is what is left of any method across an
+event: the error is u(h) - u(h/k) over 1 - 1/k. A smooth motion, of second order, is then said to be 1.5 times as wrong
+as it is.
+
+Longer steps, for all else: twice and four times, which take three quarters of the time of the run itself. The order is
+observed in the two differences, no more than the method's and no less than a half, and the error that follows is
+multiplied by 1.25. This is the grid convergence index of Roache (J. Fluids Eng. 116, 1994, 405-413), applied to time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.integrators.generalized_alpha import GeneralizedAlpha
+from tautline.integrators.method import method_for
+from tautline.integrators.status import Interrupted
+from tautline.results.errors import ResultError
+from tautline.results.result import Result
+from tautline.scene.errors import SceneError
+from tautline.study.trials.errors import apart
+from tautline.study.trials.history import History, Place, Watched, watch
+from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
+from tautline.system.model import Model
+
+SHORTER, LONGER, HALF = (0.5, 1.0 / 3.0), (2.0, 4.0), (0.5,)
+"""Steps of the other runs over those of the first: with dry friction or where it is asked for, without, and for an
+explicit method, which longer steps make unstable."""
+SAFETY = 1.25
+"""Roache's factor of safety for an order that was observed in three runs."""
+ORDER, LOWEST = 2.0, 0.5
+"""Highest order of the implicit methods, and the lowest that an observed order counts for."""
+FORCE_ORDER = 1.0
+"""Highest order that counts for the amplitude of a force: its errors change sign, and then seem to fall too fast."""
+POOR = 0.01
+"""Share of a motion from which the error is warned of."""
+SAME_TIME = 1.0e-9
+"""Share of a run within which two frames are of one time."""
+ALLOWED, AT_LEAST = 3.0, 2.0
+"""Times its share of the first run's processor time that another may take, and a time, s, that each may take."""
+
+
+class StepError(NamedTuple):
+    """Estimated error of a run due to the length of its steps.
+
+    Attributes
+    ----------
+    step : float
+        The shortest of the other runs, s.
+    place : str
+        What was looked at.
+    distance : float
+        By how much that point may be off at most during the run, m.
+    position : float
+        The same over the largest distance that it moves.
+    force_place : str
+        The force that was looked at; empty where a scene has none.
+    force : float or None
+        By how much its amplitude (half of its range) may be off, over that amplitude.
+    steps : tuple of float
+        Of all other runs, s.
+    changes : tuple of float
+        Largest distances, m, between one run and the next: the first and the others, or in the order of longer steps.
+    """
+
+    step: float
+    place: str
+    distance: float
+    position: float
+    force_place: str
+    force: float | None
+    steps: tuple[float, ...] = ()
+    changes: tuple[float, ...] = ()
+
+    @property
+    def warning(self) -> str | None:
+        """What a reader should know, if the error is a large one."""
+        if not max(self.position, self.force or 0.0) > POOR:
+            return None
+        told = f"the {self.place} may be off by {self.distance:.2g} m, {100.0 * self.position:.2g} % of its motion"
+        if self.force is not None:
+            told += f", and the amplitude of the {self.force_place} by {100.0 * self.force:.2g} %"
+        text = f"{told}. This is estimated from runs with steps of {_listed(self.steps or (self.step,))}. "
+        if len(self.steps) > 1 and self.steps[1] < self.steps[0]:
+            return text + (
+                "Take a shorter step and compare. Where friction decides what slips first, a shorter step need not do "
+                "better"
+            )
+        return text + "Take a shorter step, or --verify, which estimates it more closely from shorter steps"
+
+
+def tells_nothing_itself(model: Model) -> bool:
+    """Whether a run has no estimate of what its steps do: fixed steps of an implicit method, with dry friction."""
+    return _fixed(model) and model.system.has_friction
+
+
+def runs_for(model: Model, asked: bool | None = None) -> tuple[float, ...]:
+    """Steps of the other runs over a model's own: those of `step_error`; none where nothing is to be estimated.
+
+    Parameters
+    ----------
+    asked : bool or None
+        Whether an estimate was asked for; None takes one where steps are fixed.
+    """
+    if asked is False or (asked is None and (model.solver.automatic or model.solver.step_error > 0.0)):
+        return ()
+    if asked is None and not _fixed(model):
+        return HALF
+    return SHORTER if asked or model.system.has_friction else LONGER
+
+
+def _fixed(model: Model) -> bool:
+    solver = model.solver
+    implicit = isinstance(method_for(model.system, solver), GeneralizedAlpha)
+    return implicit and not solver.automatic and solver.step_error == 0.0
+
+
+def step_error(
+    subject: Subject,
+    result: Result,
+    setting: Setting | None = None,
+    progress: Callable[[float, float], None] | None = None,
+    parts: Sequence[float] = SHORTER,
+) -> StepError | None:
+    """Run a scene with other steps and estimate the error of a run.
+
+    Parameters
+    ----------
+    subject : Subject
+        The scene.
+    result : Result
+        Its run.
+    setting : Setting or None
+        How it was run, if not as the scene says.
+    progress : callable or None
+        Called with simulated and wall time, s; both go on from one of the other runs to the next.
+    parts : sequence of float
+        Steps of the other runs over those of the first: ``SHORTER`` or ``LONGER``.
+
+    Returns
+    -------
+    StepError or None
+        None where the error is not known, see `estimate`, and where nothing moves.
+    """
+    found = estimate(subject, result, setting, progress, parts)
+    return found if isinstance(found, StepError) else None
+
+
+def estimate(
+    subject: Subject,
+    result: Result,
+    setting: Setting | None = None,
+    progress: Callable[[float, float], None] | None = None,
+    parts: Sequence[float] = SHORTER,
+    begin: Callable[[], None] | None = None,
+) -> StepError | str:
+    """The same as `step_error`, but a sentence that says why where the error is not known; empty if nothing moves.
+
+    ``begin`` is called before the first of the other runs.
+    """
+    if len(result.time) < 2:
+        return "the result has a single frame"
+    try:
+        watched = watch(result)
+    except ResultError as error:
+        return error.cause
+    if not watched.moves:
+        return ""
+    if begin is not None:
+        begin()
+    given = setting or Setting()
+    own = _step_taken(subject.model(given))
+    histories, steps, spent = [watched.of(result)], [own], 0.0
+    for number, part in enumerate(parts):
+        onward = _onward(progress, number * float(result.time[-1]), spent)
+        trial = _other(subject, result, given, own * part, part, onward)
+        if isinstance(trial, str) or not trial.done or trial.result is None:
+            if number and part > 1.0:
+                break  # four times the step may be too long to run at all; twice the step has told something
+            return trial if isinstance(trial, str) else _why(trial, own * part)
+        spent += trial.wall_time or 0.0
+        histories.append(watched.of(trial.result))
+        steps.append(float(trial.result.attributes["step"]))
+    return _stated(result, watched, histories, steps)
+
+
+def _step_taken(model: Model) -> float:
+    """The step as it divides the interval of the frames, s."""
+    interval = float(model.solver.interval)
+    return interval / math.ceil(interval / min(model.solver.step, interval) - SAME_TIME)
+
+
+def _other(
+    subject: Subject, result: Result, given: Setting, step: float, part: float,
+    progress: Callable[[float, float], None] | None,
+) -> Trial | str:  # fmt: skip
+    """A run with another step, and with a smaller error of each where that is controlled; why there is none."""
+    solver = subject.model(given).solver
+    # The local error of a second-order method goes with the third power of the step.
+    error = solver.step_error * part**3 if solver.step_error > 0.0 else None
+    seconds = AT_LEAST + ALLOWED * float(result.attributes.get("cpu_time", 0.0)) / part
+    try:
+        return subject.run(replace(given, step=step, step_error=error), seconds=seconds, progress=progress)
+    except Interrupted:
+        return "the run that was to show it was interrupted"
+    except SceneError as refused:
+        return refused.problems[0].cause
+
+
+def _why(trial: Trial, step: float) -> str:
+    """Why a run tells nothing."""
+    if trial.status == GIVEN_UP:
+        return f"the run with steps of {step:.3g} s was given up {trial.sentence}"
+    how = "was refused" if trial.status == "refused" else "stopped"
+    return f"the run with steps of {step:.3g} s {how}: {trial.sentence or trial.status}"
+
+
+def _onward(
+    progress: Callable[[float, float], None] | None, since: float, spent: float
+) -> Callable[[float, float], None] | None:
+    """What shows progress, for a run that comes after others of so much simulated and wall time, s."""
+    return None if progress is None else lambda simulated, wall: progress(since + simulated, spent + wall)
+
+
+def _stated(result: Result, watched: Watched, histories: list[History], steps: list[float]) -> StepError | str:
+    """The error of the first of some runs."""
+    shorter = steps[1] < steps[0]
+    pairs = [(0, i) for i in range(1, len(steps))] if shorter else [(i, i - 1) for i in range(1, len(steps))]
+    changes: list[tuple[float, float, float | None]] = []
+    for coarse, fine in pairs:
+        common = _at_common_times(histories[coarse], histories[fine])
+        if common is None:
+            return "the runs with other steps have no frames at the same times"
+        changes.append(apart(*common, watched.extent))
+    distances, positions, forces = (tuple(x) for x in zip(*changes, strict=True))
+    known = None if any(f is None for f in forces) else forces
+    ratios = [steps[i] / steps[i - 1] for i in range(1, len(steps))]
+    if shorter:
+        shares = [steps[i] / steps[0] for i in range(1, len(steps))]
+        found = [from_shorter(x, shares) if x is not None else None for x in (distances, positions, known)]
+    else:
+        orders = (ORDER, ORDER, FORCE_ORDER)
+        both = zip((distances, positions, known), orders, strict=True)
+        found = [from_longer(x, ratios, order) if x is not None else None for x, order in both]
+    if not np.isfinite([x for x in found if x is not None]).all():
+        return "the runs with other steps differ by more than can be told"
+    place, force_place = _name(result, watched.point), _name(result, watched.force)
+    distance, position, force = found
+    assert distance is not None and position is not None
+    return StepError(min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]), distances)
+
+
+def from_shorter(changes: Sequence[float], shares: Sequence[float]) -> float:
+    """Error of a run from its differences to runs with these shares of its step, as of a method of first order."""
+    return max(change / (1.0 - share) for change, share in zip(changes, shares, strict=True))
+
+
+def from_longer(changes: Sequence[float], ratios: Sequence[float], highest: float = ORDER) -> float:
+    """Error of a run from its difference to one with longer steps, and that run's to one with longer ones still.
+
+    Parameters
+    ----------
+    changes : sequence of float
+        |u2 - u1| and |u3 - u2|; the second may be lacking, and the order is then taken as one.
+    ratios : sequence of float
+        h2/h1 and h3/h2.
+    highest : float
+        The order that counts at most.
+    """
+    p = _order(changes, ratios, highest) if len(changes) > 1 else 1.0
+    found = changes[0] / (ratios[0] ** p - 1.0)
+    if len(changes) > 1:
+        # A small first difference beside a large second one is chance where no method is of so high an order.
+        found = max(found, changes[1] / (ratios[0] ** p * (ratios[1] ** p - 1.0)))
+    return SAFETY * found
+
+
+def _order(changes: Sequence[float], ratios: Sequence[float], highest: float) -> float:
+    """The order p for which the second difference over the first is r1^p (r2^p - 1) / (r1^p - 1), within bounds."""
+    (first, second), (r1, r2) = changes, ratios
+    low, high = LOWEST, highest
+
+    def too_low(p: float) -> bool:
+        return second * (r1**p - 1.0) > first * r1**p * (r2**p - 1.0)
+
+    if not too_low(low):
+        return low
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if too_low(middle) else (low, middle)
+    return high
+
+
+def _listed(steps: Sequence[float]) -> str:
+    return " and ".join(f"{step:.3g} s" for step in steps)
+
+
+def _name(result: Result, place: Place | None) -> str:
+    """A place as a sentence has it: ``position of body 12``."""
+    if place is None:
+        return ""
+    dims, what = result.variables[place.variable].dims, place.variable.replace("_", " ")
+    return f"{what} of {dims[1].replace('_', ' ')} {place.label}" if place.label else what
+
+
+def _at_common_times(first: History, second: History) -> tuple[History, History] | None:
+    """Both histories at the times that both have; None where these are not two."""
+    near = SAME_TIME * max(float(first.time[-1]), float(second.time[-1]))
+    place = np.searchsorted(first.time, second.time - near)
+    there = place < first.time.size
+    there[there] = np.abs(first.time[place[there]] - second.time[there]) <= 2.0 * near
+    if np.count_nonzero(there) < 2:
+        return None
+    return _frames(first, place[there]), _frames(second, np.flatnonzero(there))
+
+
+def _frames(history: History, which: np.ndarray) -> History:
+    return History(
+        history.time[which], history.position[which], history.force[which] if history.force.size else history.force
+    )

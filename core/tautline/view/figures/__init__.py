@@ -1,0 +1,1 @@
+"""Figures by matplotlib: style, curves, histories, spectra, waterfalls, orbits. Nothing else imports it."""

@@ -1,0 +1,1 @@
+"""Results in space as files of other programs: ParaView."""

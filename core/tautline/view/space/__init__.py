@@ -1,0 +1,1 @@
+"""Results in space by PyVista: appearance, colours, camera, windows, pictures, films."""

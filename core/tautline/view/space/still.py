@@ -1,0 +1,95 @@
+"""Single pictures of a stage."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+
+from tautline.results.errors import ResultError
+from tautline.view.space.stage import Stage
+
+FORMATS = ("png", "jpg")
+
+
+def frame_of(asked: str, time: np.ndarray) -> int:
+    """Frame that is asked for.
+
+    Parameters
+    ----------
+    asked : str
+        ``t=12.5``, ``12.5``, ``2 min``, ``first`` or ``last``.
+    time : (frames,) array
+        s.
+
+    Returns
+    -------
+    int
+        The nearest frame.
+
+    Raises
+    ------
+    ResultError
+        If it is no time, or outside of the run.
+    """
+    word = asked.strip().lower()
+    if word in ("first", "last"):
+        return 0 if word == "first" else len(time) - 1
+    number = _seconds(word.removeprefix("t").lstrip().removeprefix("=").strip())
+    cure = f"give a time from {time[0]:g} to {time[-1]:g} s, such as t={0.5 * (time[0] + time[-1]):.3g}, first or last"
+    if number is None or not np.isfinite(number):
+        raise ResultError("--image", f"'{asked}' is no time", cure)
+    room = float(np.max(np.diff(time))) if len(time) > 1 else 0.0
+    if not time[0] - room <= number <= time[-1] + room:
+        raise ResultError("--image", f"t = {number:g} s is outside of the run", cure)
+    return int(np.abs(time - number).argmin())
+
+
+def _seconds(text: str) -> float | None:
+    """A time with a unit, or in s; None if it is none."""
+    from pydantic import TypeAdapter, ValidationError
+
+    from tautline.scene.quantity import quantity
+
+    try:
+        return float(text)
+    except ValueError:
+        pass
+    adapter: Any = TypeAdapter(Annotated[float, quantity("s")])
+    try:
+        return float(adapter.validate_python(text))
+    except ValidationError:
+        return None
+
+
+def places(output: Path | None, result: Path, time: np.ndarray, frames: list[int]) -> list[Path]:
+    """Files of pictures: as asked, and by their times where there are several."""
+    folder = output is not None and output.is_dir()
+    path = Path(f"{result.stem}.png") if output is None else output / f"{result.stem}.png" if folder else output
+    if not path.absolute().parent.is_dir():
+        raise ResultError(path, f"there is no folder {path.parent}", "make it, or name another with -o")
+    if len(frames) == 1 and output is not None and not folder:
+        return [path]
+    return [path.with_name(f"{path.stem}_{time[frame]:g}s{path.suffix or '.png'}") for frame in frames]
+
+
+def still(stage: Stage, frame: int, path: Path) -> Path:
+    """Write a frame as a picture.
+
+    Raises
+    ------
+    ResultError
+        If the format is unknown, or the file cannot be written.
+    """
+    from PIL import Image
+
+    ending = path.suffix[1:].lower()
+    if ending not in (*FORMATS, "jpeg"):
+        raise ResultError(path, f"is no picture that can be written: '{ending}'", f"use {' or '.join(FORMATS)}")
+    stage.show(frame)
+    try:
+        Image.fromarray(stage.picture()).save(path)
+    except OSError as error:
+        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
+    return path

@@ -1,0 +1,1 @@
+"""A result as one web page, with the libraries that it carries."""
