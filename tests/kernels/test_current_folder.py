@@ -66,7 +66,7 @@ def test_a_command_runs_nothing_of_the_current_folder(case, verb):
 SURVEY = """
 import os
 from pathlib import Path
-from drillstring.stick_slip.severity_map import severity_map as stick_slip
+from drillstring.stick_slip import severity_map as stick_slip
 from tautline.scene.document import Document
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ def cache(tmp_path):
     method = METHODS["generalized-alpha"](system, SolverSettings("generalized-alpha", 0, 1, 1, 0.5, 0.5))
     compile_for(method, system, new_state(system))
     known, cache = storage.folder_to_write(), tmp_path / "cache"
-    loops = [[*known.rglob(name)] for name in ("march.march_implicit*", "linearise.evaluate_scene*")]
+    loops = [[*known.rglob(name)] for name in ("time_loop.march_implicit*", "linearise.evaluate_scene*")]
     assert all(loops)
     for file in (file for files in loops for file in files if file.suffix != ".lock"):
         copy = cache / storage.OWN / known.name / file.relative_to(known)
