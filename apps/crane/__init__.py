@@ -1,1 +1,1 @@
-"""Ropes over sheaves: the application is being written on the cable elements that the core does not have yet."""
+"""Cranes: ropes over sheaves, winches and ships; the application built on Tautline's solver."""

@@ -17,7 +17,7 @@ from gardenhose.summary import headline
 from tautline.cable.model.build import Assembly, assemble_cables
 from tautline.cable.model.elements import records
 from tautline.cable.model.layout import Layout
-from tautline.elements.jet import JET, Jets
+from tautline.elements.nodal.jet import JET, Jets
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings

@@ -13,7 +13,7 @@ from crane.geometry.quaternion import quaternion_of, rotation_of
 from crane.groups.rigid import FREQUENCY, RIGID, new_rigids
 from crane.groups.sockets import SOCKET, new_sockets
 from crane.sea.frames import Frame, motion_of
-from tautline.elements.node import SPRING, PointMasses, Springs
+from tautline.elements.nodal.node import SPRING, PointMasses, Springs
 
 ONE_BY_ONE = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
 INERTIA = (2.0, 3.0, 4.0)

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from crane.geometry.line import POINT, WHEEL
 from crane.groups.hydrodynamics import WET, new_wet
 from crane.groups.span import SPAN, new_spans
-from tautline.elements.node import SPRING, PointMasses, Springs
+from tautline.elements.nodal.node import SPRING, PointMasses, Springs
 from tautline.simulation import ENERGIES
 
 DENSITY, GRAVITY = 1025.0, 9.81

@@ -17,7 +17,7 @@ from tautline.elements.flow import Flow
 from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.linear import LinearInertia, LinearTension
 from tautline.elements.linear_flow import LINEAR_FLOW, LinearFlow
-from tautline.elements.outlet import OUTLET, Outlets
+from tautline.elements.nodal.outlet import OUTLET, Outlets
 from tautline.elements.tension import TENSION, FlowingTension, Tension
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import Dofs

@@ -14,8 +14,8 @@ from references import ale_ancf as reference
 from tautline.constraints.equations import equations
 from tautline.constraints.multiplier import Multipliers
 from tautline.constraints.penalty import Penalties
-from tautline.elements.load import Loads
-from tautline.elements.node import SPRING, Anchors, PointMasses, Springs, TimedForces
+from tautline.elements.nodal.load import Loads
+from tautline.elements.nodal.node import SPRING, Anchors, PointMasses, Springs, TimedForces
 
 RESIDUAL, TANGENT, DIFFERENCE = 1e-10, 1e-9, 1e-7
 STRESSED = [name for name in KINDS if "tension" in name or "bending" in name]

@@ -17,7 +17,7 @@ HERE = Path(__file__).parent
 RUN = """
 import json, sys
 import numpy as np
-from tautline.elements.load import Loads
+from tautline.elements.nodal.load import Loads
 from tautline.integrators.linearise import evaluate, evaluate_scene
 from tautline.integrators.state import new_state
 from tautline.kernels.groups import run_hook

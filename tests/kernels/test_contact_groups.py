@@ -9,7 +9,7 @@ from drillstring.drilling.top_drive import TopDrive
 from drillstring.groups.contact import SPRING, WallContact
 from drillstring.groups.drag import Drag
 from drillstring.groups.friction import BANDED, FORCED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
-from tautline.elements.load import Loads
+from tautline.elements.nodal.load import Loads
 from tautline.kernels import changes
 from tautline.kernels import groups as over
 from tautline.kernels.jit import entry

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from tautline.elements.load import Loads
+from tautline.elements.nodal.load import Loads
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state
 from tautline.integrators.time_loop import compile_for
@@ -22,7 +22,7 @@ SCRIPT = """
 import sys
 from typing import NamedTuple
 import numpy as np
-from tautline.elements.load import Loads
+from tautline.elements.nodal.load import Loads
 from tautline.integrators.time_loop import MARCHES, compile_for, march, new_frames
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state

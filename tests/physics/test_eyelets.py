@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from physics.tied_cables import PINNED, element, model_of, node, run, scene
 
-from tautline.elements.eyelet import Eyelets
+from tautline.elements.nodal.eyelet import Eyelets
 from tautline.integrators.status import Status, StoppedEarly
 
 SOLVERS = [{"type": "G-alpha", "time_step": 1e-3}, {"type": "RK4", "time_step": 1e-4}]

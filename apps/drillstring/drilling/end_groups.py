@@ -14,7 +14,7 @@ from drillstring.drilling.impedance import gains, note_of_drive
 from drillstring.drilling.top_drive import TopDrive
 from drillstring.scene.ends import Controller
 from drillstring.string.lumps import Tube
-from tautline.elements.load import Loads
+from tautline.elements.nodal.load import Loads
 from tautline.kernels.time_function import TimeFunctions, value_at
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from drillstring.groups.contact import WallContact
 from drillstring.groups.sliding import Sliding
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
-from tautline.elements.load import Loads
+from tautline.elements.nodal.load import Loads
 from tautline.integrators.state import State
 from tautline.lumped.curve import PER_BODY
 from tautline.system.system import System

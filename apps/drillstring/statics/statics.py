@@ -26,7 +26,7 @@ from drillstring.statics.soft_string import soft_string
 from drillstring.string.factors import Factors, same
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Tube, cut
-from tautline.elements.load import Loads
+from tautline.elements.nodal.load import Loads
 from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.status import Status, StoppedEarly

@@ -17,7 +17,7 @@ from tautline.cable.model.limits import limits
 from tautline.cable.model.observe import Observer, headline, variables
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of
 from tautline.constraints.multiplier import Multipliers
-from tautline.elements.node import SPRING, Anchors, PointMasses, Springs, TimedForces
+from tautline.elements.nodal.node import SPRING, Anchors, PointMasses, Springs, TimedForces
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings

@@ -9,7 +9,7 @@ import numpy as np
 
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.ties import Equation
-from tautline.elements.eyelet import Eyelets
+from tautline.elements.nodal.eyelet import Eyelets
 
 
 def eyelets(layout: Layout, made: Sequence[Equation]) -> list[Any]:

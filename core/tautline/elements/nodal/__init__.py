@@ -1,0 +1,1 @@
+"""What acts at nodes: masses, forces, springs, supports that rope slides through, jets, open ends."""
