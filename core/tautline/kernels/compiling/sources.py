@@ -21,8 +21,8 @@ import llvmlite
 import numba
 import numpy as np
 
-UNCOMPILED = ("study", "cli", "view", "results")
-"""Folders of the core in which nothing is compiled, though they speak of kernels."""
+UNCOMPILED = (("study",), ("cli",), ("view",), ("results",))
+"""Rooms of the core in which nothing is compiled, though they speak of kernels."""
 KNOWN = {"numpy", "numba", "llvmlite", "scipy"} | set(sys.stdlib_module_names) - {"__main__"}
 """Packages that are known by their version."""
 
@@ -33,7 +33,7 @@ def kernel_sources() -> list[Path]:
     for package in sorted(packages()):
         spec = util.find_spec(package)
         for root in spec.submodule_search_locations if spec and spec.submodule_search_locations else []:
-            sources += [f for f in sorted(Path(root).rglob("*.py")) if _is_compiled(f)]
+            sources += [f for f in sorted(Path(root).rglob("*.py")) if _is_compiled(f, Path(root))]
     return sources
 
 
@@ -49,11 +49,12 @@ def is_ours(thing: Any) -> bool:
     return (getattr(thing, "__module__", None) or "").split(".")[0] in packages()
 
 
-def _is_compiled(source: Path) -> bool:
-    """Whether a file holds compiled code, or constants that are compiled in."""
-    if source.parent.name in UNCOMPILED:
+def _is_compiled(source: Path, root: Path) -> bool:
+    """Whether a file of a package holds compiled code, or constants that are compiled in."""
+    rooms = source.relative_to(root).parts[:-1]
+    if root.name == "tautline" and rooms[:1] in UNCOMPILED:
         return False
-    return source.parent.name == "integrators" or b"kernel" in source.read_bytes()
+    return "integrators" in rooms or b"kernel" in source.read_bytes()
 
 
 def hash_of_sources(*more: Any) -> str:
