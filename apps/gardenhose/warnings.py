@@ -46,7 +46,7 @@ def _steps(scene: HoseScene, hose: Average) -> Sentences:
     if solver.step == "auto":
         return
     step = float(solver.step)
-    if solver.method == "rk4":
+    if solver.explicit:
         limit = rk4_limit(scene)
         if step > limit.step:
             cause = f"the fastest {limit.motion} motion of an element, eqs 2.137 and 2.151"

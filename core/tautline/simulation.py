@@ -11,11 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from tautline.integrators.generalized_alpha import GeneralizedAlpha, energy_set_aside
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.method import method_for
 from tautline.integrators.period import STEPS_PER_PERIOD, lag_of_step
-from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.schedule import frame_times, steps_to
 from tautline.integrators.state import (
     AT_START,
@@ -34,6 +32,7 @@ from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.statics.relaxation import relax
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import PART, STEP, WORK_LIMIT, Frames, compile_for, march, new_frames, new_pause
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import listening
@@ -42,6 +41,7 @@ from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.results.rounding import without_rounding
 from tautline.results.store import Store
+from tautline.scene.methods import explicit_like, method_of
 from tautline.system.memory import recall, remember
 from tautline.system.model import Model
 from tautline.version import __version__
@@ -164,6 +164,7 @@ class Run:
     def __init__(self, model: Model, look: Look | None = None) -> None:
         self.model, self.look = model, look
         self.method = method_for(model.system, model.solver)
+        self.explicit = method_of(model.solver.method).explicit
         self.state = new_state(model.system)
         self.ends, self.steps = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self.step = float(self.ends[0] / self.steps[0])
@@ -176,7 +177,8 @@ class Run:
         self.began: dict[str, Any] = {}
         self._starts_far = False
         self.frames = self._room(1)
-        self.critical, self.unchecked = CriticalStep(model.system), FRAMES_UNCHECKED
+        self.critical = CriticalStep(model.system, method_of(explicit_like(model.solver.method)))
+        self.unchecked = FRAMES_UNCHECKED
 
     def _room(self, rows: int) -> Frames:
         return new_frames(rows, self.model.system.q.size, self.model.own)
@@ -353,7 +355,7 @@ class Run:
         """Set the length of the next batch from frames stored and from the time, s, that a look at the step took."""
         limit = max(1, BATCH_NUMBERS // (4 * self.model.system.q.size + self.model.own + 6))
         per_frame, self.spent = max(self.spent, 1e-9) / rows, 0.0
-        if isinstance(self.method, RungeKutta4):
+        if self.explicit:
             # A look at the step takes a millisecond, which is hundreds of steps of a small scene.
             limit = min(limit, max(self.unchecked, math.ceil(CHECKED * checked / per_frame)))
         if self.look is not None:
@@ -365,7 +367,7 @@ class Run:
 
         Where the step is chosen for it the next frames are divided into steps that are well below.
         """
-        if not (isinstance(self.method, RungeKutta4) and self.model.solver.guarded):
+        if not (self.explicit and self.model.solver.guarded):
             return
         critical, worst = self.critical.search(self.state, self.time)
         if self.model.solver.automatic:
@@ -378,7 +380,7 @@ class Run:
 
     def _stable_step(self) -> float:
         """The scene's step, or one that an explicit method can take where it is to be chosen."""
-        if not (self.model.solver.automatic and isinstance(self.method, RungeKutta4)):
+        if not (self.model.solver.automatic and self.explicit):
             return self.step
         return min(self.step, SAFE * self.critical.search(self.state, self.time)[0])
 
@@ -437,9 +439,8 @@ class Run:
 
     def energy_gained(self) -> float:
         """Energy that has come from nowhere, over what went through the system."""
-        aside, ledger = 0.0, self.state.ledger
-        if isinstance(self.method, GeneralizedAlpha):
-            aside = energy_set_aside(self.method.beta, self.method.gamma, self.step, float(ledger[AT_START]))
+        ledger = self.state.ledger
+        aside = stepping_with(self.method).set_aside(self.method, self.step, float(ledger[AT_START]))
         return self.balance.gained(float(ledger[THROUGHPUT]), aside)
 
     def turns_over(self) -> float:

@@ -23,7 +23,7 @@ import sys
 from typing import NamedTuple
 import numpy as np
 from tautline.elements.nodal.load import Loads
-from tautline.integrators.time_loop import MARCHES, compile_for, march, new_frames
+from tautline.integrators.time_loop import compile_for, loop_of, march, new_frames
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state
 from tautline.kernels import groups
@@ -63,7 +63,7 @@ method, state = METHODS["generalized-alpha"](system, settings), new_state(system
 state.a[:] = state.auxiliary[:] = 0.5
 told = []
 compile_for(method, system, state, told.append)
-loop = MARCHES[type(method)][0]
+loop = loop_of(method)[0]
 loops = list(loop.overloads)
 from numba.core import event
 late = []

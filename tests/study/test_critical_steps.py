@@ -21,8 +21,8 @@ from oscillators import (
 )
 from scipy.linalg import eigh
 
-from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.integrators.vibration.critical_step import critical_step
+from tautline.scene.methods import RK4
 from tautline.simulation import Run
 from tautline.study.robustness import critical as critical_module
 from tautline.study.robustness.bar import EFFECTIVE, Bar
@@ -37,6 +37,8 @@ from tautline.study.robustness.critical import (
 from tautline.study.robustness.penalties import penalties
 from tautline.study.robustness.stability import stability
 from tautline.study.trials.trial import Setting
+
+RK4_LIMIT = RK4.limit
 
 HOUSE = RK4_LIMIT / LIMIT
 """The house takes the thesis' 2.8 (eq. 2.137) where the polynomial says 2 sqrt 2."""

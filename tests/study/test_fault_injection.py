@@ -7,14 +7,16 @@ from wrong_tangents import TOO_LARGE, faulty_subject, mounted
 
 from tautline.elements.linear import LinearTension
 from tautline.elements.tension import Tension
-from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.results.result import Result
+from tautline.scene.methods import RK4
 from tautline.study.accuracy.precision import WRONG_TANGENT, Grid, study
 from tautline.study.robustness import critical
 from tautline.study.robustness.stability import stability
 from tautline.study.robustness.variants import variants
 from tautline.study.trials import trial
 from tautline.study.trials.trial import Setting
+
+RK4_LIMIT = RK4.limit
 
 LATE = oscillator(items=["PointForce: {id: 0, nodes4: [1], force: [5.0, 0, 0], timeInterval: [1.0, 9]}"], time_end=1.5)
 """It swings by 0.01 m for a second and is then pushed to 0.05 m, where a spring 0.03 m away is met."""

@@ -12,13 +12,15 @@ from matplotlib.figure import Figure
 from oscillators import OMEGA, oscillator, rk4, subject
 
 from tautline.cli.console import finite
-from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.results.errors import ResultError
+from tautline.scene.methods import RK4
 from tautline.study import figures
 from tautline.study.accuracy.precision import Grid, study
 from tautline.study.record import run_record, stability_record, study_record, variant_record, write_csv, write_netcdf
 from tautline.study.robustness.stability import Stability, stability
 from tautline.study.robustness.variants import Variant
+
+RK4_LIMIT = RK4.limit
 
 RUN = {
     "method", "step", "elements", "position_error", "force_error", "phase_error", "rmse", "cpu_time", "wall_time",

@@ -160,7 +160,7 @@ class CraneScene(Scene):
         Through slack a fixed step can converge, without a failure, to a wrong answer.
         """
         solver = self.solver
-        if solver.method == "rk4":
+        if solver.explicit:
             return False
         return solver.control == "error" or solver.step == "auto" or "control" not in solver.model_fields_set
 

@@ -172,7 +172,7 @@ def shortest(found: Estimate) -> list[float]:
 def _steps(found: Estimate) -> Sentences:
     scene, frequency = found.scene, found.frequency
     solver, interval = scene.solver, scene.output.interval
-    if solver.method == "rk4":
+    if solver.explicit:
         begin = [span.length / n for span, n in zip(found.path.spans, scene.elements, strict=True)]
         damping = damping_of(scene, found.path)
         critical, later = (

@@ -81,7 +81,7 @@ def groups_at_ends(
 
 
 def _bit(scene: DrillstringScene, bit: Along, turn: int, tubes: Sequence[Tube], spin: float) -> RockBit | BladeBit:
-    row = bit_row(scene.bit, scene.well.diameter, tubes, spin, scene.solver.method == "rk4")
+    row = bit_row(scene.bit, scene.well.diameter, tubes, spin, scene.solver.explicit)
     shared = bit.places, bit.direction, bit.datum, turn, row, np.zeros(4), np.zeros((3, 4))
     if scene.bit.cutting is not None and scene.bit.cutting.blades is not None:
         return BladeBit(*shared, np.zeros((RING, 2)), np.zeros(1, np.int64))
@@ -111,7 +111,7 @@ def notes_of_ends(scene: DrillstringScene, tubes: Sequence[Tube]) -> list[str]:
     rotation = scene.top.rotation
     if isinstance(rotation, Controller) and rotation.kind == "soft-torque":
         notes.append(note_of_drive(rotation, tubes))
-    if scene.bit.on_bottom and scene.solver.method == "rk4" and (scene.bit.torque or scene.bit.cutting):
+    if scene.bit.on_bottom and scene.solver.explicit and (scene.bit.torque or scene.bit.cutting):
         notes.append(
             "a bit that sticks exactly needs an implicit method: rk4 takes its torque as a function of its speed, in "
             f"full above {scene.bit.slip_speed:g} rad/s, and a stuck bit creeps (bit.slip_speed)"

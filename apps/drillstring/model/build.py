@@ -188,7 +188,7 @@ def _law(scene: DrillstringScene) -> tuple[str, list[str]]:
     if scene.well.wall is None:
         return "none", []
     law = scene.well.wall.friction.law
-    if law == "projection" and scene.solver.method == "rk4":
+    if law == "projection" and scene.solver.explicit:
         if factors_of(scene.well.wall, "static").largest == 0.0:
             return "regularised", []
         speed = scene.well.wall.friction.slip_velocity

@@ -19,14 +19,15 @@ from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import cut
 from drillstring.well.wellbore import Wellbore
 from tautline.integrators.method import method_for
-from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.statics.relaxation import MOST_STEPS, relax
 from tautline.integrators.statics.stability import count_negative
 from tautline.integrators.status import Status, StoppedEarly
+from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import new_frames
 from tautline.integrators.vibration.critical_step import CriticalStep
+from tautline.scene.methods import method_of
 from tautline.scene.model import validate
 from tautline.simulation import SAFE
 
@@ -176,8 +177,8 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
         else:
             method = method_for(system, model.solver)
             step = model.solver.step
-            if model.solver.automatic and isinstance(method, RungeKutta4):
-                step = min(step, SAFE * CriticalStep(system).search(state, 0.0)[0])
+            if model.solver.automatic and stepping_with(method).explicit:
+                step = min(step, SAFE * CriticalStep(system, method_of(model.solver.method)).search(state, 0.0)[0])
             spent = relax(system, state, method, step, model.own, REST, most).steps
     except StoppedEarly as stop:
         way = "Newton's method and the march after it failed" if by == "static" else "by dynamic relaxation"

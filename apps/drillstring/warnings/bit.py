@@ -12,12 +12,14 @@ from drillstring.string.lumps import Lumps
 from drillstring.string.strength import tension_at_rest
 from drillstring.well.wellbore import Wellbore
 from tautline.cli.summary import shown
-from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.kernels.time_function import sample, value_at
 from tautline.scene.errors import Caution
+from tautline.scene.methods import RK4, method_of
 from tautline.scene.solver import longest_step
 from tautline.system.time_functions import compile_functions
 
+LIMIT = RK4.reach_of_vibration
+"""omega h beyond which RK4 is unstable."""
 OFF = 0.05
 """Difference of the block's speed from the rate of penetration, over the latter, that is told."""
 UPRIGHT = np.radians(10.0)
@@ -105,12 +107,12 @@ def _of_method(scene: DrillstringScene) -> list[Caution]:
     alpha_f = scene.solver.alphas[1]
     sticks = scene.bit.torque is not None or scene.bit.cutting is not None
     # rho_inf = alpha_f / (1 - alpha_f) on the line of eqs 2.79-2.80; Newmark's is 1
-    rho = alpha_f / (1.0 - alpha_f) if scene.solver.method == "generalized-alpha" and alpha_f < 1.0 else 1.0
-    if scene.solver.method == "rk4" or not sticks or rho <= RINGS:
+    rho = alpha_f / (1.0 - alpha_f) if method_of(scene.solver.method).has_alphas and alpha_f < 1.0 else 1.0
+    if scene.solver.explicit or not sticks or rho <= RINGS:
         return []
     return [
         Caution(
-            "solver.method" if scene.solver.method == "newmark" else "solver.rho_inf",
+            "solver.rho_inf" if method_of(scene.solver.method).has_alphas else "solver.method",
             "does not damp what a step cannot follow: the shock of a bit that sticks rings on in its torque, and it "
             "lets go too early; take generalized-alpha with rho_inf 0.9 or less",
         )
@@ -119,19 +121,19 @@ def _of_method(scene: DrillstringScene) -> list[Caution]:
 
 def _of_chatter(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     """Where an explicit step is too long for the torque of a bit at rest, which rises with its speed."""
-    if scene.solver.method != "rk4":
+    if not scene.solver.explicit:
         return []
     b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, 0.0, True)[0]
     inertia = float(lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)[-1])
     steepness = torque_at(b, scene.bit.weight or 0.0, 0.0) / inertia
     step = longest_step(scene.solver, scene.output.interval)
-    if steepness * step <= RK4_LIMIT * scene.bit.slip_speed:
+    if steepness * step <= LIMIT * scene.bit.slip_speed:
         return []
     return [
         Caution(
             "bit.slip_speed",
             f"a bit at rest chatters at a step of {step:g} s, and loses energy: take a step of "
-            f"{RK4_LIMIT * scene.bit.slip_speed / steepness:.2g} s, a slip_speed of {steepness * step / RK4_LIMIT:.2g} "
+            f"{LIMIT * scene.bit.slip_speed / steepness:.2g} s, a slip_speed of {steepness * step / LIMIT:.2g} "
             "rad/s, or generalized-alpha, whose bit sticks exactly",
         )
     ]

@@ -17,10 +17,10 @@ from drillstring.string.lumps import Lumps, cut
 from drillstring.string.strength import yield_cautions
 from drillstring.warnings.wall import wall_cautions
 from tautline.cli.summary import shown
-from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.kernels.time_function import sample
 from tautline.results.rounding import unrounded
 from tautline.scene.errors import Caution
+from tautline.scene.methods import RK4
 from tautline.scene.solver import longest_step
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
@@ -52,12 +52,12 @@ def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
         from drillstring.model.beam_frequency import contact_frequency
 
         rattling = contact_frequency(points_of(lumps), wall, fluid_of(scene.mud), scene.well.diameter)
-        return RK4_LIMIT / max(rattling, *(bar.fastest for bar in bars(scene)))
+        return RK4.reach_of_vibration / max(rattling, *(bar.fastest for bar in bars(scene)))
     mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
     mass = mass + lateral_mass(lumps, fluid_of(scene.mud), scene.well.diameter)
     od = lumps.largest(lambda tube: tube.od)
     stiffness = wall.stiffness * od / od.max() * lumps.tributary / (lumps.total / wall.lumps)
-    return RK4_LIMIT / float(np.sqrt((stiffness / mass)[1:].max()))
+    return RK4.reach_of_vibration / float(np.sqrt((stiffness / mass)[1:].max()))
 
 
 def _reach_of_block(scene: DrillstringScene) -> tuple[float, float]:
@@ -121,7 +121,7 @@ def _friction_cautions(scene: DrillstringScene) -> list[Caution]:
         return []
     found = []
     slow = wall.friction.slip_velocity
-    if solver.method != "rk4" and slow < SLIP_FOR_NEWTON:
+    if not solver.explicit and slow < SLIP_FOR_NEWTON:
         found.append(
             Caution(
                 "well.wall.friction.law",
@@ -165,7 +165,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
     solver = scene.solver
     critical = contact_critical_step(scene, lumps)
     step = longest_step(solver, 0.0)
-    if solver.method == "rk4" and step > critical:
+    if solver.explicit and step > critical:
         found.append(
             Caution(
                 "solver.step",
@@ -185,7 +185,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
         )
     sound = min(sqrt(tube.youngs_modulus / tube.density) for tube in lumps.tubes)
     period = 4.0 * lumps.total / sound
-    if solver.method != "rk4" and step > LONG_FOR_MOTION * period:
+    if not solver.explicit and step > LONG_FOR_MOTION * period:
         found.append(
             Caution(
                 "solver.step",

@@ -16,10 +16,9 @@ from tautline.cable.input.parts import Element, Node, Place, Tie
 from tautline.cable.input.scene import CableScene
 from tautline.scene.document import join_key
 from tautline.scene.errors import Caution
+from tautline.scene.methods import RK4
 from tautline.scene.solver import longest_step
 
-RK4_LIMIT = 2.8
-"""omega h on the imaginary axis beyond which RK4 is unstable, eq. 2.137."""
 STIFF_PENALTY = 1.0e6
 """Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
 PRESTRETCHED = 0.05
@@ -45,7 +44,7 @@ def figures(scene: CableScene) -> dict[str, Any]:
     square, _ = _fastest(scene, p)
     return {
         "cable": {part: len(getattr(scene, part)) for part in parts} | {"length": sum(lengths), "mass": ropes + points},
-        "critical_step_rk4": RK4_LIMIT / math.sqrt(square) if square > 0.0 else None,
+        "critical_step_rk4": RK4.reach_of_vibration / math.sqrt(square) if square > 0.0 else None,
     }
 
 
@@ -120,10 +119,10 @@ def _squares(scene: CableScene, p: dict[int, float]) -> list[tuple[float, Place]
 def _steps(scene: CableScene) -> Sentences:
     square, place = _fastest(scene, material_coordinates(scene))
     step = longest_step(scene.solver, 0.0)
-    if scene.solver.method == "rk4" and step * math.sqrt(square) > RK4_LIMIT:
+    if scene.solver.explicit and step * math.sqrt(square) > RK4.reach_of_vibration:
         text = (
             f"{step:g} s may be longer than RK4's critical step, which is at least about "
-            f"{RK4_LIMIT / math.sqrt(square):.2g} s (eq. 2.137, by {join_key(place)} in line "
+            f"{RK4.reach_of_vibration / math.sqrt(square):.2g} s (eq. 2.137, by {join_key(place)} in line "
             f"{scene.document.line(place)} alone): `stability` finds it; take a smaller step, or type: G-alpha"
         )
         yield ("GeneralizedAlpha", "time_step"), text

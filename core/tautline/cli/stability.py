@@ -98,7 +98,7 @@ def _count(variants: Sequence[Variant]) -> None:
 def _rows(found: Stability) -> list[tuple[str, str]]:
     c = found.critical
     rows = [
-        ("RK4's critical step, by effective length (eq. 2.151)", _step(c.effective_length, c.shortest)),
+        (f"critical step of {c.method}, by effective length (eq. 2.151)", _step(c.effective_length, c.shortest)),
         ("by eigenvalues, least along the run", _step(c.eigenvalue, f"at t = {c.at:.4g} s")),
         ("set by", c.set_by or "–"),
         ("its angular frequency", "–" if c.omega_max is None else f"{significant(c.omega_max)} rad/s"),

@@ -15,6 +15,7 @@ from tautline.cli.lists import number, numbers, one_of, words
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.simulate import FIRST_RUN, print_cautions
 from tautline.cli.summary import significant
+from tautline.scene.methods import aliases, names
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -32,8 +33,6 @@ WIDEST = 400
 """Letters of a line of a table, at most."""
 NEWTON = ("modified", "full")
 NOT_RUN = ("refused", "left out")
-METHODS = ("rk4", "generalized-alpha", "newmark")
-ALIASES = {"G-alpha": "generalized-alpha", "generalised-alpha": "generalized-alpha", "RK4": "rk4"}
 
 
 def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str, Any], as_json: bool) -> None:
@@ -180,7 +179,7 @@ def percentage(text: str, option: str) -> float:
 def _grid(asked: dict[str, Any]) -> Grid:
     from tautline.study.accuracy.precision import Grid
 
-    methods = words(asked["methods"], "--methods", one_of(METHODS, ALIASES))
+    methods = words(asked["methods"], "--methods", one_of(names(), aliases()))
     steps = numbers(asked["steps"], "--steps", "s")
     return Grid(
         methods or None, steps or None, numbers(asked["elements"], "--elements", "") or [1.0],
@@ -195,7 +194,7 @@ def _reference(asked: dict[str, Any]) -> Any:
     method, step = asked["reference"], asked["reference_step"]
     if method is None and step is None:
         return None
-    known = one_of(METHODS, ALIASES)
+    known = one_of(names(), aliases())
     return Setting(
         None if method is None else words(method.replace(",", " "), "--reference", known)[0],
         None if step is None else number(step, "--reference-step", "s"),

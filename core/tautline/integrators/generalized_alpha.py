@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.newton import DONE, SAME_STEP, Corrector, correct
+from tautline.integrators.newton import DONE, SAME_STEP, Corrector, correct, corrector
 from tautline.integrators.state import WORST, book_losses, book_work, keep, observe_motion, restore, watch
 from tautline.integrators.status import Status
+from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
+from tautline.system.model import SolverSettings
+from tautline.system.system import System
 
 INACCURATE = int(Status.INACCURATE)
+HALVINGS_OF_AUTO = 24
+"""Times that a step may be halved at least where the longest is as long as an output interval."""
 STILL = -1
 """Order of the prediction that nothing moves."""
 
@@ -162,3 +168,64 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     book_work(groups, dofs, state, t + h, m.power)
     observe_motion(state, state.keep[1], state.keep[2], h)
     return DONE
+
+
+def amplification(m: GeneralizedAlpha, turn: float) -> complex:
+    """The principal root of the amplification of (q, h v, h^2 a*), a* the auxiliary acceleration of eq. 2.86."""
+    x = turn * turn
+    inertia = 1.0 - m.alpha_m + x * (1.0 - m.alpha_f) * m.beta
+    late = x * (1.0 - m.alpha_f)
+    new = -np.array([x * m.alpha_f + late, late, m.alpha_m + late * (0.5 - m.beta)]) / inertia
+    way = np.array([1.0, 1.0, 0.5 - m.beta]) + m.beta * new
+    speed = np.array([0.0, 1.0, 1.0 - m.gamma]) + m.gamma * new
+    roots = np.linalg.eigvals(np.array([way, speed, new]))
+    turning = [complex(root) for root in roots if root.imag > 0.0]
+    # Of a step longer than half a period no root is near: the pair that turns is the principal one.
+    return max(turning, key=abs, default=-1.0 + 0.0j) if turning else complex(max(roots, key=abs))
+
+
+def generalized_alpha(system: System, settings: SolverSettings) -> GeneralizedAlpha:
+    """Generalized-alpha with the parameters of the settings."""
+    return _implicit(system, settings, settings.alpha_m, settings.alpha_f)
+
+
+def newmark(system: System, settings: SolverSettings) -> GeneralizedAlpha:
+    """Newmark-beta, the average acceleration: generalized-alpha with alpha_m = alpha_f = 0, eqs 2.65-2.70."""
+    return _implicit(system, settings, 0.0, 0.0)
+
+
+def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f: float) -> GeneralizedAlpha:
+    beta, gamma = coefficients(alpha_m, alpha_f)
+    halvings = max(settings.max_halvings, HALVINGS_OF_AUTO) if settings.automatic else settings.max_halvings
+    by_energy = settings.criterion == "energy"
+    iteration = corrector(
+        system,
+        settings.tolerance,
+        by_energy,
+        settings.max_iterations,
+        settings.energy_unit,
+        settings.contraction,
+        full=settings.newton == "full",
+    )
+    # A row's moment over the force that counts as large is the length by which its unknown counts.
+    length = system.scale / (system.force or system.scale.max(initial=1.0))
+    length[system.algebraic] = 0.0
+    return GeneralizedAlpha(
+        alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
+        settings.step_error, length, np.array([0.0, 1.0]),
+        np.zeros((2, system.size)), np.zeros(1, np.int64),
+    )  # fmt: skip
+
+
+def _sums(method: GeneralizedAlpha) -> tuple[str, ...]:
+    return ("switch", "smooth_tangent", "switching_tangent")
+
+
+def _set_aside(method: GeneralizedAlpha, h: float, moving: float) -> float:
+    return energy_set_aside(method.beta, method.gamma, h, moving)
+
+
+GENERALIZED_ALPHA = add(
+    Stepping(GeneralizedAlpha, generalized_alpha, generalized_alpha_step, False, _sums, amplification, _set_aside)
+)
+NEWMARK = replace(GENERALIZED_ALPHA, make=newmark)

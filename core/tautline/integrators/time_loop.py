@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import typeof
 
-from tautline.integrators.generalized_alpha import GeneralizedAlpha, generalized_alpha_step
+from tautline.integrators.explicit import accelerate, account
 from tautline.integrators.linearise import SUMS, evaluate_scene
 from tautline.integrators.newton import DONE
-from tautline.integrators.rk4 import RungeKutta4, accelerate, account, rk4_step
 from tautline.integrators.state import (
     DISSIPATED,
     FACTORISATIONS,
@@ -20,6 +19,7 @@ from tautline.integrators.state import (
     WORK,
     open_ledger,
 )
+from tautline.integrators.stepping import stepping_with, take_step
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held
 from tautline.kernels.groups import hook_jobs
@@ -126,7 +126,7 @@ def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
             pause[PART] = at
             method.control[1] = size / finest
             return PAUSED
-        status = generalized_alpha_step(
+        status = take_step(
             method, groups, dofs, functions, state, t + h * (at / finest), h * (size / finest)
         )
         if status == DONE:
@@ -184,7 +184,7 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
             if work_done(state.counters) >= pause[WORK_LIMIT]:
                 pause[STEP] = step
                 return DONE, k, t0 + step * h
-            status = rk4_step(method, groups, dofs, functions, state, t0 + step * h, h)
+            status = take_step(method, groups, dofs, functions, state, t0 + step * h, h)
             if status != DONE:
                 return status, k, t0 + step * h
             state.counters[STEPS] += 1
@@ -200,19 +200,18 @@ def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, r
 
 
 _ALWAYS = ("begin", "alarm", "commit", "record", "energy", "dissipation", "supply", "residual")
-MARCHES = {
-    GeneralizedAlpha: (march_implicit, lambda m: (*_ALWAYS, "switch", "smooth_tangent", "switching_tangent")),
-    RungeKutta4: (
-        march_explicit,
-        lambda m: (*_ALWAYS, "force", "violation", "diagonal_mass" if isinstance(m.mass, np.ndarray) else "mass"),
-    ),
-}
-"""The compiled loop of each method and the sums that it asks of the groups: a new method is one line here."""
+"""Sums over groups that every method asks for."""
+
+
+def loop_of(method):
+    """The compiled loop for a method's scratch, and the sums that it asks of the groups."""
+    stepping = stepping_with(method)
+    return march_explicit if stepping.explicit else march_implicit, (*_ALWAYS, *stepping.sums(method))
 
 
 def compile_for(method, system, state, announce=None):
     """Compile what a run will need, or load it, with the processors there are; see :func:`compile_all`."""
-    loop, sums = MARCHES[type(method)]
+    loop, sums = loop_of(method)
     groups, scene = np.zeros(0, np.int64), (system.dofs, system.functions, state)
     none, rows = np.zeros(0), np.zeros((0, 0))
     factors = new_factors(0, 0)
@@ -223,7 +222,7 @@ def compile_for(method, system, state, announce=None):
         (factorise_matrix, (factors,)),
     ]
     heavy, common, *parts = ((function, tuple(typeof(x) for x in given)) for function, given in calls)
-    hooks = hook_jobs(system.groups, *dict.fromkeys((*sums(method), *SUMS)))
+    hooks = hook_jobs(system.groups, *dict.fromkeys((*sums, *SUMS)))
     # The loop, which is heaviest, takes in the last two: it is begun when others have made them.
     compile_all([*hooks[:1], heavy, common, *hooks[1:], *parts], announce)
 
@@ -233,7 +232,8 @@ def march(method, system, state, ends, steps, begin, frames, pause=None):
 
     Parameters
     ----------
-    method : GeneralizedAlpha or RungeKutta4
+    method : NamedTuple
+        Scratch of a method.
     system : System
     state : State
         At time ``begin``.
@@ -255,6 +255,6 @@ def march(method, system, state, ends, steps, begin, frames, pause=None):
         Status, frames filled, time reached. Fewer frames than were asked for, with DONE, are those of a run that was
         paused: the next call has to begin with the frame under way.
     """
-    loop, sums = MARCHES[type(method)]
-    groups, pause = system.link(sums(method)), new_pause() if pause is None else pause
+    loop, sums = loop_of(method)
+    groups, pause = system.link(sums), new_pause() if pause is None else pause
     return loop(method, groups, system.dofs, system.functions, state, ends, steps, begin, frames.rows, pause)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Self, TypeVar
 
@@ -202,22 +202,40 @@ def _plain(error: Any) -> tuple[str, str]:
 
 def word(*known: str, aliases: dict[str, str] | None = None) -> BeforeValidator:
     """Annotate a choice of words: capitals, spaces and underscores do not matter, aliases are understood."""
+    return BeforeValidator(lambda value: read_word(value, known, aliases or {}))
+
+
+def read_word(value: Any, known: Sequence[str], aliases: Mapping[str, str]) -> str:
+    """The known word that is meant; refuses anything else with the nearest."""
 
     def fold(text: str) -> str:
         return text.lower().replace("_", "-").replace(" ", "-")
 
-    meant = {fold(w): w for w in known} | {fold(a): w for a, w in (aliases or {}).items()}
+    meant = {fold(w): w for w in known} | {fold(a): w for a, w in aliases.items()}
+    if not isinstance(value, str):
+        raise refusal("must be a word", f"give one of: {', '.join(known)}")
+    if fold(value) in meant:
+        return meant[fold(value)]
+    close = difflib.get_close_matches(fold(value[:LONGEST]), list(meant), n=1)
+    cure = f"did you mean '{meant[close[0]]}'? " if close else ""
+    raise refusal("is not one of the known words", f"{cure}known: {', '.join(known)}")
 
-    def read(value: Any) -> str:
-        if not isinstance(value, str):
-            raise refusal("must be a word", f"give one of: {', '.join(known)}")
-        if fold(value) in meant:
-            return meant[fold(value)]
-        close = difflib.get_close_matches(fold(value[:LONGEST]), list(meant), n=1)
-        cure = f"did you mean '{meant[close[0]]}'? " if close else ""
-        raise refusal("is not one of the known words", f"{cure}known: {', '.join(known)}")
 
-    return BeforeValidator(read)
+class WordOf:
+    """Annotation of a choice of words that may grow: names and aliases are asked for when a value is read."""
+
+    def __init__(self, names: Callable[[], Sequence[str]], aliases: Callable[[], Mapping[str, str]]) -> None:
+        self.names, self.aliases = names, aliases
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Read a word before anything else is made of it."""
+        return core_schema.no_info_before_validator_function(
+            lambda value: read_word(value, self.names(), self.aliases()), handler(source)
+        )
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: Any) -> dict[str, Any]:
+        """The words that there are now."""
+        return handler(schema) | {"enum": list(self.names())}
 
 
 class Branch:

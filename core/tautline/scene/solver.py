@@ -6,20 +6,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from tautline.scene.model import Model, Whole, word
+from tautline.scene import methods
+from tautline.scene.model import Model, Whole, WordOf, word
 from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
 
 MOST_STEPS = 1.0e9
 MOST_FRAMES = 1.0e6
 
-METHODS = word(
-    "generalized-alpha",
-    "newmark",
-    "rk4",
-    aliases={"G-alpha": "generalized-alpha", "generalised-alpha": "generalized-alpha", "runge-kutta": "rk4"},
-)
-Method = Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS]
+METHODS = WordOf(methods.names, methods.aliases)
+Method = Annotated[str, METHODS]
 Time = Annotated[float, quantity("s", positive=True, of="time simulated")]
 Step = Annotated[float | Literal["auto"], quantity("s", positive=True, words=("auto",), of="time step")]
 Newton = Annotated[Literal["modified", "full"], word("modified", "full")]
@@ -46,7 +42,7 @@ def check_alphas(alpha_m: float | None, alpha_f: float | None) -> None:
 
 def alphas_of(method: str, rho_inf: float | None, alpha_m: float | None, alpha_f: float | None) -> tuple[float, float]:
     """``alpha_m, alpha_f`` as given or from rho_inf (eqs 2.79-2.80); zero for methods without them."""
-    if method != "generalized-alpha":
+    if not methods.method_of(method).has_alphas:
         return 0.0, 0.0
     if alpha_m is not None and alpha_f is not None:
         return alpha_m, alpha_f
@@ -62,7 +58,7 @@ def unused_alphas(solver: Any) -> list[str]:
     solver : Solver or CableSolver
     """
     given = [name for name in ("rho_inf", "alpha_m", "alpha_f") if getattr(solver, name) is not None]
-    if solver.method == "generalized-alpha" or not given:
+    if methods.method_of(solver.method).has_alphas or not given:
         return []
     names, them = " and ".join(given), "it" if len(given) == 1 else "them"
     return [f"{solver.method} has no {names} and passes {them} over; take generalized-alpha, or remove {them}"]
@@ -83,8 +79,8 @@ def check_control(solver: Any, key: str) -> None:
         At ``key`` or ``control``.
     """
     error = solver.step_error
-    if solver.method == "rk4" and solver.control == "error":
-        raise fault("control", "rk4 has no control of its error", "use generalized-alpha, or step: auto")
+    if solver.explicit and solver.control == "error":
+        raise fault("control", f"{solver.method} has no control of its error", "use generalized-alpha, or step: auto")
     if error is None and solver.control == "error" and solver.step != "auto":
         raise fault(key, "is missing beside control: error", f"add `{key}:`, a length such as 1.0e-5")
     if error is not None and solver.control == "fixed" and solver.step != "auto":
@@ -98,7 +94,7 @@ def longest_step(solver: Any, interval: float) -> float:
 
 def error_of_steps(solver: Any, usual: float) -> float:
     """Error in position that a step may have, m: the scene's, `usual` where the step is chosen, 0 for no control."""
-    if solver.method == "rk4" or (solver.control == "fixed" and solver.step != "auto"):
+    if solver.explicit or (solver.control == "fixed" and solver.step != "auto"):
         return 0.0
     return usual if solver.step_error is None else float(solver.step_error)
 
@@ -150,6 +146,11 @@ class Solver(Model):
             cause = f"makes {self.end / self.step:.1e} steps to the end, more than {MOST_STEPS:.0e}"
             raise fault("step", cause, "take a larger step, or end earlier")
         return self
+
+    @property
+    def explicit(self) -> bool:
+        """Whether the method is explicit: it has a critical step, and no control of its error."""
+        return methods.method_of(self.method).explicit
 
     @property
     def alphas(self) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.polynomial import polynomial
 
-from tautline.integrators.vibration.critical_step import STABILITY
+from tautline.scene.methods import method_of
 from tautline.study.robustness.penalties import Stiffness
 from tautline.view.figures.figure import COLOURS, QUIET, Axes, axes, label, save, styled
 
@@ -126,7 +126,7 @@ def _frame(plot: Axes, study: Study, kind: str) -> None:
 
 @styled
 def stability_figure(found: Stability, title: str, path: Path) -> Path:
-    """Draw the region of stability of RK4 with the scene's eigenvalues in it, and what springs do to the step.
+    """Draw the region of stability with the scene's eigenvalues in it, and what springs do to the step.
 
     Raises
     ------
@@ -143,9 +143,11 @@ def stability_figure(found: Stability, title: str, path: Path) -> Path:
 
 
 def _region(plot: Axes, found: Stability) -> None:
-    """Eigenvalues times a step, where one step of RK4 does not grow."""
+    """Eigenvalues times a step, where one step of the explicit method does not grow."""
+    method = method_of(found.critical.method)
     x, y = np.meshgrid(np.linspace(-3.2, 0.8, 300), np.linspace(-3.4, 3.4, 400))
-    plot.contourf(x, y, np.abs(polynomial.polyval(x + 1j * y, STABILITY)), levels=[0.0, 1.0], colors=["#E3EEF6"])
+    growth = np.abs(polynomial.polyval(x + 1j * y, method.polynomial))
+    plot.contourf(x, y, growth, levels=[0.0, 1.0], colors=["#E3EEF6"])
     step = found.critical.eigenvalue
     if step is not None and found.critical.points.size:
         z = step * found.critical.points
@@ -155,7 +157,7 @@ def _region(plot: Axes, found: Stability) -> None:
     plot.set_aspect("equal")
     plot.set_xlabel("Re h λ")
     plot.set_ylabel("Im h λ")
-    plot.set_title("one step of RK4 shrinks what lies inside")
+    plot.set_title(f"one step of {method.name} shrinks what lies inside")
 
 
 def _springs(plot: Axes, springs: Sequence[Stiffness]) -> None:

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from tautline.scene.methods import method_of
 from tautline.scene.model import Model, Switch, Whole, word
 from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
@@ -41,9 +42,7 @@ class CableSolver(Model):
     old one. ``frequency``, Hz, is the highest that the answer is to show: a step that is too long for it is warned of.
     """
 
-    method: Annotated[Literal["generalized-alpha", "newmark", "rk4"], METHODS] = Field(
-        "generalized-alpha", alias="type"
-    )
+    method: Annotated[str, METHODS] = Field("generalized-alpha", alias="type")
     rho_inf: Annotated[float, quantity("", nonnegative=True, at_most=1.0, of="parameter of the method")] | None = None
     alpha_m: Annotated[float, quantity("", of="parameter of the method")] | None = None
     alpha_f: Annotated[float, quantity("", of="parameter of the method")] | None = None
@@ -97,6 +96,11 @@ class CableSolver(Model):
             return min(1.0 / self.plotpoints if self.plotpoints > 0.0 else self.end / FRAMES_OF_AUTO, self.end)
         asked = 1.0 / self.plotpoints if self.plotpoints * self.step > 0.0 else self.step
         return min(max(asked, self.step), self.end)
+
+    @property
+    def explicit(self) -> bool:
+        """Whether the method is explicit: it has a critical step, and no control of its error."""
+        return method_of(self.method).explicit
 
     @property
     def alphas(self) -> tuple[float, float]:

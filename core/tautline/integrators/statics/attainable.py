@@ -11,6 +11,7 @@ from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.equilibrium import ROUNDING
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, rows_of, solve_matrix
+from tautline.scene.methods import method_of
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import System
 
@@ -26,7 +27,7 @@ def within_rounding(model: Model, key: str = "solver.tolerance") -> Model:
     Iterations that seek less than rounding leaves are all in vain, and then the step is halved in vain too.
     """
     settings = model.solver
-    if settings.method == "rk4" or settings.tolerance >= EXAMINED:
+    if method_of(settings.method).explicit or settings.tolerance >= EXAMINED:
         return model
     least = attainable(model.system, settings)
     if not settings.tolerance < least < 1.0:
@@ -63,7 +64,7 @@ def attainable(system: System, settings: SolverSettings) -> float:
 
 def _energy(system: System, settings: SolverSettings, state: State, left: np.ndarray) -> float:
     """Error of eq. 2.78 of increments that solve for what rounding leaves: the largest of some draws of its signs."""
-    alpha_m, alpha_f = (0.0, 0.0) if settings.method == "newmark" else (settings.alpha_m, settings.alpha_f)
+    alpha_m, alpha_f = (settings.alpha_m, settings.alpha_f) if method_of(settings.method).has_alphas else (0.0, 0.0)
     beta, gamma = coefficients(alpha_m, alpha_f)
     h = min(settings.step, settings.interval)
     factors = new_factors(system.size, system.bandwidth, system.border)

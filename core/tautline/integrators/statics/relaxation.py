@@ -11,15 +11,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import exp, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.integrators.generalized_alpha import GeneralizedAlpha
 from tautline.integrators.linearise import evaluate
-from tautline.integrators.rk4 import RungeKutta4
 from tautline.integrators.state import WORST, State
 from tautline.integrators.status import Status, StoppedEarly
+from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import march, new_frames
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.kernels.dofs import expand
@@ -46,7 +45,7 @@ class Relaxation(NamedTuple):
 def relax(
     system: System,
     state: State,
-    method: GeneralizedAlpha | RungeKutta4,
+    method: Any,
     step: float,
     own: int = 0,
     tolerance: float = 1e-7,
@@ -59,7 +58,8 @@ def relax(
     system : System
     state : State
         Where it begins, and where it is left.
-    method : GeneralizedAlpha or RungeKutta4
+    method : NamedTuple
+        Scratch of a method.
         The method of the run; friction and contacts act as they do in it.
     step : float
         Step, s; an implicit method may take longer ones.
@@ -82,7 +82,7 @@ def relax(
     still = replace(system, functions=_frozen(system))
     frames = new_frames(1, system.q.size, own)
     mass = new_matrix(system.size, system.bandwidth, system.border)
-    explicit = isinstance(method, RungeKutta4)
+    explicit = stepping_with(method).explicit
     if explicit:
         _check(still, state, step)
     moves = np.ones(system.size)

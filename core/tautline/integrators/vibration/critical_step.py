@@ -2,40 +2,26 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from tautline.integrators.linearise import evaluate, evaluate_damping
-from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.integrators.state import State
 from tautline.kernels.matrix import Rows, factorise_matrix, new_factors, new_matrix, rows_of, solve_matrix
+from tautline.scene.methods import RK4, Method
 from tautline.system.system import System
 
-STABILITY = np.array([1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0])
-"""What one step of RK4 multiplies y by for y. = lambda y: a polynomial in h lambda (Fig. 2.7)."""
-GROWS = 1.0e-6
-"""Growth in one step that is rounding of the boundary."""
 
+def critical_step(stiffness: float, damping: float, method: Method = RK4) -> float:
+    """Critical step of an explicit method, s, for x.. + damping x. + stiffness x = 0.
 
-def critical_step(stiffness: float, damping: float) -> float:
-    """Critical step of RK4, s, for x.. + damping x. + stiffness x = 0.
-
-    On the imaginary axis the method is stable up to 2.8 / omega (eq. 2.137); the roots of a damped mode leave the axis,
-    and beyond critical damping the faster of them, at about -damping, has the limit 2.785 / damping.
+    On the imaginary axis RK4 is stable up to 2.8 / omega (eq. 2.137); the roots of a damped mode leave the axis, and
+    beyond critical damping the faster of them, at about -damping, has the limit 2.785 / damping.
     """
     roots = np.roots([1.0, max(damping, 0.0), max(stiffness, 0.0)])
-    steps = [_reach(round(float(abs(np.angle(x))), 3)) / abs(x) for x in roots if x != 0.0]
+    steps = [method.reach(round(float(abs(np.angle(x))), 3)) / abs(x) for x in roots if x != 0.0]
     return float(min(steps, default=np.inf))
-
-
-@cache
-def _reach(angle: float) -> float:
-    """How far the region of stability reaches in a direction of the complex plane."""
-    r = np.linspace(1e-3, 4.0, 4000)
-    grows = np.abs(np.polynomial.polynomial.polyval(r * np.exp(1j * angle), STABILITY)) > 1.0 + GROWS
-    return float(min(r[np.argmax(grows)], RK4_LIMIT)) if grows.any() else RK4_LIMIT
 
 
 class Mode(NamedTuple):
@@ -53,7 +39,7 @@ class Mode(NamedTuple):
 
 
 class CriticalStep:
-    """The critical step of a system, looked for again and again along a run.
+    """The critical step of a system with an explicit method, looked for again and again along a run.
 
     The modes that may set it are the stiffest, of M^-1 K, and the most damped, of M^-1 C: both by power iteration, from
     where the last search ended with a little of every other. Friction does not count as damping: it is
@@ -65,8 +51,9 @@ class CriticalStep:
     SETTLED = 1.0e-3
     """Relative change of a quotient in one iteration that ends a search."""
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, method: Method = RK4) -> None:
         size = system.size, system.bandwidth, system.border
+        self.method = method
         self.system = system
         self._stiffness, self._damping, self._mass = new_matrix(*size), new_matrix(*size), new_factors(*size)
         self._random = np.random.default_rng(1)
@@ -94,7 +81,7 @@ class CriticalStep:
             if x is not None:
                 inertia = abs(float(x @ (mass @ x))) or 1.0
                 stiffness, damping = float(x @ (k @ x)) / inertia, float(x @ (c @ x)) / inertia
-                step = critical_step(stiffness, damping)
+                step = critical_step(stiffness, damping, self.method)
                 if step < self.mode.step:
                     self.mode = Mode(step, stiffness, damping, x)
         return self.mode.step, int(np.abs(self.mode.shape).argmax()) if np.isfinite(self.mode.step) else 0

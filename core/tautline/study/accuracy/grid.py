@@ -10,13 +10,14 @@ import numpy as np
 from tautline.integrators.status import StoppedEarly
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.scene.errors import SceneError, option_error
+from tautline.scene.methods import explicit_like, implicit_like, method_of
 from tautline.simulation import Run
 from tautline.study.trials.trial import Setting, Subject
 
 IMPLICIT = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)
 """Steps of implicit methods over the scene's."""
 EXPLICIT = (0.95, 0.5, 0.25, 0.125)
-"""Steps of RK4 over its critical step."""
+"""Steps of explicit methods over their critical step."""
 LOOSER = (100.0, 10.0, 1.0, 0.1)
 """Errors of a step over the scene's, where the step is controlled by its error."""
 
@@ -63,7 +64,7 @@ def settings(subject: Subject, grid: Grid, step: float, shrinks: float, reduced:
         For a way to impose constraints that the scene does not have.
     """
     own = subject.model(Setting()).solver
-    methods = grid.methods or ("rk4", "generalized-alpha" if own.method == "rk4" else own.method)
+    methods = grid.methods or (explicit_like(own.method), implicit_like(own.method))
     found: list[Setting] = []
     for constraint in _constraints(subject, grid.constraints) or (None,):
         for elements in sorted(set(grid.elements)):
@@ -74,7 +75,7 @@ def settings(subject: Subject, grid: Grid, step: float, shrinks: float, reduced:
                 steps = _steps(subject, grid, kind, step, shrinks)
                 steps = sorted({_divided(h, own.interval) for h in steps}, reverse=True)
                 found += [replace(kind, step=h) for h in (steps[::2] if reduced and grid.steps is None else steps)]
-                if own.step_error > 0.0 and method != "rk4" and grid.steps is None:
+                if own.step_error > 0.0 and not method_of(method).explicit and grid.steps is None:
                     errors = [own.step_error * factor for factor in (LOOSER[2:3] if reduced else LOOSER)]
                     found += [replace(kind, step=own.interval, step_error=error) for error in errors]
     return found
@@ -82,7 +83,8 @@ def settings(subject: Subject, grid: Grid, step: float, shrinks: float, reduced:
 
 def _iterated(methods: Sequence[str], newton: Sequence[str]) -> list[tuple[str, str | None]]:
     """Each method, the implicit ones with each way to iterate that is asked for."""
-    return [(method, each) for method in methods for each in (newton if newton and method != "rk4" else (None,))]
+    ways = {method: newton if newton and not method_of(method).explicit else (None,) for method in methods}
+    return [(method, each) for method in methods for each in ways[method]]
 
 
 def _divided(step: float, interval: float) -> float:
@@ -108,18 +110,18 @@ def _constraints(subject: Subject, asked: Sequence[str]) -> Sequence[str]:
 def _steps(subject: Subject, grid: Grid, setting: Setting, step: float, shrinks: float) -> Sequence[float]:
     if grid.steps is not None:
         return grid.steps
-    if setting.method != "rk4":
+    if not method_of(setting.method).explicit:
         return [step * factor for factor in IMPLICIT]
     critical = critical_at_start(subject, setting)
     return [critical * shrinks * factor for factor in EXPLICIT] if critical is not None else [step]
 
 
 def critical_at_start(subject: Subject, setting: Setting) -> float | None:
-    """Critical step of RK4 where the scene starts, s; None where it cannot be run so, or nothing vibrates."""
+    """Critical step where the scene starts, s; None where it cannot be run so, or nothing vibrates."""
     try:
         run = Run(subject.model(setting))
         run.start()
     except (SceneError, StoppedEarly):
         return None
-    critical, _ = CriticalStep(run.model.system).search(run.state, 0.0)
+    critical, _ = CriticalStep(run.model.system, method_of(run.model.solver.method)).search(run.state, 0.0)
     return critical if np.isfinite(critical) else None

@@ -72,10 +72,10 @@ def _first_steps(subject: Subject, base: Trial, finest: float, switches: bool) -
     """Methods that may be the reference, the best first, and the step that each begins with, s."""
     own = str(base.attribute("method"))
     taken = float(base.attribute("end")) / max(1, int(base.attribute("steps")))
-    critical = critical_at_start(subject, Setting("rk4", None, None, None, finest))
+    critical = critical_at_start(subject, Setting(subject.explicit, None, None, None, finest))
     found: dict[str, float] = {}
     if critical is not None and FEW_STEPS * critical > taken and not switches:
-        found["rk4"] = BELOW * critical
+        found[subject.explicit] = BELOW * critical
     # From the scene's own step down: orders are seen early, and the last runs are as fine as what they judge asks.
     found.setdefault(own, taken)
     return found

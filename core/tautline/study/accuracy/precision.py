@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numba import typeof
 
-from tautline.integrators.generalized_alpha import GeneralizedAlpha
 from tautline.integrators.state import State
 from tautline.integrators.status import Interrupted, StoppedEarly
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.integrators.vibration.tangent import tangent_error
 from tautline.scene.errors import SceneError, option_error
+from tautline.scene.methods import method_of
 from tautline.simulation import simulate
 from tautline.study.accuracy.findings import Row, Study
 from tautline.study.accuracy.grid import Grid as Grid
@@ -142,7 +142,7 @@ def _as_it_stands(subject: Subject) -> tuple[Trial | None, float | None, float, 
     run where it stopped, which is told last.
     """
     model = subject.model(Setting())
-    comparison, search = TangentLook(model.system), CriticalStep(model.system)
+    comparison, search = TangentLook(model.system), CriticalStep(model.system, method_of(subject.explicit))
     steps: list[float] = []
 
     def look(state: State, t: float, method: Any) -> None:
@@ -161,9 +161,9 @@ def _as_it_stands(subject: Subject) -> tuple[Trial | None, float | None, float, 
 
 
 def _same_laws(subject: Subject, model: Model) -> bool:
-    """Whether RK4 runs a scene with the laws that it is run with as it stands: of friction it may take others."""
+    """Whether an explicit method runs a scene with the laws of the run as it stands: of friction it may take others."""
     try:
-        other = subject.model(Setting("rk4"))
+        other = subject.model(Setting(subject.explicit))
     except SceneError:
         return False
     return [typeof(g) for g in other.system.groups] == [typeof(g) for g in model.system.groups]
@@ -179,7 +179,7 @@ class TangentLook:
     def __call__(self, state: State, t: float, method: Any = None) -> None:
         """Look at a state, if it is one of every few."""
         self.looks += 1
-        if isinstance(method, GeneralizedAlpha) and (self.looks <= 4 or self.looks % EVERY == 0):
+        if hasattr(method, "corrector") and (self.looks <= 4 or self.looks % EVERY == 0):
             self.errors.append(tangent_error(self.system, state, t, method))
 
     def largest_of(self, subject: Subject) -> float | None:
@@ -187,11 +187,11 @@ class TangentLook:
         if self.errors:
             return max(self.errors)
         try:
-            model = subject.model(Setting("generalized-alpha"))
+            model = subject.model(Setting(subject.implicit))
         except SceneError:
             return None
         other = TangentLook(model.system)
-        run_model(model, Setting("generalized-alpha"), look=other)
+        run_model(model, Setting(subject.implicit), look=other)
         return max(other.errors, default=None)
 
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tautline.scene.methods import method_of
 from tautline.study.trials.errors import compare, motion
 from tautline.study.trials.history import History, Watched
 from tautline.study.trials.trial import Setting, Subject, Trial
 
-ORDERS = {"rk4": 4.0, "generalized-alpha": 2.0, "newmark": 2.0}
 WITHIN = 0.5
 """By how much the observed order may be off."""
 SHARE = 0.1
@@ -113,7 +113,7 @@ def find_reference(
         if trial.done and trial.result is not None:
             runs.append((trial, watched.of(trial.result)))
         if len(runs) >= ENOUGH:
-            best = _judged(runs, watched, tolerance, ORDERS[setting.method])
+            best = _judged(runs, watched, tolerance, float(method_of(setting.method).order))
             proved = best if best.converged else proved
             if best.converged and (finest is not None or _clear(best, judged, watched)):
                 return best

@@ -37,7 +37,7 @@ def conditioning(subject: Subject) -> list[Condition]:
     SceneError
         For a scene that an implicit method cannot take.
     """
-    model = subject.model(Setting("generalized-alpha"))
+    model = subject.model(Setting(subject.implicit))
     found: list[Condition] = []
 
     def look(state: State, t: float, method: GeneralizedAlpha) -> None:
@@ -45,7 +45,7 @@ def conditioning(subject: Subject) -> list[Condition]:
             found.extend(_conditions(model.system, state, t, method))
 
     if 0 < model.system.size <= MOST:
-        run_model(model, Setting("generalized-alpha"), announce=subject.announce, look=look)
+        run_model(model, Setting(subject.implicit), announce=subject.announce, look=look)
     return found
 
 

@@ -1,4 +1,4 @@
-"""The critical step of RK4 three ways: effective length, eigenvalues along the run, and bisection on real runs."""
+"""The critical step of an explicit method three ways: effective length, eigenvalues along the run, and real runs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from scipy.linalg import eigvals
 
 from tautline.integrators.linearise import SUMS, evaluate, evaluate_damping, evaluate_scene
-from tautline.integrators.rk4 import RK4_LIMIT
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.vibration.critical_step import CriticalStep, Mode, critical_step
@@ -19,6 +18,7 @@ from tautline.kernels.matrix import dense, new_matrix, sparse
 from tautline.results.balance import ENERGIES
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
+from tautline.scene.methods import RK4, Method, method_of
 from tautline.simulation import Run
 from tautline.study.trials.trial import Setting, Subject, run_model
 from tautline.system.system import System
@@ -34,7 +34,7 @@ STEPS = 3000
 """Steps of a run of the bisection: enough for what is a per cent beyond the limit to grow out of rounding."""
 FRAMES = 150
 MOST_STEPS = 200_000
-"""Steps that the run which is looked at may take by RK4."""
+"""Steps that the run which is looked at may take by the explicit method."""
 FEWEST = 500
 """Steps of a run of the bisection, at least."""
 RESOLVED = 0.05
@@ -75,6 +75,8 @@ class Critical:
         Eigenvalues of that state, 1/s, where there are few enough unknowns.
     why : str
         Why a way was not gone.
+    method : str
+        Name of the explicit method.
     """
 
     effective_length: float | None
@@ -87,13 +89,14 @@ class Critical:
     at_start: float | None
     points: np.ndarray
     why: str
+    method: str = RK4.name
 
 
 class Look:
     """Looks at a run for the least critical step; ``simulate`` calls it with each state."""
 
-    def __init__(self, system: System) -> None:
-        self.system, self.search = system, CriticalStep(system)
+    def __init__(self, system: System, method: Method = RK4) -> None:
+        self.system, self.search = system, CriticalStep(system, method)
         self.start = self.least = np.inf
         self.at, self.mode, self.set_by = 0.0, None, ""
         self.points: np.ndarray = np.zeros(0, complex)
@@ -105,7 +108,7 @@ class Look:
         points = np.zeros(0, complex)
         if self.system.size <= DENSE and (first or step < self.least):
             points = eigenvalues(self.system, state, t)
-            step = float(min([step, *(critical_step_of(x) for x in points)]))
+            step = float(min([step, *(critical_step_of(x, self.search.method) for x in points)]))
         if first:
             self.start = step
         if step < self.least * (1.0 - SAME):
@@ -115,13 +118,13 @@ class Look:
             self.points = points
 
 
-def critical_step_of(value: complex) -> float:
-    """Longest step of RK4, s, for a motion exp(value t); infinite where it grows or does not move."""
+def critical_step_of(value: complex, method: Method = RK4) -> float:
+    """Longest step of an explicit method, s, for a motion exp(value t); infinite where it grows or does not move."""
     if value == 0.0 or value.real > 1e-6 * abs(value):
         return np.inf
     if value.imag == 0.0:
-        return critical_step(0.0, abs(value))
-    return critical_step(abs(value) ** 2, max(0.0, -2.0 * value.real))
+        return critical_step(0.0, abs(value), method)
+    return critical_step(abs(value) ** 2, max(0.0, -2.0 * value.real), method)
 
 
 @one_thread()
@@ -192,7 +195,7 @@ def critical_steps(subject: Subject, progress: Callable[[str], None] = lambda te
     """
     bars = subject.application.vary(subject.scene, "bars") or []
     shortest = max(bars, key=lambda bar: bar.fastest, default=None)
-    length = None if shortest is None else RK4_LIMIT / shortest.fastest
+    length = None if shortest is None else method_of(subject.explicit).reach_of_vibration / shortest.fastest
     progress("eigenvalues along the run")
     why = []
     look = _along(subject, why)
@@ -208,27 +211,27 @@ def critical_steps(subject: Subject, progress: Callable[[str], None] = lambda te
         look.at if look else 0.0, look.mode.omega if look and found and look.mode else None,
         look.set_by if look else "",
         bracket, look.start if look is not None and np.isfinite(look.start) else None,
-        look.points if look else np.zeros(0, complex), "; ".join(why),
+        look.points if look else np.zeros(0, complex), "; ".join(why), subject.explicit,
     )  # fmt: skip
 
 
 def _along(subject: Subject, why: list[str]) -> Look | None:
-    """Look at a run with the forces that RK4 takes: by RK4 itself, or where that is long by the scene's own method.
+    """Look at a run with the forces of an explicit method: by that itself, or where that is long by the scene's own.
 
     Some laws, of friction above all, are not the same for explicit methods.
     """
     setting = Setting()
     try:
-        run = Run(subject.model(Setting("rk4")))
+        run = Run(subject.model(Setting(subject.explicit)))
         run.start()
-        step, _ = CriticalStep(run.model.system).search(run.state, 0.0)
+        step, _ = CriticalStep(run.model.system, method_of(subject.explicit)).search(run.state, 0.0)
         if MOST_STEPS * SHORT * step > run.model.solver.end:
-            setting = Setting("rk4", min(SHORT * step, run.model.solver.interval))
+            setting = Setting(subject.explicit, min(SHORT * step, run.model.solver.interval))
     except (SceneError, StoppedEarly) as error:
         cause = error.problems[0].cause if isinstance(error, SceneError) else error.sentence
-        why.append(f"RK4 cannot take this scene: {cause}")
+        why.append(f"{subject.explicit} cannot take this scene: {cause}")
     model = subject.model(setting)
-    look = Look(model.system)
+    look = Look(model.system, method_of(subject.explicit))
     trial = run_model(model, setting, announce=subject.announce, look=look)
     if not trial.done:
         why.append(f"the run that was looked at stopped: {trial.status}")
@@ -236,7 +239,7 @@ def _along(subject: Subject, why: list[str]) -> Look | None:
 
 
 def bisect(subject: Subject, guess: float, why: list[str]) -> tuple[float, float] | None:
-    """Longest stable and shortest unstable step of RK4, s, in runs of some thousand steps from the scene's start.
+    """Longest stable and shortest unstable step, s, in runs of some thousand steps from the scene's start.
 
     A run is unstable where it stops, and where the mode that is the fastest at the start moves far more than it does
     with a short step: contacts that open bound its growth, and its energy may then seem to balance.
@@ -277,7 +280,7 @@ def _stable(subject: Subject, step: float, calm: tuple[float, float]) -> bool:
 
 
 def explicit_run(subject: Subject, step: float, steps: int | None = None) -> tuple[float, float] | None:
-    """Run RK4 from the start, for some thousand steps or as many as are named, with nobody looking after its step.
+    """Run explicitly from the start, for some thousand steps or as many as are named; nobody looks after the step.
 
     Returns
     -------
@@ -290,12 +293,12 @@ def explicit_run(subject: Subject, step: float, steps: int | None = None) -> tup
     end = FRAMES * step * max(1, round(wanted / (FRAMES * step)))
     short = replace(subject, end=end, interval=end / FRAMES)
     try:
-        model = short.model(Setting("rk4", step))
+        model = short.model(Setting(subject.explicit, step))
     except SceneError:
         return None
     model.solver = replace(model.solver, guarded=False)
-    listener = Listener(model.system)
-    trial = run_model(model, Setting("rk4", step), look=listener)
+    listener = Listener(model.system, method_of(subject.explicit))
+    trial = run_model(model, Setting(subject.explicit, step), look=listener)
     if trial.result is None or trial.status not in ("done", Status.IMBALANCE.name):
         return None
     return listener.loudest, _gained_late(trial.result)
@@ -324,8 +327,8 @@ def _end(subject: Subject, step: float) -> float:
 class Listener:
     """Follows the mode of a run that is the fastest at its start."""
 
-    def __init__(self, system: System) -> None:
-        self.search, self.momentum = CriticalStep(system), np.zeros(0)
+    def __init__(self, system: System, method: Method) -> None:
+        self.search, self.momentum = CriticalStep(system, method), np.zeros(0)
         self.loudest = 0.0
 
     def __call__(self, state: State, t: float, method: Any = None) -> None:

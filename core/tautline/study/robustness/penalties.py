@@ -9,6 +9,7 @@ import numpy as np
 
 from tautline.integrators.status import StoppedEarly
 from tautline.scene.errors import SceneError
+from tautline.scene.methods import method_of
 from tautline.simulation import Run
 from tautline.study.robustness.critical import Look
 from tautline.study.trials.trial import Setting, Subject
@@ -18,7 +19,7 @@ DECADES = (-4, -3, -2, -1, 0, 1, 2, 3)
 
 
 class Stiffness(NamedTuple):
-    """A stiffness, N/m, of ``penalty`` springs or ``contact``, and RK4's critical step at the start, s, or None."""
+    """A stiffness, N/m, of ``penalty`` springs or ``contact``, and the critical step at the start, s, or None."""
 
     kind: str
     value: float
@@ -44,13 +45,13 @@ def _critical(subject: Subject, kind: str, value: float) -> float | None:
         if varied is None:
             return None
         try:
-            model = varied.model(Setting("rk4"))
+            model = varied.model(Setting(subject.explicit))
         except SceneError:
             model = varied.model(Setting())
         run = Run(model)
         run.start()
     except (SceneError, StoppedEarly):
         return None
-    look = Look(model.system)
+    look = Look(model.system, method_of(subject.explicit))
     look(run.state, 0.0)
     return look.start if np.isfinite(look.start) else None

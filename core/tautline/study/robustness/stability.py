@@ -8,6 +8,7 @@ from typing import Any
 
 from tautline.integrators.status import Interrupted, StoppedEarly
 from tautline.scene.errors import SceneError
+from tautline.scene.methods import method_of
 from tautline.simulation import simulate
 from tautline.study.accuracy.precision import WRONG_TANGENT, TangentLook, require_tolerance, still
 from tautline.study.robustness.conditioning import Condition, conditioning
@@ -171,7 +172,7 @@ def left_out_of(subject: Subject) -> tuple[str, ...]:
 def _has(subject: Subject, change: Change, method: str) -> bool:
     """Whether a scene has what a change varies; what it refuses it has."""
     if change.rho_inf is not None:
-        return method == "generalized-alpha"
+        return method_of(method).has_alphas
     try:
         return not change.what or subject.varied(change.what, change.value) is not None
     except SceneError:

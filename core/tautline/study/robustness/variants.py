@@ -14,6 +14,7 @@ from typing import Any
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
+from tautline.scene.methods import method_of
 from tautline.study.trials.errors import compare
 from tautline.study.trials.history import History, Watched, watch
 from tautline.study.trials.step_error import estimate, runs_for
@@ -141,7 +142,7 @@ def variants(
     watched = watch(base.result, point)
     for change in changes(quick):
         varied = _varied(subject, change)
-        if varied is None or (change.rho_inf is not None and own.method != "generalized-alpha"):
+        if varied is None or (change.rho_inf is not None and not method_of(own.method).has_alphas):
             continue
         progress(change.name)
         if isinstance(varied, Variant):

@@ -20,12 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.generalized_alpha import GeneralizedAlpha
-from tautline.integrators.method import method_for
 from tautline.integrators.status import Interrupted
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
+from tautline.scene.methods import method_of
 from tautline.study.trials.errors import apart
 from tautline.study.trials.history import History, Place, Watched, watch
 from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
@@ -119,8 +118,7 @@ def runs_for(model: Model, asked: bool | None = None) -> tuple[float, ...]:
 
 def _fixed(model: Model) -> bool:
     solver = model.solver
-    implicit = isinstance(method_for(model.system, solver), GeneralizedAlpha)
-    return implicit and not solver.automatic and solver.step_error == 0.0
+    return not method_of(solver.method).explicit and not solver.automatic and solver.step_error == 0.0
 
 
 def step_error(

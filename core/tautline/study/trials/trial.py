@@ -14,6 +14,7 @@ from tautline.integrators.state import State
 from tautline.integrators.status import StoppedEarly
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
+from tautline.scene.methods import explicit_like, implicit_like
 from tautline.simulation import Look, simulate
 from tautline.system.model import Model
 
@@ -145,6 +146,16 @@ class Subject:
     whole: float | None = None
     announce: Callable[[int], None] | None = None
     change: Callable[[Model], Model] = field(default=lambda model: model)
+
+    @property
+    def explicit(self) -> str:
+        """Name of the explicit method that the scene is looked at with: its own, or the usual one."""
+        return explicit_like(self.scene.solver.method)
+
+    @property
+    def implicit(self) -> str:
+        """Name of the implicit method that the scene is looked at with: its own, or the usual one."""
+        return implicit_like(self.scene.solver.method)
 
     def arranged(self, setting: Setting) -> Any:
         """The scene with a setting; raises SceneError where it cannot be so."""
