@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from hashlib import sha256
 from itertools import pairwise
 from typing import Any
 
@@ -19,6 +18,7 @@ from tautline.cable.model.elements import records
 from tautline.cable.model.layout import Layout
 from tautline.elements.nodal.jet import JET, Jets
 from tautline.integrators.statics.attainable import within_rounding
+from tautline.scene.identity import model_hash
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 
@@ -75,7 +75,7 @@ def build(scene: HoseScene) -> Model:
             "scene": scene.document.text if scene.document is not None else "",
             "title": scene.title or "",
             "application": "gardenhose",
-            "physics": _physics(scene),
+            "model_hash": model_hash(scene, folder=scene.folder),
             "conventions": "z up; axial_force is positive in tension and counts the damping; flow_speed is relative to "
             "the hose, positive from root to tip",
         },
@@ -169,8 +169,3 @@ def _disturb(scene: HoseScene, made: Assembly) -> None:
             for place, value in ((start[node] + c, x[i] ** 2), (start[node] + 3 + c, 2.0 * x[i] / s[-1])):
                 if place not in held:
                     v[place] = value * tip[c]
-
-
-def _physics(scene: HoseScene) -> str:
-    """Hash of all that a scene says but how it is solved and what is kept: a run can be gone on with if it agrees."""
-    return sha256(repr(scene.model_dump(exclude={"title", "solver", "output"})).encode()).hexdigest()[:16]

@@ -189,10 +189,10 @@ class Run:
         if not earlier.restart:
             cure = "run the scene from its start"
             raise ResultError(place, "holds no state to go on from", cure)
-        made = {"method": earlier.attributes.get("method"), "physics": earlier.attributes.get("physics")}
-        now = {"method": self.model.solver.method, "physics": self.model.attributes.get("physics")}
+        made = {"method": earlier.attributes.get("method"), "model_hash": earlier.attributes.get("model_hash")}
+        now = {"method": self.model.solver.method, "model_hash": self.model.attributes.get("model_hash")}
         cure = "only solver.end, the step and the output may differ from what it was made with"
-        for what, word in (("method", "method"), ("physics", "scene")):
+        for what, word in (("method", "method"), ("model_hash", "scene")):
             if made[what] != now[what]:
                 raise ResultError(place, f"belongs to another {word}", cure)
         if wrong := recall(earlier.restart, *self._parts()):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from crane.sea.frames import heave_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.time_function import value_at
 from tautline.scene.errors import SceneError
+from tautline.scene.identity import model_hash
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import System, assemble
@@ -69,7 +69,7 @@ def build(scene: CraneScene) -> Model:
             "scene": scene.document.text if scene.document is not None else "",
             "title": scene.title or "",
             "application": "crane",
-            "physics": _physics(scene),
+            "model_hash": model_hash(scene, folder=scene.folder),
             "conventions": COORDINATE_UNITS,
         },
         observe=observer.observe,
@@ -130,11 +130,6 @@ def assembled(scene: CraneScene) -> Assembly:
         if system.dofs.motion[k] >= 0:
             system.q[place] = system.dofs.offset[k] + value_at(functions, system.dofs.motion[k], 0.0)[0]
     return Assembly(layout, system, compensation, [*layout.path.warnings])
-
-
-def _physics(scene: CraneScene) -> str:
-    """Hash of all that a scene says but how it is solved and what is kept: a run can be gone on with if it agrees."""
-    return sha256(repr(scene.model_dump(exclude={"title", "solver", "output"})).encode()).hexdigest()[:16]
 
 
 def _tension(scene: CraneScene) -> float:

@@ -164,11 +164,6 @@ class CraneScene(Scene):
             return False
         return solver.control == "error" or solver.step == "auto" or "control" not in solver.model_fields_set
 
-    @property
-    def folder(self) -> Path:
-        """Folder that files named in the scene are relative to."""
-        return Path() if self.document is None else self.document.folder
-
     def body(self, name: str) -> Body:
         """Find a body by its name; KeyError if there is none."""
         return _named(self.bodies, name)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from drillstring.well.survey import read_survey
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.groups import offers
 from tautline.scene.errors import SceneError
+from tautline.scene.identity import model_hash
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -140,7 +140,7 @@ def build(scene: DrillstringScene) -> Model:
             "scene": scene.document.text if scene.document is not None else "",
             "title": scene.title or "",
             "application": "drillstring",
-            "physics": _physics(scene),
+            "model_hash": model_hash(scene, folder=scene.folder),
             "conventions": COORDINATE_UNITS,
             "units": scene.units,
         },
@@ -164,12 +164,6 @@ def _assembler(kind: str) -> Any:
 
         return assemble_beam
     return assemble_lumps
-
-
-def _physics(scene: DrillstringScene) -> str:
-    """Hash of all that a scene says but how it is solved and what is kept: a run can be gone on with if it agrees."""
-    said = scene.model_dump(exclude={"title", "units", "solver", "output"})
-    return sha256(repr(said).encode()).hexdigest()[:16]
 
 
 def requests(scene: DrillstringScene) -> list[FunctionRequest]:

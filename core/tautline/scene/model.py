@@ -100,6 +100,11 @@ class Scene(Model):
         """The file; None if the scene was made in Python."""
         return self._document
 
+    @property
+    def folder(self) -> Path:
+        """Folder that files named in the scene are relative to."""
+        return Path() if self._document is None else self._document.folder
+
     @classmethod
     def read(cls, path: str | Path) -> Self:
         """Read and validate a file.

@@ -232,3 +232,16 @@ class CableScene:
     def problem(self, place: Place, cause: str, cure: str = "") -> Problem:
         """Build a problem at a key path, such as ``(*node.place, "BC")``, for a check that the builder makes."""
         return self.document.problem(place, cause, cure)
+
+
+HOW_SOLVED = (
+    "method", "rho_inf", "alpha_m", "alpha_f", "tolerance", "max_iterations", "step", "end", "plotpoints", "skip_vtk",
+    "projection", "stabilise", "control", "step_error", "newton", "frequency",
+)  # fmt: skip
+"""Fields of ``GeneralizedAlpha`` that say how a scene is solved, and what is kept."""
+PARTS = ("nodes", "elements", "ties", "couplings", "forces", "anchors", "springs", "masses", "motions")
+BESIDES_MODEL = frozenset(
+    {"title", "plots", "cautions", "document", *(f"solver.{name}" for name in HOW_SOLVED)}
+    | {f"{part}.{where}" for part in PARTS for where in ("line", "place")}
+)
+"""What does not count in a cable's model (`tautline.scene.identity`): where things stand in the file, too."""

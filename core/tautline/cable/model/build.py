@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from hashlib import sha256
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tautline.cable.input.material import material_coordinates
+from tautline.cable.input.parts import BESIDES_MODEL
 from tautline.cable.input.scene import CableScene
 from tautline.cable.model.elements import element_groups, records, steady_flow, stencils
 from tautline.cable.model.eyelets import eyelets
@@ -19,6 +19,7 @@ from tautline.cable.model.ties import check_sound, constraint_groups, equations_
 from tautline.constraints.multiplier import Multipliers
 from tautline.elements.nodal.node import SPRING, Anchors, PointMasses, Springs, TimedForces
 from tautline.integrators.statics.attainable import within_rounding
+from tautline.scene.identity import model_hash
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import System, assemble
@@ -118,7 +119,7 @@ def build(scene: CableScene) -> Model:
             "scene": scene.text,
             "title": scene.title or "",
             "application": "cable",
-            "physics": _physics(scene),
+            "model_hash": model_hash(scene, BESIDES_MODEL),
             "conventions": "axial_force is positive in tension and counts the damping; material is p",
         },
         observe=observer.observe,
@@ -129,13 +130,6 @@ def build(scene: CableScene) -> Model:
         notes=notes,
     )  # fmt: skip
     return within_rounding(model, "eps_energy")
-
-
-def _physics(scene: CableScene) -> str:
-    """Hash of all that a scene says but how it is solved: a run can be gone on with if it agrees."""
-    parts = (scene.gravity, scene.nodes, scene.elements, scene.ties, scene.couplings, scene.forces, scene.anchors,
-             scene.springs, scene.masses, scene.motions, scene.solver.mass_damping)  # fmt: skip
-    return sha256(repr(parts).encode()).hexdigest()[:16]
 
 
 def _mass(scene: CableScene, material: dict[int, float]) -> float:

@@ -1,0 +1,87 @@
+"""What a scene is: a hash of all that it says of the model, whatever else it says of how that is solved and shown.
+
+It is derived from the fields of the scene. What does not count is named, so that a field which is added later counts.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Collection, Iterator
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+SOLVED_BY = (
+    "method", "rho_inf", "alpha_m", "alpha_f", "step", "end", "control", "step_error", "tolerance", "frequency",
+    "max_iterations", "max_halvings", "newton", "criterion",
+)  # fmt: skip
+"""Keys of ``solver`` that say how a scene is solved, and for how long."""
+BESIDES = frozenset({"title", "units", "output", *(f"solver.{key}" for key in SOLVED_BY)})
+"""What does not count in the scenes of applications, by key path without places in lists."""
+
+
+def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | None = None) -> str:
+    """Hash of a scene's model, 16 hexadecimal digits: a run can be gone on with where it agrees.
+
+    Parameters
+    ----------
+    scene : pydantic model or dataclass
+        A validated scene, SI.
+    besides : collection of str
+        Fields that do not count, as key paths without places in lists: ``solver.step``.
+    folder : Path or None
+        Folder of the files that the scene names by a field ``file``; they count by their contents, not by their names.
+
+    Raises
+    ------
+    TypeError
+        For a value that cannot be told by its contents: it must never be passed over in silence.
+    """
+    digest = sha256()
+    for part in _contents(scene, "", besides, folder):
+        digest.update(part + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _contents(value: Any, path: str, besides: Collection[str], folder: Path | None) -> Iterator[bytes]:
+    if isinstance(value, (BaseModel, dict)) or dataclasses.is_dataclass(value):
+        yield type(value).__name__.encode()
+        for name, each in _fields(value):
+            inner = f"{path}.{name}" if path else str(name)
+            if inner not in besides:
+                yield str(name).encode()
+                yield from _of_file(each, folder) if name == "file" else _contents(each, inner, besides, folder)
+    elif isinstance(value, (tuple, list)):
+        yield f"{len(value)} values".encode()
+        for each in value:
+            yield from _contents(each, path, besides, folder)
+    elif isinstance(value, np.ndarray):
+        yield f"array {value.dtype} {value.shape}".encode()
+        yield np.ascontiguousarray(value).tobytes()
+    elif value is None or isinstance(value, (bool, int, float, str)):
+        yield f"{type(value).__name__} {value!r}".encode()
+    else:
+        raise TypeError(f"{path}: what a {type(value).__name__} holds cannot be told")
+
+
+def _fields(value: Any) -> Iterator[tuple[Any, Any]]:
+    if isinstance(value, dict):
+        yield from value.items()
+    elif isinstance(value, BaseModel):
+        yield from ((name, getattr(value, name)) for name in type(value).model_fields)
+    else:
+        yield from ((field.name, getattr(value, field.name)) for field in dataclasses.fields(value))
+
+
+def _of_file(name: Any, folder: Path | None) -> Iterator[bytes]:
+    """Contents of a file that is named; the name where there is none, or where it cannot be read."""
+    if isinstance(name, str) and folder is not None:
+        try:
+            yield sha256((folder / name).read_bytes()).digest()
+            return
+        except OSError:
+            pass
+    yield f"file {name!r}".encode()
