@@ -8,11 +8,14 @@ from physics.strings import straight_hole
 from drillstring.application import Drillstring
 from tautline.results.result import Result
 from tautline.results.variable import Variable
+from tautline.scene.methods import method_of, names
 from tautline.study.accuracy import reference
 from tautline.study.accuracy.precision import Grid, study
-from tautline.study.accuracy.reference import ORDERS, find_reference
+from tautline.study.accuracy.reference import find_reference
 from tautline.study.trials.history import History, watch
 from tautline.study.trials.trial import Setting, Subject, Trial
+
+ORDERS = {name: method_of(name).order for name in names()}
 
 TIME = np.linspace(0.0, 2.0, 101)
 

@@ -15,7 +15,7 @@ from tautline.cli.lists import number, numbers, one_of, words
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.simulate import FIRST_RUN, print_cautions
 from tautline.cli.summary import significant
-from tautline.scene.methods import aliases, names
+from tautline.scene.methods import named as method_named
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -179,7 +179,7 @@ def percentage(text: str, option: str) -> float:
 def _grid(asked: dict[str, Any]) -> Grid:
     from tautline.study.accuracy.precision import Grid
 
-    methods = words(asked["methods"], "--methods", one_of(names(), aliases()))
+    methods = words(asked["methods"], "--methods", method_named)
     steps = numbers(asked["steps"], "--steps", "s")
     return Grid(
         methods or None, steps or None, numbers(asked["elements"], "--elements", "") or [1.0],
@@ -194,9 +194,8 @@ def _reference(asked: dict[str, Any]) -> Any:
     method, step = asked["reference"], asked["reference_step"]
     if method is None and step is None:
         return None
-    known = one_of(names(), aliases())
     return Setting(
-        None if method is None else words(method.replace(",", " "), "--reference", known)[0],
+        None if method is None else words(method.replace(",", " "), "--reference", method_named)[0],
         None if step is None else number(step, "--reference-step", "s"),
     )
 

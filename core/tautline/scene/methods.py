@@ -120,6 +120,20 @@ def method_of(name: str) -> Method:
     return _known[name]
 
 
+def named(word: str) -> str:
+    """Name of the method that a word means: capitals, spaces and underscores do not matter.
+
+    Raises
+    ------
+    ValueError
+        For a word that means none.
+    """
+    for method in _known.values():
+        if _folded(word) in {_folded(name) for name in (method.name, *method.aliases)}:
+            return method.name
+    raise ValueError(f"is not one of {', '.join(names())}")
+
+
 def explicit_like(name: str) -> str:
     """The method itself if it is explicit, else the explicit one that is set beside implicit ones."""
     return name if method_of(name).explicit else RK4.name
