@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Any
 
-from tautline.cli.packaged import Packaged
+from tautline.application.packaged import Packaged
 
 
 class Crane(Packaged):

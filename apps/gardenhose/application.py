@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from types import MappingProxyType
 from typing import Any
 
-from tautline.cli.packaged import Packaged
+from tautline.application.packaged import Packaged
 
 
 class Gardenhose(Packaged):

@@ -29,7 +29,7 @@ def read(path: str | Path) -> Any:
     SceneError
         Listing every fault with its line, key, value and cure.
     """
-    from tautline.cli.catalogue import Installed
+    from tautline.application.installed import Installed
 
     return Installed().for_scene(Path(path)).read(Path(path))
 
@@ -60,7 +60,7 @@ def simulate(
     StoppedEarly, Interrupted
         With the result so far.
     """
-    from tautline.cli.catalogue import Installed
+    from tautline.application.installed import Installed
     from tautline.simulation import simulate as run
 
     scene = _scene(scene)
@@ -125,7 +125,7 @@ def study_stability(scene: Any, end: float | None = None, **options: Any) -> Sta
 
 
 def _subject(scene: Any, end: float | None) -> Any:
-    from tautline.cli.catalogue import Installed
+    from tautline.application.installed import Installed
     from tautline.study.trials.trial import Subject
 
     read_scene = _scene(scene)

@@ -6,7 +6,7 @@ import json
 import pytest
 from fake_application import FakeApplication
 
-from tautline.cli.catalogue import Installed
+from tautline.application.installed import Installed
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.scene.errors import SceneError

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from fake_application import FakeApplication
 
-from tautline.cli.catalogue import Single
+from tautline.application.installed import Single
 from tautline.cli.simulate import check
 from tautline.results.errors import ResultError
 

@@ -7,8 +7,8 @@ import pytest
 from physics.rope_text import PINNED, chain, scene
 from view.made_up import moved
 
+from tautline.application.installed import Single
 from tautline.cable.application import Cable
-from tautline.cli.catalogue import Single
 from tautline.cli.export import export
 from tautline.results.errors import ResultError
 from tautline.results.result import Result

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tautline.application.installed import Installed
 from tautline.cable.application import Cable
 from tautline.cable.input.geometry import arc_length, element_length
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.scene import json_schema, parse, read, with_values
-from tautline.cli.catalogue import Installed
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.scene.document import Document

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tautline.application.installed import Installed
 from tautline.cable.input.parts import BESIDES_MODEL, CableScene
 from tautline.cable.input.scene import with_values
-from tautline.cli.catalogue import Installed
 from tautline.results.errors import ResultError
 from tautline.scene.errors import SceneError
 from tautline.scene.identity import model_hash

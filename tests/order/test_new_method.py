@@ -10,7 +10,7 @@ import pytest
 from order import two_masses
 from study import oscillators
 
-from tautline.cli.catalogue import Installed
+from tautline.application.installed import Installed
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.integrators.linearise import start_moving

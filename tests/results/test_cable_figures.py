@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tautline.application.pictures import Plots
 from tautline.cable.application import Cable
 from tautline.cable.view.figures import FIGURES, draw, figures
-from tautline.cli.pictures import Plots
 from tautline.results.errors import ResultError
 from tautline.results.store import Store
 from tautline.results.variable import Variable

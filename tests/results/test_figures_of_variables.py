@@ -12,7 +12,7 @@ from synthetic_string import result as string
 from crane.view.figures import draw as draw_crane
 from drillstring.view.figures import draw
 from gardenhose.view.figures import draw as draw_hose
-from tautline.cli.catalogue import Single
+from tautline.application.installed import Single
 from tautline.cli.plot import plot as verb
 from tautline.results.errors import ResultError
 from tautline.results.store import Store

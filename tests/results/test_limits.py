@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tautline.cli.catalogue import Installed
+from tautline.application.installed import Installed
 from tautline.cli.simulate import simulate as verb
 from tautline.results.limits import AT_LEAST, judged
 from tautline.simulation import simulate

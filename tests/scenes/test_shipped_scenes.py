@@ -241,7 +241,7 @@ def test_every_shipped_scene_runs_and_a_number_in_its_result_is_right(scene, tmp
 @pytest.mark.parametrize("scene", ["hoist", "hose", "jwell", "cantilever_bar"])
 def test_parameters_that_a_method_does_not_have_are_a_note_in_every_application(scene):
     """cantilever_bar is a run of RK4 that gives the alphas, as the thesis' files do; the others give rho_inf."""
-    from tautline.cli.catalogue import Installed
+    from tautline.application.installed import Installed
 
     application = Installed().for_scene(DATA / f"{scene}.yaml")
     read = application.read(DATA / f"{scene}.yaml")

@@ -326,7 +326,7 @@ def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = N
 
 
 figures = writing(draw)
-"""Draw results into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
+"""Draw results into files, as the verb ``plot`` asks for; see `tautline.application.protocol.Application.figures`."""
 
 
 def draw_scene(scene: CraneScene, path: Path) -> Path:

@@ -305,7 +305,7 @@ def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = N
 
 
 figures = writing(draw)
-"""Draw figures into files, as the verb ``plot`` asks for; see `tautline.cli.application.Application.figures`."""
+"""Draw figures into files, as the verb ``plot`` asks for; see `tautline.application.protocol.Application.figures`."""
 
 
 def _link_depth(depth: np.ndarray, links: int) -> np.ndarray:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tautline.cli.catalogue import Catalogue
+from tautline.application.installed import Catalogue
 from tautline.cli.console import console, print_json, say
 
 if TYPE_CHECKING:

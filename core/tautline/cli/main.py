@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tautline.cli.catalogue import Installed
+from tautline.application.installed import Installed
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 

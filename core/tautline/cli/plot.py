@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from tautline.cli.catalogue import Catalogue
+from tautline.application.installed import Catalogue
 from tautline.cli.console import print_json, say
 
 FORMATS = ("png", "svg", "pdf")

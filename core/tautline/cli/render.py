@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.cli.catalogue import Catalogue
+from tautline.application.installed import Catalogue
+from tautline.application.space import in_units_of, look_of
 from tautline.cli.console import print_json, say
 
 if TYPE_CHECKING:
-    from tautline.results.result import Result
-    from tautline.view.space.appearance import Appearance, Look
+    from tautline.view.space.appearance import Appearance
 
 NO_DISPLAY = (
     "there is no display that a window can be opened on: here is a picture; see also --movie, --html and `export --vtk`"
@@ -36,7 +35,7 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     from tautline.results.result import Result
 
     result = Result.read(path)
-    look = _in_units_of(result, look_of(asked["view"], asked["exaggerate"]))
+    look = in_units_of(result, look_of(asked["view"], asked["exaggerate"]))
     appearance = catalogue.for_result(result).appearance(result, look)
     written: list[Path] = []
     if asked["html"] is not None:
@@ -60,56 +59,6 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
         say(f"wrote {file}", "green")
     if as_json:
         print_json({"status": "done", "files": [str(file) for file in written]})
-
-
-def in_space(
-    result: Result,
-    time: float | str = "last",
-    colour: str | None = None,
-    view: str | None = None,
-    radius: float | None = None,
-    exaggerate: float | None = None,
-    camera: str = "",
-    size: tuple[int, int] = (1280, 720),
-    window: bool = False,
-) -> Any:
-    """Put a result into a plotter, as ``result.render`` does.
-
-    Parameters
-    ----------
-    result : Result
-    time : float or str
-        s, or ``first`` or ``last``: the nearest frame is shown.
-    colour, view, radius, exaggerate, camera
-        As the options of the verb ``render``.
-    size : tuple of int
-        Pixels.
-    window : bool
-        Whether `show` is to open a window; else it draws off screen.
-
-    Returns
-    -------
-    pyvista.Plotter
-        With the whole scene in it: ``plotter.show()``, ``plotter.screenshot("crane.png")``, ``plotter.camera``.
-
-    Raises
-    ------
-    ResultError
-        If something asked for is unknown, or there is nothing to draw with.
-    """
-    from tautline.cli.catalogue import Installed
-    from tautline.view.space.stage import Stage
-    from tautline.view.space.still import frame_of
-
-    appearance = Installed().for_result(result).appearance(result, _in_units_of(result, look_of(view, exaggerate)))
-    stage = Stage(appearance, colour, radius, camera, size, window)
-    stage.show(frame_of(str(time), appearance.time))
-    return stage.plotter
-
-
-def _in_units_of(result: Result, look: Look) -> Look:
-    """A look whose legends have the units that the scene asks for."""
-    return replace(look, units=str(result.attributes.get("units") or "si"))
 
 
 def _stage(appearance: Appearance, asked: dict[str, Any], **more: Any) -> Any:
@@ -169,10 +118,3 @@ def _pictures(appearance: Appearance, times: list[str], path: Path, asked: dict[
         return [still(stage, frame, file) for frame, file in zip(frames, files, strict=True)]
     finally:
         stage.close()
-
-
-def look_of(view: str | None, exaggerate: float | None) -> Look:
-    """What an application must know of what is asked for."""
-    from tautline.view.space.appearance import Look
-
-    return Look(view or "", exaggerate)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.cli.catalogue import Catalogue
+from tautline.application.installed import Catalogue
 from tautline.cli.console import console, print_json, say
 from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
@@ -14,7 +14,7 @@ from tautline.cli.run import Ended, ExitCode
 from tautline.cli.summary import limit_said, quantity, table, two_columns
 
 if TYPE_CHECKING:
-    from tautline.cli.application import Application
+    from tautline.application.protocol import Application
     from tautline.results.result import Result
     from tautline.scene.errors import Caution
     from tautline.simulation import Afterwards

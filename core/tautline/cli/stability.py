@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.cli.catalogue import Catalogue
+from tautline.application.installed import Catalogue
 from tautline.cli.console import print_json, say
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.study import named, percentage, prepared, show, stem_of, stop_record, tell_of, working

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from tautline.cli.catalogue import Catalogue
+from tautline.application.installed import Catalogue
 from tautline.cli.console import print_text, say
 from tautline.scene.errors import Problem, SceneError
 

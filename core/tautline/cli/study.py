@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.cli.catalogue import Catalogue
+from tautline.application.installed import Catalogue
 from tautline.cli.console import console, print_json, say
 from tautline.cli.lists import number, numbers, one_of, words
 from tautline.cli.run import Ended, ExitCode

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from tautline.cli.catalogue import Single
+from tautline.application.installed import Single
 
 if TYPE_CHECKING:
-    from tautline.cli.application import Application
-    from tautline.cli.catalogue import Catalogue
+    from tautline.application.installed import Catalogue
+    from tautline.application.protocol import Application
 
 Scene = Annotated[Path, typer.Argument(metavar="SCENE", help="A YAML file.", show_default=False)]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, SI units.")]
@@ -284,8 +284,8 @@ def export(
     as_json: Json = False,
 ) -> None:
     """Write a result for other programs: ParaView, spreadsheets."""
+    from tautline.application.space import look_of
     from tautline.cli import export as verb
-    from tautline.cli.render import look_of
 
     verb.export(context.obj, result, output, vtk, csv, what or (), look_of(view, exaggerate), as_json, every)
 

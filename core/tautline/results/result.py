@@ -27,7 +27,7 @@ Contents = tuple[Sequence[Variable], dict[str, np.ndarray], Mapping[str, Coordin
 
 ATTEMPTS, PAUSE = 10, 0.02
 
-PICTURES, SPACE = "tautline.cli.pictures", "tautline.cli.render"
+PICTURES, SPACE = "tautline.application.pictures", "tautline.application.space"
 """Modules that draw results. They know the applications and stand above this one, so they are named here and looked up
 when a picture is asked for; nothing here imports them."""
 
@@ -171,12 +171,12 @@ class Result:
     def plot(self) -> Any:
         """Figures: ``result.plot.overview()``, ``result.plot("hook_load", vs="block_position")``.
 
-        See `tautline.cli.pictures.Plots`; ``dir(result.plot)`` lists the figures that there are.
+        See `tautline.application.pictures.Plots`; ``dir(result.plot)`` lists the figures that there are.
         """
         return import_module(PICTURES).Plots(self)
 
     def render(self, **asked: Any) -> Any:
-        """Put the result into a ``pyvista.Plotter``; see `tautline.cli.render.in_space` for what may be asked."""
+        """Put the result into a ``pyvista.Plotter``; `tautline.application.space.in_space` says what may be asked."""
         return import_module(SPACE).in_space(self, **asked)
 
     def __repr__(self) -> str:

@@ -127,7 +127,7 @@ def writing(draw: Callable[..., dict[str, Figure]]) -> Callable[..., list[Path]]
     """Make of an application's ``draw`` what writes its figures into files.
 
     The result takes results, a folder, names, formats, the beginning of file names and what to draw against; see
-    `tautline.cli.application.Application.figures`.
+    `tautline.application.protocol.Application.figures`.
     """
 
     def figures(

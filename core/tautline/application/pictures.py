@@ -6,7 +6,7 @@ import functools
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from tautline.cli.catalogue import Installed
+from tautline.application.installed import Installed
 
 if TYPE_CHECKING:
     from tautline.results.result import Result

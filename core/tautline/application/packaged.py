@@ -8,7 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from tautline.study.trials.overrides import SETTINGS, Place, overrides
+from tautline.application.defaults import Defaults
 from tautline.study.trials.variations import varied
 
 if TYPE_CHECKING:
@@ -17,11 +17,8 @@ if TYPE_CHECKING:
     from tautline.system.model import Model
     from tautline.view.space.appearance import Appearance, Look
 
-PLACES: dict[str, Place] = {key: ("solver", key) for key in (*SETTINGS, "alpha_m", "alpha_f")}
-PLACES["interval"] = ("output", "interval")
 
-
-class Packaged:
+class Packaged(Defaults):
     """A package with ``scene`` (read, json_schema), ``warnings`` (cautions, figures), ``build``, ``figures``.
 
     Every module is imported by the method that needs it. An application adds its title and what it recognises, and in
@@ -30,19 +27,22 @@ class Packaged:
     Attributes
     ----------
     name : str
-        Of the package and its console script.
+        Of the application, its package and its console script.
     starters : tuple of str
         Names of its templates; the first is the default of ``new``.
     rooms : mapping
         Module -> its place in the package, where that is another: ``{"build": "model.build"}``.
+    package : str
+        The package, where that is not called as the application.
     """
 
     name: str
     starters: tuple[str, ...]
     rooms: Mapping[str, str] = MappingProxyType({})
+    package: str = ""
 
     def _place(self, name: str) -> str:
-        return f"{self.name}.{self.rooms.get(name, name)}"
+        return f"{self.package or self.name}.{self.rooms.get(name, name)}"
 
     def _module(self, name: str) -> Any:
         return import_module(self._place(name))
@@ -50,19 +50,12 @@ class Packaged:
     @property
     def templates(self) -> Mapping[str, str]:
         """Commented starter scenes."""
-        folder = resources.files(self.name) / "templates"
+        folder = resources.files(self.package or self.name) / "templates"
         return {name: (folder / f"{name}.yaml").read_text(encoding="utf8") for name in self.starters}
 
     def read(self, path: Path) -> Any:
         """Read and validate a scene; raises SceneError."""
         return self._module("scene").read(path)
-
-    def with_overrides(self, scene: Any, **given: Any) -> Any:
-        """Copy of a scene with other solver settings; raises SceneError naming the option."""
-        from tautline.scene.model import validate
-
-        values = overrides(given, PLACES)
-        return validate(type(scene), scene.document.replaced(values)) if values else scene
 
     def vary(self, scene: Any, what: str, *value: Any) -> Any:
         """Copy of a scene that is varied by a function of the package's ``variations``; None if it has none of it."""
@@ -72,15 +65,9 @@ class Packaged:
         """JSON schema of a scene."""
         return self._module("scene").json_schema()
 
-    def cautions(self, scene: Any) -> list[Caution]:
-        """Slips of units, what is large compared with what, and a step that is too long for what drives the scene."""
-        from tautline.scene.content import too_fast
-        from tautline.scene.doubts import slips_of_units
-        from tautline.scene.errors import Caution
-
-        text = too_fast(scene, scene.solver)
-        found = slips_of_units(type(scene), scene.document) + self._module("warnings").cautions(scene)
-        return found + ([Caution("solver.step", text)] if text else [])
+    def own_warnings(self, scene: Any) -> list[Caution]:
+        """What is large compared with what, by ``cautions`` of the package's ``warnings``."""
+        return self._module("warnings").cautions(scene)
 
     def check_figures(self, scene: Any) -> dict[str, Any]:
         """What ``check`` tells of a scene in figures."""
@@ -94,11 +81,7 @@ class Packaged:
     def draw(self, scene: Any, path: Path) -> Path:
         """Draw a scene before it runs, by ``draw_scene`` of ``figures``; raises ResultError if it has none."""
         drawing = getattr(self._module("figures"), "draw_scene", None)
-        if drawing is None:
-            from tautline.results.errors import ResultError
-
-            raise ResultError("--figure", f"scenes of {self.name} are not drawn", "leave it out, and `plot` the result")
-        return drawing(scene, path)
+        return super().draw(scene, path) if drawing is None else drawing(scene, path)
 
     def build(self, scene: Any) -> Model:
         """Compile a scene; raises SceneError."""

@@ -9,11 +9,26 @@ from typing import TYPE_CHECKING, Any, Protocol
 from tautline.scene.errors import Problem, SceneError
 
 if TYPE_CHECKING:
-    from tautline.cli.application import Application
+    from tautline.application.protocol import Application
     from tautline.results.result import Result
 
 GROUP = "tautline.applications"
 """Entry points of this group name the classes of applications."""
+
+
+_registered: dict[str, Any] = {}
+
+
+def register(application: Any) -> Any:
+    """Make an application known to this process that is not installed; returns it, so that it decorates a class.
+
+    Parameters
+    ----------
+    application : type
+        Makes an `Application` when it is called without arguments.
+    """
+    _registered[application.name] = application
+    return application
 
 
 class Catalogue(Protocol):
@@ -60,7 +75,8 @@ class Installed:
 
     def all(self) -> list[Application]:
         """Load them all; those that cannot be loaded are left out, see `broken`."""
-        return list(self._loaded[0].values())
+        own = {name: make() for name, make in _registered.items()}
+        return list((self._loaded[0] | own).values())
 
     @property
     def broken(self) -> dict[str, str]:

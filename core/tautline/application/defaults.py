@@ -1,0 +1,147 @@
+"""An application of one file: what every verb does where an application says nothing of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tautline.study.trials.overrides import SETTINGS, Place, overrides
+
+if TYPE_CHECKING:
+    from tautline.results.result import Result
+    from tautline.scene.errors import Caution
+    from tautline.view.space.appearance import Appearance, Look
+
+PLACES: dict[str, Place] = {key: ("solver", key) for key in (*SETTINGS, "alpha_m", "alpha_f")}
+PLACES["interval"] = ("output", "interval")
+
+
+class Defaults:
+    """Base of an application whose scenes have a ``solver`` and an ``output`` section.
+
+    An application gives ``name``, ``title``, ``scene_type``, ``template``, and ``build(scene)``; all else it may give.
+
+    Attributes
+    ----------
+    name : str
+        Of the application.
+    title : str
+        One line for ``--help``.
+    scene_type : type
+        Class of its scenes, below `tautline.scene.model.Scene`.
+    template : str
+        Text of a commented starter scene.
+    """
+
+    name: str
+    title: str
+    scene_type: Any
+    template: str = ""
+
+    @property
+    def templates(self) -> Mapping[str, str]:
+        """Commented starter scenes."""
+        return {self.name: self.template}
+
+    def recognises(self, root: dict[str, Any]) -> bool:
+        """Whether a scene has a key that every scene of this kind must have, and no other kind has here."""
+        common = {"title", "units", "gravity", "solver", "output", "start"}
+        own = {key for key, field in self.scene_type.model_fields.items() if field.is_required()} - common
+        return bool(own) and own <= root.keys()
+
+    def read(self, path: Path) -> Any:
+        """Read and validate a scene; raises SceneError."""
+        return self.scene_type.read(path)
+
+    def with_overrides(self, scene: Any, **given: Any) -> Any:
+        """Copy of a scene with other solver settings; raises SceneError naming the option."""
+        from tautline.scene.model import validate
+
+        values = overrides(given, PLACES)
+        return validate(type(scene), scene.document.replaced(values)) if values else scene
+
+    def vary(self, scene: Any, what: str, *value: Any) -> Any:
+        """Copy of a scene that is varied for a study; None, for nothing is known of its mesh or stiffness."""
+        return None
+
+    def schema(self) -> dict[str, Any]:
+        """JSON schema of a scene."""
+        return self.scene_type.model_json_schema()
+
+    def cautions(self, scene: Any) -> list[Caution]:
+        """Slips of units, what `own_warnings` says, and a step that is too long for what drives the scene."""
+        from tautline.scene.content import too_fast
+        from tautline.scene.doubts import slips_of_units
+        from tautline.scene.errors import Caution
+
+        text = too_fast(scene, scene.solver)
+        found = slips_of_units(*self.as_written(scene)) + self.own_warnings(scene)
+        return found + ([Caution(self.step_key, text)] if text else [])
+
+    step_key: str = "solver.step"
+    """Key of the step in a scene."""
+
+    def as_written(self, scene: Any) -> tuple[Any, Any]:
+        """Class of the models that a file is read into, and the document."""
+        return type(scene), scene.document
+
+    def own_warnings(self, scene: Any) -> list[Caution]:
+        """What is large compared with what; nothing is known here."""
+        return []
+
+    def check_figures(self, scene: Any) -> dict[str, Any]:
+        """What ``check`` tells of a scene in figures; none."""
+        return {}
+
+    def describe(self, figures: dict[str, Any]) -> list[tuple[str, str]]:
+        """Rows of a table for people, of what `check_figures` gives; none."""
+        return []
+
+    def draw(self, scene: Any, path: Path) -> Path:
+        """Draw a scene before it runs; refused with ResultError."""
+        from tautline.results.errors import ResultError
+
+        raise ResultError("--figure", f"scenes of {self.name} are not drawn", "leave it out, and `plot` the result")
+
+    def build(self, scene: Any) -> Any:
+        """Compile a scene into a Model; raises SceneError. Every application has its own."""
+        raise NotImplementedError(f"{type(self).__name__} has no build")
+
+    @property
+    def _drawings(self) -> Mapping[str, Any]:
+        from tautline.application.figures import DRAWINGS
+
+        return DRAWINGS
+
+    @property
+    def figure_names(self) -> Mapping[str, str]:
+        """Names of figures, and what they show."""
+        return {name: one.text for name, one in self._drawings.items()}
+
+    def pictures(self, results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Any]:
+        """Draw results: name -> Figure, and nothing is written; raises ResultError for an unknown name."""
+        from tautline.view.figures.drawings import drawn
+
+        return drawn(results, self._drawings, what, vs)
+
+    def figures(
+        self,
+        results: Sequence[Result],
+        folder: Path,
+        what: Sequence[str],
+        formats: Sequence[str],
+        stem: str | None,
+        vs: str | None = None,
+    ) -> list[Path]:
+        """Draw results into files."""
+        from tautline.view.figures.drawings import writing
+
+        return writing(self.pictures)(results, folder, what, formats, stem, vs)
+
+    def appearance(self, result: Result, look: Look) -> Appearance:
+        """What a result looks like in space; raises ResultError for an unknown view, or a result without positions."""
+        from tautline.application.figures import VIEWS, appearance
+        from tautline.view.space.appearance import chosen
+
+        return appearance(result, chosen(VIEWS, look))

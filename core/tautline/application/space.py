@@ -1,0 +1,67 @@
+"""A result in space, from Python: ``result.render()``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tautline.results.result import Result
+    from tautline.view.space.appearance import Look
+
+
+def in_space(
+    result: Result,
+    time: float | str = "last",
+    colour: str | None = None,
+    view: str | None = None,
+    radius: float | None = None,
+    exaggerate: float | None = None,
+    camera: str = "",
+    size: tuple[int, int] = (1280, 720),
+    window: bool = False,
+) -> Any:
+    """Put a result into a plotter, as ``result.render`` does.
+
+    Parameters
+    ----------
+    result : Result
+    time : float or str
+        s, or ``first`` or ``last``: the nearest frame is shown.
+    colour, view, radius, exaggerate, camera
+        As the options of the verb ``render``.
+    size : tuple of int
+        Pixels.
+    window : bool
+        Whether `show` is to open a window; else it draws off screen.
+
+    Returns
+    -------
+    pyvista.Plotter
+        With the whole scene in it: ``plotter.show()``, ``plotter.screenshot("crane.png")``, ``plotter.camera``.
+
+    Raises
+    ------
+    ResultError
+        If something asked for is unknown, or there is nothing to draw with.
+    """
+    from tautline.application.installed import Installed
+    from tautline.view.space.stage import Stage
+    from tautline.view.space.still import frame_of
+
+    appearance = Installed().for_result(result).appearance(result, in_units_of(result, look_of(view, exaggerate)))
+    stage = Stage(appearance, colour, radius, camera, size, window)
+    stage.show(frame_of(str(time), appearance.time))
+    return stage.plotter
+
+
+def in_units_of(result: Result, look: Look) -> Look:
+    """A look whose legends have the units that the scene asks for."""
+    return replace(look, units=str(result.attributes.get("units") or "si"))
+
+
+def look_of(view: str | None, exaggerate: float | None) -> Look:
+    """What an application must know of what is asked for."""
+    from tautline.view.space.appearance import Look
+
+    return Look(view or "", exaggerate)

@@ -1,0 +1,88 @@
+"""A mooring buoy on three springs: an application of one file, with defaults for every verb."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from tautline.application.defaults import Defaults
+from tautline.elements.nodal.node import Anchors, PointMasses
+from tautline.results.variable import Variable
+from tautline.scene.identity import model_hash
+from tautline.scene.model import Model as Part
+from tautline.scene.model import Scene
+from tautline.scene.quantity import quantity
+from tautline.scene.solver import Output, Solver, check_output, longest_step
+from tautline.scene.vector import Gravity
+from tautline.system.model import Model, SolverSettings
+from tautline.system.system import Degrees, assemble
+from tautline.system.time_functions import compile_functions
+
+TEMPLATE = """# A buoy on springs.
+buoy: {mass: 2 t, stiffness: 8 kN/m, damping: 100, displaced: 0.5 m}
+solver: {method: generalized-alpha, rho_inf: 0.9, step: 10 ms, end: 20 s}
+output: {interval: 50 ms}
+"""
+ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
+
+
+class Buoy(Part):
+    """Mass kg, stiffness N/m and damping N s/m along each axis, and displacement along x at the start, m."""
+
+    mass: Annotated[float, quantity("kg", positive=True, of="mass")]
+    stiffness: Annotated[float, quantity("N/m", positive=True, of="spring stiffness")]
+    damping: Annotated[float, quantity("N s/m", nonnegative=True, of="damping coefficient")] = 0.0
+    displaced: Annotated[float, quantity("m", of="length")] = 0.0
+
+
+class BuoyScene(Scene):
+    """The whole file."""
+
+    title: str | None = None
+    buoy: Buoy = Field(examples=["{mass: 2 t, stiffness: 8 kN/m}"])
+    gravity: Gravity = (0.0, 0.0, -9.81)
+    solver: Solver
+    output: Output
+
+
+class Buoys(Defaults):
+    """Buoys on springs."""
+
+    name = "buoy"
+    title = "A buoy on springs."
+    scene_type = BuoyScene
+    template = TEMPLATE
+
+    def build(self, scene):
+        check_output(scene.solver, scene.output)
+        buoy, solver = scene.buoy, scene.solver
+        force = buoy.mass * 9.81 + buoy.stiffness
+        degrees = Degrees([f"buoy: {c}" for c in "xyz"], np.array([buoy.displaced, 0.0, 0.0]), np.full(3, force))
+        place = np.array([0])
+        groups = (
+            PointMasses(place, np.array([buoy.mass]), 0.0, np.array(scene.gravity)),
+            Anchors(place, np.array([buoy.stiffness]), np.array([buoy.damping]), np.zeros((1, 3))),
+        )
+        stencil = [np.arange(3)[None, :]]
+        system = assemble(groups, degrees, compile_functions([]), np.zeros(3), stencil, stencil)
+        alpha_m, alpha_f = solver.alphas
+
+        def observe(frames):
+            energy = dict(zip(ENERGIES, frames.energy.T, strict=True))
+            return {"time": frames.time, "position": frames.q[:, None, :], "velocity": frames.v[:, None, :]} | energy
+
+        step = longest_step(solver, scene.output.interval)
+        return Model(
+            system=system,
+            solver=SolverSettings(solver.method, step, solver.end, scene.output.interval, alpha_m, alpha_f),
+            variables=[
+                Variable("position", ("time", "node", "axis"), "m", "position"),
+                Variable("velocity", ("time", "node", "axis"), "m/s", "velocity"),
+                *(Variable(name, ("time",), "J", name.replace("_", " ")) for name in ENERGIES),
+            ],
+            coordinates={},
+            attributes={"scene": scene.document.text, "application": "buoy", "model_hash": model_hash(scene)},
+            observe=observe,
+            headline=lambda result: {},
+            start="as given",
+        )
