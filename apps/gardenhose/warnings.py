@@ -11,6 +11,7 @@ import numpy as np
 from gardenhose.estimates import SUPPORTS, Average, average, first_frequency, onset, rk4_limit, speeds, thrust
 from gardenhose.scene import MOST_ELEMENTS, HoseScene
 from tautline.scene.errors import Caution
+from tautline.scene.warnings import warnings_of
 
 RADIANS_PER_ELEMENT = 2.0
 """Phase u L_e / L of the flow's bending waves over an element, beyond which frequency and growth of flutter err by
@@ -38,7 +39,7 @@ def cautions(scene: HoseScene) -> list[Caution]:
     speed = speeds(scene)
     hose = average(scene, float(np.abs(speed).max()))
     found = [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed), *_ends(scene, speed), *_rest(scene)]
-    return [Caution(where, text) for where, text in found]
+    return [Caution(where, text) for where, text in found] + warnings_of("gardenhose", scene)
 
 
 def _steps(scene: HoseScene, hose: Average) -> Sentences:

@@ -21,6 +21,7 @@ from crane.warnings.rope import rope_cautions
 from crane.warnings.winch import SUDDEN, winch_cautions
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import Caution
+from tautline.scene.warnings import warnings_of
 from tautline.system.time_functions import compile_functions
 
 LEAST_RATIO = 16.0
@@ -52,7 +53,7 @@ def cautions(scene: CraneScene) -> list[Caution]:
         *winch_cautions(found, actuator), *_start(found),
         *_held_back(actuator), *_dry(scene), *_floating(found),
     ]  # fmt: skip
-    return [Caution(place, text) for place, text in sentences]
+    return [Caution(place, text) for place, text in sentences] + warnings_of("crane", scene)
 
 
 def _dry(scene: CraneScene) -> Sentences:

@@ -22,6 +22,7 @@ from tautline.results.rounding import unrounded
 from tautline.scene.errors import Caution
 from tautline.scene.methods import RK4
 from tautline.scene.solver import longest_step
+from tautline.scene.warnings import warnings_of
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIP_FOR_NEWTON = 1.0e-3
@@ -207,7 +208,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
         from drillstring.warnings.compression import buckling_cautions
 
         found += buckling_cautions(scene, well_of(scene), lumps)
-    return found + _mesh_cautions(scene, lumps)
+    return found + _mesh_cautions(scene, lumps) + warnings_of("drillstring", scene)
 
 
 def figures(scene: DrillstringScene) -> dict[str, Any]:

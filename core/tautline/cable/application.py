@@ -72,7 +72,7 @@ class Cable:
 
     def cautions(self, scene: CableScene) -> list[Caution]:
         """What is large compared with what, and what the reader made of oddities."""
-        from tautline.cable.input.scene import WrittenCable
+        from tautline.cable.input.models import file_model
         from tautline.cable.input.thesis_compat import read_quirks
         from tautline.cable.warnings import cautions
         from tautline.scene.content import too_fast
@@ -82,7 +82,7 @@ class Cable:
         text = too_fast(scene, scene.solver)
         more = [Caution("GeneralizedAlpha.time_step", text)] if text else []
         document, _ = read_quirks(scene.document)
-        return slips_of_units(WrittenCable, document) + cautions(scene) + more
+        return slips_of_units(file_model(), document) + cautions(scene) + more
 
     def check_figures(self, scene: CableScene) -> dict[str, Any]:
         """Counts, length and mass."""
