@@ -14,7 +14,7 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import cut
 from drillstring.warnings.wall import wall_cautions
 from gardenhose.scene import HoseScene
-from tautline.cable.input.scene import WrittenCable
+from tautline.cable.input.models import WrittenCable
 from tautline.cable.input.thesis_compat import read_quirks
 from tautline.cli.catalogue import Installed
 from tautline.scene.document import Document
