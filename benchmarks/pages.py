@@ -12,10 +12,10 @@ from pathlib import Path
 
 from page import quick_asked
 
-SCRIPTS = ("validation", "report", "hose", "two_models", "gallery", "statuses", "plausible_ranges")
+SCRIPTS = ("validation", "report", "hose", "two_models", "gallery", "statuses", "plausible_ranges", "architecture")
 """Of docs/validation.md, docs/performance.md and the README's table, docs/hose_validation.md, a part of
-docs/drillstring.md, docs/gallery.md, and a part of docs/solver.md."""
-ALWAYS_QUICK = ("statuses", "plausible_ranges")
+docs/drillstring.md, docs/gallery.md, parts of docs/solver.md and docs/ranges.md, and docs/architecture.md."""
+ALWAYS_QUICK = ("statuses", "plausible_ranges", "architecture")
 FOLDER = Path(__file__).parent
 
 

@@ -91,7 +91,7 @@ def cables_of(scene: HoseScene, fused: bool = True) -> CableScene:
     solver = CableSolver.model_construct(end=scene.solver.end, mass_damping=0.0)
     return CableScene(
         title=scene.title, gravity=scene.gravity, nodes=tuple(nodes), elements=tuple(elements), ties=tuple(ties),
-        couplings=tuple(couplings), forces=(), anchors=(), springs=(), masses=tuple(masses), motions=tuple(motions),
+        couplings=tuple(couplings), nodal=tuple(masses), motions=tuple(motions),
         plots=(), solver=solver, cautions=(), document=document,
     )  # fmt: skip
 

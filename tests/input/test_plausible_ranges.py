@@ -15,7 +15,7 @@ from drillstring.string.lumps import cut
 from drillstring.warnings.wall import wall_cautions
 from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
-from tautline.cable.input.scene import WrittenCable
+from tautline.cable.input.models import WrittenCable
 from tautline.cable.input.thesis_compat import read_quirks
 from tautline.scene.document import Document
 from tautline.scene.doubts import slips_of_units

@@ -70,14 +70,15 @@ class Defaults:
         return self.scene_type.model_json_schema()
 
     def cautions(self, scene: Any) -> list[Caution]:
-        """Slips of units, what `own_warnings` says, and a step that is too long for what drives the scene."""
+        """Slips of units, what `own_warnings` and registered functions find, and a step too long for what moves."""
         from tautline.scene.content import too_fast
         from tautline.scene.doubts import slips_of_units
         from tautline.scene.errors import Caution
+        from tautline.scene.warnings import warnings_of
 
         text = too_fast(scene, scene.solver)
-        found = slips_of_units(*self.as_written(scene)) + self.own_warnings(scene)
-        return found + ([Caution(self.step_key, text)] if text else [])
+        found = slips_of_units(*self.as_written(scene)) + self.own_warnings(scene) + warnings_of(self.name, scene)
+        return list(dict.fromkeys(found + ([Caution(self.step_key, text)] if text else [])))
 
     step_key: str = "solver.step"
     """Key of the step in a scene."""

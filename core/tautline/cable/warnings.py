@@ -12,25 +12,28 @@ import numpy as np
 from tautline.cable.input.couplings import APART, coupling_gap, value_of
 from tautline.cable.input.geometry import arc_length, chord
 from tautline.cable.input.material import material_coordinates
+from tautline.cable.input.nodal import item_of
 from tautline.cable.input.parts import Element, Node, Place, Tie
 from tautline.cable.input.scene import CableScene
 from tautline.scene.document import join_key
 from tautline.scene.errors import Caution
 from tautline.scene.methods import RK4
 from tautline.scene.solver import longest_step
+from tautline.scene.warnings import warning, warnings_of
 
 STIFF_PENALTY = 1.0e6
 """Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
 PRESTRETCHED = 0.05
 """Strain at the start that is more likely a slip of the pen than meant."""
+COUNTED = ("PointMass", "PointForce", "OneNodeSpring", "TwoNodeSpring")
+"""Items on nodes that ``check`` counts by another name than their key."""
 WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
 
 
 def cautions(scene: CableScene) -> list[Caution]:
     """All that is odd about a scene, what the reader found first."""
     found = list(scene.cautions)
-    for sentences in (_steps, _frames, _lengths, _gaps, _twice, _penalties, _idle):
-        found += [_caution(scene, place, text) for place, text in sentences(scene)]
+    found += warnings_of("cable", scene)
     return list(dict.fromkeys(found))
 
 
@@ -39,21 +42,18 @@ def figures(scene: CableScene) -> dict[str, Any]:
     p = material_coordinates(scene)
     lengths = [_length(element, p) for element in scene.elements]
     ropes = sum(element.rhoA * length for element, length in zip(scene.elements, lengths, strict=True))
-    points = sum(mass.mass * len(mass.nodes) for mass in scene.masses)
+    points = sum(item_of(part).mass(part) * len(part.nodes) for part in scene.nodal)
     parts = ("nodes", "elements", "ties", "couplings", "forces", "anchors", "springs", "masses", "motions")
+    others = {part.key: len(scene.items_of(part.key)) for part in scene.nodal if part.key not in COUNTED}
+    counts = {part: len(getattr(scene, part)) for part in parts} | others
     square, _ = _fastest(scene, p)
     return {
-        "cable": {part: len(getattr(scene, part)) for part in parts} | {"length": sum(lengths), "mass": ropes + points},
+        "cable": counts | {"length": sum(lengths), "mass": ropes + points},
         "critical_step_rk4": RK4.reach_of_vibration / math.sqrt(square) if square > 0.0 else None,
     }
 
 
 Sentences = Iterator[tuple[Place, str]]
-
-
-def _caution(scene: CableScene, place: Place, text: str) -> Caution:
-    line = scene.document.line(place)
-    return Caution(join_key(place) + (f" (line {line})" if line else ""), text)
 
 
 def _key(element: Element) -> str:
@@ -110,12 +110,15 @@ def _squares(scene: CableScene, p: dict[int, float]) -> list[tuple[float, Place]
         if tie.stiffness is not None and tie.what in (0, 2):
             both = sum(ease.get(node, (0.0, 0.0))[tie.what // 2] for node in tie.nodes)
             found.append((float(tie.stiffness * both), tie.place))
-    for spring in (*scene.anchors, *scene.springs):
-        easiest = max(ease.get(node, (0.0, 0.0))[0] for node in spring.nodes)
-        found.append((float(spring.stiffness * easiest), spring.place))
+    for part in scene.nodal:
+        stiffness = item_of(part).stiffness(part)
+        if stiffness > 0.0:
+            easiest = max(ease.get(node, (0.0, 0.0))[0] for node in part.nodes)
+            found.append((float(stiffness * easiest), part.place))
     return found
 
 
+@warning("cable")
 def _steps(scene: CableScene) -> Sentences:
     square, place = _fastest(scene, material_coordinates(scene))
     step = longest_step(scene.solver, 0.0)
@@ -128,6 +131,7 @@ def _steps(scene: CableScene) -> Sentences:
         yield ("GeneralizedAlpha", "time_step"), text
 
 
+@warning("cable")
 def _frames(scene: CableScene) -> Sentences:
     solver = scene.solver
     place = ("GeneralizedAlpha", "plotpoints")
@@ -149,10 +153,11 @@ def _frames(scene: CableScene) -> Sentences:
         yield place, text
 
 
+@warning("cable")
 def _lengths(scene: CableScene) -> Sentences:
     """Elements that begin stretched or backwards, and ends without mass."""
     p, nodes = material_coordinates(scene), {node.id: node for node in scene.nodes}
-    heavy = {node for mass in scene.masses for node in mass.nodes}
+    heavy = set(scene.heavy_nodes)
     heavy |= {node for element in scene.elements if element.rhoA > 0.0 for node in element.nodes}
     for element in scene.elements:
         first, second = (nodes[node] for node in element.nodes)
@@ -184,6 +189,7 @@ def _lengths(scene: CableScene) -> Sentences:
                 yield (*element.place, "rhoA"), f"node {node.id} is free and has no mass: give rhoA, or a PointMass"
 
 
+@warning("cable")
 def _gaps(scene: CableScene) -> Sentences:
     """Constraints that do not hold at the start, and functions that begin elsewhere than their nodes."""
     p, nodes = material_coordinates(scene), {node.id: node for node in scene.nodes}
@@ -221,6 +227,7 @@ def _apart(tie: Tie, first: Node, second: Node, p: dict[int, float]) -> float:
     return math.dist(chord(first.position, second.position), tie.offset)
 
 
+@warning("cable")
 def _twice(scene: CableScene) -> Sentences:
     """Nodes that are made equal in more than one way."""
     kinds = {node.id: node.kind for node in scene.nodes}
@@ -241,6 +248,7 @@ def _twice(scene: CableScene) -> Sentences:
             yield entries[-1][1], f"nodes {names} are tied by {WHAT[what]} more than once ({methods}): keep one"
 
 
+@warning("cable")
 def _penalties(scene: CableScene) -> Sentences:
     p = material_coordinates(scene)
     stiffest = max(element.EA / _length(element, p) for element in scene.elements)
@@ -253,15 +261,15 @@ def _penalties(scene: CableScene) -> Sentences:
             yield (*tie.place, "p_spring"), text
 
 
+@warning("cable")
 def _idle(scene: CableScene) -> Sentences:
     """What is written and has no effect."""
     used = {function for node in scene.nodes for function in node.functions}
     for motion in scene.motions:
         if motion.id not in used:
             yield (*motion.place, "id"), f"no BC_functions names function {motion.id}: it moves nothing"
-    for force in scene.forces:
-        if force.interval[0] >= scene.solver.end:
-            yield (*force.place, "timeInterval"), f"begins after the run has ended ({scene.solver.end:g} s)"
+    for part in scene.nodal:
+        yield from item_of(part).warnings(scene, part)
     for motion in scene.motions:
         if motion.velocities and not any(motion.velocities):
             yield (*motion.place, "velocityList"), "is zero throughout: nothing moves"

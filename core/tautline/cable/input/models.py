@@ -11,11 +11,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from tautline.cable.input import nodal_items  # noqa: F401  (its items are registered as it is imported)
 from tautline.cable.input.entries import (
     Acceleration,
     AxialStiffness,
     BendingStiffness,
-    Damping,
     DampingTime,
     Dof,
     Flags4,
@@ -23,7 +23,6 @@ from tautline.cable.input.entries import (
     Functions4,
     Functions7,
     Id,
-    Ids,
     Length,
     Load,
     MassPerLength,
@@ -32,12 +31,13 @@ from tautline.cable.input.entries import (
     Slope,
     Speed,
     Stiffness,
-    Thrust,
     Time,
     listed,
 )
+from tautline.cable.input.nodal import NODAL
 from tautline.cable.input.plots import SubPlot
 from tautline.cable.input.solver import CableSolver
+from tautline.scene.extensions import load_extensions
 from tautline.scene.functions import FunctionOfTime, time_function
 from tautline.scene.model import Branch, Model, OneOf, Switch, word
 from tautline.scene.quantity import quantity
@@ -185,58 +185,6 @@ class LinearCoupl(Model):
     masters: Annotated[tuple[Master, ...], listed(None, "masters", "[{mNode: 2, mDof: 1, factor: 1}]")]
 
 
-class _OnNodes(Model):
-    """Something at nodes of either kind."""
-
-    id: Id
-    nodes7: Ids | None = None
-    nodes4: Ids | None = None
-
-    @model_validator(mode="after")
-    def _somewhere(self) -> _OnNodes:
-        if self.nodes7 is None and self.nodes4 is None:
-            raise fault("nodes7", "is missing", "add `nodes7:`, such as [2], or nodes4 for nodes of linear elements")
-        if self.nodes7 is not None and self.nodes4 is not None:
-            raise fault("nodes4", "is given together with nodes7", "keep one; write a second item for the other")
-        return self
-
-
-class PointForce(_OnNodes):
-    """A force, N, while `timeInterval` (s) lasts; ours: without it, always."""
-
-    force: Thrust = Field(examples=["[0, 8.5, 0]"])
-    timeInterval: Annotated[tuple[Time, ...], listed(2, "a first and a last time", "[0, 1.0]")] | None = None
-
-    @model_validator(mode="after")
-    def _forwards(self) -> PointForce:
-        if self.timeInterval is not None and not self.timeInterval[1] > self.timeInterval[0]:
-            raise fault("timeInterval", "ends before it has begun", "give the earlier time first, such as [0, 1.0]")
-        return self
-
-
-class OneNodeSpring(_OnNodes):
-    """A spring and damper from a node to where it began."""
-
-    stiffness: Stiffness
-    damping: Damping = 0.0
-
-
-class TwoNodeSpring(_OnNodes):
-    """Ours: a spring and damper between two nodes; `length` at rest, m, by default their first distance."""
-
-    nodes7: Pair | None = None
-    nodes4: Pair | None = None
-    stiffness: Stiffness
-    damping: Damping = 0.0
-    length: Annotated[float, quantity("m", nonnegative=True, of="distance")] | None = None
-
-
-class PointMass(_OnNodes):
-    """A mass at nodes, kg; gravity acts on it."""
-
-    mass: Annotated[float, quantity("kg", positive=True, of="mass")]
-
-
 def _from_one(model: Any) -> Any:
     if model.id < 1:
         raise fault("id", "must be at least 1: 0 in BC_functions means none", "give 1")
@@ -291,14 +239,13 @@ KINDS: dict[str, type[Model]] = {
     "AugLagrange7": Penalty7,
     "AugLagrange4": Penalty4,
     "LinearCoupl": LinearCoupl,
-    "PointForce": PointForce,
-    "OneNodeSpring": OneNodeSpring,
-    "TwoNodeSpring": TwoNodeSpring,
-    "PointMass": PointMass,
+    **{key: item.model for key, item in NODAL.items()},
     "Function_VelocityDefined": VelocityDefined,
     "Function": Function,
 }
 """Model of each kind of item; the appendix spells the elements in one way and section 3.1 in another."""
+OWN = frozenset(KINDS) - frozenset(NODAL)
+"""Kinds that are no items on nodes."""
 
 
 class Item:
@@ -311,6 +258,7 @@ class Item:
 
 
 def _keeping(kind: str) -> Branch:
+    """How an item of a kind is read; the model is looked up when the schema is made."""
     return Branch(KINDS[kind], lambda model: Item(kind, model))
 
 
@@ -327,3 +275,22 @@ class WrittenCable(Model):
     CableModel: Items = Field(examples=[f"[{EXAMPLE}]"])
     Plots: Annotated[tuple[SubPlot, ...], Field()] = ()
     GeneralizedAlpha: CableSolver = Field(examples=["{type: G-alpha, rho_inf: 0.8, time_step: 0.005, time_end: 10}"])
+
+
+def file_model() -> type[WrittenCable]:
+    """The model of a file, with all kinds of item that are registered by now.
+
+    Raises
+    ------
+    ValueError
+        If an item has the name of something that is no item on nodes.
+    """
+    load_extensions()
+    new = {key: item.model for key, item in NODAL.items() if KINDS.get(key) is not item.model}
+    if new:
+        if taken := sorted(OWN & new.keys()):
+            raise ValueError(f"{taken[0]}: the cable's own syntax has this name; choose another for the item")
+        KINDS.update(new)
+        ITEM.keyed.update({key: _keeping(key) for key in new})
+        WrittenCable.model_rebuild(force=True)
+    return WrittenCable

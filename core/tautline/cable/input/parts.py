@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
+from tautline.cable.input.nodal import item_of
 from tautline.cable.input.solver import CableSolver
 from tautline.scene.document import Document
 from tautline.scene.errors import Caution, Problem
@@ -106,6 +107,8 @@ class Coupling:
 class Force:
     """A force, N, on each of some nodes, from ``interval[0]`` to ``interval[1]``, s: infinity where no end is given."""
 
+    key: ClassVar[str] = "PointForce"
+
     id: int
     nodes: tuple[int, ...]
     force: Vector
@@ -117,6 +120,8 @@ class Force:
 @dataclass(frozen=True, slots=True)
 class Anchor:
     """A spring N/m and damper N s/m from each of some nodes to where it began (`OneNodeSpring`, eqs 3.1-3.4)."""
+
+    key: ClassVar[str] = "OneNodeSpring"
 
     id: int
     nodes: tuple[int, ...]
@@ -130,6 +135,8 @@ class Anchor:
 class Spring:
     """A spring N/m and damper N s/m along the line between two nodes; `length` m at rest, None: as the scene begins."""
 
+    key: ClassVar[str] = "TwoNodeSpring"
+
     id: int
     nodes: tuple[int, int]
     stiffness: float
@@ -142,6 +149,8 @@ class Spring:
 @dataclass(frozen=True, slots=True)
 class Mass:
     """A point mass, kg, at each of some nodes."""
+
+    key: ClassVar[str] = "PointMass"
 
     id: int
     nodes: tuple[int, ...]
@@ -194,6 +203,8 @@ class CableScene:
     Attributes
     ----------
     gravity : (3,) m/s^2
+    nodal : tuple
+        Items on nodes, kind by kind in the order of their registration.
     plots : tuple of panels, each a tuple of Curve
     text, path : str, Path
         The file.
@@ -209,10 +220,7 @@ class CableScene:
     elements: tuple[Element, ...]
     ties: tuple[Tie, ...]
     couplings: tuple[Coupling, ...]
-    forces: tuple[Force, ...]
-    anchors: tuple[Anchor, ...]
-    springs: tuple[Spring, ...]
-    masses: tuple[Mass, ...]
+    nodal: tuple[Any, ...]
     motions: tuple[Motion, ...]
     plots: tuple[tuple[Curve, ...], ...]
     solver: CableSolver
@@ -229,6 +237,35 @@ class CableScene:
         """The file, as it was named."""
         return self.document.path
 
+    @property
+    def forces(self) -> tuple[Force, ...]:
+        """The point forces."""
+        return self.items_of("PointForce")
+
+    @property
+    def anchors(self) -> tuple[Anchor, ...]:
+        """The springs to where a node began."""
+        return self.items_of("OneNodeSpring")
+
+    @property
+    def springs(self) -> tuple[Spring, ...]:
+        """The springs between two nodes."""
+        return self.items_of("TwoNodeSpring")
+
+    @property
+    def masses(self) -> tuple[Mass, ...]:
+        """The point masses."""
+        return self.items_of("PointMass")
+
+    def items_of(self, key: str) -> tuple[Any, ...]:
+        """Items on nodes of one kind."""
+        return tuple(part for part in self.nodal if part.key == key)
+
+    @property
+    def heavy_nodes(self) -> tuple[int, ...]:
+        """Ids of the nodes that an item gives a mass, once for each such item."""
+        return tuple(node for part in self.nodal if item_of(part).mass(part) > 0.0 for node in part.nodes)
+
     def problem(self, place: Place, cause: str, cure: str = "") -> Problem:
         """Build a problem at a key path, such as ``(*node.place, "BC")``, for a check that the builder makes."""
         return self.document.problem(place, cause, cure)
@@ -239,7 +276,7 @@ HOW_SOLVED = (
     "projection", "stabilise", "control", "step_error", "newton", "frequency",
 )  # fmt: skip
 """Fields of ``GeneralizedAlpha`` that say how a scene is solved, and what is kept."""
-PARTS = ("nodes", "elements", "ties", "couplings", "forces", "anchors", "springs", "masses", "motions")
+PARTS = ("nodes", "elements", "ties", "couplings", "nodal", "motions")
 BESIDES_MODEL = frozenset(
     {"title", "plots", "cautions", "document", *(f"solver.{name}" for name in HOW_SOLVED)}
     | {f"{part}.{where}" for part in PARTS for where in ("line", "place")}

@@ -7,26 +7,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from tautline.cable.input import couplings as joints
 from tautline.cable.input import models as w
 from tautline.cable.input.entries import DOFS
 from tautline.cable.input.geometry import COINCIDENT, chord, mean_direction
 from tautline.cable.input.initial import initial_value
-from tautline.cable.input.parts import (
-    Anchor,
-    Coupling,
-    Curve,
-    Element,
-    Force,
-    Mass,
-    Motion,
-    Node,
-    Place,
-    Spring,
-    Tie,
-    Vector,
-)
+from tautline.cable.input.nodal import NODAL, item_of
+from tautline.cable.input.parts import Coupling, Curve, Element, Motion, Node, Place, Tie, Vector
 from tautline.cable.input.register import Register, known_ids
 from tautline.cable.input.thesis_compat import without_alternatives
 from tautline.scene.document import Document
@@ -44,10 +33,7 @@ class Parts:
     elements: tuple[Element, ...]
     ties: tuple[Tie, ...]
     couplings: tuple[Coupling, ...]
-    forces: tuple[Force, ...]
-    anchors: tuple[Anchor, ...]
-    springs: tuple[Spring, ...]
-    masses: tuple[Mass, ...]
+    nodal: tuple[Any, ...]
     motions: tuple[Motion, ...]
     plots: tuple[tuple[Curve, ...], ...]
     cautions: tuple[Caution, ...]
@@ -76,13 +62,7 @@ def resolve(written: w.WrittenCable, document: Document) -> Parts:
         ties=ties,
         couplings=couplings,
         motions=motions,
-        forces=register.make(w.PointForce, _force),
-        anchors=register.make(
-            w.OneNodeSpring,
-            lambda m, at, line, ids: Anchor(m.id, ids, m.stiffness, m.damping, line, at),
-        ),
-        springs=register.make(w.TwoNodeSpring, _spring),
-        masses=register.make(w.PointMass, lambda m, at, line, ids: Mass(m.id, ids, m.mass, line, at)),
+        nodal=tuple(part for item in NODAL.values() for part in register.make(item.model, item.made)),
         plots=_plots(written, register),
         cautions=(*cautions, *ignored),
     )
@@ -90,15 +70,6 @@ def resolve(written: w.WrittenCable, document: Document) -> Parts:
     _check_loose(parts, register)
     register.report()
     return parts
-
-
-def _force(model: w.PointForce, place: Place, line: int, ids: tuple[int, ...]) -> Force:
-    first, last = model.timeInterval or (0.0, math.inf)
-    return Force(model.id, ids, _vector(model.force), (first, last), line, place)
-
-
-def _spring(model: w.TwoNodeSpring, place: Place, line: int, ids: tuple[int, ...]) -> Spring:
-    return Spring(model.id, (ids[0], ids[1]), model.stiffness, model.damping, model.length, line, place)
 
 
 def _vector(values: tuple[float, ...]) -> Vector:
@@ -214,7 +185,7 @@ def _slope(register: Register, model: w.Node7Dof, place: Place, joined: list[Ele
 def _check_loose(parts: Parts, register: Register) -> None:
     """Refuse nodes that no element joins and whose free degrees of freedom nothing gives any mass."""
     joined = {node for element in parts.elements for node in element.nodes}
-    heavy = {node for mass in parts.masses for node in mass.nodes}
+    heavy = {node for part in parts.nodal if item_of(part).mass(part) > 0.0 for node in part.nodes}
     slaves = {coupling.slave for coupling in parts.couplings}
     for node in parts.nodes:
         if node.id in joined:

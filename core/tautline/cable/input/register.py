@@ -58,7 +58,8 @@ class Register:
         spaces: dict[str, list[tuple[int, Place]]] = {}
         for key, model, place in self.items:
             space = SPACES.get(type(model), key.removesuffix("7").removesuffix("4"))
-            spaces.setdefault(space, []).append((model.id, place))
+            if model.id is not None:
+                spaces.setdefault(space, []).append((model.id, place))
         for space, entries in spaces.items():
             lines: dict[int, int] = {}
             for number, place in entries:

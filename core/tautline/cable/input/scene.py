@@ -12,7 +12,7 @@ from typing import Any
 
 from tautline.cable.input.couplings import check_couplings
 from tautline.cable.input.material import material_coordinates
-from tautline.cable.input.models import WrittenCable
+from tautline.cable.input.models import file_model
 from tautline.cable.input.parts import (
     Anchor as Anchor,
 )
@@ -33,6 +33,8 @@ from tautline.cable.input.references import Parts, resolve
 from tautline.cable.input.solver import CableSolver
 from tautline.cable.input.thesis_compat import read_quirks
 from tautline.scene.document import Document
+from tautline.scene.errors import SceneError
+from tautline.scene.extensions import problems_of_extensions
 from tautline.scene.model import validate
 
 __all__ = [
@@ -76,12 +78,17 @@ def with_values(scene: CableScene, values: Mapping[Place, tuple[Any, str]]) -> C
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON schema of a cable scene."""
-    return WrittenCable.model_json_schema()
+    return file_model().model_json_schema()
 
 
 def _scene(document: Document) -> CableScene:
+    model = file_model()
     meant, cautions = read_quirks(document)
-    written = validate(WrittenCable, meant)
+    try:
+        written = validate(model, meant)
+    except SceneError as error:
+        # An unknown key may be one of an extension that could not be loaded.
+        raise SceneError([*error.problems, *problems_of_extensions(str(document.path))]) from None
     parts: Parts = resolve(written, meant)
     scene = CableScene(
         title=written.title,

@@ -8,16 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tautline.cable.input.material import material_coordinates
+from tautline.cable.input.nodal import NODAL, item_of
 from tautline.cable.input.parts import BESIDES_MODEL
 from tautline.cable.input.scene import CableScene
-from tautline.cable.model.elements import element_groups, records, steady_flow, stencils
+from tautline.cable.model.elements import element_groups, steady_flow, stencils
 from tautline.cable.model.eyelets import eyelets
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.limits import limits
 from tautline.cable.model.observe import Observer, headline, variables
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of
 from tautline.constraints.multiplier import Multipliers
-from tautline.elements.nodal.node import SPRING, Anchors, PointMasses, Springs, TimedForces
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.scene.identity import model_hash
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
@@ -73,9 +73,8 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
             whole += pairs
         else:
             whole += [row[None, :] for row in rows]
-    for group in loose:
-        if isinstance(group, Springs):
-            whole += [np.concatenate([row.a + np.arange(3), row.b + np.arange(3)])[None, :] for row in group.rows]
+    for part in scene.nodal:
+        whole += [places[None, :] for places in item_of(part).coupled(layout, part)]
     system = assemble(
         groups, layout.degrees, layout.functions, layout.velocity, whole, massive, algebraic=algebraic,
         flowing=steady_flow(layout),
@@ -134,7 +133,7 @@ def build(scene: CableScene) -> Model:
 
 def _mass(scene: CableScene, material: dict[int, float]) -> float:
     ropes = sum(e.rhoA * abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements)
-    return ropes + sum(m.mass * len(m.nodes) for m in scene.masses)
+    return ropes + sum(item_of(part).mass(part) * len(part.nodes) for part in scene.nodal)
 
 
 def _largest_force(scene: CableScene, material: dict[int, float]) -> float:
@@ -143,47 +142,15 @@ def _largest_force(scene: CableScene, material: dict[int, float]) -> float:
     loads = sum(
         float(np.linalg.norm(e.load)) * abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements
     )
-    forces = sum(float(np.linalg.norm(f.force)) * len(f.nodes) for f in scene.forces)
+    forces = sum(item_of(part).force(part) * len(part.nodes) for part in scene.nodal)
     stiff = max((max(e.EA, 1e-3 * e.EJ) for e in scene.elements), default=0.0)
     return _mass(scene, material) * gravity + loads + forces + STIFF_SHARE * stiff or 1.0
 
 
 def _node_groups(layout: Layout) -> list[Any]:
-    """Masses, forces, springs: those that the scene has."""
-    scene, groups = layout.scene, []
-    masses = [(layout.start[node], m.mass) for m in scene.masses for node in m.nodes]
-    if masses:
-        places, values = zip(*masses, strict=True)
-        groups.append(
-            PointMasses(
-                np.array(places), np.array(values, float), scene.solver.mass_damping, np.array(scene.gravity, float)
-            )
-        )
-    forces = [(layout.start[node], f.force, f.interval) for f in scene.forces for node in f.nodes]
-    if forces:
-        places, values, intervals = zip(*forces, strict=True)
-        shape = (
-            np.array(places),
-            np.array(values, float),
-            np.array(intervals, float),
-            np.zeros(len(forces)),
-            np.zeros(len(forces)),
-        )
-        groups.append(TimedForces(*shape))
-    anchors = [(layout.start[node], a.stiffness, a.damping) for a in scene.anchors for node in a.nodes]
-    if anchors:
-        places, stiffness, damping = zip(*anchors, strict=True)
-        home = np.array([layout.initial[place : place + 3] for place in places])
-        groups.append(Anchors(np.array(places), np.array(stiffness, float), np.array(damping, float), home))
-    if scene.springs:
-        groups.append(Springs(records(SPRING, [_spring(layout, s) for s in scene.springs]), np.zeros((6, 6))))
+    """Groups of the items on nodes: of those kinds that the scene has."""
+    groups: list[Any] = []
+    for key, item in NODAL.items():
+        if parts := layout.scene.items_of(key):
+            groups += item.groups(layout, parts)
     return groups
-
-
-def _spring(layout: Layout, spring: Any) -> dict[str, Any]:
-    a, b = (layout.start[node] for node in spring.nodes)
-    apart = float(np.linalg.norm(layout.initial[b : b + 3] - layout.initial[a : a + 3]))
-    return {
-        "a": a, "b": b, "stiffness": spring.stiffness, "damping": spring.damping,
-        "length": apart if spring.length is None else spring.length,
-    }  # fmt: skip

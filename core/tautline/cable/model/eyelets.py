@@ -22,7 +22,7 @@ def eyelets(layout: Layout, made: Sequence[Equation]) -> list[Any]:
     stops: dict[int, list[tuple[int, int, int]]] = {}
     others: set[int] = set()
     bound = {place for e in made if e.tie.method != "penalty" for place, _ in e.row}
-    heavy = {node for mass in scene.masses for node in mass.nodes if mass.mass > 0.0}
+    heavy = set(scene.heavy_nodes)
     chords = _chords(layout)
     for node in scene.nodes:
         start, p = layout.start[node.id], layout.material(node.id)

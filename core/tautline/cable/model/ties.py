@@ -10,6 +10,7 @@ import numpy as np
 
 from tautline.cable.input.geometry import COINCIDENT
 from tautline.cable.input.material import SHORTEST
+from tautline.cable.input.nodal import item_of
 from tautline.cable.input.parts import Tie
 from tautline.cable.model.elements import length_of
 from tautline.cable.model.layout import Layout
@@ -52,14 +53,22 @@ def equations_of(layout: Layout) -> list[Equation]:
         for axis, (i, j) in enumerate(places):
             offset = -tie.offset[axis] if tie.what == 0 else 0.0
             name = f"{WORDS[tie.what]} of nodes {first} and {second}" + (f", {'xyz'[axis]}" if tie.what != 1 else "")
-            equation = Equation(tie, [(j, 1.0), (i, -1.0)], offset, name)
-            if not (layout.is_held(i) and layout.is_held(j)):
-                made.append(equation)
-            elif abs(equation.value(layout.initial)) > MISMATCH and tie.method != "penalty":
-                cause = f"{name}: both are held, {abs(equation.value(layout.initial)):g} apart"
-                problem = layout.scene.problem(tie.place, cause, "free one of them, or remove the constraint")
-                raise SceneError([problem])
+            _append(layout, made, Equation(tie, [(j, 1.0), (i, -1.0)], offset, name))
+    for part in layout.scene.nodal:
+        for row, offset, name in item_of(part).equations(layout, part):
+            tie = Tie(part.id or 0, "multiplier", part.nodes, 0, None, (0.0, 0.0, 0.0), part.line, part.place)
+            _append(layout, made, Equation(tie, list(row), offset, name))
     return made
+
+
+def _append(layout: Layout, made: list[Equation], equation: Equation) -> None:
+    """Append an equation, unless all that it is about is held; raises SceneError if it then does not hold."""
+    tie, error = equation.tie, abs(equation.value(layout.initial))
+    if not all(layout.is_held(place) for place, _ in equation.row):
+        made.append(equation)
+    elif error > MISMATCH and tie.method != "penalty":
+        cause = f"{equation.name}: {'both' if len(equation.row) == 2 else 'all'} are held, {error:g} apart"
+        raise SceneError([layout.scene.problem(tie.place, cause, "free one of them, or remove the constraint")])
 
 
 def check_sound(layout: Layout, made: Sequence[Equation]) -> None:
@@ -117,7 +126,7 @@ def _null_motions(layout: Layout, rows: Sequence[Equation]) -> list[Problem]:
             tangents[i] = layout.initial[layout.start[node.id] + 3 : layout.start[node.id] + 6]
     places = np.array([layout.start[node.id] for node in scene.nodes])
     material = np.array([layout.material(node.id) for node in scene.nodes])
-    beads = [[(layout.material(node), 1.0)] for mass in scene.masses for node in mass.nodes if mass.mass > 0.0]
+    beads = [[(layout.material(node), 1.0)] for node in scene.heavy_nodes]
     wrong = null_motions(
         places, tangents, material, layout.degrees.motion, layout.degrees.masters, [e.row for e in rows] + beads
     )

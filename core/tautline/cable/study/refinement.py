@@ -180,7 +180,7 @@ def runs_of(chart: Chart) -> list[Run]:
 
 def _spoken_of(scene: CableScene) -> set[int]:
     """Nodes that something else than elements and their own couplings refers to."""
-    parts = (*scene.ties, *scene.forces, *scene.anchors, *scene.springs, *scene.masses)
+    parts = (*scene.ties, *scene.nodal)
     named = {node for part in parts for node in part.nodes}
     named |= {master[0] for coupling in scene.couplings for master in coupling.masters}
     named |= {curve.node for panel in scene.plots for curve in panel if curve.node is not None}

@@ -59,7 +59,12 @@ def contact(scene: CableScene, value: float) -> CableScene | None:
     """Stiffness of the springs that hold nodes to where they began, N/m; None without any."""
     if not scene.anchors:
         return None
-    return replace(scene, anchors=tuple(replace(anchor, stiffness=float(value)) for anchor in scene.anchors))
+    return replace(
+        scene,
+        nodal=tuple(
+            replace(part, stiffness=float(value)) if part.key == "OneNodeSpring" else part for part in scene.nodal
+        ),
+    )
 
 
 def penalty(scene: CableScene, value: float) -> CableScene | None:

@@ -1,0 +1,54 @@
+"""Warnings of a scene before it runs: each is one function, registered for the scenes of one application."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+from tautline.scene.document import join_key
+from tautline.scene.errors import Caution
+from tautline.scene.extensions import load_extensions
+
+Place = str | tuple[str | int, ...]
+Check = Callable[[Any], Iterable[tuple[Any, str]]]
+C = TypeVar("C", bound=Check)
+
+REGISTERED: dict[str, dict[str, Check]] = {}
+"""For each application its checks by module and name, in the order in which they are reported."""
+
+
+def warning(application: str) -> Callable[[C], C]:
+    """Register a function that warns of scenes of an application.
+
+    It is called with the scene that the application has read, and gives pairs of a key path, as text or as a tuple such
+    as ``("solver", "step")``, and a text: what is large compared with what, and what to do. ``check`` and ``simulate``
+    print them. A function of the same module and name takes the place of an earlier one, as in a notebook.
+
+    Parameters
+    ----------
+    application : str
+        ``cable``, ``crane``, ``drillstring``, ``gardenhose``, or another one's name.
+    """
+
+    def register(check: C) -> C:
+        REGISTERED.setdefault(application, {})[f"{check.__module__}.{check.__qualname__}"] = check
+        return check
+
+    return register
+
+
+def warnings_of(application: str, scene: Any) -> list[Caution]:
+    """What the registered functions find in a scene; the line stands beside a key path that is a tuple."""
+    load_extensions()
+    found = []
+    for check in REGISTERED.get(application, {}).values():
+        found += [_warning(scene, place, text) for place, text in check(scene)]
+    return found
+
+
+def _warning(scene: Any, place: Place, text: str) -> Caution:
+    if isinstance(place, str):
+        return Caution(place, text)
+    document = getattr(scene, "document", None)
+    line = document.line(place) if document is not None else None
+    return Caution(join_key(place) + (f" (line {line})" if line else ""), text)

@@ -1,0 +1,107 @@
+"""The page on how to add something: its code is run as it stands."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf8")
+BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", PAGE, flags=re.MULTILINE | re.DOTALL)
+FILES = {text.split("\n")[0].removeprefix("# "): text for kind, text in BLOCKS if kind != "console"}
+COMMANDS = [line for kind, text in BLOCKS if kind == "console" for line in text.splitlines()]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with all files of the page."""
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf8")
+    return tmp_path
+
+
+def ran(folder, *words, code=0):
+    paths = [str(folder), str(ROOT / "core"), str(ROOT / "apps")]
+    done = subprocess.run(
+        [sys.executable, *words], cwd=folder, env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == code, done.stdout + done.stderr
+    return done
+
+
+def installed(folder, name="wind"):
+    """Make a folder look like a package whose entry point the page shows."""
+    about = folder / f"{name}-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n", encoding="utf8")
+    points = re.search(r'^\[project\.entry-points\."(.*)"\]\n(.*)', FILES["pyproject.toml"], flags=re.MULTILINE)
+    (about / "entry_points.txt").write_text(f"[{points[1]}]\n{points[2].replace(chr(34), '')}\n", encoding="utf8")
+
+
+def test_every_block_of_the_page_has_the_name_of_a_file_or_is_a_command():
+    assert all(re.fullmatch(r"\w+\.(py|yaml|toml)", name) for name in FILES)
+    assert len(FILES) == sum(kind != "console" for kind, _ in BLOCKS)
+    assert {kind for kind, _ in BLOCKS} == {"python", "yaml", "toml", "console"}
+    assert len(COMMANDS) == 5
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_of_the_page_does_what_its_file_asserts(command, folder):
+    name, *words = command.split()
+    assert name == "python"
+    ran(folder, *words)
+
+
+def test_the_verb_of_the_page_prints_the_weight(folder):
+    command = next(line for line in COMMANDS if "weight" in line)
+    printed = json.loads(ran(folder, *command.split()[1:]).stdout)
+    assert printed["mass"] == pytest.approx(5.0) and printed["weight"] == pytest.approx(49.05)
+
+
+def test_an_installed_item_is_known_to_check_and_to_the_schema(folder):
+    installed(folder)
+    shown = json.loads(ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", "--json").stdout)
+    assert shown["status"] == "good" and shown["cable"]["Wind"] == 1
+    code = "from tautline.cable.application import Cable; import json; print(json.dumps(Cable().schema()))"
+    assert '"Wind"' in ran(folder, "-c", code).stdout
+
+
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        ("speed: -3", r"lamp.yaml:9: CableModel\[4\].Wind.speed = -3: must not be negative"),
+        ("speed: 3 kg", r"lamp.yaml:9: CableModel\[4\].Wind.speed = 3 kg: 'kg' is not the unit of a speed"),
+        ("sped: 3", r"lamp.yaml:9: CableModel\[4\].Wind.sped.*unknown key; did you mean 'speed'"),
+    ],
+)
+def test_a_fault_in_an_item_of_the_user_names_line_key_value_and_cure(written, expected, folder):
+    installed(folder)
+    text = FILES["lamp.yaml"].replace("speed: 36 km/h", written)
+    (folder / "lamp.yaml").write_text(text, encoding="utf8")
+    told = ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", code=2)
+    assert re.search(expected, " ".join(told.stderr.split())), told.stderr
+
+
+def test_an_item_on_a_node_that_does_not_exist_is_refused_with_its_line(folder):
+    installed(folder)
+    text = FILES["lamp.yaml"].replace("Wind: {nodes4: [1]", "Wind: {nodes4: [7]")
+    (folder / "lamp.yaml").write_text(text, encoding="utf8")
+    told = ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", code=2)
+    assert re.search(r"lamp.yaml:9: CableModel\[4\].Wind.nodes4\[0\] = 7: there is no node 7", told.stderr), told.stderr
+
+
+def test_an_extension_that_cannot_be_loaded_is_named_beside_the_key_that_is_unknown_without_it(folder):
+    installed(folder)
+    (folder / "wind.py").write_text("import nothing_of_this_name\n", encoding="utf8")
+    told = " ".join(ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", code=2).stderr.split())
+    assert "unknown key 'Wind'" in told
+    assert "the extension wind could not be loaded (ModuleNotFoundError" in told
+
+
+def test_the_method_of_the_page_is_the_one_that_the_order_tests_measure():
+    assert FILES["midpoint.py"].split("\n", 1)[1] == (ROOT / "tests" / "order" / "midpoint.py").read_text("utf8")
