@@ -151,9 +151,7 @@ def test_a_run_from_python_leaves_numba_and_python_as_they_are(tmp_path):
     text = (DATA / "jwell.yaml").read_text()
     assert "end: 40 s" in text
     scene.write_text(text.replace("end: 40 s", "end: 0.1"))
-    done = subprocess.run(
-        [sys.executable, "-c", UNCHANGED, str(scene)], capture_output=True, text=True, cwd=tmp_path
-    )
+    done = subprocess.run([sys.executable, "-c", UNCHANGED, str(scene)], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stderr[-2000:]
     watched, changed, settings = json.loads(done.stdout.splitlines()[-1])
     assert watched > 5000

@@ -73,9 +73,7 @@ def test_a_run_that_was_killed_or_told_to_end_goes_on_to_the_bit(name, tmp_path)
         with h5py.File(path) as file:
             stored, status = file["time"].size, file.attrs["status"]
             assert status == ("running" if number == signal.SIGKILL else "interrupted")
-        done = simulate(
-            DATA / f"{name}.yaml", "--end", end, "--step", STEP, "-o", tmp_path / "on.nc", "--resume", path
-        )
+        done = simulate(DATA / f"{name}.yaml", "--end", end, "--step", STEP, "-o", tmp_path / "on.nc", "--resume", path)
         assert done.returncode == 0, done.stderr
         with h5py.File(tmp_path / "on.nc") as file:
             assert file["time"].size > stored

@@ -35,7 +35,15 @@ PAD = np.dtype(
     [
         (name, np.float64)
         for name in (
-            "stiffness", "damping", "clearance", "radius", "viscous", "normal", "along", "around", "mean_along",
+            "stiffness",
+            "damping",
+            "clearance",
+            "radius",
+            "viscous",
+            "normal",
+            "along",
+            "around",
+            "mean_along",
             "mean_around",
         )
     ]

@@ -29,7 +29,15 @@ SPRING = np.dtype(
     + [
         (name, np.float64)
         for name in (
-            "stiffness", "damping", "clearance", "radius", "viscous", "normal", "along", "around", "mean_along",
+            "stiffness",
+            "damping",
+            "clearance",
+            "radius",
+            "viscous",
+            "normal",
+            "along",
+            "around",
+            "mean_along",
             "mean_around",
         )
     ]

@@ -387,7 +387,6 @@ def _dissipation(g, t, q, v, power):
             power[0] += p[WEIGHT] * length * row.bending * row.damping * square
 
 
-
 @kernel
 def _supply(g, t, q, v, power):
     """The energy of the fluid that an element takes in at its ends."""

@@ -126,9 +126,7 @@ def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
             pause[PART] = at
             method.control[1] = size / finest
             return PAUSED
-        status = take_step(
-            method, groups, dofs, functions, state, t + h * (at / finest), h * (size / finest)
-        )
+        status = take_step(method, groups, dofs, functions, state, t + h * (at / finest), h * (size / finest))
         if status == DONE:
             state.counters[STEPS] += 1
             at += size

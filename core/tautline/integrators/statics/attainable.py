@@ -37,9 +37,7 @@ def within_rounding(model: Model, key: str = "solver.tolerance") -> Model:
         f"The run uses {least:.1e}"
     )
     attributes = {**model.attributes, "tolerance": least}
-    return replace(
-        model, solver=replace(settings, tolerance=least), notes=[*model.notes, note], attributes=attributes
-    )
+    return replace(model, solver=replace(settings, tolerance=least), notes=[*model.notes, note], attributes=attributes)
 
 
 def attainable(system: System, settings: SolverSettings) -> float:

@@ -147,9 +147,7 @@ def _warnings(critical: Critical, tangent: float | None, found: list[Variant]) -
         if high < (1.0 - UNLIKE) * least:
             text = f"real runs are unstable from {high:.3g} s on, below the {least:.3g} s of the eigenvalues"
             told.append(f"{text}: what the state does between the looks, or a wrong tangent, makes it less")
-    told += [
-        f"{v.name}: wrong by {100.0 * (v.error or 0.0):.2g} %, and the run {_said(v)}" for v in found if v.silent
-    ]
+    told += [f"{v.name}: wrong by {100.0 * (v.error or 0.0):.2g} %, and the run {_said(v)}" for v in found if v.silent]
     return told
 
 
