@@ -44,7 +44,7 @@ def _row(static: float, kinetic: float, count: int, end: float, repeats: int, ke
     one = runs[0].attributes
     per_step = median(run.wall for run in runs) / one["steps"]
     each = one["newton_iterations"] / one["steps"]
-    rows = one["rows_solved"] / one["steps"]
+    rows = one["equations_solved"] / one["steps"]
     unknowns = 4 * count  # of count + 1 lumps, less what the block holds of the first
     return (
         f"{static:g}/{kinetic:g}", f"{count}", f"{per_step:.2e}", f"{per_step / each:.2e}",

@@ -127,7 +127,7 @@ def draw_well() -> None:
     section.invert_yaxis()
     section.set_xlabel(label("north", "m"))
     section.set_ylabel(label("true vertical depth", "m"))
-    across.plot(1e3 * string["lateral"][:, 0], depth, color=COLOURS[0], marker="o", mfc="white", lw=0.8)
+    across.plot(1e3 * string["lateral_displacement"][:, 0], depth, color=COLOURS[0], marker="o", mfc="white", lw=0.8)
     for sign in (-1.0, 1.0):
         walls = [sign * 500.0 * (HOLE - od) for od in (PIPE.od, PIPE.od, COLLAR.od, COLLAR.od)]
         across.plot(walls, [0.0, joint, joint, depth[-1]], color=QUIET, lw=1.2)

@@ -71,7 +71,7 @@ def at_rest(quick: bool) -> str:
     for kind, elements in cases:
         scene = scene_of("jwell", kind, elements, QUICK_TIME, still=True)
         result = simulate(build(scene))
-        beyond = np.hypot(*np.moveaxis(result["lateral"][0], -1, 0)) - result["clearance"]
+        beyond = np.hypot(*np.moveaxis(result["lateral_displacement"][0], -1, 0)) - result["clearance"]
         side, length = float(result["contact_force"][0].sum()), well.length / elements
         found[kind, elements] = float(result["hook_load"][0]), side, float(beyond.max()), length
     finest = found[FINEST if FINEST in found else cases[0]]

@@ -92,7 +92,7 @@ def cables_of(scene: HoseScene, fused: bool = True) -> CableScene:
     return CableScene(
         title=scene.title, gravity=scene.gravity, nodes=tuple(nodes), elements=tuple(elements), ties=tuple(ties),
         couplings=tuple(couplings), nodal=tuple(masses), motions=tuple(motions),
-        plots=(), solver=solver, cautions=(), document=document,
+        plots=(), solver=solver, warnings=(), document=document,
     )  # fmt: skip
 
 

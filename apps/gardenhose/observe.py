@@ -12,7 +12,7 @@ from tautline.cable.model.build import Assembly
 from tautline.cable.model.observe import variables as of_cables
 from tautline.results.variable import Variable
 
-NOT_STORED = ("material", "material_rate")
+NOT_STORED = ("material_coordinate", "material_velocity")
 """Variables of cables that say nothing of a hose: its material rests, and the water's moves as one."""
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from gardenhose.estimates import SUPPORTS, Average, average, first_frequency, onset, rk4_limit, speeds, thrust
 from gardenhose.scene import MOST_ELEMENTS, HoseScene
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 
 RADIANS_PER_ELEMENT = 2.0
 """Phase u L_e / L of the flow's bending waves over an element, beyond which frequency and growth of flutter err by
@@ -33,12 +33,12 @@ def _across(vector: tuple[float, ...], direction: tuple[float, ...]) -> float:
     return across if across > 1e-9 * abs(along) else 0.0
 
 
-def cautions(scene: HoseScene) -> list[Caution]:
-    """Cautions of a scene, each with its cause and a cure."""
+def warnings(scene: HoseScene) -> list[SceneWarning]:
+    """Warnings of a scene, each with its cause and a cure."""
     speed = speeds(scene)
     hose = average(scene, float(np.abs(speed).max()))
     found = [*_steps(scene, hose), *_momentum(scene, speed), *_mesh(scene, speed), *_ends(scene, speed), *_rest(scene)]
-    return [Caution(where, text) for where, text in found]
+    return [SceneWarning(where, text) for where, text in found]
 
 
 def _steps(scene: HoseScene, hose: Average) -> Sentences:

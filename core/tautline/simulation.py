@@ -127,7 +127,7 @@ def simulate(
         Where ``resume`` holds no state to go on from, or that of another scene, or has come to the end already.
     """
     run = Run(model, look)
-    earlier = run.take_up(resume) if resume is not None else None
+    earlier = run.resume_from(resume) if resume is not None else None
     attributes = {**model.attributes, "version": __version__}
     with Store(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
         try:
@@ -183,7 +183,7 @@ class Run:
     def _room(self, rows: int) -> Frames:
         return new_frames(rows, self.model.system.q.size, self.model.own)
 
-    def take_up(self, earlier: Result) -> dict[str, np.ndarray]:
+    def resume_from(self, earlier: Result) -> dict[str, np.ndarray]:
         """Go on from an earlier result; returns its frames."""
         place = earlier.path or "result"
         if not earlier.restart:
@@ -422,7 +422,7 @@ class Run:
             "real_time_factor": self.wall / self.reached if self.reached > 0.0 else 0.0,
             "steps": int(counters[STEPS]),
             "newton_iterations": int(counters[ITERATIONS]),
-            "rows_solved": int(counters[ROWS]),
+            "equations_solved": int(counters[ROWS]),
             "factorisations": int(counters[FACTORISATIONS]),
             "halvings": int(counters[HALVINGS]),
             "restart_time": self.remembered,

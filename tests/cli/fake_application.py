@@ -9,7 +9,7 @@ import types
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tautline.scene.errors import Caution, Problem, SceneError
+from tautline.scene.errors import Problem, SceneError, SceneWarning
 
 INTERVAL = 0.1
 
@@ -59,8 +59,8 @@ class FakeApplication:
     def schema(self):
         return {"type": "object", "title": "fake"}
 
-    def cautions(self, scene):
-        return [Caution("solver.step", "longer than the critical step")] if scene.trouble == "warning" else []
+    def warnings(self, scene):
+        return [SceneWarning("solver.step", "longer than the critical step")] if scene.trouble == "warning" else []
 
     def check_figures(self, scene):
         return {"length": 1.0}

@@ -10,7 +10,7 @@ from drillstring.application import Drillstring
 from drillstring.model.build import build
 from drillstring.scene.scene import DrillstringScene, read
 from drillstring.view.figures import draw
-from drillstring.warnings.scene import cautions
+from drillstring.warnings.scene import warnings
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.simulation import simulate
@@ -94,8 +94,8 @@ WARNED = {
 @pytest.mark.parametrize("case", WARNED)
 def test_what_a_driller_should_know_is_warned_of(case):
     text, key, words = WARNED[case]
-    told = [caution for caution in cautions(DrillstringScene.parse(text)) if caution.where == key]
-    assert any(words in caution.text for caution in told), told
+    told = [warning for warning in warnings(DrillstringScene.parse(text)) if warning.where == key]
+    assert any(words in warning.text for warning in told), told
 
 
 def test_a_scene_to_start_from_is_the_shipped_one(drillstring_):
@@ -104,7 +104,7 @@ def test_a_scene_to_start_from_is_the_shipped_one(drillstring_):
 
 
 def told_of(text):
-    return {caution.where for caution in cautions(DrillstringScene.parse(text))}
+    return {warning.where for warning in warnings(DrillstringScene.parse(text))}
 
 
 def test_the_shipped_scene_is_warned_of_nothing_but_that_it_hides_its_buckling_though_it_drills_past_its_well():
@@ -113,7 +113,7 @@ def test_the_shipped_scene_is_warned_of_nothing_but_that_it_hides_its_buckling_t
     assert told_of(deep) == {"bit.weight"}
 
 
-def test_what_the_caution_of_buckling_says_makes_the_collars_buckle_onto_the_wall():
+def test_what_the_warning_of_buckling_says_makes_the_collars_buckle_onto_the_wall():
     """As it stands nothing ever touches; eccentric collars of short elements bow as soon as they turn."""
     long, bowed = "drill collar 6 1/2 x 2 13/16, length: 160 m", "elements: 17, eccentricity: [0, 2 mm]"
     cured = DRILLING.replace(long, f"{long}, {bowed}").replace("elements: 24", "elements: 39")

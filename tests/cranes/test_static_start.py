@@ -5,7 +5,7 @@ from physics.crane_scenes import GRAVITY, anchor, body, crane, end, fall, hoist,
 
 from crane.assembly import static_start as reach
 from crane.assembly.layout import lay_out
-from crane.warnings.scene import cautions
+from crane.warnings.scene import warnings
 from tautline.integrators.status import Status
 from tautline.scene.errors import SceneError
 
@@ -22,7 +22,7 @@ def in_water(volume, **more):
 
 
 def floating(scene):
-    return [caution.text for caution in cautions(parsed(scene)) if "floats" in caution.text]
+    return [warning.text for warning in warnings(parsed(scene)) if "floats" in warning.text]
 
 
 def test_a_body_that_floats_is_refused_by_what_lifts_it():

@@ -138,8 +138,8 @@ def test_between_what_lies_on_two_wheels_is_the_rope_of_a_span(of):
     stretch = 1.0 + run["tension"].max() / of.rope.axial_stiffness
     for k in range(len(of.path) - 1):
         one, two = of.path[k], of.path[k + 1]
-        begin = wheels[one.name].off if one.name in wheels else run["material"][:, node[k]]
-        end = wheels[two.name].on if two.name in wheels else run["material"][:, node[k + 1]]
+        begin = wheels[one.name].off if one.name in wheels else run["material_coordinate"][:, node[k]]
+        end = wheels[two.name].on if two.name in wheels else run["material_coordinate"][:, node[k + 1]]
         length = np.linalg.norm(course.touch(k + 1, True) - course.touch(k, False), axis=1)
         # Made-up material is that of the middle of a wrap, and unstretched; marks stand still.
         assert np.abs(end - begin - length).max() < 0.05 + 2.0 * (stretch - 1.0) * length.max()

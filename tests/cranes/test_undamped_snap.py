@@ -6,7 +6,7 @@ from physics.test_crane_slack import LENGTH, MASS, SPEED, STIFFNESS, dropped
 from references.slack import snap_tension_green
 
 from crane.assembly.layout import lay_out
-from crane.warnings.scene import cautions, figures
+from crane.warnings.scene import figures, warnings
 from tautline.scene.errors import SceneError
 
 EXACT = snap_tension_green(MASS, STIFFNESS, LENGTH, SPEED)
@@ -44,7 +44,7 @@ def test_a_heavy_rope_snaps_with_few_elements_as_a_fine_mesh_of_the_same_damping
 
 def test_damping_of_nothing_is_told_before_and_after_a_run():
     scene = dropped(1.0, 4, 0.0)
-    assert any(caution.where == "rope.damping" for caution in cautions(parsed(scene)))
+    assert any(warning.where == "rope.damping" for warning in warnings(parsed(scene)))
     result = snapped(4, 0.0)
     assert result.headline["safety_factor"]["value"] < 1.0
     assert result.headline["undamped_snaps"]["value"] > 0

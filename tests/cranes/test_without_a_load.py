@@ -104,7 +104,7 @@ def test_a_rope_is_reeled_over_from_drum_to_drum_without_loss(path):
     result = ran(made | {"mesh": {"elements_per_span": 8}})
     moved = SPEED * (4.0 - 0.5)
     assert result["paid_out"][-1] == pytest.approx([moved, -moved], rel=1.0e-9)
-    between = result["material"][:, -1] - result["material"][:, 0]
+    between = result["material_coordinate"][:, -1] - result["material_coordinate"][:, 0]
     assert np.ptp(between) < 1.0e-9
     assert result["tension"].max(axis=(1, 2)) == pytest.approx(result["tension"][0].max(), rel=0.02)
 

@@ -358,7 +358,7 @@ def test_200_m_per_s_through_a_straight_rope_change_nothing(method, EJ):
     items = drawn_rope([0, 100], [200.0, 200.0], EJ=EJ, cDamp=1e-5)
     result = judged(scene(items, 0.0, method, time_step=step, time_end=0.02, plotpoints=1000))
     assert result["axial_force"] == pytest.approx(TENSION, rel=1e-11)
-    assert result["material"][:, 0] == pytest.approx(200.0 * result.time, abs=1e-12)
+    assert result["material_coordinate"][:, 0] == pytest.approx(200.0 * result.time, abs=1e-12)
     assert np.abs(result["position"] - result["position"][0]).max() < 1e-12
 
 
@@ -380,9 +380,9 @@ def test_p_that_runs_to_200_m_per_s_and_back_pulls_one_way_and_then_the_other(gr
     items = drawn_rope(times, rates, 8, cDamp=damping)
     text = scene(items, gravity, "Newmark", time_step=1e-4, time_end=0.08, plotpoints=5000)
     result = judged(text, energy=1e-2)
-    assert result["material"][-1, [0, -1]] == pytest.approx([0.0, 1.0], abs=1e-12)
-    assert result["material_rate"].max() == pytest.approx(200.0)
-    assert result["material_rate"].min() == pytest.approx(-200.0)
+    assert result["material_coordinate"][-1, [0, -1]] == pytest.approx([0.0, 1.0], abs=1e-12)
+    assert result["material_velocity"].max() == pytest.approx(200.0)
+    assert result["material_velocity"].min() == pytest.approx(-200.0)
     pull = result["axial_force"][:, -1] - result["axial_force"][:, 0]
     for (start, stop), acceleration in zip(pairwise(times[:5]), (1e4, -1e4, -1e4, 1e4), strict=True):
         during = (result.time > start) & (result.time < stop)
@@ -405,8 +405,8 @@ def test_a_rope_let_go_through_two_points_falls_freely_to_200_m_per_s(method, EJ
     items = nodes + [element(i, EA=1e6, EJ=EJ) for i in range(count)] + follow
     step = 4e-5 if method == "RK4" else 5e-4
     result = judged(scene(items, 2000.0, method, time_step=step, time_end=0.1, plotpoints=200))
-    assert result["material_rate"][-1] == pytest.approx(-200.0, rel=1e-9)
-    assert result["material"][:, 0] == pytest.approx(-1000.0 * result.time**2, abs=1e-9)
+    assert result["material_velocity"][-1] == pytest.approx(-200.0, rel=1e-9)
+    assert result["material_coordinate"][:, 0] == pytest.approx(-1000.0 * result.time**2, abs=1e-9)
     assert np.abs(result["axial_force"]).max() < 1e-3
     assert np.abs(result["position"] - result["position"][0]).max() < 1e-9
 
@@ -429,7 +429,7 @@ def _sliding_linear_rope(count=6):
 def test_an_inclined_rope_of_linear_elements_begins_to_slide_with_g_sin_alpha():
     # p.. = -g sin(alpha) = -5.886 m/s2 while it sags little: 2 % of the path after 0.1 s
     result = judged(scene(_sliding_linear_rope(), GRAVITY, "RK4", time_step=1e-4), energy=1e-2)
-    assert result["material"][-1, 0] == pytest.approx(-0.5 * 0.6 * GRAVITY * 0.01, rel=0.02)
+    assert result["material_coordinate"][-1, 0] == pytest.approx(-0.5 * 0.6 * GRAVITY * 0.01, rel=0.02)
 
 
 def test_a_sliding_rope_of_linear_elements_balances_its_energy():
@@ -458,7 +458,7 @@ def test_an_element_that_is_reeled_in_to_nothing_stops_by_name(method, elements)
     step = 1e-4 if method == "RK4" else 1e-3
     stop = stopped(reeled(-1.0, elements, HELD, method=method, time_step=step, time_end=2.0), *NOTHING_LEFT)
     assert stop.time < 1.0
-    assert np.diff(stop.result["material"], axis=1).min() > 0.0
+    assert np.diff(stop.result["material_coordinate"], axis=1).min() > 0.0
 
 
 PAST_NOTHING = {
@@ -475,7 +475,7 @@ def test_no_step_goes_past_an_element_of_no_length(case):
     given = dict(PAST_NOTHING[case])
     text = reeled(given.pop("rate"), given.pop("elements"), given.pop("last"), time_end=1.2, **given)
     stop = stopped(text, *Status)
-    assert np.diff(stop.result["material"], axis=1).min() > 0.0
+    assert np.diff(stop.result["material_coordinate"], axis=1).min() > 0.0
 
 
 def test_a_scene_that_begins_with_an_element_of_no_length_is_refused_by_name():

@@ -29,7 +29,7 @@ from physics.crane_scenes import (
 from references import cables
 
 from crane.application import Crane
-from crane.warnings.scene import cautions
+from crane.warnings.scene import warnings
 from tautline.cli.run import ExitCode, run
 from tautline.cli.verbs import make_app
 from tautline.integrators.status import Status, StoppedEarly
@@ -271,7 +271,7 @@ def test_a_locked_sheave_holds_back_by_its_capstan_ratio(friction):
     for result in (coarse, fine):
         before, after = result["axial_force"][:, 3], result["axial_force"][:, 4]
         slipping = result["slipping"][:, 0] != 0.0
-        ratio = np.exp(friction * result["wrap"][slipping, 0])
+        ratio = np.exp(friction * result["wrap_angle"][slipping, 0])
         assert slipping.any()
         assert before[slipping] / after[slipping] == pytest.approx(ratio, rel=0.1)
     assert coarse["tension"].max() == pytest.approx(fine["tension"].max(), rel=2.0e-3)
@@ -393,7 +393,7 @@ def test_a_drum_that_heave_compensation_fills_ends_the_run_by_name_as_it_was_war
         drive={"pay_out": 0.0, "layers": LAYERS, "rope_on_drum": CAPACITY - 0.5}, rope={"diameter": DIAMETER},
         vessel=vessel, heave_compensation={"gain": 1.0}, solver={"end": 12.0},
     )  # fmt: skip
-    (told,) = [caution.text for caution in cautions(parsed(asked)) if "when the drum is full" in caution.text]
+    (told,) = [warning.text for warning in warnings(parsed(asked)) if "when the drum is full" in warning.text]
     stop = stopped(asked, Status.DRUM_FULL)
     assert f"t = {stop.time:.2g}" in told
     assert -stop.result["paid_out"][-1, 0] == pytest.approx(0.5, abs=0.02)

@@ -10,7 +10,7 @@ from references import planar_well_dynamics as planar
 from references import soft_string as soft
 
 from drillstring.model.build import build
-from drillstring.warnings.scene import cautions
+from drillstring.warnings.scene import warnings
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate
@@ -44,7 +44,7 @@ def test_one_element_has_nothing_to_bend(bending):
 def test_two_elements_carry_the_jwell_string_coarsely():
     # the error of the hook load is first order in n (-0.3 % at 12): no more than a third at 2, and warned of
     scene = shipped("jwell", model__elements=2, **BRIEF)
-    assert any(caution.where == "model.elements" for caution in cautions(scene))
+    assert any(warning.where == "model.elements" for warning in warnings(scene))
     assert run(scene)["hook_load"][0] == pytest.approx(HANGS, rel=0.34)
 
 
@@ -85,7 +85,7 @@ def test_a_wall_of_1e12_n_per_m_gives_the_hook_load_of_the_usual_one(usual, damp
 def test_a_wall_of_1e3_n_per_m_yields_until_it_carries_the_weight():
     # every contact: N = k (offset - clearance), k by diameter and tributary length; they carry what lies on the wall
     balance = Balance(shipped("jwell", well__wall__stiffness=1e3))
-    offset = np.hypot(*balance["lateral"].T)
+    offset = np.hypot(*balance["lateral_displacement"].T)
     assert offset.max() > 1.0, "metres into the wall"
     assert np.isfinite(balance["tension"]).all()
     assert balance.equilibrium.residual < 1e-9
@@ -124,7 +124,7 @@ def test_2000_rpm_runs():
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 1.0])
 def test_steps_of_1_s_are_warned_of_and_keep_the_bit_within_half_a_metre(rho_inf):
     scene = shipped("jwell", solver__step=1.0, output__interval=1.0, solver__rho_inf=rho_inf, well__wall__friction=0.2)
-    assert any(caution.where == "solver.step" for caution in cautions(scene))
+    assert any(warning.where == "solver.step" for warning in warnings(scene))
     try:
         result = run(scene, energy=np.inf)
     except StoppedEarly as stop:  # without full damping by the algorithm up to a sixth of the energy comes from nowhere

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drillstring.scene.scene import DrillstringScene, check_lengths, json_schema, read
-from drillstring.warnings.scene import cautions
+from drillstring.warnings.scene import warnings
 from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
@@ -347,7 +347,7 @@ def test_a_broken_scene_is_refused_with_line_key_and_cure(name):
 def test_mud_heavier_than_steel_is_refused_with_its_line_where_lengths_are_known():
     scene = DrillstringScene.parse(TEXT.replace("density: 1840", "density: 9000"), "jwell.yaml")
     with pytest.raises(SceneError, match=r"jwell.yaml:17: mud.density = 9000.*would float.*12\.5 ppg"):
-        cautions(scene)
+        warnings(scene)
 
 
 @pytest.mark.parametrize("key", ["well", "string", "material", "model", "solver", "output"])

@@ -527,11 +527,11 @@ def test_the_appendix_itself_is_read_with_warnings(whole):
         (None, 1, 1, "r"),
         (None, 2, 1, "r"),
     ]
-    told = [str(caution) for caution in scene.cautions]
+    told = [str(warning) for warning in scene.warnings]
     assert any("plotpoints" in text and "the last one counts" in text for text in told)
     assert any("put a blank after the colon" in text for text in told)
     assert any("copy of the model for linear elements" in text for text in told) == whole
-    more = [str(caution) for caution in Cable().cautions(scene)]
+    more = [str(warning) for warning in Cable().warnings(scene)]
     assert any("tied by r = r more than once (multiplier, penalty, coupling)" in text for text in more)
 
 
@@ -574,7 +574,7 @@ def test_the_linear_alternative_by_itself_is_read_and_its_slope_constraints_are_
     scene = parse(text)
     assert {node.kind for node in scene.nodes} == {4} and {element.kind for element in scene.elements} == {"linear"}
     assert [(tie.method, tie.what) for tie in scene.ties] == [("multiplier", 0), ("penalty", 0)]
-    assert sum("no slope that could be tied" in str(caution) for caution in scene.cautions) == 2
+    assert sum("no slope that could be tied" in str(warning) for warning in scene.warnings) == 2
     assert material_coordinates(scene) == {0: -1.5, 1: -1.0, 2: -0.5, 3: -0.5, 4: 0.0}
 
 
@@ -595,12 +595,12 @@ def test_only_plotpoints_may_stand_twice():
     assert "duplicate key" in refusal(TEXT.replace("  skipVTK: True", "  skipVTK: True\n  skipVTK: False"))
     scene = parse(TEXT.replace("  skipVTK: True", "  skipVTK: True\n  plotpoints: 20"))
     assert scene.solver.plotpoints == 20.0
-    assert [caution.where for caution in scene.cautions] == ["GeneralizedAlpha.plotpoints (line 38)"]
+    assert [warning.where for warning in scene.warnings] == ["GeneralizedAlpha.plotpoints (line 38)"]
 
 
 def test_linear_nodes_beside_cubic_ones_are_kept_when_they_are_no_copy():
     scene = parse(TEXT.replace(*added(LINEAR)))
-    assert [node.kind for node in scene.nodes] == [7] * 5 + [4] * 2 and scene.cautions == ()
+    assert [node.kind for node in scene.nodes] == [7] * 5 + [4] * 2 and scene.warnings == ()
 
 
 # material coordinates
@@ -699,7 +699,7 @@ def test_a_slope_left_out_points_along_the_elements():
     assert "CableModel[1].Node7Dof.xyz_d: is missing, and the elements at the node point to no common" in refusal(back)
 
 
-# cautions, options, figures for check
+# warnings, options, figures for check
 
 MOVED = LINEAR.replace("BC: [0, 0, 0, 1]", "BC: [1, 0, 0, 1], BC_functions: [2, 0, 0, 0]")
 
@@ -756,8 +756,8 @@ def test_an_odd_scene_is_warned_of_and_not_refused(name):
     assert old in text
     if name == "a node without mass":
         text = text.replace(old, new)
-    found = Cable().cautions(parse(text.replace(old, new, 1)))
-    assert any(where in caution.where and words in caution.text for caution in found), found
+    found = Cable().warnings(parse(text.replace(old, new, 1)))
+    assert any(where in warning.where and words in warning.text for warning in found), found
 
 
 @pytest.mark.parametrize(
@@ -806,7 +806,7 @@ def test_check_counts_length_and_mass():
 def test_the_templates_are_good_scenes(name):
     text = Cable().templates[name]
     scene = parse(text)
-    assert scene.plots and Cable().cautions(scene) == []
+    assert scene.plots and Cable().warnings(scene) == []
     assert Cable().recognises(Document.parse(text).root)
 
 
@@ -839,7 +839,7 @@ def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(key, value):
     except SceneError as error:
         assert error.problems and all(problem.cure for problem in error.problems)
     else:
-        Cable().cautions(changed)
+        Cable().warnings(changed)
         Cable().check_figures(changed)
 
 
@@ -862,7 +862,7 @@ def test_any_numbers_are_read_or_refused_and_nothing_else(numbers):
         assert all(problem.cure for problem in error.problems)
     else:
         assert all(math.isfinite(p) for p in material_coordinates(changed).values())
-        Cable().cautions(changed)
+        Cable().warnings(changed)
         Cable().check_figures(changed)
 
 

@@ -14,7 +14,7 @@ from gardenhose.application import Gardenhose
 from gardenhose.build import assembled
 from gardenhose.estimates import ONSET, rk4_limit, speeds
 from gardenhose.scene import HoseScene, json_schema, read, with_speed
-from gardenhose.warnings import cautions, figures
+from gardenhose.warnings import figures, warnings
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.integrators.state import new_state
@@ -359,7 +359,7 @@ def test_a_template_is_good_without_a_warning_and_begins_with_what_it_is(name):
     text = Gardenhose().templates[name]
     assert text.startswith("# ")
     scene = HoseScene.parse(text)
-    assert cautions(scene) == []
+    assert warnings(scene) == []
     assert Gardenhose().recognises(scene.document.root)
 
 
@@ -400,12 +400,12 @@ def test_the_schema_knows_every_key_of_the_shipped_scenes():
             assert f'"{key}"' in text, key
 
 
-# Cautions
+# Warnings
 
 
 def found(*edits):
-    """Cautions of the shipped scene with (old, new) replaced: where -> text."""
-    return {caution.where: caution.text for caution in cautions(scene_of(*edits))}
+    """Warnings of the shipped scene with (old, new) replaced: where -> text."""
+    return {warning.where: warning.text for warning in warnings(scene_of(*edits))}
 
 
 RK4 = "method: generalized-alpha, rho_inf: 0.9, step: 1 ms", "method: rk4, step: "
@@ -450,7 +450,7 @@ WARNED = {
 
 
 @pytest.mark.parametrize("name", WARNED)
-def test_a_caution_names_its_place_and_cause(name):
+def test_a_warning_names_its_place_and_cause(name):
     edits, where, words = WARNED[name]
     assert words in found(*edits).get(where, ""), found(*edits)
 
@@ -472,11 +472,11 @@ QUIET = {
 
 
 @pytest.mark.parametrize("name", QUIET)
-def test_there_is_no_caution_without_a_cause(name):
+def test_there_is_no_warning_without_a_cause(name):
     assert found(*QUIET[name]) == {}
 
 
-def test_a_caution_about_a_segment_names_it():
+def test_a_warning_about_a_segment_names_it():
     second = PIECE.replace("bending_stiffness: 0.001", "bending_stiffness: 0.00001")
     where = set(found((SECTION, SEGMENTS.replace(PIECE, second).replace(second, PIECE, 1))))
     assert where == {"hose.segments[1].elements"}
@@ -594,5 +594,5 @@ def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(values, expl
     except SceneError as error:
         assert error.problems and all(problem.cure for problem in error.problems)
         return
-    assert all(caution.where and "nan" not in caution.text for caution in cautions(scene))
+    assert all(warning.where and "nan" not in warning.text for warning in warnings(scene))
     json.dumps(figures(scene))

@@ -134,7 +134,7 @@ def test_a_registered_warning_is_told_with_its_key_and_line_and_once_if_register
             for element in scene.elements:
                 yield (*element.place, "EA"), text
 
-    found = [str(one) for one in Cable().cautions(scene()) if "first" in str(one) or "second" in str(one)]
+    found = [str(one) for one in Cable().warnings(scene()) if "first" in str(one) or "second" in str(one)]
     assert found == ["CableModel[2].CableALEelementLin.EA (line 6): second"]
 
 
@@ -152,7 +152,7 @@ def test_a_warning_registered_for_an_application_is_told_of_its_scenes(applicati
         yield ("solver", "step"), "is odd"
         yield "solver", "is odd as a whole"
 
-    found = [str(one) for one in made.cautions(read)]
+    found = [str(one) for one in made.warnings(read)]
     assert any("solver.step (line" in text and "is odd" in text for text in found)
     assert any(text.startswith("solver: is odd as a whole") for text in found)
 

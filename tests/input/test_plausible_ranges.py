@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from crane.scene.scene import CraneScene
-from crane.warnings.rope import rope_cautions
+from crane.warnings.rope import rope_warnings
 from drillstring.model.build import tubes_of, well_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import cut
-from drillstring.warnings.wall import wall_cautions
+from drillstring.warnings.wall import wall_warnings
 from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
 from tautline.cable.input.models import WrittenCable
@@ -95,7 +95,7 @@ def test_a_slip_of_a_unit_is_warned_of_with_its_line_range_and_the_unit_that_was
 def walled(text):
     scene = DrillstringScene.parse(text)
     well = well_of(scene)
-    return wall_cautions(scene, well, cut(tubes_of(scene, well.length), scene.model.elements))
+    return wall_warnings(scene, well, cut(tubes_of(scene, well.length), scene.model.elements))
 
 
 def test_a_wall_too_soft_for_its_string_is_warned_of_with_the_depth_and_the_unit_that_was_meant():
@@ -137,10 +137,10 @@ def test_no_shipped_scene_or_template_is_warned_of(path):
     scene = validate(model, document)
     assert slips_of_units(model, document) == []
     if model is CraneScene:
-        assert list(rope_cautions(scene)) == []
+        assert list(rope_warnings(scene)) == []
     if model is DrillstringScene:
         well = well_of(scene)
-        assert wall_cautions(scene, well, cut(tubes_of(scene, well.length), scene.model.elements)) == []
+        assert wall_warnings(scene, well, cut(tubes_of(scene, well.length), scene.model.elements)) == []
 
 
 def quantities(schema, path="", within=False):
@@ -234,12 +234,12 @@ def test_a_slip_in_an_option_is_told_without_a_line_of_the_file():
 
 
 def test_numbers_of_a_rope_that_do_not_go_with_its_diameter_are_warned_of():
-    assert list(rope_cautions(CraneScene.parse(CRANE))) == []
-    ((key, text),) = rope_cautions(CraneScene.parse(CRANE.replace("1.1 MN", "1100")))
+    assert list(rope_warnings(CraneScene.parse(CRANE))) == []
+    ((key, text),) = rope_warnings(CraneScene.parse(CRANE.replace("1.1 MN", "1100")))
     assert key == "rope.breaking_load" and "1100 kN = 1.1 MN" in text
-    ((key, text),) = rope_cautions(CraneScene.parse(CRANE.replace("80 MN", "80")))
+    ((key, text),) = rope_warnings(CraneScene.parse(CRANE.replace("80 MN", "80")))
     assert key == "rope.axial_stiffness" and "80 MN" in text
-    ((key, text),) = rope_cautions(CraneScene.parse(CRANE.replace("5.5 kg/m", "5500")))
+    ((key, text),) = rope_warnings(CraneScene.parse(CRANE.replace("5.5 kg/m", "5500")))
     assert key == "rope.mass_per_length" and "5500 g/m = 5.5 kg/m" in text
 
 
@@ -261,5 +261,5 @@ def test_check_tells_slips_of_units_of_every_application(tmp_path):
         (tmp_path / name).write_text(text)
     for name in wrong:
         application = Installed().for_scene(tmp_path / name)
-        cautions = application.cautions(application.read(tmp_path / name))
-        assert wrong[name][1] in [caution.where for caution in cautions], name
+        warnings = application.warnings(application.read(tmp_path / name))
+        assert wrong[name][1] in [warning.where for warning in warnings], name

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from drillstring.model.build import build, tubes_of
 from drillstring.scene.scene import DrillstringScene, json_schema
 from drillstring.scene.tubulars import NoSuchTubular, catalogue, find, inches, matching
-from drillstring.warnings.scene import cautions
+from drillstring.warnings.scene import warnings
 from tautline.scene.errors import SceneError
 
 INCH, FOOT, POUND = 0.0254, 0.3048, 0.45359237
@@ -233,8 +233,8 @@ def test_a_wrong_tubular_is_refused_with_line_key_and_cure(old, new, message):
 
 def test_a_string_near_its_yield_load_at_rest_is_warned_of():
     hole, mud = SCENE.replace("hold: 3000 ft", "hold: 16000 ft"), 10.0
-    strong = [c.where for c in cautions(DrillstringScene.parse(hole))]
-    weak = [c for c in cautions(DrillstringScene.parse(hole.replace("S135", "E75"))) if "yield_load" in c.where]
+    strong = [c.where for c in warnings(DrillstringScene.parse(hole))]
+    weak = [c for c in warnings(DrillstringScene.parse(hole.replace("S135", "E75"))) if "yield_load" in c.where]
     # by hand: weight in mud times depth under it; the arc's depth is R sin(60 deg)
     arc = 100.0 / radians(3.0)
     depth = 16000.0 + arc * np.sin(radians(60.0)) + 1000.0 * cos(radians(60.0))

@@ -44,6 +44,8 @@ def packages_after(arguments, folder):
 def simulated(tmp_path_factory):
     folder = tmp_path_factory.mktemp("scene")
     (folder / "short.yaml").write_text(SCENE)
+    # The first run may compile, for which numba loads scipy.
+    packages_after(["simulate", "short.yaml", "-o", "first.nc", "--quiet"], folder)
     packages, _ = packages_after(["simulate", "short.yaml", "-o", "short.nc", "--quiet"], folder)
     return folder, packages
 

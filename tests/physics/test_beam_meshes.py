@@ -15,7 +15,7 @@ from physics.strings import shipped
 from drillstring.model.build import well_of
 from drillstring.scene.scene import BEAM
 from drillstring.statics.statics import Statics
-from drillstring.warnings.scene import cautions
+from drillstring.warnings.scene import warnings
 
 PIPE = [{"name": "drill pipe", "length": "rest", "od": 0.127, "id": 0.1086}]
 WELLS = ("bend", "tripping")
@@ -38,7 +38,7 @@ def loads(well, elements):
 
 
 def told(well, elements):
-    return [c.text for c in cautions(scene(well, elements)) if c.where == "model.elements"]
+    return [c.text for c in warnings(scene(well, elements)) if c.where == "model.elements"]
 
 
 @pytest.mark.parametrize(("well", "elements"), [("bend", 32), ("tripping", 48)])
@@ -61,13 +61,13 @@ def test_the_cure_is_a_mesh_that_is_not_warned_of(well):
     assert told(well, wanted) == [] and told(well, wanted - 2) != []
 
 
-def test_a_caution_of_very_long_elements_says_that_there_may_be_no_equilibrium():
+def test_a_warning_of_very_long_elements_says_that_there_may_be_no_equilibrium():
     (text,) = told("bend", 3)
     assert "no equilibrium" in text
 
 
 def test_a_straight_hole_and_free_space_want_no_more_elements():
     straight = shipped("drilling", model__kind=BEAM, model__elements=12)
-    assert not [c for c in cautions(straight) if c.where == "model.elements"]
+    assert not [c for c in warnings(straight) if c.where == "model.elements"]
     free = shipped("configuration_b", model__kind=BEAM, model__elements=8)
-    assert not [c for c in cautions(free) if c.where == "model.elements"]
+    assert not [c for c in warnings(free) if c.where == "model.elements"]

@@ -228,7 +228,7 @@ def test_material_that_moves_through_fixed_nodes_is_the_mirror_of_nodes_that_mov
     squares, shapes = eigh(stiffness, mass)
     start = np.array([slopes[0] - 1, 0.0, slopes[1] - 1, 0.0, slopes[2] - 1])
     motion = np.cos(np.outer(result["time"], np.sqrt(squares))) * (shapes.T @ mass @ start) @ shapes.T
-    u = np.array([0.0, 0.5, 1.0]) - result["material"]
+    u = np.array([0.0, 0.5, 1.0]) - result["material_coordinate"]
     assert np.ptp(u[:, 2]) > 1e-7
     assert u[:, 1:] == pytest.approx(motion[:, [1, 3]], abs=1e-11)
     assert result["slope"][:, :, 0] - 1 == pytest.approx(motion[:, [0, 2, 4]], abs=1e-10)
@@ -243,7 +243,7 @@ def test_material_shaken_through_fixed_nodes_shows_the_five_lines():
     result = run(items, time_step=0.01, time_end=100.0, plotpoints=100)
     after = result["time"] >= 1.0 - 1e-9
     t = result["time"][after]
-    for signal in (result["material"][after, 2], result["axial_force"][after, 1]):
+    for signal in (result["material_coordinate"][after, 2], result["axial_force"][after, 1]):
         assert highest_peaks(t, signal, 5) == pytest.approx(LINES, abs=1 / (t[-1] - t[0]))
 
 

@@ -395,7 +395,7 @@ ALIKE = (0, 1, 2, 4, 5)
 def unlike(result, reference):
     """Largest difference of p and r of the nodes that both scenes have, m."""
     return max(
-        np.abs(of_nodes(result, name, ALIKE) - np.array(reference[name])).max() for name in ("material", "position")
+        np.abs(of_nodes(result, name, ALIKE) - np.array(reference[name])).max() for name in ("material_coordinate", "position")
     )
 
 
@@ -403,11 +403,11 @@ def unlike(result, reference):
 def test_rope_flows_through_a_joint_by_multipliers_as_through_a_shared_node(over_a_point, solver):
     # p = p and r' = r'; measured 2e-15 (RK4), 3e-11 (generalized-alpha)
     reference = over_a_point[solver["type"]]
-    assert np.ptp(of_nodes(reference, "material", (2,))) > 0.01
+    assert np.ptp(of_nodes(reference, "material_coordinate", (2,))) > 0.01
     for way in ("multiplier", "augmented"):
         result = run(reeled(way, 1e4, **solver))
         assert unlike(result, reference) < 1e-9
-        p, rate = of_nodes(result, "material", (2, 3)), of_nodes(result, "material_rate", (2, 3))
+        p, rate = of_nodes(result, "material_coordinate", (2, 3)), of_nodes(result, "material_velocity", (2, 3))
         assert np.abs(p[:, 0] - p[:, 1]).max() < 1e-13
         assert np.abs(rate[:, 0] - rate[:, 1]).max() < 1e-11
 
@@ -571,7 +571,7 @@ def test_an_end_that_moves_as_it_is_paid_out_leaves_the_cable_at_rest(solver):
     result = run(led(**solver | {"time_end": 0.2, "time_step": 1e-3}))
     value = 1.0 + 0.05 * np.sin(6 * np.pi * np.array(result["time"]))
     assert of_nodes(result, "position", (2,))[:, 0, 0] == pytest.approx(value, abs=1e-14)
-    assert of_nodes(result, "material", (2,))[:, 0] == pytest.approx(value, abs=1e-14)
+    assert of_nodes(result, "material_coordinate", (2,))[:, 0] == pytest.approx(value, abs=1e-14)
     assert np.abs(of_nodes(result, "position", (1,)) - [0.5, 0, 0]).max() < 1e-9
     assert np.abs(np.array(result["axial_force"])).max() < 1e-6
 
@@ -604,7 +604,7 @@ def test_a_motion_given_by_its_rate_has_its_integral_as_value(solver):
     t = np.array(result["time"])
     assert t.size == 201
     place, rate = of_nodes(result, "position", (1,))[:, 0, 1], of_nodes(result, "velocity", (1,))[:, 0, 1]
-    p, flow = of_nodes(result, "material", (1,))[:, 0], of_nodes(result, "material_rate", (1,))[:, 0]
+    p, flow = of_nodes(result, "material_coordinate", (1,))[:, 0], of_nodes(result, "material_velocity", (1,))[:, 0]
     assert place == pytest.approx(0.3 + integral(t), abs=1e-14)
     assert rate == pytest.approx(np.interp(t, TIMES, RATES), abs=1e-14)
     assert p == pytest.approx(1.2 - 0.1 * integral(t), abs=1e-14)

@@ -66,16 +66,16 @@ def test_rope_on_an_incline_begins_to_slide_with_g_sin_alpha(n, angle, stretch):
 def test_straight_rope_slides_down_an_incline_as_newton_says():
     # slopes held: it cannot sag. Measured 3e-15
     result = simulate(incline(np.pi / 6, 1.0, 1e5, (1, 1, 1), type="Newmark", time_step=1e-2, time_end=0.5))
-    travel = -np.asarray(result["material"])[:, 0]
+    travel = -np.asarray(result["material_coordinate"])[:, 0]
     np.testing.assert_allclose(travel, sliding_rope(result["time"], np.pi / 6, GRAVITY), rtol=0, atol=1e-12)
-    np.testing.assert_allclose(np.asarray(result["material"])[:, 1] + travel, 1.0, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(np.asarray(result["material_coordinate"])[:, 1] + travel, 1.0, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize(("EA", "limit"), [(1e5, 1e-2), (1e7, 1e-3)])
 def test_rope_that_may_sag_slides_down_an_incline_within_one_per_cent(EA, limit):
     # the sag swings and stretches the rope, which takes energy from the sliding: measured 5.2e-3 and 4.4e-4
     result = simulate(incline(np.pi / 6, 1.0, EA, (0, 0, 0), type="Newmark", time_step=1e-3, time_end=0.5))
-    travel = -np.asarray(result["material"])[:, 0]
+    travel = -np.asarray(result["material_coordinate"])[:, 0]
     exact = sliding_rope(result["time"], np.pi / 6, GRAVITY)
     assert travel[-1] == pytest.approx(exact[-1], rel=limit)
     assert imbalance(result) < 2e-5  # what flows in above and out below counts as external work
@@ -103,7 +103,7 @@ def test_rope_slides_off_a_table_by_the_hyperbolic_cosine(EA, limit, tie):
     # 5.0e-4 at weight/EA = 2e-3 and 4.5e-6 at 2e-5
     result = table(EA, tie, 1e-3)
     exact = table_rope(np.asarray(result["time"]), 0.5, 2.0, GRAVITY)
-    tip, p = -np.asarray(result["position"])[:, 3, 2], np.asarray(result["material"])
+    tip, p = -np.asarray(result["position"])[:, 3, 2], np.asarray(result["material_coordinate"])
     assert np.abs(tip - exact).max() < limit * exact[-1]
     assert np.abs(2.0 - p[:, 1] - exact).max() < limit * exact[-1]
     np.testing.assert_allclose(p[:, 1], p[:, 2], rtol=0, atol=1e-9)
@@ -138,7 +138,7 @@ def test_rope_over_an_eyelet_keeps_its_energy(EJ, end):
     assert exchanged > 1.0
     assert np.abs(work).max() == 0.0, "nothing comes in: both ends are the rope's own"
     assert np.abs(lost).max() == 0.0
-    assert np.ptp(np.asarray(result["material"])[:, 2]) > 0.02, "rope does go through the eyelet"
+    assert np.ptp(np.asarray(result["material_coordinate"])[:, 2]) > 0.02, "rope does go through the eyelet"
 
 
 @pytest.mark.parametrize("EJ", [0.0, 1.0])
@@ -158,7 +158,7 @@ def test_mirror_image_moves_as_the_mirror_image(EJ, method):
     moved = np.asarray(one["position"])
     assert np.ptp(moved[:, -1], axis=0).max() > 0.03
     np.testing.assert_allclose(np.asarray(other["position"]), moved * [-1, 1, 1], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(other["material"], one["material"], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(other["material_coordinate"], one["material_coordinate"], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("method", ["RK4", "G-alpha"])
@@ -168,7 +168,9 @@ def test_direction_of_p_does_not_matter(EJ, method):
     given = dict(EJ=EJ, method=method, h=1e-4, end=0.1, damping=1e-3, plotpoints=100)
     one, other = eyelet(**given), eyelet(**given, reverse=True)
     np.testing.assert_allclose(other["position"], one["position"], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(np.asarray(other["material"]), -np.asarray(one["material"]), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        np.asarray(other["material_coordinate"]), -np.asarray(one["material_coordinate"]), rtol=0, atol=1e-12
+    )
     np.testing.assert_allclose(other["axial_force"], one["axial_force"], rtol=0, atol=1e-8)
 
 
@@ -200,7 +202,7 @@ def test_winch_balances_its_energy(at_first, EJ, method, h):
     assert work[-1] > 10.0
     assert lost[-1] > 0.5
     assert strain[-1] > 5.0
-    p = np.asarray(result["material"])
+    p = np.asarray(result["material_coordinate"])
     hauled = np.abs(p[-1, [0, -1]] - p[0, [0, -1]]).max()
     assert hauled == pytest.approx(0.4**2, rel=1e-9), "rate -2 t, integrated"
 
@@ -368,7 +370,7 @@ def swing(EJ, damping):
 
 def through_the_eyelet(method, h):
     result = eyelet(0.0, method, h, 0.25, EA=500.0, damping=1e-3, n=(1, 2), eps_energy=1e-12, plotpoints=4)
-    return np.append(np.asarray(result["position"])[-1].ravel(), np.asarray(result["material"])[-1])
+    return np.append(np.asarray(result["position"])[-1].ravel(), np.asarray(result["material_coordinate"])[-1])
 
 
 SWINGS = {"damped rope": swing(0.0, 1e-3), "bending rope": swing(0.05, 0.0), "rope over an eyelet": through_the_eyelet}

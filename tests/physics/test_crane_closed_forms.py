@@ -109,7 +109,7 @@ def test_rope_at_98_percent_of_the_ratio_does_not_creep_over_a_locked_sheave(fri
     result = run(atwood(100.0, 100.0, 0.4, law, force=ramp(-pull, 0.5), solver=solver, interval=0.5))
     held = of(result, "time") >= 1.0
     assert np.ptp(travel(result)[held]) < 1e-8
-    assert np.ptp(of(result, "material")[held, 1]) < 1e-8
+    assert np.ptp(of(result, "material_coordinate")[held, 1]) < 1e-8
     tension = of(result, "tension")[-1]
     assert tension[1, 0] / tension[0, 1] == pytest.approx(
         0.98 * reference.capstan_ratio(friction, np.pi, groove), rel=1e-6
@@ -139,7 +139,7 @@ def test_rope_at_98_percent_of_the_ratio_does_not_creep_over_a_sheave_that_turns
     assert x[-1] == pytest.approx(0.5 * a * 10.5**2, rel=1e-3)
     # As built the rope has one stretch all along, by which the contact counts its travel.
     stretch = drawn_length(made) / made.rope.length
-    slipped = rim_travel + stretch * of(result, "material")[:, 1]
+    slipped = rim_travel + stretch * of(result, "material_coordinate")[:, 1]
     assert np.ptp(slipped[late]) < 1e-6
 
 
@@ -257,7 +257,7 @@ def test_friction_in_bearings_is_an_efficiency(pay_out):
     # (R - mu_b r_b)/(R + mu_b r_b) at 180 deg, less at the first sheave, which the rope leaves after 90 deg
     law = {"law": "no_slip", "bearing": {"friction": 0.1, "radius": 0.06}}
     result = run(block(4, 5000.0, law, ramp(pay_out, 0.5), solver={"step": 5e-3, "end": 2.0}, interval=0.1))
-    ratio = [reference.bearing_efficiency(0.1, 0.06, 0.3, wrap) for wrap in of(result, "wrap")[-1]]
+    ratio = [reference.bearing_efficiency(0.1, 0.06, 0.3, wrap) for wrap in of(result, "wrap_angle")[-1]]
     tension = of(result, "tension")[-1, :, 0]
     found = tension[1:] / tension[:-1] if pay_out < 0.0 else tension[:-1] / tension[1:]
     assert found == pytest.approx(ratio, rel=1e-5)
@@ -327,7 +327,7 @@ def test_path_written_the_other_way_round_moves_the_same(document):
         run(validate(CraneScene, Document.parse(yaml.safe_dump({**document, "path": path}), "crane.yaml")))
         for path in (document["path"], document["path"][::-1])
     )
-    same = {"body_position": 1e-9, "body_velocity": 1e-9, "wrap": 1e-8, "paid_out": 1e-9}
+    same = {"body_position": 1e-9, "body_velocity": 1e-9, "wrap_angle": 1e-8, "paid_out": 1e-9}
     for name, tolerance in same.items():
         assert turned(of(two, name), name) == pytest.approx(of(one, name), abs=tolerance), name
     most = of(one, "tension").max()
@@ -338,4 +338,4 @@ def test_path_written_the_other_way_round_moves_the_same(document):
 
 
 def turned(values, name):
-    return values[:, ::-1] if name in ("wrap", "tension") else values
+    return values[:, ::-1] if name in ("wrap_angle", "tension") else values

@@ -79,7 +79,7 @@ def test_elevator_on_a_stiff_rope_bounces_on_its_roof():
 def released(lift, offset, velocity, step, end_at=1.0):
     """The motion of masses, sheave and rim less rest (n, 4), m; what the reference starts from; and the result."""
     result = run(elevator_scene(lift, offset, velocity, step, end_at))
-    depth, material = -of(result, "body_position")[:, :, 2], of(result, "material")[:, 1]
+    depth, material = -of(result, "body_position")[:, :, 2], of(result, "material_coordinate")[:, 1]
     # As built the whole rope has one stretch, by which the rim counts it; what side 1 has less has passed the rim.
     sides = depth[0, :2] - depth[0, 2] + arc(lift)
     stretch = sides.sum() / (lift.length_1 + lift.length_2)

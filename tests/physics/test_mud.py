@@ -6,7 +6,7 @@ from physics.strings import GRAVITY, Balance, E, run, straight_hole
 from physics.strings import mass_per_length as steel
 
 from drillstring.model.build import tubes_of, well_of
-from drillstring.warnings.scene import cautions
+from drillstring.warnings.scene import warnings
 from tautline.integrators.linearise import matrices
 from tautline.scene.errors import SceneError
 
@@ -67,7 +67,7 @@ def string_of_two(mud, pipe):
     ],
 )
 def test_a_section_floats_where_its_steel_and_contents_are_lighter_than_the_mud_it_displaces(mud, floats):
-    told = [caution.text.split()[0] for caution in cautions(string_of_two(mud, 50.0)) if "floats" in caution.text]
+    told = [warning.text.split()[0] for warning in warnings(string_of_two(mud, 50.0)) if "floats" in warning.text]
     assert told == floats
 
 

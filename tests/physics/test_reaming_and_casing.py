@@ -20,7 +20,7 @@ from drillstring.statics.soft_string import soft_string
 from drillstring.statics.statics import Statics
 from drillstring.statics.torque_drag import torque_drag
 from drillstring.string.factors import Factors
-from drillstring.warnings.scene import cautions
+from drillstring.warnings.scene import warnings
 from tautline.scene.errors import SceneError
 
 W = mass_per_length() * GRAVITY
@@ -178,8 +178,8 @@ def test_shoe_and_its_friction_are_read_and_refused_by_key():
 
 
 def test_shoe_below_the_hole_and_a_string_that_moves_past_it_are_warned_of():
-    (one,) = [c for c in cautions(cased(shoe=2000.0)) if c.where == "well.wall.casing.shoe"]
+    (one,) = [c for c in warnings(cased(shoe=2000.0)) if c.where == "well.wall.casing.shoe"]
     assert "below the end of the hole" in one.text
     moving = cased(top={"block": {"ramp": {"to": -150.0, "over": 1.0}}})
-    assert any("keep the friction of where they start" in c.text for c in cautions(moving))
+    assert any("keep the friction of where they start" in c.text for c in warnings(moving))
     assert isinstance(moving, DrillstringScene)

@@ -47,11 +47,11 @@ def test_a_string_moves_the_same_whether_events_are_solved_for_in_their_neighbou
 def test_the_rows_that_are_solved_for_again_are_those_around_what_has_changed():
     (part, size), (whole, _) = run("exact friction", True), run("exact friction", False)
     every = size * whole.attributes["newton_iterations"]
-    assert whole.attributes["rows_solved"] == every
+    assert whole.attributes["equations_solved"] == every
     # an iteration over all rows in each step; what comes after it is in each about a sixth of them
     again = part.attributes["newton_iterations"] - part.attributes["steps"]
     assert again > 0.2 * part.attributes["steps"]
-    assert part.attributes["rows_solved"] - size * part.attributes["steps"] < 0.5 * size * again
+    assert part.attributes["equations_solved"] - size * part.attributes["steps"] < 0.5 * size * again
 
 
 def test_where_a_step_is_long_for_the_lumps_more_of_them_are_taken_and_the_motion_is_the_same():

@@ -198,7 +198,7 @@ def test_an_eccentric_lump_whirls_with_the_amplitude_of_the_force_m_e_omega_squa
     late = result.time > 50.0
     mass = steel() * 50.0
     exact = e * mass * omega**2 / abs(mass * GRAVITY / 100.0 - mass * omega**2 + 1j * c * omega)
-    x, y = result["lateral"][late, -1].T
+    x, y = result["lateral_displacement"][late, -1].T
     assert np.hypot(x, y) == pytest.approx(exact, rel=2e-3)
     turned = np.unwrap(np.arctan2(y, x))
     assert np.polyfit(result.time[late], turned, 1)[0] == pytest.approx(omega, rel=1e-4), "synchronous, the same way"
@@ -215,7 +215,7 @@ def test_an_eccentric_lump_presses_on_the_wall_with_the_centrifugal_force_of_its
         )
     )  # fmt: skip
     late = result.time > 38.0
-    mass, r = steel() * 50.0, np.hypot(*result["lateral"][late, -1].T)
+    mass, r = steel() * 50.0, np.hypot(*result["lateral_displacement"][late, -1].T)
     lag = np.arcsin(c * r / (mass * e * omega))
     exact = mass * omega**2 * (r + e * np.cos(lag)) - mass * GRAVITY * r / 100.0
     assert result["contact_force"][late, -1] == pytest.approx(exact, rel=3e-3)

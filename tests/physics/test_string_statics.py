@@ -80,8 +80,8 @@ def test_jwell_string_rests_where_an_independent_solution_has_every_lump():
     y, _ = planar.static_start(*planar.jwell())
     balance = Balance(shipped("jwell"))
     assert balance["measured_depth"][1:] == pytest.approx(y[0], abs=1e-6)
-    assert balance["lateral"][1:, 0] == pytest.approx(y[1], abs=1e-6)
-    assert np.abs(balance["lateral"][:, 1]).max() < 1e-9
+    assert balance["lateral_displacement"][1:, 0] == pytest.approx(y[1], abs=1e-6)
+    assert np.abs(balance["lateral_displacement"][:, 1]).max() < 1e-9
 
 
 def test_jwell_bit_hangs_1_64_m_past_the_end_of_the_hole():

@@ -16,7 +16,7 @@ from references import soft_string as reference
 from drillstring.model.build import well_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.statics import Statics
-from drillstring.warnings.scene import cautions
+from drillstring.warnings.scene import warnings
 from tautline.scene.errors import SceneError
 
 SCENE = DrillstringScene.read(DATA / "tripping.yaml")
@@ -112,7 +112,7 @@ def test_lumps_change_their_place_in_the_well_and_the_side_that_they_lie_on(trip
     md = result["measured_depth"][[before, after]]
     assert md[0] - md[1] == pytest.approx(np.full(md.shape[1], 27.5), abs=0.3)
     m1, m2, _ = WELL.frame(md)
-    lateral = result["lateral"][[before, after]]
+    lateral = result["lateral_displacement"][[before, after]]
     low = lateral[..., 0] * m1[..., 2] + lateral[..., 1] * m2[..., 2]  # towards the low side
     # from the hold below 1100 m, on the low side, into the build, where tension lifts it to the high side
     risen = (md[0] > 1100.0) & (md[1] < 1090.0)
@@ -144,7 +144,7 @@ def test_work_of_the_block_goes_into_weight_and_friction(trips):
 
 def test_bit_below_the_end_of_the_hole_goes_on_with_its_last_curvature_and_is_warned_of():
     deep = shipped("tripping", top__block={"ramp": {"to": 12.0, "over": 20.0}}, solver__end=22.0)
-    (one,) = [caution for caution in cautions(deep) if caution.where == "top.block"]
+    (one,) = [warning for warning in warnings(deep) if warning.where == "top.block"]
     assert "12 m past the end of the hole" in one.text
     result = run(deep)
     assert result["bit_depth"][-1] > LENGTH + 11.0
@@ -157,11 +157,11 @@ def test_bit_below_the_end_of_the_hole_goes_on_with_its_last_curvature_and_is_wa
 @pytest.mark.parametrize(("up", "words"), [(-100.0, "few derricks"), (-2500.0, "leaves the hole")])
 def test_block_that_lifts_the_string_too_high_is_warned_of(up, words):
     scene = shipped("tripping", top__block={"ramp": {"to": up, "over": 60.0}})
-    assert any(words in caution.text for caution in cautions(scene) if caution.where == "top.block")
+    assert any(words in warning.text for warning in warnings(scene) if warning.where == "top.block")
 
 
 def test_shipped_trip_is_not_warned_of():
-    assert cautions(SCENE) == []
+    assert warnings(SCENE) == []
 
 
 def test_stand_above_the_table_hangs_with_its_weight():

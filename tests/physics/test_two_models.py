@@ -173,7 +173,7 @@ def test_an_unbalanced_beam_bows_out_as_the_rotating_shaft_of_the_closed_form():
     result = run(scene)
     b = 0.5 * length * (mass_per_length() * speed**2 / (E * second)) ** 0.25
     exact = off * (0.5 * (1.0 / np.cos(b) + 1.0 / np.cosh(b)) - 1.0)
-    middle = np.hypot(*result["lateral"][-50:, 8].T)
+    middle = np.hypot(*result["lateral_displacement"][-50:, 8].T)
     assert middle.mean() == pytest.approx(exact, rel=1e-2)
     assert np.ptp(middle) < 0.02 * exact
 

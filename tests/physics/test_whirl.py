@@ -52,7 +52,7 @@ def span(speed, off=OFF, zeta=ZETA, **changes):
 
 def way(result):
     """Complex offset of the middle lump, its angle that does not jump, and that of the pipe."""
-    z = result["lateral"][:, 1, 0] + 1j * result["lateral"][:, 1, 1]
+    z = result["lateral_displacement"][:, 1, 0] + 1j * result["lateral_displacement"][:, 1, 1]
     return z, np.unwrap(np.angle(z)), result["rotation"][:, 1]
 
 
@@ -274,7 +274,7 @@ def test_the_other_sense_of_rotation_gives_the_mirrored_orbit(case):
     speed = 4 * pi if case == "roll" else 2.0 * CRITICAL
     right, left = run(made(speed)), run(made(-speed))
     # in a level hole the first of the two lateral directions is up, so both mirror the second
-    mirrored = left["lateral"][:, 1] * (1.0, -1.0)
-    assert mirrored == pytest.approx(right["lateral"][:, 1], abs=1e-9 * (1.0 if case == "free" else 1e3))
+    mirrored = left["lateral_displacement"][:, 1] * (1.0, -1.0)
+    assert mirrored == pytest.approx(right["lateral_displacement"][:, 1], abs=1e-9 * (1.0 if case == "free" else 1e3))
     assert left["rotation"] == pytest.approx(-right["rotation"], abs=1e-6)
     assert left["contact_force"] == pytest.approx(right["contact_force"], rel=1e-3, abs=10.0)

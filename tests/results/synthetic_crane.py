@@ -98,7 +98,7 @@ def _histories(of: CraneScene, layout: Layout, time, moved, level):
     sizes |= {"sheave": len(of.sheaves), "drum": len(of.drums), "body": len(of.bodies)}
     made = {name: np.zeros((len(time), *(sizes[dim] for dim in variable.dims[1:]))) for name, variable in names.items()}
     for k, way in enumerate(ways):
-        made["position"][k], made["material"][k] = _nodes(of, node, way, first[-1])
+        made["position"][k], made["material_coordinate"][k] = _nodes(of, node, way, first[-1])
     made["axial_force"][:] = level[:, None]
     made["tension"][:] = level[:, None, None] * (1.0 + 0.01 * np.arange(spans)[:, None])
     for k, body in enumerate(of.bodies):
@@ -148,11 +148,11 @@ def _nodes(of, node, way, total):
 def _wheels(of, node, made, ways, level):
     sheaves = [i for i, item in enumerate(of.path) if isinstance(item, Sheave)]
     for j, i in enumerate(sheaves):
-        made["wrap"][:, j] = [path.wraps[i] for _, path in ways]
+        made["wrap_angle"][:, j] = [path.wraps[i] for _, path in ways]
         made["fleet_angle"][:, j] = [(path.fleet[i - 1, 1], path.fleet[i, 0]) for _, path in ways]
         e = np.array([path.spans[i].e - path.spans[i - 1].e for _, path in ways])
         made["sheave_load"][:, j] = level[:, None] * e
-        travel = made["material"][:, node[i]] - made["material"][0, node[i]]
+        travel = made["material_coordinate"][:, node[i]] - made["material_coordinate"][0, node[i]]
         made["sheave_rotation"][:, j] = -travel / of.path[i].radius
         made["slipping"][:, j] = (level > level.mean()) * (j == 1)
 
@@ -160,7 +160,7 @@ def _wheels(of, node, made, ways, level):
 def _drums(of, node, made, time):
     for j, i in enumerate(i for i, item in enumerate(of.path) if isinstance(item, Drum)):
         way = -1.0 if i == 0 else 1.0
-        lead = made["material"][:, node[i]]
+        lead = made["material_coordinate"][:, node[i]]
         made["drum_tension"][:, j] = made["tension"][:, 0, 0] if i == 0 else made["tension"][:, -1, 1]
         made["paid_out"][:, j] = way * (lead - lead[0])
         made["pay_out_speed"][:, j] = np.gradient(made["paid_out"][:, j], time) if len(time) > 1 else 0.0

@@ -50,14 +50,14 @@ def result(path=None, frames=800, bodies=13, turning=False, vertical=False, lag=
         values |= {"rate_of_penetration": 5e-4 * spin, "hole_depth": 3770.0 + 5e-3 * time}
     # Lumps go around in the hole, the deeper the wider; the pipe is 0.1 m thick, its lower half 0.15 m, in 0.2 m.
     wide, turn = 0.02 * share, 2 * np.pi * time / 8.0
-    values["lateral"] = np.stack([np.outer(np.cos(turn), wide), np.outer(np.sin(turn), wide)], axis=-1)
+    values["lateral_displacement"] = np.stack([np.outer(np.cos(turn), wide), np.outer(np.sin(turn), wide)], axis=-1)
     if turning:
         # Half as fast again as the lumps go around: a forward whirl of two thirds.
         values["rotation_rate"] = np.full_like(depth, 2 * np.pi / 8.0 * 1.5)
         side, along = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
-        swing = 2 * np.pi / 8.0 * np.stack([-values["lateral"][..., 1], values["lateral"][..., 0]], axis=-1)
+        swing = 2 * np.pi / 8.0 * np.stack([-values["lateral_displacement"][..., 1], values["lateral_displacement"][..., 0]], axis=-1)
         values["velocity"] = swing[..., :1] * side + swing[..., 1:] * np.cross(along, side)
-    axes = {"lateral": ("body", "side"), "position": ("body", "axis"), "tension": ("link",), "torque": ("link",)}
+    axes = {"lateral_displacement": ("body", "side"), "position": ("body", "axis"), "tension": ("link",), "torque": ("link",)}
     axes |= {name: ("body",) for name in ("measured_depth", "contact_force", "rotation", "rotation_rate")}
     axes |= {"velocity": ("body", "axis")}
     units = {"hook_load": "N", "tension": "N", "contact_force": "N", "torque": "N m"}

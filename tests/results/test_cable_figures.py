@@ -20,8 +20,8 @@ PER_NODE = {
     "position": ("m", 3),
     "slope": ("", 3),
     "velocity": ("m/s", 3),
-    "material": ("m", 0),
-    "material_rate": ("m/s", 0),
+    "material_coordinate": ("m", 0),
+    "material_velocity": ("m/s", 0),
 }
 AXIS = {"axis": ("axis", np.array(["x", "y", "z"]), "", "axis")}
 ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "dissipated_energy", "external_work")
@@ -114,12 +114,12 @@ def chain(elements):
 
 def test_a_chain_of_many_elements_has_a_waterfall_over_its_length():
     run = result(chain(8), elements=8, nodes=9)
-    run["material"][0] = np.array([0, 1, 3, 4, 5, 6, 7, 8, 12.0])
+    run["material_coordinate"][0] = np.array([0, 1, 3, 4, 5, 6, 7, 8, 12.0])
     assert list(draw([run])) == ["overview", "waterfall"]
     plot, bar = draw([run], ["waterfall"])["waterfall"].axes
     (image,) = plot.images
     np.testing.assert_allclose(image.get_array(), run["axial_force"].T)
-    np.testing.assert_allclose(image._Ay, run["material"][0])
+    np.testing.assert_allclose(image._Ay, run["material_coordinate"][0])
     assert plot.get_ylim() == (0.0, 12.0) and plot.get_xlim() == (0.0, run.time[-1])
     assert bar.get_ylabel() == "axial_force [N]"
     with pytest.raises(ResultError, match="no chain of 6 elements"):

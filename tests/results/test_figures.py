@@ -179,8 +179,8 @@ def test_orbits_are_those_of_the_lumps_that_move_most_inside_the_clearance_of_th
     ] + [f"bit, {run['measured_depth'][:, 12].mean():.0f} m"]
     wall, way, *_ = plots[0].get_lines()
     np.testing.assert_allclose(np.hypot(*wall.get_data()), 25.0)  # half of 200 mm less 150 mm
-    np.testing.assert_allclose(way.get_xdata(), 1e3 * run["lateral"][:, 8, 1])
-    np.testing.assert_allclose(way.get_ydata(), 1e3 * run["lateral"][:, 8, 0])
+    np.testing.assert_allclose(way.get_xdata(), 1e3 * run["lateral_displacement"][:, 8, 1])
+    np.testing.assert_allclose(way.get_ydata(), 1e3 * run["lateral_displacement"][:, 8, 0])
     assert plots[0].get_aspect() == 1.0
 
 

@@ -94,16 +94,16 @@ def test_directions_are_called_what_the_description_lists():
     variables = [
         Variable("time", ("time",), "s", "time"),
         Variable("velocity", ("time", "body", "axis"), "m/s", "velocity north, east, down"),
-        Variable("lateral", ("time", "body", "side"), "m", "offset from the hole's axis"),
+        Variable("lateral_displacement", ("time", "body", "side"), "m", "offset from the hole's axis"),
     ]
     with Store(None, variables, coordinates, {}) as store:
-        store.append({"time": np.arange(2.0), "velocity": np.zeros((2, 3, 3)), "lateral": np.zeros((2, 3, 2))})
+        store.append({"time": np.arange(2.0), "velocity": np.zeros((2, 3, 3)), "lateral_displacement": np.zeros((2, 3, 2))})
         run = store.finish()
     plots = only(draw([run], ["velocity"])).axes
     assert [plot.get_ylabel() for plot in plots] == [f"velocity, {way} [m/s]" for way in ("north", "east", "down")]
     assert choose(run, "velocity:z").text == "velocity, down"
     # what is said of m1 and m2 are not their names
-    assert choose(run, "lateral").labels[-1] == ("m1", "m2")
+    assert choose(run, "lateral_displacement").labels[-1] == ("m1", "m2")
 
 
 def test_many_columns_are_a_band_that_holds_all_of_them_and_the_two_ends(well):
@@ -134,7 +134,7 @@ def test_histories_of_one_thing_are_drawn_as_pairs_over_the_run(hoist):
     x, y = plot.get_lines()[0].get_data()
     np.testing.assert_allclose(x, hoist["paid_out"][:, 0])
     np.testing.assert_allclose(y, hoist["drum_tension"][:, 0] / 1e3)
-    (plot,) = only(draw_crane([hoist], ["wrap"], "paid_out")).axes
+    (plot,) = only(draw_crane([hoist], ["wrap_angle"], "paid_out")).axes
     np.testing.assert_allclose(plot.get_lines()[0].get_xdata(), hoist["paid_out"][:, 0])
 
 
@@ -148,8 +148,8 @@ def test_histories_of_the_same_things_are_drawn_each_against_its_own():
 
 
 def test_along_nodes_a_profile_is_drawn_and_so_it_is_where_times_are_named(hoist):
-    (plot,) = only(draw_crane([hoist], ["position:z"], "material")).axes
-    np.testing.assert_allclose(plot.get_lines()[0].get_xdata(), hoist["material"][-1])
+    (plot,) = only(draw_crane([hoist], ["position:z"], "material_coordinate")).axes
+    np.testing.assert_allclose(plot.get_lines()[0].get_xdata(), hoist["material_coordinate"][-1])
     (plot,) = only(draw_crane([hoist], ["drum_tension"], "paid_out@0")).axes
     assert list(curves(plot)) == ["at 0 s"]
 

@@ -124,7 +124,7 @@ def test_a_string_that_a_soft_wall_lets_through_says_so_and_one_on_rock_does_not
     assert found["yield_load"]["value"] == pytest.approx(np.asarray(result["tension"]).max())
     result, found = run(STRING.replace("1.0e9", "1.0e3"), tmp_path)
     assert not found["penetration"]["passed"]
-    far = np.linalg.norm(result["lateral"], axis=-1).max()
+    far = np.linalg.norm(result["lateral_displacement"], axis=-1).max()
     clearance = 0.5 * (8.5 - 5.0) * 0.0254
     assert found["penetration"]["value"] == pytest.approx(far / clearance - 1.0, rel=1e-6)
 

@@ -7,18 +7,18 @@ from oscillators import oscillator, rk4, subject
 
 
 def driven(function, *, frequency=None, **solver):
-    """Cautions of the step of an oscillator whose support moves along x as a function of time says."""
+    """Warnings of the step of an oscillator whose support moves along x as a function of time says."""
     moved = oscillator(**({"time_step": 0.05, "plotpoints": 20, "frequency": frequency} | solver)).replace(
         "BC: [1, 1, 1, 1], p: 0.0}", "BC: [1, 1, 1, 1], p: 0.0, BC_functions: [1, 0, 0, 0]}"
     )
     text = moved.replace("  - PointMass", f"  - Function: {{id: 1, value: {function}}}\n  - PointMass")
     study = subject(text)
-    return [c for c in study.application.cautions(study.scene) if "decent picture" in str(c)]
+    return [c for c in study.application.warnings(study.scene) if "decent picture" in str(c)]
 
 
 def steps_told(found):
-    (caution,) = found
-    return float(re.search(r"takes ([\d.]+) steps", str(caution)).group(1))
+    (warning,) = found
+    return float(re.search(r"takes ([\d.]+) steps", str(warning)).group(1))
 
 
 @pytest.mark.parametrize(

@@ -177,7 +177,7 @@ def test_new_nodes_keep_their_share_of_material_that_is_driven():
     made = passing(False)
     varied = vary.elements(made, 4)
     result = simulate(build(varied))
-    ids, p = [int(i) for i in result["node"]], np.asarray(result["material"])
+    ids, p = [int(i) for i in result["node"]], np.asarray(result["material_coordinate"])
     ends = p[:, ids.index(0)], p[:, ids.index(1)]
     assert np.ptp(ends[1] - ends[0]) > 0.03
     shares = {Chart(varied).p[i]: p[:, ids.index(i)] for i in ids if i > 1}

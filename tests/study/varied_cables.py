@@ -195,7 +195,7 @@ def count(made):
 
 def without_mesh(made):
     """All of a scene that a mesh does not change: what stands on nodes, and how it is solved."""
-    names = ("title", "gravity", "ties", "forces", "anchors", "springs", "masses", "motions", "solver", "cautions")
+    names = ("title", "gravity", "ties", "forces", "anchors", "springs", "masses", "motions", "solver", "warnings")
     return [getattr(made, name) for name in names]
 
 

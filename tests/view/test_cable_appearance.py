@@ -31,7 +31,7 @@ def hanging():
 
 
 def spline(result, frame, nodes):
-    p = result["material"][frame, nodes]
+    p = result["material_coordinate"][frame, nodes]
     return CubicHermiteSpline(p, result["position"][frame, nodes], result["slope"][frame, nodes]), p
 
 
@@ -44,7 +44,7 @@ def spread(p, steps):
 def test_the_line_is_the_elements_own_cubic_also_where_rope_leaves(hanging):
     line = appearance(hanging, Look()).lines[0]
     steps = (len(line.points(0)) - 1) // 3
-    assert hanging["material"][-1, 3] < 2.0 - 0.03
+    assert hanging["material_coordinate"][-1, 3] < 2.0 - 0.03
     for frame in (0, 7, -1):
         curve, p = spline(hanging, frame, [0, 1, 2, 3])
         points = line.points(frame % len(hanging.time))
@@ -88,7 +88,7 @@ def test_axial_force_is_what_is_stored_in_the_middle_of_elements_and_linear_betw
     stored = hanging["axial_force"][frame, :3]
     assert force.name == "axial_force" and force.unit == "N"
     np.testing.assert_allclose(force.values(frame)[steps // 2 :: steps], stored, rtol=1e-12)
-    p = hanging["material"][frame, :4]
+    p = hanging["material_coordinate"][frame, :4]
     between = 0.5 * (p[:2] + p[1:3])
     weight = (p[1] - between[0]) / (between[1] - between[0])
     assert np.isclose(force.values(frame)[steps], (1 - weight) * stored[0] + weight * stored[1], rtol=1e-12)
@@ -111,7 +111,9 @@ def test_speed_at_moving_nodes_is_that_of_the_piece_of_rope_there_followed_from_
     result = moved(scene(items), interval=1e-4, rates={0: 0.3, 1: 0.5, 2: 0.1, 3: -0.4})
     line = appearance(result, Look()).lines[0]
     for frame in (5, 15):
-        before, after = (spline(result, k, [0, 1, 2, 3])[0](result["material"][frame]) for k in (frame - 1, frame + 1))
+        before, after = (
+            spline(result, k, [0, 1, 2, 3])[0](result["material_coordinate"][frame]) for k in (frame - 1, frame + 1)
+        )
         expected = np.linalg.norm(after - before, axis=-1) / 2e-4
         np.testing.assert_allclose(line.quantities[-1].values(frame)[line.nodes], expected, rtol=0, atol=2e-3)
 

@@ -123,7 +123,7 @@ def stretched(of, frame, stiffness):
     stretch = np.ones_like(force)
     for _ in range(20):
         stretch = np.sqrt(1.0 + 2.0 * force / (stiffness * stretch))
-    return float(np.sum(stretch * np.diff(of["material"][frame])))
+    return float(np.sum(stretch * np.diff(of["material_coordinate"][frame])))
 
 
 @pytest.mark.parametrize(("kind", "stiffness"), [("hoist", 8.0e9), ("block", 8.0e9), ("vessel", 8.0e7)])
@@ -152,7 +152,7 @@ def test_the_rope_lies_in_the_grooves(block):
             on, local = arcs(shown, f"sheave {name}", radius, frame)
             angle = np.unwrap(np.arctan2(local[on, 1], local[on, 0]))
             assert len(on) > 20 and np.allclose(local[on, 2], 0.0, atol=1e-9)
-            assert abs(angle[-1] - angle[0]) == pytest.approx(block["wrap"][frame, wrap], abs=1e-9)
+            assert abs(angle[-1] - angle[0]) == pytest.approx(block["wrap_angle"][frame, wrap], abs=1e-9)
             groove = np.hypot(*solid(shown, f"sheave {name}").points[:, :2].T)
             assert np.isclose(groove, radius - 0.5 * 2.0 * shown.lines[0].radius, atol=1e-9).any()
 

@@ -54,10 +54,10 @@ def straight(lateral, depth, unstretched=None, **others):
     frames, count = depth.shape
     stations = np.array([0.0, 0.5, 1.0]) * 1.1 * depth.max()
     path = np.outer(stations, [0.0, 0.0, 1.0])
-    values = {"time": np.arange(frames, dtype=float), "measured_depth": depth, "lateral": lateral}
+    values = {"time": np.arange(frames, dtype=float), "measured_depth": depth, "lateral_displacement": lateral}
     values["position"] = np.concatenate([lateral, depth[..., None]], axis=-1)
     values |= {"tension": np.ones((frames, count - 1)), **others}
-    axes = {"lateral": ("body", "side"), "position": ("body", "axis"), "tension": ("link",)}
+    axes = {"lateral_displacement": ("body", "side"), "position": ("body", "axis"), "tension": ("link",)}
     variables = [Variable(k, ("time", *axes.get(k, ("body",) if v.ndim > 1 else ())), "", k) for k, v in values.items()]
     ones = np.ones((3, 1))
     coordinates = {
@@ -166,7 +166,7 @@ def test_unrolled_offsets_over_the_holes_radius_are_the_stored_ones(name, factor
     picture = parts(appearance(result, Look("unrolled", factor)))
     string, hole = picture["string"], picture["hole"]
     points = string.points(-1)[string.nodes] / hole.radius
-    assert points[:, :2] == pytest.approx(result["lateral"][-1][:, ::-1] / (0.5 * HOLE), abs=1e-12)
+    assert points[:, :2] == pytest.approx(result["lateral_displacement"][-1][:, ::-1] / (0.5 * HOLE), abs=1e-12)
     assert -string.points(-1)[string.nodes, 2] == pytest.approx(result["measured_depth"][-1], rel=1e-14)
     assert not hole.points(0)[:, :2].any()
 
@@ -343,7 +343,7 @@ def test_a_result_whose_survey_is_not_at_hand_is_drawn_and_says_what_is_missing(
     assert np.abs(string.points(-1)[string.nodes] - turned(result["position"][-1])).max() < 0.05
     assert "hole" not in parts(picture)
     string = parts(appearance(without(result, NEW, scene=scene), Look("unrolled", 1.0)))["string"]
-    assert string.points(-1)[string.nodes, :2] == pytest.approx(result["lateral"][-1][:, ::-1], abs=1e-12)
+    assert string.points(-1)[string.nodes, :2] == pytest.approx(result["lateral_displacement"][-1][:, ::-1], abs=1e-12)
 
 
 def test_a_result_without_any_well_is_drawn_through_its_own_string_and_says_so():

@@ -168,7 +168,7 @@ def _middle(
     sheaves = [i for i, item in enumerate(layout.scene.path) if isinstance(item, Sheave)]
     if sheaves:
         # From where it runs on, half the wrap further; of this sum only what is left of whole turns is known.
-        angle[:, sheaves] += 0.5 * sigma[sheaves] * result["wrap"][frames]
+        angle[:, sheaves] += 0.5 * sigma[sheaves] * result["wrap_angle"][frames]
     angle = (angle + np.pi) % TURN - np.pi
     return np.where(rho == 0.0, 0.0, angle)
 
@@ -177,7 +177,7 @@ def contacts_of(result: Any, course: Course) -> list[Contact]:
     """Rope on every drum and sheave of the path through a whole run, for `crane.rope_life.bending.bending_cycles`."""
     scene, layout = course.scene, course.layout
     node = nodes_of(scene)
-    tension, material = result["tension"], result["material"]
+    tension, material = result["tension"], result["material_coordinate"]
     stiffness, rho = scene.rope.axial_stiffness, np.array(layout.wheels.radius)
     reference = np.array(layout.wheels.axis[int(np.argmax(np.abs(rho)))])
     made: list[Contact] = []
@@ -196,7 +196,7 @@ def contacts_of(result: Any, course: Course) -> list[Contact]:
             made.append(drum_contact(item.name, middle, pulled, item.radius, side, stored))
             continue
         k = next(j for j, other in enumerate(scene.sheaves) if other is item)
-        half = 0.5 * item.radius * result["wrap"][:, k] / stretch
+        half = 0.5 * item.radius * result["wrap_angle"][:, k] / stretch
         made.append(Contact(item.name, middle - half, middle + half, pulled, item.radius, side))
     return _apart(made)
 

@@ -52,7 +52,7 @@ def _strain(result: Any, scene: CraneScene) -> Records:
     # Beside a wheel the rope does not run to the node, which is the wheel's centre.
     free = np.flatnonzero(~(on_wheel[1:] | on_wheel[:-1]))
     length = np.linalg.norm(np.diff(result["position"], axis=1)[:, free], axis=-1)
-    material = np.abs(np.diff(result["material"], axis=1)[:, free])
+    material = np.abs(np.diff(result["material_coordinate"], axis=1)[:, free])
     stretch = length / np.maximum(material, 1e-12)
     yield from stretch_limits(result.time, stretch, [spans[k] for k in free])
 

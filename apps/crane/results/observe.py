@@ -33,7 +33,7 @@ def variables(observer: Observer) -> list[Variable]:
     node, time = ("time", "node"), ("time",)
     span, sheave, body, drum = ("time", "span", "end"), ("time", "sheave"), ("time", "body", "axis"), ("time", "drum")
     of_sheaves = [
-        Variable("wrap", sheave, "rad", "angle of contact of rope and sheave"),
+        Variable("wrap_angle", sheave, "rad", "angle of contact of rope and sheave"),
         Variable("fleet_angle", (*sheave, "end"), "rad", "angle of rope and sheave plane, where it runs on and off"),
         Variable("sheave_load", (*sheave, "axis"), "N", "force of the rope on the sheave"),
         Variable("sheave_rotation", sheave, "rad", "rotation of the sheave about its axis"),
@@ -54,7 +54,7 @@ def variables(observer: Observer) -> list[Variable]:
     return [
         Variable("position", (*node, "axis"), "m", "position"),
         Variable("velocity", (*node, "axis"), "m/s", "velocity"),
-        Variable("material", node, "m", "material coordinate p"),
+        Variable("material_coordinate", node, "m", "material coordinate p"),
         Variable("axial_force", ("time", "element"), "N", "axial force, with its damping"),
         Variable("tension", span, "N", "tension at the beginning and at the end of a span"),
         *(of_sheaves if observer.sheaves else []),
@@ -135,7 +135,7 @@ class Observer:
         made = {
             "position": q[:, self.stations[:, None] + three],
             "velocity": v[:, self.stations[:, None] + three],
-            "material": q[:, self.stations + MATERIAL],
+            "material_coordinate": q[:, self.stations + MATERIAL],
             "axial_force": found[..., FORCE].copy(),
             "tension": np.stack((at_first, at_last), axis=-1),
         }
@@ -172,7 +172,7 @@ class Observer:
         load = off[..., [FIRST]] * e_off - on[..., [LAST]] * e_on
         fleet = [np.arcsin(np.clip(np.einsum("tsc,tsc->ts", e, axis), -1.0, 1.0)) for e in (e_on, e_off)]
         return {
-            "wrap": np.abs(off[..., FIRST_PSI] - on[..., LAST_PSI]),
+            "wrap_angle": np.abs(off[..., FIRST_PSI] - on[..., LAST_PSI]),
             "fleet_angle": np.stack(fleet, axis=-1),
             "sheave_load": load,
             "sheave_rotation": self._rotation(frames, place, wheels.radius),

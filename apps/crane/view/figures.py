@@ -231,11 +231,11 @@ def winch(runs: Sequence[_Run]) -> Figure:
 def sheaves(runs: Sequence[_Run]) -> Figure:
     """Wrap, fleet angle and rotation of the sheaves; shaded while the rope slips on any of them."""
     (run,) = runs
-    if "wrap" not in run.result:
+    if "wrap_angle" not in run.result:
         raise _lacks(run, "sheaves")
     result, wheels = run.result, [str(name) for name in run.result["sheave"]]
     panels = (
-        (np.degrees(result["wrap"]), "wrap", "deg", 0.1),
+        (np.degrees(result["wrap_angle"]), "wrap", "deg", 0.1),
         (np.degrees(np.abs(result["fleet_angle"]).max(axis=-1)), "larger fleet\nangle", "deg", 0.1),
         (result["sheave_rotation"] / (2.0 * np.pi), "rotation", "turns", 1e-2),
     )

@@ -85,7 +85,7 @@ def of_run(result: Any, course: Course, frame: int, words: str) -> Snapshot:
             k = next(j for j, other in enumerate(scene.sheaves) if other is item)
             center, axis = course.center[frame, i], np.sign(rho[i]) * course.axis[frame, i]
             x = points[-1] - center
-            angles = np.linspace(0.0, float(result["wrap"][frame, k]), ARC_POINTS)[1:-1]
+            angles = np.linspace(0.0, float(result["wrap_angle"][frame, k]), ARC_POINTS)[1:-1]
             points += [center + turned(x, axis, float(angle)) for angle in angles]
         if i < len(scene.path) - 1:
             points.append(course.touch(i, comes=False)[frame])

@@ -195,14 +195,16 @@ class _Rope:
     def __init__(self, result: Any, course: Course) -> None:
         self.result, self.course, self.scene = result, course, course.scene
         self.time = result.time
-        self.position, self.material, self.ends = (result[name] for name in ("position", "material", "tension"))
+        self.position, self.material, self.ends = (
+            result[name] for name in ("position", "material_coordinate", "tension")
+        )
         self.force = result["axial_force"]
         self.node = nodes_of(self.scene)
         self.rho = np.array(course.layout.wheels.radius)
         self.stiffness = self.scene.rope.axial_stiffness
         if self.scene.rope.compression == "none":
             self.ends, self.force = np.maximum(self.ends, 0.0), np.maximum(self.force, 0.0)
-        self.wrap = result["wrap"] if self.scene.sheaves else np.zeros((len(self.time), 0))
+        self.wrap = result["wrap_angle"] if self.scene.sheaves else np.zeros((len(self.time), 0))
 
     def stretch(self, tension: np.ndarray) -> np.ndarray:
         return 1.0 + tension / self.stiffness

@@ -20,7 +20,7 @@ RELATIONS = (
 """Key, its row in the table of ranges, the row of it over the area, and what it is called."""
 
 
-def rope_cautions(scene: CraneScene) -> Iterator[tuple[str, str]]:
+def rope_warnings(scene: CraneScene) -> Iterator[tuple[str, str]]:
     """Key and text of the numbers of a rope that are implausible for its diameter; none where that is not given."""
     rope = scene.rope
     if rope.diameter is None:

@@ -17,10 +17,10 @@ from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.sea.compensation import Compensation
-from crane.warnings.rope import rope_cautions
-from crane.warnings.winch import SUDDEN, winch_cautions
+from crane.warnings.rope import rope_warnings
+from crane.warnings.winch import SUDDEN, winch_warnings
 from tautline.kernels.time_function import sample
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 from tautline.system.time_functions import compile_functions
 
 LEAST_RATIO = 16.0
@@ -40,19 +40,19 @@ HELD_BACK = 0.01
 Sentences = Iterator[tuple[str, str]]
 
 
-def cautions(scene: CraneScene) -> list[Caution]:
-    """Cautions of a scene, each with its cause and a cure; raises SceneError where it cannot be run."""
+def warnings(scene: CraneScene) -> list[SceneWarning]:
+    """Warnings of a scene, each with its cause and a cure; raises SceneError where it cannot be run."""
     check_supply(scene)
     found = estimate(scene)
     actuator = compensation_of(found.layout) if scene.heave_compensation is not None else None
     sentences = [
         *(("path", text) for text in found.path.warnings),
-        *rope_cautions(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
+        *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
-        *winch_cautions(found, actuator), *_start(found),
+        *winch_warnings(found, actuator), *_start(found),
         *_held_back(actuator), *_dry(scene), *_floating(found),
     ]  # fmt: skip
-    return [Caution(place, text) for place, text in sentences]
+    return [SceneWarning(place, text) for place, text in sentences]
 
 
 def _dry(scene: CraneScene) -> Sentences:

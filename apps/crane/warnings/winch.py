@@ -19,7 +19,7 @@ SUDDEN = 0.01
 Sentences = Iterator[tuple[str, str]]
 
 
-def winch_cautions(found: Estimate, actuator: Compensation | None) -> Sentences:
+def winch_warnings(found: Estimate, actuator: Compensation | None) -> Sentences:
     """Motion of winches that begins with a jump, or goes too far, and layers that count nothing: key and text of each.
 
     Parameters

@@ -119,7 +119,7 @@ def build(scene: DrillstringScene) -> Model:
     functions = compile_functions(requests(scene))
     law, notes = _law(scene)
     notes += notes_of_ends(scene, lumps.tubes)
-    # A note and no caution: the scene may well be meant to be run by each method.
+    # A note and no warning: the scene may well be meant to be run by each method.
     notes += unused_alphas(scene.solver)
     string = _assembler(scene.model.kind)(scene, well, lumps, functions, law)
     system, observer = string.system, string.observer

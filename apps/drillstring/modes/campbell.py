@@ -119,7 +119,7 @@ def campbell(
     links: dict[str, int] = {}
     upper = 0.0
     if "lateral" in kinds:
-        found, supports, upper, links["lateral"] = lateral_modes(scene, highest, top, held)
+        found, supports, upper, links["lateral_displacement"] = lateral_modes(scene, highest, top, held)
         modes += found
     for kind in ("torsional", "axial"):
         if kind in kinds:

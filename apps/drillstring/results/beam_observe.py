@@ -117,7 +117,7 @@ class BeamObserver:
             "position": q[:, :, :3].copy(),
             "velocity": v[:, :, :3].copy(),
             "measured_depth": s,
-            "lateral": np.stack([x, y], axis=-1),
+            "lateral_displacement": np.stack([x, y], axis=-1),
             "rotation": q[:, :, TURN].copy(),
             "axial_velocity": speed,
             "rotation_rate": v[:, :, TURN].copy(),

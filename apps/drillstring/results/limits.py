@@ -36,7 +36,7 @@ def _into_the_wall(result: Any) -> list[dict[str, Any]]:
     if "clearance" not in result:
         return []
     clearance = np.asarray(result["clearance"])
-    depth = np.linalg.norm(np.asarray(result["lateral"]), axis=-1) - clearance
+    depth = np.linalg.norm(np.asarray(result["lateral_displacement"]), axis=-1) - clearance
     room = np.maximum(clearance, SNUG * float(result["hole_diameter"][0]))
     places = [f"{x:.4g} m" for x in np.asarray(result["unstretched_depth"])]
     text = "largest depth of the string in the wall over its clearance"

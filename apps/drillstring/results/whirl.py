@@ -75,7 +75,7 @@ class Whirl:
 
 def whirl_of(result: Any, lump: int) -> Whirl:
     """The whirl of a lump; the velocity stands in the frame of the hole where the lump is."""
-    offset, depth = result["lateral"][:, lump], result["measured_depth"][:, lump]
+    offset, depth = result["lateral_displacement"][:, lump], result["measured_depth"][:, lump]
     across = lateral_velocity(result, [lump])[:, 0]
     room = float(result["clearance"][lump]) if "clearance" in result else None
     hole = float(result["hole_diameter"][0]) if "hole_diameter" in result else None
@@ -102,12 +102,12 @@ def lateral_velocity(result: Any, lumps: list[int] | slice = slice(None)) -> np.
 
 def busiest(result: Any) -> int:
     """Number of the lump whose way across the hole is the widest."""
-    return int(np.ptp(result["lateral"], axis=0).max(axis=-1).argmax())
+    return int(np.ptp(result["lateral_displacement"], axis=0).max(axis=-1).argmax())
 
 
 def goes_around(result: Any, lump: int) -> bool:
     """Whether a lump goes once around the hole's axis, by the area that it sweeps: one that crosses over does not."""
-    offset = result["lateral"][:, lump, 0] + 1j * result["lateral"][:, lump, 1]
+    offset = result["lateral_displacement"][:, lump, 0] + 1j * result["lateral_displacement"][:, lump, 1]
     swept = np.append(0.0, np.cumsum(np.imag(np.conj(offset[:-1]) * offset[1:])))
     return bool(np.ptp(swept) >= 2.0 * np.pi * np.mean(np.abs(offset) ** 2) > 0.0)
 

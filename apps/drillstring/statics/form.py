@@ -190,7 +190,7 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
     well = well_of(scene)
     lumps = cut(tubes_of(scene, well.length), scene.model.elements)
     room = model.coordinates["clearance"][1] if "clearance" in model.coordinates else np.inf
-    offset = np.hypot(*seen["lateral"].T)
+    offset = np.hypot(*seen["lateral_displacement"].T)
     return Form(
         kind=scene.model.kind,
         elements=scene.model.elements,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Tube
-from tautline.scene.errors import Caution, SceneError
+from tautline.scene.errors import SceneError, SceneWarning
 
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
@@ -33,12 +33,12 @@ def buoyed_mass(scene: DrillstringScene, tube: Tube) -> float:
     return weight_in(fluid_of(scene.mud), tube, 1.0)
 
 
-def buoyancy_cautions(scene: DrillstringScene, tubes: tuple[Tube, ...]) -> list[Caution]:
-    """Cautions of sections that float, and are held down by the others."""
+def buoyancy_warnings(scene: DrillstringScene, tubes: tuple[Tube, ...]) -> list[SceneWarning]:
+    """Warnings of sections that float, and are held down by the others."""
     found = []
     for i, tube in enumerate(tubes):
         mass = buoyed_mass(scene, tube)
         if mass <= 0.0:
             cause = f"{tube.name} floats: with what is inside it is {-mass:.3g} kg/m lighter than the mud it displaces"
-            found.append(Caution(f"string[{i}]", f"{cause}; {CURE}, if that is not meant"))
+            found.append(SceneWarning(f"string[{i}]", f"{cause}; {CURE}, if that is not meant"))
     return found

@@ -9,7 +9,7 @@ from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
 from tautline.cli.summary import shown
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 
 LARGEST_SHARE = 0.8
 """Share of the yield load above which a string at rest is warned of: what is left is the margin of overpull."""
@@ -28,8 +28,8 @@ def tension_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> np
     return np.cumsum((np.array(weight) * depth)[::-1])[::-1] + scene.bit.load
 
 
-def yield_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
-    """Cautions of sections whose tension at rest is more than `LARGEST_SHARE` of their yield load."""
+def yield_warnings(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[SceneWarning]:
+    """Warnings of sections whose tension at rest is more than `LARGEST_SHARE` of their yield load."""
     tension = tension_at_rest(scene, well, lumps)
     found = []
     for i, section in enumerate(scene.string):
@@ -40,7 +40,7 @@ def yield_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> lis
         if share > LARGEST_SHARE:
             carried, most = (shown(force, "N", scene.units) for force in (largest, section.yield_load))
             found.append(
-                Caution(
+                SceneWarning(
                     f"string[{i}].yield_load",
                     f"{section.name} carries {carried} at rest, {100.0 * share:.0f} % of its yield load of {most}; "
                     "take a higher grade, a heavier pipe, or a lighter string below it",

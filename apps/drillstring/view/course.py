@@ -158,8 +158,8 @@ def course_of(result: Any) -> Course:
     rest = result["unstretched_depth"] if "unstretched_depth" in result else depth[0]
     notes: list[str] = []
     well, stations, own = _well(result, position, notes)
-    if own and "lateral" in result:
-        lateral = result["lateral"]
+    if own and "lateral_displacement" in result:
+        lateral = result["lateral_displacement"]
     else:
         m1, m2, _ = well.frame(depth[:, added:])
         off = position - well.position(depth[:, added:])

@@ -214,7 +214,7 @@ def orbit(results: Sequence[Result], named: str = "") -> Figure:
     """
     (result,) = results
     part = part_of(result)
-    offset = result["lateral"] if "lateral" in result else np.zeros((1, 1, 2))
+    offset = result["lateral_displacement"] if "lateral_displacement" in result else np.zeros((1, 1, 2))
     motion = np.ptp(offset, axis=0).max(axis=-1)
     if motion.max() < LEAST_ORBIT:
         raise NothingToShow(result, "no motion across the hole")

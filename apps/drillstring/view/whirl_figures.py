@@ -28,7 +28,7 @@ HERTZ = 2.0 * np.pi
 
 def lump_of(result: Result, name: str) -> int:
     """Number of the lump that a name after a colon means: a number, or ``bit``; raises ResultError."""
-    last = result["lateral"].shape[1] - 1
+    last = result["lateral_displacement"].shape[1] - 1
     if name.strip() == "bit":
         return last
     if name.strip().isascii() and name.strip().isdigit() and int(name) <= last:
@@ -40,7 +40,7 @@ def lump_of(result: Result, name: str) -> int:
 def whirl(results: Sequence[Result], name: str = "") -> Figure:
     """Orbit, whirl rate, offset and spectra of the lump that moves most, or of the one that is named."""
     (result,) = results
-    if not {"lateral", "rotation_rate", "velocity"} <= result.variables.keys() or len(result.time) < 2:
+    if not {"lateral_displacement", "rotation_rate", "velocity"} <= result.variables.keys() or len(result.time) < 2:
         raise NothingToShow(result, "no history of motion across the hole")
     lump, part = lump_of(result, name) if name else busiest(result), part_of(result)
     if not turns(result):
@@ -49,9 +49,9 @@ def whirl(results: Sequence[Result], name: str = "") -> Figure:
         cause = f"no whirl: {part} {lump} moves most, and does not go around the hole"
         raise NothingToShow(result, cause, f"ask for whirl:{lump} to see it all the same")
     one = whirl_of(result, lump)
-    if np.ptp(result["lateral"][:, lump], axis=0).max() < LEAST_MOTION:
+    if np.ptp(result["lateral_displacement"][:, lump], axis=0).max() < LEAST_MOTION:
         raise NothingToShow(result, f"no motion of {part} {lump} across the hole")
-    words = "the bit" if lump == result["lateral"].shape[1] - 1 else f"{part} {lump}"
+    words = "the bit" if lump == result["lateral_displacement"].shape[1] - 1 else f"{part} {lump}"
     heading = f"{title(results)}: whirl of {words}"
     figure, plots = axes(2, 2, 10.5, 8.2, heading, width_ratios=[1.0, 1.35], height_ratios=[1.2, 1.0])
     ratio = one.ratio()

@@ -20,7 +20,7 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import Lumps, cut
 from drillstring.well.wellbore import Wellbore
 from tautline.cli.summary import shown
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 
 SIDE_FORCE, HOOK_LOAD, NOTHING = 0.25, 1.9, 7.0
 """How far, m, the hole may leave a straight line between points of contact until side force or hook load may be off by
@@ -40,8 +40,8 @@ def off_the_line(well: Wellbore, lumps: Lumps) -> np.ndarray:
     return turn * lumps.length / 32.0
 
 
-def mesh_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
-    """Cautions of a beam in a hole that is too coarse for it, with how many elements are not."""
+def mesh_warnings(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[SceneWarning]:
+    """Warnings of a beam in a hole that is too coarse for it, with how many elements are not."""
     if scene.well.wall is None:
         return []
     off = off_the_line(well, lumps)
@@ -57,7 +57,7 @@ def mesh_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list
         wrong = "hook loads may be off by more than 1 %, the side force by more than 5 %"
     else:
         wrong = "the side force of the wall may be off by more than 1 %, hook loads by less"
-    return [Caution("model.elements", f"{cause}: {wrong}; {_cure(scene, well, lumps.length.size)}")]
+    return [SceneWarning("model.elements", f"{cause}: {wrong}; {_cure(scene, well, lumps.length.size)}")]
 
 
 def _cure(scene: DrillstringScene, well: Wellbore, now: int) -> str:

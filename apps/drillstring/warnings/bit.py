@@ -13,7 +13,7 @@ from drillstring.string.strength import tension_at_rest
 from drillstring.well.wellbore import Wellbore
 from tautline.cli.summary import shown
 from tautline.kernels.time_function import sample, value_at
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4, method_of
 from tautline.scene.solver import longest_step
 from tautline.system.time_functions import compile_functions
@@ -28,15 +28,15 @@ RINGS = 0.95
 """Spectral radius at infinity above which the shock of a bit that sticks rings on."""
 
 
-def bit_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
-    """Cautions of a bit on bottom."""
+def bit_warnings(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[SceneWarning]:
+    """Warnings of a bit on bottom."""
     return [
         *_of_weight(scene, well, lumps), *_of_torque(scene), *_of_drilling(scene, lumps), *_of_method(scene),
         *_of_chatter(scene, lumps),
     ]  # fmt: skip
 
 
-def _of_weight(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
+def _of_weight(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[SceneWarning]:
     tension = np.append(tension_at_rest(scene, well, lumps), scene.bit.load)
     weight, hook = (shown(force, "N", scene.units) for force in (scene.bit.weight or 0.0, float(tension[0])))
     if tension[0] < 0.0:
@@ -46,12 +46,12 @@ def _of_weight(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Ca
             cause += ", and a hoist cannot push"
         else:
             cause += ", which the top drive's weight gives"
-        return [Caution("bit.weight", f"{cause}; take less, or a heavier string, unless the rig has a pull-down")]
+        return [SceneWarning("bit.weight", f"{cause}; take less, or a heavier string, unless the rig has a pull-down")]
     end = lumps.tubes[0].length
     if len(lumps.tubes) > 1 and tension[1] < 0.0 and float(well.inclination(np.array([end]))[0]) < UPRIGHT:
         name, pressed = lumps.tubes[0].name, shown(-float(tension[1]), "N", scene.units)
         return [
-            Caution(
+            SceneWarning(
                 "bit.weight",
                 f"{weight} puts the lower end of {name} under {pressed} of compression in an upright hole: it may "
                 "buckle; take less, or more collars",
@@ -60,7 +60,7 @@ def _of_weight(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Ca
     return []
 
 
-def _of_torque(scene: DrillstringScene) -> list[Caution]:
+def _of_torque(scene: DrillstringScene) -> list[SceneWarning]:
     """Where a bit is turned that has no law of torque."""
     if scene.bit.torque is not None or scene.bit.cutting is not None:
         return []
@@ -69,10 +69,10 @@ def _of_torque(scene: DrillstringScene) -> list[Caution]:
         return []
     cause = "is not given: the rock is taken to resist the turning bit with no torque at all, whatever its weight"
     cure = "give bit.torque, such as {static: 8 kN m, kinetic: 4 kN m}, or bit.cutting"
-    return [Caution("bit.torque", f"{cause}; {cure}")]
+    return [SceneWarning("bit.torque", f"{cause}; {cure}")]
 
 
-def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
+def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[SceneWarning]:
     """Where the block is not lowered as fast as the bit drills."""
     functions = compile_functions(requests(scene))
     feed = value_at(functions, BLOCK, scene.solver.end)[1]
@@ -81,7 +81,7 @@ def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
         if feed <= 0.0:
             return []
         cause = f"lowers the bit at {_rate(scene, feed)} onto a bottom that is not drilled"
-        return [Caution("top.block", f"{cause}; give bit.penetration or bit.cutting, or hold the block")]
+        return [SceneWarning("top.block", f"{cause}; give bit.penetration or bit.cutting, or hold the block")]
     b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, spin, False)[0]
     rate = rate_at(b, scene.bit.weight or 0.0, spin)
     if abs(feed - rate) <= OFF * rate:
@@ -90,7 +90,7 @@ def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     found = shown(then, "N", scene.units) if np.isfinite(then) else "no steady value, for the bit does not turn"
     moves = "raised" if feed < 0.0 else "lowered"
     return [
-        Caution(
+        SceneWarning(
             "top.block",
             f"is {moves} at {_rate(scene, abs(feed))} at the end and the bit drills {_rate(scene, rate)} with its "
             f"weight: the weight on bit goes to {found}",
@@ -103,7 +103,7 @@ def _rate(scene: DrillstringScene, rate: float) -> str:
     return f"{rate * 3600.0 / 0.3048:.3g} ft/h" if scene.units == "field" else f"{rate * 3600.0:.3g} m/h"
 
 
-def _of_method(scene: DrillstringScene) -> list[Caution]:
+def _of_method(scene: DrillstringScene) -> list[SceneWarning]:
     alpha_f = scene.solver.alphas[1]
     sticks = scene.bit.torque is not None or scene.bit.cutting is not None
     # rho_inf = alpha_f / (1 - alpha_f) on the line of eqs 2.79-2.80; Newmark's is 1
@@ -111,7 +111,7 @@ def _of_method(scene: DrillstringScene) -> list[Caution]:
     if scene.solver.explicit or not sticks or rho <= RINGS:
         return []
     return [
-        Caution(
+        SceneWarning(
             "solver.rho_inf" if method_of(scene.solver.method).has_alphas else "solver.method",
             "does not damp what a step cannot follow: the shock of a bit that sticks rings on in its torque, and it "
             "lets go too early; take generalized-alpha with rho_inf 0.9 or less",
@@ -119,7 +119,7 @@ def _of_method(scene: DrillstringScene) -> list[Caution]:
     ]
 
 
-def _of_chatter(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
+def _of_chatter(scene: DrillstringScene, lumps: Lumps) -> list[SceneWarning]:
     """Where an explicit step is too long for the torque of a bit at rest, which rises with its speed."""
     if not scene.solver.explicit:
         return []
@@ -130,7 +130,7 @@ def _of_chatter(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     if steepness * step <= LIMIT * scene.bit.slip_speed:
         return []
     return [
-        Caution(
+        SceneWarning(
             "bit.slip_speed",
             f"a bit at rest chatters at a step of {step:g} s, and loses energy: take a step of "
             f"{LIMIT * scene.bit.slip_speed / steepness:.2g} s, a slip_speed of {steepness * step / LIMIT:.2g} "

@@ -13,7 +13,7 @@ from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
 from tautline.cli.summary import shown
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 
 STATIONS = 200
 """Places along the string at which its compression is compared with what buckles it."""
@@ -56,8 +56,8 @@ def buckled_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Bu
     return Buckled(int(section[at[worst]]), float(pushed[at[worst]]), float(limit[worst]), *map(float, span))
 
 
-def buckling_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
-    """Cautions of a string that buckles, in a run that cannot show it."""
+def buckling_warnings(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[SceneWarning]:
+    """Warnings of a string that buckles, in a run that cannot show it."""
     if scene.well.wall is None or scene.model.bending == "none" or scene.bit.load >= 0.0:
         return []
     found = buckled_at_rest(scene, well, lumps)
@@ -85,7 +85,7 @@ def buckling_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> 
     told = f"compresses {tube.name} by up to {pushed} at rest and buckles it beyond {limit}, from {span}"
     cause = f"{told}, which the run will not show: {'; '.join(causes)}"
     where = "bit.weight" if scene.bit.on_bottom and scene.bit.weight else "bit.force"
-    return [Caution(where, f"{cause}; to see it {', and '.join(cures)}, or else take less")]
+    return [SceneWarning(where, f"{cause}; to see it {', and '.join(cures)}, or else take less")]
 
 
 def _flatness(well: Wellbore) -> str | None:

@@ -11,15 +11,15 @@ from drillstring.model.build import tubes_of, well_of
 from drillstring.model.lumped_string import lateral_mass
 from drillstring.model.variations import bars
 from drillstring.scene.scene import BEAM, DrillstringScene
-from drillstring.string.buoyancy import buoyancy_cautions
+from drillstring.string.buoyancy import buoyancy_warnings
 from drillstring.string.fluid import fluid_of
 from drillstring.string.lumps import Lumps, cut
-from drillstring.string.strength import yield_cautions
-from drillstring.warnings.wall import wall_cautions
+from drillstring.string.strength import yield_warnings
+from drillstring.warnings.wall import wall_warnings
 from tautline.cli.summary import shown
 from tautline.kernels.time_function import sample
 from tautline.results.rounding import unrounded
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.solver import longest_step
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -68,14 +68,14 @@ def _reach_of_block(scene: DrillstringScene) -> tuple[float, float]:
     return float(positions.min()), float(positions.max())
 
 
-def _block_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
-    """Cautions of a block that takes the string out of the hole as it was drilled, at either end."""
+def _block_warnings(scene: DrillstringScene, lumps: Lumps) -> list[SceneWarning]:
+    """Warnings of a block that takes the string out of the hole as it was drilled, at either end."""
     highest, lowest = _reach_of_block(scene)
     found = []
     past = lowest + lumps.total - well_of(scene).length
     if past > PAST_THE_END and not scene.bit.on_bottom:
         found.append(
-            Caution(
+            SceneWarning(
                 "top.block",
                 f"lowers the bit {past:.3g} m past the end of the hole, where the hole is taken to go on with its last "
                 "curvature; deepen the well, or shorten the string",
@@ -83,29 +83,29 @@ def _block_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
         )
     if -highest > lumps.total:
         cause = f"lifts the top of the string {-highest:.0f} m above the table, and all of it is {lumps.total:.0f} m"
-        found.append(Caution("top.block", f"{cause}: the string leaves the hole; give a shorter way"))
+        found.append(SceneWarning("top.block", f"{cause}: the string leaves the hole; give a shorter way"))
     elif -highest > STAND:
         cause = f"lifts the top of the string {-highest:.0f} m above the table, which few derricks can"
         cure = "the pipe stands there in one piece, straight on from the hole: trip stand by stand, a run for each"
-        found.append(Caution("top.block", f"{cause}: {cure}, or ask torque-drag for many depths"))
+        found.append(SceneWarning("top.block", f"{cause}: {cure}, or ask torque-drag for many depths"))
     return found
 
 
-def _casing_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
-    """Cautions of a casing that is longer than the hole, and of a string that moves past its shoe."""
+def _casing_warnings(scene: DrillstringScene, lumps: Lumps) -> list[SceneWarning]:
+    """Warnings of a casing that is longer than the hole, and of a string that moves past its shoe."""
     casing = None if scene.well.wall is None else scene.well.wall.casing
     if casing is None:
         return []
     found, well = [], well_of(scene)
     if casing.shoe > well.length:
         cause = f"{casing.shoe:g} m is below the end of the hole at {well.length:.0f} m: all of it is taken as cased"
-        found.append(Caution("well.wall.casing.shoe", f"{cause}; give the measured depth of the shoe"))
+        found.append(SceneWarning("well.wall.casing.shoe", f"{cause}; give the measured depth of the shoe"))
     highest, lowest = _reach_of_block(scene)
     moved, longest = lowest - highest, float(lumps.length.max())
     if moved > longest:
         cause = f"the block moves {moved:.3g} m, more than a link of {longest:.3g} m: lumps"
         found.append(
-            Caution(
+            SceneWarning(
                 "well.wall.casing",
                 f"{cause} keep the friction of where they start when they pass the shoe; torque-drag at several depths "
                 "has it right",
@@ -114,8 +114,8 @@ def _casing_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     return found
 
 
-def _friction_cautions(scene: DrillstringScene) -> list[Caution]:
-    """Cautions of slip velocities of the regularised law."""
+def _friction_warnings(scene: DrillstringScene) -> list[SceneWarning]:
+    """Warnings of slip velocities of the regularised law."""
     solver, wall = scene.solver, scene.well.wall
     if wall is None or wall.friction.static <= 0.0 or wall.friction.law != "regularised":
         return []
@@ -123,7 +123,7 @@ def _friction_cautions(scene: DrillstringScene) -> list[Caution]:
     slow = wall.friction.slip_velocity
     if not solver.explicit and slow < SLIP_FOR_NEWTON:
         found.append(
-            Caution(
+            SceneWarning(
                 "well.wall.friction.law",
                 f"regularised friction with slip_velocity {slow:g} m/s is hard on an implicit method: steps are "
                 "halved and may fail; use law: projection, which is exact",
@@ -131,7 +131,7 @@ def _friction_cautions(scene: DrillstringScene) -> list[Caution]:
         )
     if slow > SLIP_FOR_CREEP:
         found.append(
-            Caution(
+            SceneWarning(
                 "well.wall.friction.slip_velocity",
                 f"{slow:g} m/s: a stuck string creeps at up to that speed; use law: projection",
             )
@@ -139,18 +139,18 @@ def _friction_cautions(scene: DrillstringScene) -> list[Caution]:
     return found
 
 
-def _mesh_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
-    """Cautions of elements that are too long."""
+def _mesh_warnings(scene: DrillstringScene, lumps: Lumps) -> list[SceneWarning]:
+    """Warnings of elements that are too long."""
     if scene.model.kind == BEAM:
-        from drillstring.warnings.beam import mesh_cautions
+        from drillstring.warnings.beam import mesh_warnings
 
-        if found := mesh_cautions(scene, well_of(scene), lumps):
+        if found := mesh_warnings(scene, well_of(scene), lumps):
             return found
     longest = float(lumps.length.max())
     if longest <= 0.25 * lumps.total or lumps.total <= 500.0:
         return []
     return [
-        Caution(
+        SceneWarning(
             "model.elements",
             f"an element is {longest:.0f} m long, {100 * longest / lumps.total:.0f} % of the string: friction and "
             "curvature are coarse; take more elements",
@@ -158,8 +158,8 @@ def _mesh_cautions(scene: DrillstringScene, lumps: Lumps) -> list[Caution]:
     ]
 
 
-def cautions(scene: DrillstringScene) -> list[Caution]:
-    """Cautions of a scene; raises SceneError where well and string do not fit."""
+def warnings(scene: DrillstringScene) -> list[SceneWarning]:
+    """Warnings of a scene; raises SceneError where well and string do not fit."""
     lumps = _lumps(scene)
     found = []
     solver = scene.solver
@@ -167,7 +167,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
     step = longest_step(solver, 0.0)
     if solver.explicit and step > critical:
         found.append(
-            Caution(
+            SceneWarning(
                 "solver.step",
                 f"{step:g} s is longer than RK4's critical step of {critical:.3g} s (stiffest wall contact, "
                 "eq. 2.170): the run will become unstable; take a smaller step, or method: generalized-alpha",
@@ -177,7 +177,7 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
     if abs(ratio - round(ratio)) > 1e-6:
         steps = int(np.ceil(ratio))
         found.append(
-            Caution(
+            SceneWarning(
                 "output.interval",
                 f"{scene.output.interval:g} s is not a whole number of steps of {step:g} s: "
                 f"the step taken is {scene.output.interval / steps:.6g} s",
@@ -187,27 +187,27 @@ def cautions(scene: DrillstringScene) -> list[Caution]:
     period = 4.0 * lumps.total / sound
     if not solver.explicit and step > LONG_FOR_MOTION * period:
         found.append(
-            Caution(
+            SceneWarning(
                 "solver.step",
                 f"{step:g} s is long against the string's first axial period of about {period:.2g} s: its "
                 f"motion is damped by the algorithm; take {0.01 * period:.1g} s or less",
             )
         )
-    found += buoyancy_cautions(scene, lumps.tubes)
-    found += wall_cautions(scene, well_of(scene), lumps)
-    found += _friction_cautions(scene)
-    found += _block_cautions(scene, lumps)
-    found += _casing_cautions(scene, lumps)
-    found += yield_cautions(scene, well_of(scene), lumps)
+    found += buoyancy_warnings(scene, lumps.tubes)
+    found += wall_warnings(scene, well_of(scene), lumps)
+    found += _friction_warnings(scene)
+    found += _block_warnings(scene, lumps)
+    found += _casing_warnings(scene, lumps)
+    found += yield_warnings(scene, well_of(scene), lumps)
     if scene.bit.on_bottom:
-        from drillstring.warnings.bit import bit_cautions
+        from drillstring.warnings.bit import bit_warnings
 
-        found += bit_cautions(scene, well_of(scene), lumps)
+        found += bit_warnings(scene, well_of(scene), lumps)
     if scene.bit.load < 0.0:
-        from drillstring.warnings.compression import buckling_cautions
+        from drillstring.warnings.compression import buckling_warnings
 
-        found += buckling_cautions(scene, well_of(scene), lumps)
-    return found + _mesh_cautions(scene, lumps)
+        found += buckling_warnings(scene, well_of(scene), lumps)
+    return found + _mesh_warnings(scene, lumps)
 
 
 def figures(scene: DrillstringScene) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from drillstring.string.strength import tension_at_rest
 from drillstring.well.wellbore import Wellbore
 from tautline.cli.summary import shown
 from tautline.scene.doubts import meant, units_that_fit
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 from tautline.scene.ranges import RANGES
 
 DEEP = 0.5
@@ -25,8 +25,8 @@ LEANING = 0.01
 """Sine of the inclination that a vertical hole is taken to have: none is straight."""
 
 
-def wall_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[Caution]:
-    """Cautions of a wall into which the string at rest sinks by its weight, and its tension in bends.
+def wall_warnings(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[SceneWarning]:
+    """Warnings of a wall into which the string at rest sinks by its weight, and its tension in bends.
 
     Weight across the hole and tension over the hole's radius press a metre of string on the wall. Both grow with the
     length of a lump, as the stiffness of its contact does (`drillstring.scene.hole.Wall`), so that the mesh does not
@@ -56,7 +56,7 @@ def wall_cautions(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list
         f"{shown(wall.stiffness, 'N/m', scene.units)} is soft: weight and tension at rest press {tubes[worst].name} by "
         f"about {far} into the wall at {place}, and its clearance is {gap}. {_cure(scene, wall.stiffness, enough)}"
     )
-    return [Caution("well.wall.stiffness", text)]
+    return [SceneWarning("well.wall.stiffness", text)]
 
 
 def _cure(scene: DrillstringScene, stiffness: float, enough: float) -> str:

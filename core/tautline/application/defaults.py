@@ -10,7 +10,7 @@ from tautline.study.trials.overrides import SETTINGS, Place, overrides
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
-    from tautline.scene.errors import Caution
+    from tautline.scene.errors import SceneWarning
     from tautline.view.space.appearance import Appearance, Look
 
 PLACES: dict[str, Place] = {key: ("solver", key) for key in (*SETTINGS, "alpha_m", "alpha_f")}
@@ -69,16 +69,16 @@ class Defaults:
         """JSON schema of a scene."""
         return self.scene_type.model_json_schema()
 
-    def cautions(self, scene: Any) -> list[Caution]:
+    def warnings(self, scene: Any) -> list[SceneWarning]:
         """Slips of units, what `own_warnings` and registered functions find, and a step too long for what moves."""
         from tautline.scene.content import too_fast
         from tautline.scene.doubts import slips_of_units
-        from tautline.scene.errors import Caution
+        from tautline.scene.errors import SceneWarning
         from tautline.scene.warnings import warnings_of
 
         text = too_fast(scene, scene.solver)
         found = slips_of_units(*self.as_written(scene)) + self.own_warnings(scene) + warnings_of(self.name, scene)
-        return list(dict.fromkeys(found + ([Caution(self.step_key, text)] if text else [])))
+        return list(dict.fromkeys(found + ([SceneWarning(self.step_key, text)] if text else [])))
 
     step_key: str = "solver.step"
     """Key of the step in a scene."""
@@ -87,7 +87,7 @@ class Defaults:
         """Class of the models that a file is read into, and the document."""
         return type(scene), scene.document
 
-    def own_warnings(self, scene: Any) -> list[Caution]:
+    def own_warnings(self, scene: Any) -> list[SceneWarning]:
         """What is large compared with what; nothing is known here."""
         return []
 

@@ -13,13 +13,13 @@ from tautline.study.trials.variations import varied
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
-    from tautline.scene.errors import Caution
+    from tautline.scene.errors import SceneWarning
     from tautline.system.model import Model
     from tautline.view.space.appearance import Appearance, Look
 
 
 class Packaged(Defaults):
-    """A package with ``scene`` (read, json_schema), ``warnings`` (cautions, figures), ``build``, ``figures``.
+    """A package with ``scene`` (read, json_schema), ``warnings`` (warnings, figures), ``build``, ``figures``.
 
     Every module is imported by the method that needs it. An application adds its title and what it recognises, and in
     ``rooms`` where a module stands that is not on top of the package.
@@ -65,9 +65,9 @@ class Packaged(Defaults):
         """JSON schema of a scene."""
         return self._module("scene").json_schema()
 
-    def own_warnings(self, scene: Any) -> list[Caution]:
-        """What is large compared with what, by ``cautions`` of the package's ``warnings``."""
-        return self._module("warnings").cautions(scene)
+    def own_warnings(self, scene: Any) -> list[SceneWarning]:
+        """What is large compared with what, by ``warnings`` of the package's ``warnings``."""
+        return self._module("warnings").warnings(scene)
 
     def check_figures(self, scene: Any) -> dict[str, Any]:
         """What ``check`` tells of a scene in figures."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
-    from tautline.scene.errors import Caution
+    from tautline.scene.errors import SceneWarning
     from tautline.view.space.appearance import Appearance, Look
 
 
@@ -64,7 +64,7 @@ class Application(Protocol):
     def schema(self) -> dict[str, Any]:
         """JSON schema of a scene."""
 
-    def cautions(self, scene: Any) -> list[Caution]:
+    def warnings(self, scene: Any) -> list[SceneWarning]:
         """Say what is large compared with what, for ``check`` and before a run."""
 
     def check_figures(self, scene: Any) -> dict[str, Any]:

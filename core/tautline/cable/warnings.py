@@ -16,7 +16,7 @@ from tautline.cable.input.nodal import item_of
 from tautline.cable.input.parts import Element, Node, Place, Tie
 from tautline.cable.input.scene import CableScene
 from tautline.scene.document import join_key
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.solver import longest_step
 from tautline.scene.warnings import warning, warnings_of
@@ -30,9 +30,9 @@ COUNTED = ("PointMass", "PointForce", "OneNodeSpring", "TwoNodeSpring")
 WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
 
 
-def cautions(scene: CableScene) -> list[Caution]:
+def warnings(scene: CableScene) -> list[SceneWarning]:
     """All that is odd about a scene, what the reader found first."""
-    found = list(scene.cautions)
+    found = list(scene.warnings)
     found += warnings_of("cable", scene)
     return list(dict.fromkeys(found))
 

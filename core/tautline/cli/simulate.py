@@ -16,7 +16,7 @@ from tautline.cli.summary import limit_said, quantity, table, two_columns
 if TYPE_CHECKING:
     from tautline.application.protocol import Application
     from tautline.results.result import Result
-    from tautline.scene.errors import Caution
+    from tautline.scene.errors import SceneWarning
     from tautline.simulation import Afterwards
 
 FIRST_RUN = "first run of this kind of scene: compiling the solver for it, once (10 to 20 s)"
@@ -44,9 +44,9 @@ def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None 
     """
     application = catalogue.for_scene(scene)
     read = application.read(scene)
-    cautions = application.cautions(read)
+    warnings = application.warnings(read)
     figures = application.check_figures(read)
-    print_cautions(cautions)
+    print_warnings(warnings)
     if figure is not None:
         _draw(application, read, figure)
     # What only the builder can tell, such as a constraint said twice, is refused here too; nothing is run.
@@ -58,11 +58,11 @@ def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None 
     rows = () if as_json else getattr(application, "describe", lambda _: ())(figures)
     if rows:
         console().print(two_columns(rows))
-    count = len(cautions)
+    count = len(warnings)
     warned = f", {count} warning{'s' * (count > 1)}" if count else ""
     say(f"{scene} can be run{warned}. Next: {catalogue.name} simulate {scene}", "green")
     if as_json:
-        warnings = [{"where": caution.where, "text": caution.text} for caution in cautions]
+        warnings = [{"where": warning.where, "text": warning.text} for warning in warnings]
         drawn = {} if figure is None else {"figure": str(figure)}
         print_json({"scene": str(scene), "status": "good", "warnings": warnings} | drawn | figures)
 
@@ -77,10 +77,10 @@ def _draw(application: Application, scene: Any, figure: Path) -> None:
     say(f"wrote {draw(scene, figure)}", "green")
 
 
-def print_cautions(cautions: Iterable[Caution]) -> None:
+def print_warnings(warnings: Iterable[SceneWarning]) -> None:
     """Print warnings, one to a line."""
-    for caution in cautions:
-        say(f"warning: {caution}", "yellow")
+    for warning in warnings:
+        say(f"warning: {warning}", "yellow")
 
 
 def simulate(
@@ -120,8 +120,8 @@ def simulate(
     read = application.with_overrides(application.read(scene), **overrides)
     target = check_target(output or Path(scene.name).with_suffix(".nc"))
     earlier = _earlier(resume)
-    cautions = application.cautions(read)
-    print_cautions(cautions)
+    warnings = application.warnings(read)
+    print_warnings(warnings)
 
     if note := version_note():
         say(f"warning: {note}", "yellow")
@@ -145,7 +145,7 @@ def simulate(
                 afterwards=others,
             )  # fmt: skip
     except StoppedEarly as stop:
-        report = _report(scene, stop.result, end, cautions) | {
+        report = _report(scene, stop.result, end, warnings) | {
             "status": stop.status.name.lower().replace("_", " "),
             "stopped": {"time": stop.time, "part": stop.part, "sentence": stop.sentence},
         }
@@ -153,11 +153,11 @@ def simulate(
         say(f"stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
         raise Ended(ExitCode.STOPPED_EARLY) from None
     except Interrupted as interruption:
-        report = _report(scene, interruption.result, end, cautions) | {"status": "interrupted"}
+        report = _report(scene, interruption.result, end, warnings) | {"status": "interrupted"}
         _finish(catalogue, report, interruption.result, as_json, quiet)
         say(f"interrupted at t = {report['simulated_time'] or 0.0:.6g} s", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None
-    _finish(catalogue, _report(scene, result, end, cautions) | {"status": "done"}, result, as_json, quiet)
+    _finish(catalogue, _report(scene, result, end, warnings) | {"status": "done"}, result, as_json, quiet)
 
 
 def _other_runs(
@@ -195,7 +195,7 @@ def _earlier(resume: Path | None) -> Result | None:
     return Result.read(resume)
 
 
-def _report(scene: Path, result: Result | None, end: float | None, cautions: Sequence[Caution]) -> dict[str, Any]:
+def _report(scene: Path, result: Result | None, end: float | None, warnings: Sequence[SceneWarning]) -> dict[str, Any]:
     """Keys of ``simulate --json``; null where a run that stopped has no number."""
     attributes = result.attributes if result is not None else {}
     times: Any = result["time"] if result is not None else []
@@ -206,7 +206,7 @@ def _report(scene: Path, result: Result | None, end: float | None, cautions: Seq
     report["warnings"] = result.warnings if result is not None else []
     report["start"] = attributes.get("start") or None
     report["limits"] = result.limits if result is not None else []
-    report["cautions"] = [{"where": caution.where, "text": caution.text} for caution in cautions]
+    report["scene_warnings"] = [{"where": warning.where, "text": warning.text} for warning in warnings]
     report |= {"end": attributes.get("end", end), "frames": len(times)}
     report["simulated_time"] = float(times[-1] - times[0]) if len(times) else None
     figures = {name: figure.get("value") for name, figure in (result.headline if result is not None else {}).items()}

@@ -13,7 +13,7 @@ from tautline.application.installed import Catalogue
 from tautline.cli.console import console, print_json, say
 from tautline.cli.lists import number, numbers, one_of, words
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.simulate import FIRST_RUN, print_cautions
+from tautline.cli.simulate import FIRST_RUN, print_warnings
 from tautline.cli.summary import significant
 from tautline.scene.methods import named as method_named
 
@@ -85,7 +85,7 @@ def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject
 
     application = catalogue.for_scene(path)
     scene = application.read(path)
-    print_cautions(application.cautions(scene))
+    print_warnings(application.warnings(scene))
     end, whole = asked["end"], None
     if end is None and asked["quick"]:
         solver = application.build(scene).solver

@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
 
 from tautline.scene.document import Document, Path_, join_key
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 from tautline.scene.model import DOUBT, MARK, Model
 from tautline.scene.quantity import NUMBER, Quantity
 from tautline.scene.ranges import RANGES, Range, in_range, sized
@@ -54,7 +54,7 @@ class _Doubt:
         return f"{self.typed} {self.unit}".strip() if self.bare else self.typed
 
 
-def slips_of_units(model: type[Model], document: Document | None) -> list[Caution]:
+def slips_of_units(model: type[Model], document: Document | None) -> list[SceneWarning]:
     """Warn of the numbers of a scene that are outside of their plausible range, or lack a field unit.
 
     Parameters
@@ -66,7 +66,7 @@ def slips_of_units(model: type[Model], document: Document | None) -> list[Cautio
 
     Returns
     -------
-    list of Caution
+    list of SceneWarning
         In the order of the file; of many numbers of one kind only one, which counts the others.
     """
     if document is None:
@@ -78,8 +78,8 @@ def slips_of_units(model: type[Model], document: Document | None) -> list[Cautio
         if not RANGES[doubt.of].holds(doubt.value):
             kind = re.sub(r"\[\d+\]", "[]", join_key(doubt.key))
             groups.setdefault((kind, doubt.of), []).append(doubt)
-    cautions = [caution for group in groups.values() for caution in _outside(group, field)]
-    return cautions + _bare([doubt for doubt in found if RANGES[doubt.of].holds(doubt.value)])
+    warnings = [warning for group in groups.values() for warning in _outside(group, field)]
+    return warnings + _bare([doubt for doubt in found if RANGES[doubt.of].holds(doubt.value)])
 
 
 def _asks(field: bool) -> Callable[[Quantity, Any, float], None]:
@@ -190,7 +190,7 @@ def _both(typed: str, read: str) -> str:
     return typed if typed == read else f"{typed} = {read}"
 
 
-def _outside(group: list[_Doubt], field: bool) -> Iterator[Caution]:
+def _outside(group: list[_Doubt], field: bool) -> Iterator[SceneWarning]:
     """Warnings of numbers of one key outside of their range; of many the first, and how many there are."""
     told = group if len(group) <= SHOWN else group[:1]
     for doubt in told:
@@ -202,7 +202,7 @@ def _outside(group: list[_Doubt], field: bool) -> Iterator[Caution]:
             f"{read}{line} is unusual for {_article(doubt.of)}: {in_range(row)} is plausible. "
             f"{meant(doubt.typed, _units_meant(doubt, field), doubt.unit)}.{more}"
         )
-        yield Caution(join_key(doubt.key), text)
+        yield SceneWarning(join_key(doubt.key), text)
 
 
 def _article(name: str) -> str:
@@ -218,7 +218,7 @@ def _field_unit(row: Range) -> str | None:
     return next(usual, None)
 
 
-def _bare(found: list[_Doubt]) -> list[Caution]:
+def _bare(found: list[_Doubt]) -> list[SceneWarning]:
     """One warning of all numbers without a unit, in a scene that says that it is in field units."""
     if not found:
         return []
@@ -232,4 +232,4 @@ def _bare(found: list[_Doubt]) -> list[Caution]:
     more = f"; and {len(found) - LISTED} more" if len(found) > LISTED else ""
     numbers = "1 number has" if len(found) == 1 else f"{len(found)} numbers have"
     text = f"field, and {numbers} no unit. A number without a unit is read in SI: {'; '.join(readings)}{more}"
-    return [Caution("units", f"{text}. Write the unit that is meant")]
+    return [SceneWarning("units", f"{text}. Write the unit that is meant")]

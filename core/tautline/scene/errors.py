@@ -69,7 +69,7 @@ def option_error(option: str, value: str, cause: str, cure: str = "") -> SceneEr
 
 
 @dataclass(frozen=True)
-class Caution:
+class SceneWarning:
     """A warning of ``check``: the place in the scene, and what is large compared with what."""
 
     where: str

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 from tautline.scene.document import join_key
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 from tautline.scene.extensions import load_extensions
 
 Place = str | tuple[str | int, ...]
@@ -37,7 +37,7 @@ def warning(application: str) -> Callable[[C], C]:
     return register
 
 
-def warnings_of(application: str, scene: Any) -> list[Caution]:
+def warnings_of(application: str, scene: Any) -> list[SceneWarning]:
     """What the registered functions find in a scene; the line stands beside a key path that is a tuple."""
     load_extensions()
     found = []
@@ -46,9 +46,9 @@ def warnings_of(application: str, scene: Any) -> list[Caution]:
     return found
 
 
-def _warning(scene: Any, place: Place, text: str) -> Caution:
+def _warning(scene: Any, place: Place, text: str) -> SceneWarning:
     if isinstance(place, str):
-        return Caution(place, text)
+        return SceneWarning(place, text)
     document = getattr(scene, "document", None)
     line = document.line(place) if document is not None else None
-    return Caution(join_key(place) + (f" (line {line})" if line else ""), text)
+    return SceneWarning(join_key(place) + (f" (line {line})" if line else ""), text)

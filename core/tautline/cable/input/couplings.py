@@ -8,7 +8,7 @@ from tautline.cable.input import models as w
 from tautline.cable.input.entries import DOFS
 from tautline.cable.input.parts import CableScene, Coupling, Dof, Node, Tie
 from tautline.cable.input.register import Register
-from tautline.scene.errors import Caution, Problem, SceneError
+from tautline.scene.errors import Problem, SceneError, SceneWarning
 
 METHODS = {"LagMultipl": "multiplier", "Penalty": "penalty", "AugLagrange": "augmented"}
 APART = 1.0e-9
@@ -17,9 +17,9 @@ FAR = 1.0e-3
 """Gap of a coupling, as a share of the shortest element at the slave, that no drawing is rounded by."""
 
 
-def ties(register: Register) -> tuple[tuple[Tie, ...], list[Caution]]:
-    """Ties between good nodes, and a caution for each that means nothing."""
-    made, cautions = [], []
+def ties(register: Register) -> tuple[tuple[Tie, ...], list[SceneWarning]]:
+    """Ties between good nodes, and a warning for each that means nothing."""
+    made, warnings = [], []
     for key, model, place in register.of(w.Multiplier7, w.Multiplier4, w.Penalty7, w.Penalty4):
         cubic = isinstance(model, w.Multiplier7)
         name, kind = ("nodes7", 7) if cubic else ("nodes4", 4)
@@ -31,14 +31,14 @@ def ties(register: Register) -> tuple[tuple[Tie, ...], list[Caution]]:
             register.refuse((*place, name), f"ties node {ids[0]} to itself", "name two nodes")
         elif all(good) and not cubic and model.constr == 2:
             text = f"{key} {model.id} is ignored: linear nodes have no slope that could be tied; remove it"
-            cautions.append(Caution(f"CableModel[{place[1]}].{key}.constr (line {line})", text))
+            warnings.append(SceneWarning(f"CableModel[{place[1]}].{key}.constr (line {line})", text))
         elif all(good):
             offset = model.offset or (0.0, 0.0, 0.0)
             stiffness = getattr(model, "p_spring", None)
             made.append(
                 Tie(model.id, METHODS[key[:-1]], (ids[0], ids[1]), model.constr, stiffness, offset, line, place)
             )
-    return tuple(made), cautions
+    return tuple(made), warnings
 
 
 def couplings(register: Register) -> tuple[Coupling, ...]:

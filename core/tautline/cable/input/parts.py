@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Literal
 from tautline.cable.input.nodal import item_of
 from tautline.cable.input.solver import CableSolver
 from tautline.scene.document import Document
-from tautline.scene.errors import Caution, Problem
+from tautline.scene.errors import Problem, SceneWarning
 
 Vector = tuple[float, float, float]
 Place = tuple[str | int, ...]
@@ -208,7 +208,7 @@ class CableScene:
     plots : tuple of panels, each a tuple of Curve
     text, path : str, Path
         The file.
-    cautions : tuple of Caution
+    warnings : tuple of SceneWarning
         Liberties that the reader took; `tautline.cable.warnings` has more to say.
     document : Document
         For messages.
@@ -224,7 +224,7 @@ class CableScene:
     motions: tuple[Motion, ...]
     plots: tuple[tuple[Curve, ...], ...]
     solver: CableSolver
-    cautions: tuple[Caution, ...]
+    warnings: tuple[SceneWarning, ...]
     document: Document = field(repr=False, compare=False)
 
     @property
@@ -278,7 +278,7 @@ HOW_SOLVED = (
 """Fields of ``GeneralizedAlpha`` that say how a scene is solved, and what is kept."""
 PARTS = ("nodes", "elements", "ties", "couplings", "nodal", "motions")
 BESIDES_MODEL = frozenset(
-    {"title", "plots", "cautions", "document", *(f"solver.{name}" for name in HOW_SOLVED)}
+    {"title", "plots", "warnings", "document", *(f"solver.{name}" for name in HOW_SOLVED)}
     | {f"{part}.{where}" for part in PARTS for where in ("line", "place")}
 )
 """What does not count in a cable's model (`tautline.scene.identity`): where things stand in the file, too."""

@@ -19,7 +19,7 @@ from tautline.cable.input.parts import Coupling, Curve, Element, Motion, Node, P
 from tautline.cable.input.register import Register, known_ids
 from tautline.cable.input.thesis_compat import without_alternatives
 from tautline.scene.document import Document
-from tautline.scene.errors import Caution
+from tautline.scene.errors import SceneWarning
 
 STEEPEST = 1.0e3
 """Slope dr/dp, the stretch of the cable, that is surely something else."""
@@ -36,7 +36,7 @@ class Parts:
     nodal: tuple[Any, ...]
     motions: tuple[Motion, ...]
     plots: tuple[tuple[Curve, ...], ...]
-    cautions: tuple[Caution, ...]
+    warnings: tuple[SceneWarning, ...]
 
 
 def resolve(written: w.WrittenCable, document: Document) -> Parts:
@@ -47,7 +47,7 @@ def resolve(written: w.WrittenCable, document: Document) -> Parts:
     SceneError
         Listing every fault with its line, key and cure.
     """
-    kept, cautions = without_alternatives(written.CableModel, document)
+    kept, warnings = without_alternatives(written.CableModel, document)
     register = Register(document, [(item.kind, item.model, ("CableModel", i, item.kind)) for i, item in kept])
     register.check_ids()
     motions = _motions(register)
@@ -64,7 +64,7 @@ def resolve(written: w.WrittenCable, document: Document) -> Parts:
         motions=motions,
         nodal=tuple(part for item in NODAL.values() for part in register.make(item.model, item.made)),
         plots=_plots(written, register),
-        cautions=(*cautions, *ignored),
+        warnings=(*warnings, *ignored),
     )
     register.report()
     _check_loose(parts, register)

@@ -83,7 +83,7 @@ def json_schema() -> dict[str, Any]:
 
 def _scene(document: Document) -> CableScene:
     model = file_model()
-    meant, cautions = read_quirks(document)
+    meant, warnings = read_quirks(document)
     try:
         written = validate(model, meant)
     except SceneError as error:
@@ -95,8 +95,8 @@ def _scene(document: Document) -> CableScene:
         gravity=written.CableModelMaterial.Gravity,
         solver=written.GeneralizedAlpha,
         document=document,
-        **{name: value for name, value in vars(parts).items() if name != "cautions"},
-        cautions=(*cautions, *parts.cautions),
+        **{name: value for name, value in vars(parts).items() if name != "warnings"},
+        warnings=(*warnings, *parts.warnings),
     )
     # A scene whose lengths or couplings contradict each other is refused here, not when it is built.
     check_couplings(scene, material_coordinates(scene))

@@ -1,4 +1,4 @@
-"""What the thesis' own example does and YAML reads otherwise: understood, and said as a caution.
+"""What the thesis' own example does and YAML reads otherwise: understood, and said as a warning.
 
 Three quirks: ``{Cable:0, what:N}`` without blanks, which YAML takes for keys named ``Cable:0`` without a value; a key
 given twice (`tautline.scene.document.REPEATABLE`); and a second, linear version of the model beside the cubic one.
@@ -13,18 +13,18 @@ from typing import Any
 
 from tautline.cable.input.models import KINDS, Item, LinearCoupl, LinearElement, Multiplier4, Node4Dof, Node7Dof
 from tautline.scene.document import Document, join_key
-from tautline.scene.errors import Caution, SceneError
+from tautline.scene.errors import SceneError, SceneWarning
 
 GLUED = re.compile(r"(?P<key>\w+):(?P<value>\S.*)")
 OF_LINEAR = (Node4Dof, LinearElement, Multiplier4)
 
 
-def read_quirks(document: Document) -> tuple[Document, list[Caution]]:
-    """Copy of a document that says what its author meant, and a caution for each liberty taken."""
-    cautions = []
+def read_quirks(document: Document) -> tuple[Document, list[SceneWarning]]:
+    """Copy of a document that says what its author meant, and a warning for each liberty taken."""
+    warnings = []
     for path, line in document.repeats:
         text = f"stands in line {line} as well: the last one counts, remove the other"
-        cautions.append(Caution(_at(document, path), text))
+        warnings.append(SceneWarning(_at(document, path), text))
     root = {key: value for key, value in document.root.items()}
     glued: list[tuple[str | int, ...]] = []
     for key in ("CableModel", "Plots"):
@@ -34,12 +34,12 @@ def read_quirks(document: Document) -> tuple[Document, list[Caution]]:
         more = f" and {len(glued) - 1} more" if len(glued) > 1 else ""
         key, value = str(glued[0][-1]).split(":", 1)
         text = f"is read as `{key}: {value}`: put a blank after the colon{more and f' (here{more})'}"
-        cautions.append(Caution(_at(document, glued[0]), text))
-    return dataclasses.replace(document, root=root), cautions
+        warnings.append(SceneWarning(_at(document, glued[0]), text))
+    return dataclasses.replace(document, root=root), warnings
 
 
 def _at(document: Document, path: Sequence[str | int]) -> str:
-    """Key path and line, for a caution."""
+    """Key path and line, for a warning."""
     return f"{join_key(tuple(path))} (line {document.line(tuple(path))})"
 
 
@@ -64,7 +64,9 @@ def _unglued(value: Any, path: tuple[str | int, ...], found: list[tuple[str | in
     return copy
 
 
-def without_alternatives(items: Sequence[Item], document: Document) -> tuple[list[tuple[int, Item]], list[Caution]]:
+def without_alternatives(
+    items: Sequence[Item], document: Document
+) -> tuple[list[tuple[int, Item]], list[SceneWarning]]:
     """Items with their places in the list, without the linear copy of a cubic model that the appendix appends.
 
     It is a copy if every ``Node4Dof`` has a ``Node7Dof`` of the same id at the same point. What goes is all that is
@@ -85,7 +87,7 @@ def without_alternatives(items: Sequence[Item], document: Document) -> tuple[lis
         f"begins a copy of the model for linear elements, every node of which has a Node7Dof at its place: its "
         f"{dropped} items are left out; keep one of the alternatives, or give the nodes ids of their own"
     )
-    return kept, [Caution(_at(document, ("CableModel", copies[0], "Node4Dof")), text)]
+    return kept, [SceneWarning(_at(document, ("CableModel", copies[0], "Node4Dof")), text)]
 
 
 def _with_couplings(numbered: Sequence[tuple[int, Item]], first: int) -> Iterator[tuple[int, Item | None]]:

@@ -24,7 +24,7 @@ def limits(result: Any, scene: CableScene) -> list[dict[str, Any]]:
     linear = [element for element in scene.elements if element.kind == "linear"]
     if linear:
         first, second = np.array([[index[node] for node in element.nodes] for element in linear]).T
-        position, material = np.asarray(result["position"]), np.asarray(result["material"])
+        position, material = np.asarray(result["position"]), np.asarray(result["material_coordinate"])
         length = np.linalg.norm(position[:, second] - position[:, first], axis=-1)
         stretches.append(length / np.maximum(material[:, second] - material[:, first], 1e-12))
         places += [f"element {element.id}" for element in linear]

@@ -23,9 +23,9 @@ def variables(observer: Observer) -> list[Variable]:
     return [
         Variable("position", (*node, "axis"), "m", "position"),
         *(slopes if observer.cubic_nodes.size else []),
-        Variable("material", node, "m", "material coordinate p"),
+        Variable("material_coordinate", node, "m", "material coordinate p"),
         Variable("velocity", (*node, "axis"), "m/s", "velocity"),
-        Variable("material_rate", node, "m/s", "rate of the material coordinate"),
+        Variable("material_velocity", node, "m/s", "rate of the material coordinate"),
         Variable("axial_force", element, "N", "axial force in the middle of an element, with its damping"),
         *(curved if observer.cubic_nodes.size else []),
         *([Variable("multiplier", ("time", "constraint"), "N", "multiplier")] if observer.names else []),
@@ -76,9 +76,9 @@ class Observer:
         q, v = frames.q, frames.v
         made = {
             "position": q[:, self.start[:, None] + three],
-            "material": q[:, self.material],
+            "material_coordinate": q[:, self.material],
             "velocity": v[:, self.start[:, None] + three],
-            "material_rate": v[:, self.material],
+            "material_velocity": v[:, self.material],
         }
         slope, slope_rate = np.zeros_like(made["position"]), np.zeros_like(made["position"])
         places = self.start[self.cubic_nodes][:, None] + 3 + three
@@ -96,7 +96,7 @@ class Observer:
     def _forces(self, made: dict[str, np.ndarray], slope: np.ndarray, slope_rate: np.ndarray):
         """Axial force (m, elements) N and curvature 1/m in the middle of elements."""
         i, j = self.ends.T
-        p, rate = made["material"], made["material_rate"]
+        p, rate = made["material_coordinate"], made["material_velocity"]
         length = (p[:, j] - p[:, i])[..., None]
         grown, u = (rate[:, j] - rate[:, i])[..., None], 0.5 * (rate[:, i] + rate[:, j])[..., None]
         ends = [made["position"][:, i], slope[:, i], made["position"][:, j], slope[:, j]]

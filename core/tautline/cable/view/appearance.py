@@ -167,19 +167,21 @@ def chains_of(scene: CableScene) -> list[list[int]]:
 
 def _cables(result: Result, scene: CableScene, factor: float) -> list[Line]:
     """A line of each chain of elements."""
-    stored = {name: np.asarray(result[name]) for name in ("position", "material", "velocity", "material_rate")}
+    stored = {
+        name: np.asarray(result[name]) for name in ("position", "material_coordinate", "velocity", "material_velocity")
+    }
     slope = np.asarray(result["slope"]) if "slope" in result else np.zeros_like(stored["position"])
-    force, moves = np.asarray(result["axial_force"]), bool(np.any(stored["material_rate"]))
+    force, moves = np.asarray(result["axial_force"]), bool(np.any(stored["material_velocity"]))
     index = {node.id: i for i, node in enumerate(scene.nodes)}
     lines = []
     for elements, name in _numbered("cable", chains_of(scene)):
         straight = np.array([scene.elements[i].kind == "linear" for i in elements])
         nodes = [index[scene.elements[elements[0]].nodes[0]], *(index[scene.elements[i].nodes[1]] for i in elements)]
         chain = Chain(
-            stored["position"][:, nodes], slope[:, nodes], stored["material"][:, nodes], straight,
+            stored["position"][:, nodes], slope[:, nodes], stored["material_coordinate"][:, nodes], straight,
             2 if straight.all() else steps_for(len(elements)), factor,
         )  # fmt: skip
-        rate = stored["material_rate"][:, nodes] if moves else None
+        rate = stored["material_velocity"][:, nodes] if moves else None
         shown = quantities(chain, force[:, elements], stored["velocity"][:, nodes], rate, not straight.all())
         lines.append(Line(name, at_a_frame(chain.points), 0.0, shown, nodes=chain.nodes))
     return lines

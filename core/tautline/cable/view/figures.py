@@ -27,8 +27,8 @@ VARIABLES = {
     "r": ("position", "m"),
     "v": ("velocity", "m/s"),
     "rp": ("slope", ""),
-    "p": ("material", "m"),
-    "pdot": ("material_rate", "m/s"),
+    "p": ("material_coordinate", "m"),
+    "pdot": ("material_velocity", "m/s"),
 }
 """Variable of a result and its unit, for what a curve may show."""
 
@@ -136,7 +136,7 @@ def waterfall(results: Sequence[Result], name: str = "axial_force") -> Figure:
     if len(elements) < FEWEST or not joined:
         raise NothingToShow(result, f"no chain of {FEWEST} elements or more, one after the other")
     ends = np.array([[nodes.index(one) for one in element.nodes] for element in elements])
-    p = result["material"][0]
+    p = result["material_coordinate"][0]
     edges = np.concatenate([[0.0], np.cumsum(np.abs(p[ends[:, 1]] - p[ends[:, 0]]))])
     words = (variable.long_name.split(",")[0], variable.units)
     return waterfall_figure(result, values, edges, words, ("unstretched length", "m"))

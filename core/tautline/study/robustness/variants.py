@@ -200,18 +200,18 @@ def _stated(subject: Subject, setting: Setting, result: Result) -> tuple[float, 
 
 
 def _told(subject: Subject, setting: Setting, trial: Trial) -> tuple[str, ...]:
-    """What ``simulate`` would have said: the scene's cautions of its solver, and the run's own warnings."""
-    warnings = [] if trial.result is None else trial.result.warnings
+    """What ``simulate`` would have said: the scene's warnings of its solver, and the run's own warnings."""
+    of_run = [] if trial.result is None else trial.result.warnings
     try:
         scene = subject.arranged(setting)
     except SceneError:
-        return tuple(warnings)
-    cautions = [str(c) for c in subject.application.cautions(scene) if _of_steps(c)]
-    return (*cautions, *warnings)
+        return tuple(of_run)
+    of_scene = [str(c) for c in subject.application.warnings(scene) if _of_steps(c)]
+    return (*of_scene, *of_run)
 
 
-def _of_steps(caution: Any) -> bool:
-    return any(word in str(caution.where) for word in ("solver", "GeneralizedAlpha", "mesh", "elements"))
+def _of_steps(warning: Any) -> bool:
+    return any(word in str(warning.where) for word in ("solver", "GeneralizedAlpha", "mesh", "elements"))
 
 
 def _error(

@@ -11,7 +11,7 @@ from crane.assembly.drum_supply import check_supply, supply_of
 from crane.assembly.estimates import estimate, rk4_limit
 from crane.scene.scene import CraneScene
 from crane.view.figures import draw_scene
-from crane.warnings.scene import cautions, describe, figures
+from crane.warnings.scene import describe, figures, warnings
 from tautline.scene.errors import SceneError
 
 GRAVITY = 9.81
@@ -27,8 +27,8 @@ def tip(**more):
 
 
 def told(of, where):
-    """Texts of the cautions at a key path."""
-    return [caution.text for caution in cautions(of) if caution.where == where]
+    """Texts of the warnings at a key path."""
+    return [warning.text for warning in warnings(of) if warning.where == where]
 
 
 def only(of, where):
@@ -38,7 +38,7 @@ def only(of, where):
 
 @pytest.mark.parametrize("of", [one_fall(), falls(2), falls(16), elevator(), fixed_rope()], ids=lambda of: of.title)
 def test_sound_scenes_are_not_warned_of(of):
-    assert cautions(of.model_copy(update={"output": of.output.model_copy(update={"interval": 0.005})})) == []
+    assert warnings(of.model_copy(update={"output": of.output.model_copy(update={"interval": 0.005})})) == []
 
 
 def test_rope_that_meets_a_sheave_askew_is_told_with_angle_and_limit():
@@ -56,7 +56,7 @@ def test_sheaves_small_for_their_rope_are_told_the_smallest_by_name():
     text = only(one_fall(rope={"diameter": "60 mm"}), "path[1].sheave.radius")
     assert "D/d = 13.3" in text and "16 or more" in text and "more below" not in text
     assert "and 1 more below 16" in only(one_fall(rope={"diameter": "70 mm"}), "path[1].sheave.radius")
-    assert cautions(one_fall(rope={"diameter": None})) == []
+    assert warnings(one_fall(rope={"diameter": None})) == []
 
 
 def test_a_rope_weak_for_its_load_is_told_with_the_rule_it_is_held_against():
@@ -234,7 +234,7 @@ def test_more_rope_than_a_drum_holds_is_refused_with_the_time_it_is_full():
     with pytest.raises(SceneError, match="beginning empty, as no rope_on_drum is given"):
         check_supply(layered(pay_out={"ramp": {"to": -5.0, "over": 1.0}}))
     with pytest.raises(SceneError, match="5 turns hold"):
-        cautions(layered(rope_on_drum="10 m", pay_out=hoisting))
+        warnings(layered(rope_on_drum="10 m", pay_out=hoisting))
     check_supply(layered(rope_on_drum="3 m", pay_out={"ramp": {"to": -1.0, "over": 1.0}}))
     check_supply(layered(rope_on_drum="10 m", pay_out={"ramp": {"to": 1.0, "over": 1.0}}))
 
@@ -280,5 +280,5 @@ def test_a_scene_is_drawn_before_it_runs(tmp_path):
 
 def test_a_scene_that_no_rope_can_take_is_refused():
     with pytest.raises(SceneError, match="boom tip"):
-        cautions(scene(path=[WINCH, tip(center=[0.2, 0, 0.1]), HOOK]))
+        warnings(scene(path=[WINCH, tip(center=[0.2, 0, 0.1]), HOOK]))
     assert isinstance(one_fall(), CraneScene)
