@@ -14,7 +14,8 @@ from thesis_forms_figures import IMAGES
 from thesis_strings_rod import COLLAR, PIPE
 
 import tautline
-from drillstring.model.build import build, well_of
+from drillstring.model.build import build
+from drillstring.model.prepared import well_of
 from tautline.view.figures.figure import COLOURS, QUIET, Axes, axes, equal_scale, label, save, styled
 
 END = 40.0

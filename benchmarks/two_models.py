@@ -8,7 +8,8 @@ import jwell
 import numpy as np
 from page import between, load, machine, number, quick_asked, table
 
-from drillstring.model.build import build, well_of
+from drillstring.model.build import build
+from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.statics.form import find_form
 from tautline.results.result import Result

@@ -95,7 +95,7 @@ def test_warnings_are_printed_before_a_run_and_by_check(folder, fake_here):
     assert report["length"] == 1.0
     assert not Path("check.nc").exists()
     report = only_object(fake_here("simulate", "warning.yaml", "--json"))
-    assert report["warnings"] == [{"where": "solver.step", "text": "longer than the critical step"}]
+    assert report["scene_warnings"] == [{"where": "solver.step", "text": "longer than the critical step"}]
 
 
 BAD_INPUT = [

@@ -67,6 +67,13 @@ def test_below_its_limits_it_pays_out_gain_times_the_heave_of_a_while_ago(name, 
     assert_within(compensation, limits)
 
 
+@pytest.mark.parametrize("name", HEAVES)
+def test_in_a_run_that_ends_as_the_heave_is_first_answered_it_stands_still(name):
+    delay = 0.1
+    compensation = compensate(HEAVES[name], 0.9, delay, Limits(), delay)
+    assert np.abs(sampled(compensation.pay_out, np.linspace(0.0, delay, 7))).max() < 1e-9
+
+
 def test_limits_that_are_just_not_met_change_nothing():
     w = 2.0 * np.pi / 8.0
     limits = Limits(1.0001, 1.0001 * w, 1.0001 * w * w)

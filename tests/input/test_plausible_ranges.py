@@ -9,7 +9,7 @@ import pytest
 
 from crane.scene.scene import CraneScene
 from crane.warnings.rope import rope_warnings
-from drillstring.model.build import tubes_of, well_of
+from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import cut
 from drillstring.warnings.wall import wall_warnings

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drillstring.model.build import build, tubes_of
+from drillstring.model.build import build
+from drillstring.model.prepared import tubes_of
 from drillstring.scene.scene import DrillstringScene, json_schema
 from drillstring.scene.tubulars import NoSuchTubular, catalogue, find, inches, matching
 from drillstring.warnings.scene import warnings

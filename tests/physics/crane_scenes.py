@@ -158,7 +158,7 @@ def _rewrapped(made, scene):
     wheels = [(i, wheel) for i, wheel in wheels if "wrap" in wheel]
     for words in product(*(_words(wheel["axis"], wanted[i]) for i, wheel in wheels)):
         for (_, wheel), word in zip(wheels, words, strict=True):
-            wheel["wrap_angle"] = word
+            wheel["wrap"] = word
         try:
             sigma = lay_out(parsed(made)).path.sigma
         except SceneError:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from physics.strings import shipped
 
-from drillstring.model.build import well_of
+from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM
 from drillstring.statics.statics import Statics
 from drillstring.warnings.scene import warnings

@@ -395,7 +395,8 @@ ALIKE = (0, 1, 2, 4, 5)
 def unlike(result, reference):
     """Largest difference of p and r of the nodes that both scenes have, m."""
     return max(
-        np.abs(of_nodes(result, name, ALIKE) - np.array(reference[name])).max() for name in ("material_coordinate", "position")
+        np.abs(of_nodes(result, name, ALIKE) - np.array(reference[name])).max()
+        for name in ("material_coordinate", "position")
     )
 
 

@@ -5,7 +5,7 @@ import pytest
 from physics.strings import GRAVITY, Balance, E, run, straight_hole
 from physics.strings import mass_per_length as steel
 
-from drillstring.model.build import tubes_of, well_of
+from drillstring.model.prepared import tubes_of, well_of
 from drillstring.warnings.scene import warnings
 from tautline.integrators.linearise import matrices
 from tautline.scene.errors import SceneError

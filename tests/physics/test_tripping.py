@@ -13,7 +13,7 @@ import pytest
 from physics.strings import DATA, run, shipped
 from references import soft_string as reference
 
-from drillstring.model.build import well_of
+from drillstring.model.prepared import well_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.statics import Statics
 from drillstring.warnings.scene import warnings

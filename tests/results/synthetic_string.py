@@ -55,9 +55,19 @@ def result(path=None, frames=800, bodies=13, turning=False, vertical=False, lag=
         # Half as fast again as the lumps go around: a forward whirl of two thirds.
         values["rotation_rate"] = np.full_like(depth, 2 * np.pi / 8.0 * 1.5)
         side, along = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
-        swing = 2 * np.pi / 8.0 * np.stack([-values["lateral_displacement"][..., 1], values["lateral_displacement"][..., 0]], axis=-1)
+        swing = (
+            2
+            * np.pi
+            / 8.0
+            * np.stack([-values["lateral_displacement"][..., 1], values["lateral_displacement"][..., 0]], axis=-1)
+        )
         values["velocity"] = swing[..., :1] * side + swing[..., 1:] * np.cross(along, side)
-    axes = {"lateral_displacement": ("body", "side"), "position": ("body", "axis"), "tension": ("link",), "torque": ("link",)}
+    axes = {
+        "lateral_displacement": ("body", "side"),
+        "position": ("body", "axis"),
+        "tension": ("link",),
+        "torque": ("link",),
+    }
     axes |= {name: ("body",) for name in ("measured_depth", "contact_force", "rotation", "rotation_rate")}
     axes |= {"velocity": ("body", "axis")}
     units = {"hook_load": "N", "tension": "N", "contact_force": "N", "torque": "N m"}

@@ -61,7 +61,7 @@ def test_a_variable_is_drawn_against_time_in_a_unit_that_keeps_its_numbers_short
         ("axial_force:3", (slice(None), 2)),
         ("axial_force:-1", (slice(None), -1)),
         ("position:4:x", (slice(None), 3, 0)),
-        ("wrap:boom tip", (slice(None), 0)),
+        ("wrap_angle:boom tip", (slice(None), 0)),
     ],
 )
 def test_a_part_of_a_variable_is_chosen_by_the_name_number_or_place_of_its_members(hoist, words, picked):
@@ -97,7 +97,9 @@ def test_directions_are_called_what_the_description_lists():
         Variable("lateral_displacement", ("time", "body", "side"), "m", "offset from the hole's axis"),
     ]
     with Store(None, variables, coordinates, {}) as store:
-        store.append({"time": np.arange(2.0), "velocity": np.zeros((2, 3, 3)), "lateral_displacement": np.zeros((2, 3, 2))})
+        store.append(
+            {"time": np.arange(2.0), "velocity": np.zeros((2, 3, 3)), "lateral_displacement": np.zeros((2, 3, 2))}
+        )
         run = store.finish()
     plots = only(draw([run], ["velocity"])).axes
     assert [plot.get_ylabel() for plot in plots] == [f"velocity, {way} [m/s]" for way in ("north", "east", "down")]

@@ -7,7 +7,8 @@ import pytest
 from physics.strings import DATA, shipped
 from results.synthetic_string import result as synthetic
 
-from drillstring.model.build import build, well_of
+from drillstring.model.build import build
+from drillstring.model.prepared import well_of
 from drillstring.view.appearance import VIEWS, appearance
 from tautline.results.errors import ResultError
 from tautline.results.result import Result

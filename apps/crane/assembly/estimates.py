@@ -12,6 +12,7 @@ from crane.assembly.loads import load_of, pull
 from crane.assembly.mesh_damping import HIGHEST, bounce
 from crane.geometry.reeving import Path
 from crane.scene.scene import CraneScene, End, Sheave
+from tautline.scene.files import stamps
 
 REAL_LIMIT = 2.785294
 """Decay rate times step beyond which RK4 is unstable: 1 - x + x^2/2 - x^3/6 + x^4/24 = 1."""
@@ -61,7 +62,11 @@ class Estimate:
 
 
 def estimate(scene: CraneScene) -> Estimate:
-    """Lay a scene out and estimate it; raises SceneError for a path that no rope can take."""
+    """Lay a scene out and estimate it, once; raises SceneError for a path that no rope can take."""
+    return scene.once("estimate", (scene, stamps(scene.vessel, scene.folder)), lambda: _estimate(scene))
+
+
+def _estimate(scene: CraneScene) -> Estimate:
     layout = lay_out(scene)
     return Estimate(scene, layout, static_tension(scene, layout.path), bounce(scene, layout.path))
 

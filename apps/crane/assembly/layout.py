@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.loads import floating
+from crane.assembly.prepared import motion_of
 from crane.geometry.line import WHEEL
 from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of
 from crane.geometry.reeving import Path, ReevingError, Wheel, reeve, sigma_of
@@ -20,13 +21,11 @@ from crane.geometry.sagging import Sag, sagging
 from crane.groups.span import MATERIAL, STATION
 from crane.scene.scene import Anchor, Body, CraneScene, End, Sheave
 from crane.scene.strength import longest_strain
-from crane.sea.frames import ENTRIES, GROUND, Frame, point_of, requests_of
-from crane.sea.vessel import frames_of
-from tautline.kernels.time_function import value_at
+from crane.sea.frames import ENTRIES, GROUND, Frame, point_of
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant
 from tautline.system.system import Degrees
-from tautline.system.time_functions import FunctionRequest, compile_functions
+from tautline.system.time_functions import FunctionRequest
 
 AXES = 3
 ROUNDING = 1.0e-9
@@ -133,19 +132,6 @@ def orientation_of(scene: CraneScene, body: Body) -> np.ndarray:
     return np.array([s * w - v @ x, *(s * x + w * v + np.cross(v, x))])
 
 
-def _compiled_frames(scene: CraneScene) -> tuple[tuple[Frame, ...], dict[str, int], list[FunctionRequest]]:
-    """Frames with the functions of time that place them; faults get their line."""
-    end = scene.solver.end
-    try:
-        frames, places = frames_of(scene.vessel, scene.frames, scene.folder, end)
-        return frames, places, requests_of(frames, end)
-    except SceneError as error:
-        problems = [
-            scene.problem(p.key, p.cause, p.cure) if p.line is None and p.key else p for p in error.problems
-        ]  # fmt: skip
-        raise SceneError(problems) from None
-
-
 def lay_out(scene: CraneScene) -> Layout:
     """Lay a scene out.
 
@@ -154,9 +140,8 @@ def lay_out(scene: CraneScene) -> Layout:
     SceneError
         Where no rope can take the path, and for faults of the files of a vessel's motion.
     """
-    frames, places, requests = _compiled_frames(scene)
-    functions = compile_functions(requests)
-    entries = np.array([value_at(functions, i, 0.0)[0] for i in range(len(requests))]).reshape(-1, ENTRIES)
+    motion = motion_of(scene)
+    frames, places, requests, entries = motion.frames, motion.places, motion.requests, motion.entries
     on = [_frame_number(scene, item, places) for item in scene.path]
     wheels = [
         _wheel(scene, item, entries[k] if k != GROUND else IDENTITY) for item, k in zip(scene.path, on, strict=True)

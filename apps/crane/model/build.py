@@ -9,6 +9,7 @@ import numpy as np
 from crane.assembly.drum_supply import check_supply
 from crane.assembly.groups import groups_of
 from crane.assembly.layout import AXES, Layout, lay_out
+from crane.assembly.prepared import compensation_of
 from crane.assembly.static_start import draw_true, stretch_of
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.span import MATERIAL, STATION
@@ -17,11 +18,9 @@ from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
 from crane.results.summary import headline
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
-from crane.sea.compensation import Compensation, compensate
-from crane.sea.frames import heave_of
+from crane.sea.compensation import Compensation
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.time_function import value_at
-from tautline.scene.errors import SceneError
 from tautline.scene.identity import model_hash
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
@@ -174,7 +173,7 @@ def _tie_material(layout: Layout, tension: float) -> None:
 def _drive(layout: Layout) -> Compensation | None:
     """Prescribe the material at drums whose motion is prescribed; a drum's compensation comes in addition."""
     scene, degrees = layout.scene, layout.degrees
-    compensation = compensation_of(layout)
+    compensation = compensation_of(scene)
     for i, item in enumerate(scene.path):
         if not (isinstance(item, Drum) and item.prescribed):
             continue
@@ -203,25 +202,6 @@ def _further(layout: Layout, name: str, value: float, request: FunctionRequest |
     else:
         degrees.prescribe(place, layout.requests.add(request))
     return place
-
-
-def compensation_of(layout: Layout) -> Compensation | None:
-    """What the heave compensation does: it answers the heave of the last point of the path that rides on the vessel."""
-    scene = layout.scene
-    asked = scene.heave_compensation
-    if asked is None or not layout.frames:
-        return None
-    places = {frame.name: k for k, frame in enumerate(layout.frames)}
-    order = scene.path if isinstance(scene.path[0], Drum) else scene.path[::-1]
-    led = [item for item in order if scene.frame_of(item) is not None]
-    if not led:
-        cause = "nothing of the path rides on the vessel: there is no heave to answer"
-        raise SceneError([scene.problem("heave_compensation", cause, "remove it, or put the crane on the vessel")])
-    tip = led[-1]
-    k = places[scene.frame_of(tip)]
-    point = tip.position if isinstance(tip, Anchor) else tip.center
-    heave = heave_of(layout.frames, places["vessel"], k, point, scene.solver.end)
-    return compensate(heave, asked.gain, asked.delay, asked.limits, scene.solver.end)
 
 
 def _stencils(layout: Layout, contacts: list[np.ndarray]) -> tuple[list[np.ndarray], list[np.ndarray]]:

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from crane.scene.path import Name
+from tautline.scene.files import FileName
 from tautline.scene.functions import Constant, FunctionOfTime, Spectrum, time_function
 from tautline.scene.model import MARK, Model
 from tautline.scene.quantity import quantity
@@ -91,7 +92,7 @@ class MotionFile(Model):
         Time over which the motion grows from nothing, and the file's time at the start of the run, s.
     """
 
-    file: str
+    file: FileName
     units: Annotated[dict[str, str], AfterValidator(_units)] = Field(default={}, examples=["{roll: deg, pitch: deg}"])
     gap: Annotated[float, quantity("s", positive=True, of="duration")] | None = None
     ramp: Annotated[float, quantity("s", nonnegative=True, of="duration")] = 0.0
@@ -105,7 +106,7 @@ class SeaMotion(Model):
     """
 
     sea: Spectrum = Field(examples=["{significant_height: 2.5, peak_period: 9}"])
-    rao: str = Field(examples=["vessel.csv"])
+    rao: FileName = Field(examples=["vessel.csv"])
     direction: Annotated[float, quantity("rad", of="angle")] | None = None
 
     @model_validator(mode="after")

@@ -353,6 +353,8 @@ class _Actuator:
         """Speed at which a distance can be closed by braking, softly at the last, and its slope over the distance."""
         soft = SOFT * braking * self.h
         root = math.sqrt(soft * soft + 2.0 * braking * abs(distance))
+        if root == 0.0:  # the command does not move in the whole run: there is nothing to close, or to close it with
+            return 0.0, 0.0
         return math.copysign(root - soft, distance), braking / root
 
     def _cut(self, state: _State, a: float) -> tuple[float, int]:

@@ -12,7 +12,7 @@ from crane.assembly.drum_supply import check_supply, hoisted_spans, reeled_of
 from crane.assembly.estimates import Estimate, estimate, rk4_limit
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
-from crane.model.build import compensation_of
+from crane.assembly.prepared import compensation_of
 from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
@@ -44,7 +44,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
     """Warnings of a scene, each with its cause and a cure; raises SceneError where it cannot be run."""
     check_supply(scene)
     found = estimate(scene)
-    actuator = compensation_of(found.layout) if scene.heave_compensation is not None else None
+    actuator = compensation_of(scene)
     sentences = [
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),

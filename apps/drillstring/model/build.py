@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from drillstring.drilling.end_groups import notes_of_ends
 from drillstring.model.lumped_model import assemble_lumps
+from drillstring.model.prepared import prepared
 from drillstring.results.drilling import variables_of_ends
 from drillstring.results.limits import limits
 from drillstring.results.observe import COORDINATE_UNITS, headline, variables
 from drillstring.scene.ends import Controller
-from drillstring.scene.hole import Build, Hold
-from drillstring.scene.scene import BEAM, DrillstringScene, check_lengths
-from drillstring.string.buoyancy import check_weight
+from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
-from drillstring.string.lumps import Tube, cut
-from drillstring.well import wellbore
-from drillstring.well.survey import read_survey
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.groups import offers
-from tautline.scene.errors import SceneError
 from tautline.scene.identity import model_hash
 from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
 from tautline.system.model import Model, SolverSettings
@@ -32,74 +24,6 @@ TOLERANCE = 1.0e-9
 """Largest residual over the string's weight that counts as solved: a millinewton on a meganewton."""
 STEP_ERROR = 1.0e-5
 """Error of a step, m, where the step is chosen and the scene gives none."""
-
-
-def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
-    """The curve of the hole.
-
-    Raises
-    ------
-    SceneError
-        Where sections or survey stations make no hole; a survey's by row.
-    """
-    well = scene.well
-    if well.survey is not None:
-        assert scene.document is not None
-        path = Path(scene.document.folder) / well.survey.file
-        if not path.is_file():
-            cause = "is a folder, not a file" if path.is_dir() else f"there is no file {path}"
-            raise SceneError([scene.problem("well.survey", cause, "give its path relative to the scene's folder")])
-        survey = read_survey(path, well.survey.units, max_gap=well.survey.max_gap)
-        try:
-            return wellbore.from_survey(survey.md, survey.inc, survey.azi)
-        except wellbore.WellboreError as error:
-            raise SceneError([scene.problem("well.survey", error.message, error.cure)]) from None
-    pieces: list[wellbore.Section] = []
-    for piece in well.sections or ():
-        if isinstance(piece, Hold):
-            pieces.append(wellbore.Hold(piece.length))
-        elif isinstance(piece, Build):
-            pieces.append(wellbore.Build(piece.bend_radius, piece.to, piece.azimuth))
-        else:
-            pieces.append(wellbore.Turn(piece.bend_radius, piece.to))
-    try:
-        return wellbore.from_sections(pieces, well.inclination, well.azimuth)
-    except wellbore.WellboreError as error:
-        key = "well.sections" if error.index is None else f"well.sections[{error.index}]"
-        raise SceneError([scene.problem(key, error.message, error.cure)]) from None
-
-
-def tubes_of(scene: DrillstringScene, well_length: float) -> list[Tube]:
-    """Sections of the string with their material, and ``rest`` resolved.
-
-    Raises
-    ------
-    SceneError
-        As check_lengths does, and for a string that floats.
-    """
-    tubes = []
-    for section, length in zip(scene.string, check_lengths(scene, well_length), strict=True):
-        steel = scene.material
-        density = section.density or steel.density
-        area = np.pi / 4.0 * (section.od**2 - section.id**2)
-        tubes.append(
-            Tube(
-                name=section.name,
-                length=length,
-                od=section.od,
-                id=section.id,
-                contact_od=section.contact_diameter,
-                youngs_modulus=section.youngs_modulus or steel.youngs_modulus,
-                shear_modulus=section.shear_modulus or steel.shear_modulus,
-                density=density,
-                mass_per_length=section.mass_per_length or density * area,
-                second_moment=section.second_moment or np.pi / 64.0 * (section.od**4 - section.id**4),
-                eccentricity=tuple(section.eccentricity),
-                elements=section.elements,
-            )
-        )
-    check_weight(scene, tubes)
-    return tubes
 
 
 def build(scene: DrillstringScene) -> Model:
@@ -114,8 +38,8 @@ def build(scene: DrillstringScene) -> Model:
     SceneError
         For what only the wellbore and the lumps can tell: a string longer than the hole, a survey with a gap.
     """
-    well = well_of(scene)
-    lumps = cut(tubes_of(scene, well.length), scene.model.elements)
+    ready = prepared(scene)
+    well, lumps = ready.well, ready.lumps
     functions = compile_functions(requests(scene))
     law, notes = _law(scene)
     notes += notes_of_ends(scene, lumps.tubes)

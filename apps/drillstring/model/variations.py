@@ -10,7 +10,7 @@ import copy
 import math
 from typing import Any
 
-from drillstring.model.build import tubes_of, well_of
+from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import LUMPED, DrillstringScene
 from drillstring.string.lumps import Tube, share_elements
 from tautline.scene.document import Document, Path_

@@ -16,7 +16,7 @@ from scipy.sparse import coo_array, csc_array
 
 from drillstring.groups.beam_contact import BeamContact
 from drillstring.groups.beam_points import NODE, TURN, nodes_of, points_of
-from drillstring.model.build import tubes_of, well_of
+from drillstring.model.prepared import tubes_of, well_of
 from drillstring.modes import bha
 from drillstring.modes.natural_modes import modes_below
 from drillstring.modes.string_at_rest import Vibrations, at_rest, expansion, mass_and_stiffness

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drillstring.model.build import tubes_of, well_of
+from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.string.fluid import fluid_of, mass_beside
 from drillstring.string.lumps import Tube

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.drilling.bit_numbers import bit_row, stiffness_of
-from drillstring.model.build import tubes_of, well_of
+from drillstring.model.prepared import tubes_of, well_of
 from drillstring.modes import bha
 from drillstring.modes.lateral_modes import Support, lateral_modes
 from drillstring.modes.natural_modes import Mode, with_errors
@@ -119,7 +119,7 @@ def campbell(
     links: dict[str, int] = {}
     upper = 0.0
     if "lateral" in kinds:
-        found, supports, upper, links["lateral_displacement"] = lateral_modes(scene, highest, top, held)
+        found, supports, upper, links["lateral"] = lateral_modes(scene, highest, top, held)
         modes += found
     for kind in ("torsional", "axial"):
         if kind in kinds:

@@ -11,7 +11,8 @@ from scipy.sparse import coo_array, csc_array
 from drillstring.drilling.bit_numbers import stiffness_of
 from drillstring.drilling.bit_rock import BladeBit, RockBit
 from drillstring.groups.contact import WallContact
-from drillstring.model.build import build, tubes_of, well_of
+from drillstring.model.build import build
+from drillstring.model.prepared import tubes_of, well_of
 from drillstring.modes import bha
 from drillstring.modes.natural_modes import modes_below
 from drillstring.scene.scene import DrillstringScene

@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from tautline.scene.files import FileName
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
 from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault, refusal
@@ -73,7 +74,7 @@ class Survey(Model):
     `max_gap` (m) is the longest interval between stations that is not taken for a lost one.
     """
 
-    file: str
+    file: FileName
     md: str | None = None
     inc: str | None = None
     azi: str | None = None

@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drillstring.model.build import build, tubes_of, well_of
+from drillstring.model.build import build
+from drillstring.model.prepared import prepared, tubes_of, well_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.rod import NoRod, Piece, Rod, bend, hang
 from drillstring.string.fluid import fluid_of, weight_in
-from drillstring.string.lumps import cut
 from drillstring.well.wellbore import Wellbore
 from tautline.integrators.method import method_for
 from tautline.integrators.state import new_state
@@ -187,8 +187,8 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
     frames.q[0], frames.residual[0] = state.full_q, state.residual
     seen = {name: values[0] for name, values in model.observe(frames).items()}
     unstretched = np.asarray(model.coordinates["unstretched_depth"][1])
-    well = well_of(scene)
-    lumps = cut(tubes_of(scene, well.length), scene.model.elements)
+    ready = prepared(scene)
+    well, lumps = ready.well, ready.lumps
     room = model.coordinates["clearance"][1] if "clearance" in model.coordinates else np.inf
     offset = np.hypot(*seen["lateral_displacement"].T)
     return Form(

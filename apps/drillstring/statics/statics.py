@@ -15,7 +15,8 @@ import numpy as np
 
 from drillstring.drilling.end_groups import BLOCK
 from drillstring.groups.sliding import SLIDING
-from drillstring.model.build import build, tubes_of, well_of
+from drillstring.model.build import build
+from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.ends import Bit, Top
 from drillstring.scene.hole import Friction
 from drillstring.scene.scene import BEAM, DrillstringScene

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drillstring.model.build import well_of
+from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene, check_lengths, of_kind
 from drillstring.statics.buckling import Limits
 from drillstring.statics.helix import LockedUp

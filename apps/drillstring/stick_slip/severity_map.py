@@ -22,7 +22,8 @@ import numpy as np
 
 from drillstring.drilling.bit_numbers import bit_row, rate_at
 from drillstring.drilling.impedance import torsional_frequency
-from drillstring.model.build import build, tubes_of, well_of
+from drillstring.model.build import build
+from drillstring.model.prepared import tubes_of, well_of
 from drillstring.results.drilling import last_part, stick_slip
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene

@@ -204,7 +204,7 @@ def parse_depth(scene: DrillstringScene, text: str | None) -> float | None:
     """Measured depth of the upper end, m; it must leave some of the string."""
     if text is None:
         return None
-    from drillstring.model.build import tubes_of, well_of
+    from drillstring.model.prepared import tubes_of, well_of
     from tautline.cli.lists import number
 
     depth = number(text, "--from", "m")

@@ -45,7 +45,7 @@ def campbell_figure(found: Campbell, title: str = "Campbell diagram", system: st
         _shapes(figure.add_subplot(panels[0, column]), found, kind, system)
     handles = [sample_line(kind, color=INKS[kind]) for kind in kinds]
     handles += [
-        sample_line(plane, color=INKS["lateral_displacement"], ls=look)
+        sample_line(plane, color=INKS["lateral"], ls=look)
         for plane, look in PLANES.items()
         if any(mode.plane == plane for mode in found.modes)
     ]

@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from drillstring.model.build import tubes_of, well_of
+from drillstring.model.prepared import prepared, well_of
 from drillstring.scene.scene import DrillstringScene
-from drillstring.string.lumps import cut
 from drillstring.well.sections import direction_angles
 from drillstring.well.wellbore import Wellbore, WellboreError, from_survey
 from tautline.results.errors import ResultError
@@ -228,7 +227,7 @@ def _pipe(result: Any, links: int, notes: list[str]) -> tuple[np.ndarray, np.nda
         return np.pad(outer, (max(links - outer.size, 0), 0), mode="edge"), names, hole
     scene = scene_of(result)
     try:
-        lumps = None if scene is None else cut(tubes_of(scene, well_of(scene).length), scene.model.elements)
+        lumps = None if scene is None else prepared(scene).lumps
     except SceneError:
         lumps = None
     if scene is not None and lumps is not None and lumps.length.size == links:

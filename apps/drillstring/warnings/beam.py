@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillstring.model.build import tubes_of
+from drillstring.model.prepared import tubes_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import Lumps, cut
 from drillstring.well.wellbore import Wellbore

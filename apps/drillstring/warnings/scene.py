@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.model.build import tubes_of, well_of
 from drillstring.model.lumped_string import lateral_mass
+from drillstring.model.prepared import prepared, well_of
 from drillstring.model.variations import bars
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.buoyancy import buoyancy_warnings
 from drillstring.string.fluid import fluid_of
-from drillstring.string.lumps import Lumps, cut
+from drillstring.string.lumps import Lumps
 from drillstring.string.strength import yield_warnings
 from drillstring.warnings.wall import wall_warnings
 from tautline.cli.summary import shown
@@ -36,7 +36,7 @@ LONG_FOR_MOTION = 0.05
 
 
 def _lumps(scene: DrillstringScene) -> Lumps:
-    return cut(tubes_of(scene, well_of(scene).length), scene.model.elements)
+    return prepared(scene).lumps
 
 
 def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
@@ -212,8 +212,8 @@ def warnings(scene: DrillstringScene) -> list[SceneWarning]:
 
 def figures(scene: DrillstringScene) -> dict[str, Any]:
     """Figures of well and string for ``check --json``, SI."""
-    well = well_of(scene)
-    lumps = cut(tubes_of(scene, well.length), scene.model.elements)
+    ready = prepared(scene)
+    well, lumps = ready.well, ready.lumps
     end = well.position(np.array([well.length]))[0]
     stations = np.linspace(0.0, well.length, 2001)
     k1, k2 = well.curvature(stations)

@@ -59,7 +59,11 @@ class Defaults:
         from tautline.scene.model import validate
 
         values = overrides(given, PLACES)
-        return validate(type(scene), scene.document.replaced(values)) if values else scene
+        if not values:
+            return scene
+        changed = validate(type(scene), scene.document.replaced(values))
+        changed.share(scene)
+        return changed
 
     def vary(self, scene: Any, what: str, *value: Any) -> Any:
         """Copy of a scene that is varied for a study; None, for nothing is known of its mesh or stiffness."""

@@ -16,6 +16,7 @@ from pydantic import Field, GetCoreSchemaHandler, TypeAdapter, ValidationInfo, c
 from pydantic_core import CoreSchema, core_schema
 
 from tautline.scene.columns import Columns
+from tautline.scene.files import FileName
 from tautline.scene.magnitude import SMALLEST
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
 from tautline.scene.quantity import quantity
@@ -65,7 +66,7 @@ class Table(Model):
 
     time: tuple[Time, ...] = Field((), examples=["[0, 1, 2]"])
     value: tuple[float, ...] = Field((), examples=["[0, 0.5, 0.5]"])
-    file: str | None = None
+    file: FileName | None = None
     column: str | None = None
     interpolation: Annotated[
         Literal["linear", "cubic"] | None, Field(description="default: linear for a velocity, cubic for a position")

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from tautline.scene.files import names_file
+
 SOLVED_BY = (
     "method", "rho_inf", "alpha_m", "alpha_f", "step", "end", "control", "step_error", "tolerance", "frequency",
     "max_iterations", "max_halvings", "newton", "criterion",
@@ -33,7 +35,7 @@ def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | No
     besides : collection of str
         Fields that do not count, as key paths without places in lists: ``solver.step``.
     folder : Path or None
-        Folder of the files that the scene names by a field ``file``; they count by their contents, not by their names.
+        Folder of the files that the scene names (`tautline.scene.files`); they count by their contents.
 
     Raises
     ------
@@ -49,11 +51,11 @@ def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | No
 def _contents(value: Any, path: str, besides: Collection[str], folder: Path | None) -> Iterator[bytes]:
     if isinstance(value, (BaseModel, dict)) or dataclasses.is_dataclass(value):
         yield type(value).__name__.encode()
-        for name, each in _fields(value):
+        for name, each, is_file in _fields(value):
             inner = f"{path}.{name}" if path else str(name)
             if inner not in besides:
                 yield str(name).encode()
-                yield from _of_file(each, folder) if name == "file" else _contents(each, inner, besides, folder)
+                yield from _of_file(each, folder) if is_file else _contents(each, inner, besides, folder)
     elif isinstance(value, (tuple, list)):
         yield f"{len(value)} values".encode()
         for each in value:
@@ -67,13 +69,15 @@ def _contents(value: Any, path: str, besides: Collection[str], folder: Path | No
         raise TypeError(f"{path}: what a {type(value).__name__} holds cannot be told")
 
 
-def _fields(value: Any) -> Iterator[tuple[Any, Any]]:
+def _fields(value: Any) -> Iterator[tuple[Any, Any, bool]]:
+    """Name, value, and whether it is the name of a file."""
     if isinstance(value, dict):
-        yield from value.items()
+        yield from ((name, each, False) for name, each in value.items())
     elif isinstance(value, BaseModel):
-        yield from ((name, getattr(value, name)) for name in type(value).model_fields)
+        fields = type(value).model_fields.items()
+        yield from ((name, getattr(value, name), names_file(field)) for name, field in fields)
     else:
-        yield from ((field.name, getattr(value, field.name)) for field in dataclasses.fields(value))
+        yield from ((field.name, getattr(value, field.name), False) for field in dataclasses.fields(value))
 
 
 def _of_file(name: Any, folder: Path | None) -> Iterator[bytes]:

@@ -21,6 +21,8 @@ MARK = "|"
 
 DOUBT = "doubt"
 """The error type of a number that is sound and doubtful: see `tautline.scene.doubts`."""
+MADE = "made once"
+"""Where a scene keeps what was prepared of it: no name of a field."""
 MOST_FAULTS = 100
 """Faults of one mapping that are told; a table of words for numbers has as many as rows."""
 
@@ -28,6 +30,9 @@ Whole = Annotated[int, Strict()]
 """A whole number; true and 12.0 are none."""
 Switch = Annotated[bool, Strict()]
 """True or false; 0 and 'no' are neither."""
+
+
+T = TypeVar("T")
 
 
 class Model(pydantic.BaseModel):
@@ -126,6 +131,29 @@ class Scene(Model):
             Listing every fault with its line, key and cure.
         """
         return validate(cls, Document.parse(text, path))
+
+    def once(self, what: str, depends_on: tuple[Any, ...], make: Callable[[], T]) -> T:
+        """What `make` gives; it is called again only where what it depends on has changed.
+
+        Copies of a scene share what was made of it, and so do scenes that `share`: a run, the run that measures its
+        error, and the warnings before them prepare a scene once.
+
+        Parameters
+        ----------
+        what : str
+            Names what is made.
+        depends_on : tuple
+            All that `make` looks at, comparable: parts of the scene, and `tautline.scene.files.stamps` of its files.
+        """
+        made = self.__dict__.setdefault(MADE, {})
+        known = made.get(what)
+        if known is None or known[0] != depends_on:
+            made[what] = known = (depends_on, make())
+        return known[1]
+
+    def share(self, other: Scene) -> None:
+        """Use what was made `once` of another scene, where it depends on nothing in which the two differ."""
+        self.__dict__[MADE] = other.__dict__.setdefault(MADE, {})
 
     def problem(self, key: str | tuple[str | int, ...], cause: str, cure: str = "") -> Problem:
         """Build a problem at a key path, for a check that needs more than the scene itself."""

@@ -1,0 +1,104 @@
+"""What is prepared once of a crane: the motion of its frames over the whole run, and the heave compensation.
+
+Warnings, the run, the run that measures its error and the figures all ask here. Following the motion of frames takes
+most of the time before a long run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from crane.scene.scene import Anchor, CraneScene, Drum
+from crane.sea.compensation import Compensation, compensate
+from crane.sea.frames import ENTRIES, Frame, heave_of, requests_of
+from crane.sea.vessel import frames_of
+from tautline.kernels.time_function import value_at
+from tautline.scene.errors import SceneError
+from tautline.scene.files import stamps
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+
+@dataclass(frozen=True, eq=False)
+class FrameMotion:
+    """How the frames of a scene move.
+
+    Attributes
+    ----------
+    frames : tuple of Frame
+    places : dict
+        Number of each frame by its name.
+    requests : list of FunctionRequest
+        The functions of time of the frames' twelve numbers, frame by frame.
+    entries : (frames, 12) array
+        These numbers at t = 0.
+    """
+
+    frames: tuple[Frame, ...]
+    places: dict[str, int]
+    requests: list[FunctionRequest]
+    entries: np.ndarray
+
+
+def _of_frames(scene: CraneScene) -> tuple[Any, ...]:
+    """What the motion of the frames depends on."""
+    return scene.vessel, scene.frames, scene.solver.end, stamps(scene.vessel, scene.folder)
+
+
+def motion_of(scene: CraneScene) -> FrameMotion:
+    """How the frames of a scene move: found once, as it takes most of the time before a long run.
+
+    Raises
+    ------
+    SceneError
+        For faults of the files of a vessel's motion, and motions that jump; with their line.
+    """
+    return scene.once("motion", _of_frames(scene), lambda: _motion(scene))
+
+
+def _motion(scene: CraneScene) -> FrameMotion:
+    end = scene.solver.end
+    try:
+        frames, places = frames_of(scene.vessel, scene.frames, scene.folder, end)
+        requests = requests_of(frames, end)
+        functions = compile_functions(requests)
+        at_first = [value_at(functions, i, 0.0)[0] for i in range(len(requests))]
+        return FrameMotion(frames, places, requests, np.array(at_first).reshape(-1, ENTRIES))
+    except SceneError as error:
+        problems = [
+            scene.problem(p.key, p.cause, p.cure) if p.line is None and p.key else p for p in error.problems
+        ]  # fmt: skip
+        raise SceneError(problems) from None
+
+
+def compensation_of(scene: CraneScene) -> Compensation | None:
+    """What the heave compensation does, found once: it answers the heave of the last point that rides on the vessel.
+
+    Raises
+    ------
+    SceneError
+        Where nothing rides on the vessel, and as `motion_of`.
+    """
+    motion = motion_of(scene)
+    if scene.heave_compensation is None or not motion.frames:
+        return None
+    return scene.once(
+        "compensation", (*_of_frames(scene), scene.path, scene.heave_compensation), lambda: _compensation(scene, motion)
+    )
+
+
+def _compensation(scene: CraneScene, motion: FrameMotion) -> Compensation:
+    asked = scene.heave_compensation
+    places = {frame.name: k for k, frame in enumerate(motion.frames)}
+    order = scene.path if isinstance(scene.path[0], Drum) else scene.path[::-1]
+    led = [item for item in order if scene.frame_of(item) is not None]
+    if not led:
+        cause = "nothing of the path rides on the vessel: there is no heave to answer"
+        raise SceneError([scene.problem("heave_compensation", cause, "remove it, or put the crane on the vessel")])
+    tip = led[-1]
+    k = places[scene.frame_of(tip)]
+    point = tip.position if isinstance(tip, Anchor) else tip.center
+    heave = heave_of(motion.frames, places["vessel"], k, point, scene.solver.end)
+    return compensate(heave, asked.gain, asked.delay, asked.limits, scene.solver.end)

@@ -1,0 +1,127 @@
+"""What a run, its warnings, statics, modes and figures all need of a scene: the hole, and the pipe in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillstring.scene.hole import Build, Hold
+from drillstring.scene.scene import DrillstringScene, check_lengths
+from drillstring.string.buoyancy import check_weight
+from drillstring.string.lumps import Lumps, Tube, cut
+from drillstring.well import wellbore
+from drillstring.well.survey import read_survey
+from tautline.scene.errors import SceneError
+from tautline.scene.files import stamps
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A scene before it is compiled.
+
+    Attributes
+    ----------
+    well : Wellbore
+        The curve of the hole.
+    lumps : Lumps
+        The string cut as the scene asks; its sections are ``lumps.tubes``.
+    """
+
+    well: wellbore.Wellbore
+    lumps: Lumps
+
+
+def prepared(scene: DrillstringScene) -> Prepared:
+    """The hole and the string of a scene, made once for all that ask.
+
+    Raises
+    ------
+    SceneError
+        As `well_of` and `tubes_of` do.
+    """
+    well = well_of(scene)
+    pipe = scene.string, scene.material, scene.mud, scene.model.elements
+    return scene.once(
+        "lumps", (*_hole(scene), *pipe), lambda: Prepared(well, cut(tubes_of(scene, well.length), scene.model.elements))
+    )
+
+
+def _hole(scene: DrillstringScene) -> tuple[Any, ...]:
+    """What the curve of the hole depends on."""
+    well = scene.well
+    return well.sections, well.survey, well.inclination, well.azimuth, stamps(well, scene.folder)
+
+
+def well_of(scene: DrillstringScene) -> wellbore.Wellbore:
+    """The curve of the hole, made once.
+
+    Raises
+    ------
+    SceneError
+        Where sections or survey stations make no hole; a survey's by row.
+    """
+    return scene.once("hole", _hole(scene), lambda: _drilled(scene))
+
+
+def _drilled(scene: DrillstringScene) -> wellbore.Wellbore:
+    well = scene.well
+    if well.survey is not None:
+        assert scene.document is not None
+        path = Path(scene.document.folder) / well.survey.file
+        if not path.is_file():
+            cause = "is a folder, not a file" if path.is_dir() else f"there is no file {path}"
+            raise SceneError([scene.problem("well.survey", cause, "give its path relative to the scene's folder")])
+        survey = read_survey(path, well.survey.units, max_gap=well.survey.max_gap)
+        try:
+            return wellbore.from_survey(survey.md, survey.inc, survey.azi)
+        except wellbore.WellboreError as error:
+            raise SceneError([scene.problem("well.survey", error.message, error.cure)]) from None
+    pieces: list[wellbore.Section] = []
+    for piece in well.sections or ():
+        if isinstance(piece, Hold):
+            pieces.append(wellbore.Hold(piece.length))
+        elif isinstance(piece, Build):
+            pieces.append(wellbore.Build(piece.bend_radius, piece.to, piece.azimuth))
+        else:
+            pieces.append(wellbore.Turn(piece.bend_radius, piece.to))
+    try:
+        return wellbore.from_sections(pieces, well.inclination, well.azimuth)
+    except wellbore.WellboreError as error:
+        key = "well.sections" if error.index is None else f"well.sections[{error.index}]"
+        raise SceneError([scene.problem(key, error.message, error.cure)]) from None
+
+
+def tubes_of(scene: DrillstringScene, well_length: float) -> list[Tube]:
+    """Sections of the string with their material, and ``rest`` resolved.
+
+    Raises
+    ------
+    SceneError
+        As check_lengths does, and for a string that floats.
+    """
+    tubes = []
+    for section, length in zip(scene.string, check_lengths(scene, well_length), strict=True):
+        steel = scene.material
+        density = section.density or steel.density
+        area = np.pi / 4.0 * (section.od**2 - section.id**2)
+        tubes.append(
+            Tube(
+                name=section.name,
+                length=length,
+                od=section.od,
+                id=section.id,
+                contact_od=section.contact_diameter,
+                youngs_modulus=section.youngs_modulus or steel.youngs_modulus,
+                shear_modulus=section.shear_modulus or steel.shear_modulus,
+                density=density,
+                mass_per_length=section.mass_per_length or density * area,
+                second_moment=section.second_moment or np.pi / 64.0 * (section.od**4 - section.id**4),
+                eccentricity=tuple(section.eccentricity),
+                elements=section.elements,
+            )
+        )
+    check_weight(scene, tubes)
+    return tubes
