@@ -47,7 +47,7 @@ def test_every_block_of_the_page_has_the_name_of_a_file_or_is_a_command():
     assert all(re.fullmatch(r"\w+\.(py|yaml|toml)", name) for name in FILES)
     assert len(FILES) == sum(kind != "console" for kind, _ in BLOCKS)
     assert {kind for kind, _ in BLOCKS} == {"python", "yaml", "toml", "console"}
-    assert len(COMMANDS) == 5
+    assert len(COMMANDS) == 7
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -101,6 +101,10 @@ def test_an_extension_that_cannot_be_loaded_is_named_beside_the_key_that_is_unkn
     told = " ".join(ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", code=2).stderr.split())
     assert "unknown key 'Wind'" in told
     assert "the extension wind could not be loaded (ModuleNotFoundError" in told
+
+
+def test_the_application_of_the_page_is_the_one_whose_verbs_are_tested():
+    assert FILES["buoy.py"].split("\n", 1)[1] == (ROOT / "tests" / "application" / "buoy.py").read_text("utf8")
 
 
 def test_the_method_of_the_page_is_the_one_that_the_order_tests_measure():
