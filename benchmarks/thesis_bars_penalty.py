@@ -85,7 +85,7 @@ def part(quick: bool) -> str:
         "\n### Fig. 2.26: penalty springs and RK4's longest step\n\nThe bar of the hammer test, 1 N, each element with "
         "its own middle node. Longest step, s: 2.8 over the highest frequency of the program's own matrices; in "
         f"brackets its share of {shared:.4f} s, which shared nodes have. That runs stand just below it and do not just "
-        "above is what `tests/physics/test_cable_constraints.py` holds them to.\n\n"
+        "above is what `tests/physics/cables/test_cable_constraints.py` holds them to.\n\n"
         + table(("k over the highest stiffness", *WAYS), rows)
         + "\n"
         + table(("figure", "ours", "thesis", "difference and why"), _printed(highest, 20.0 if quick else 100.0))

@@ -35,7 +35,7 @@ def _no_helpers_beside_workers():
         workshop.HELPERS = 0
 
 
-NOT_RUN = ("references", "results", "input", "view", "wellbore", "layers")
+NOT_RUN = ("references", "figures", "results", "input", "view", "wellbore", "layers")
 """Folders of tests that read, draw or integrate apart, and have next to nothing compiled; the last runs a scene."""
 
 
@@ -47,12 +47,16 @@ def pytest_collection_modifyitems(items):
     the same at the same time: the loop over steps as they begin, and then the kinds of groups of one application. So
     the second has some minutes of other work, in which the first compiles what both need.
     """
-    apart = [item for item in items if item.path.parent.name in NOT_RUN]
-    apart.sort(key=lambda item: NOT_RUN.index(item.path.parent.name))
-    run = [item for item in items if item.path.parent.name not in NOT_RUN]
+    apart = [item for item in items if _folder(item) in NOT_RUN]
+    apart.sort(key=lambda item: NOT_RUN.index(_folder(item)))
+    run = [item for item in items if _folder(item) not in NOT_RUN]
     run.sort(key=lambda item: not _is_of_strings(item.path))
     middle = len(items) // 2
     items[:] = [*run[:middle], *apart, *run[middle:]]
+
+
+def _folder(item):
+    return item.path.relative_to(TESTS).parts[0]
 
 
 @cache

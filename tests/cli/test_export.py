@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from physics.rope_text import PINNED, chain, scene
+from physics.cables.rope_text import PINNED, chain, scene
 from view.made_up import moved
 
 from tautline.application.installed import Single

@@ -1,7 +1,7 @@
 """Where a load is that starts at rest: as high as drawn, or refused with the cause."""
 
 import pytest
-from physics.crane_scenes import GRAVITY, anchor, body, crane, end, fall, hoist, parsed, ran, sheave, stopped
+from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, fall, hoist, parsed, ran, sheave, stopped
 
 from crane.assembly import static_start as reach
 from crane.assembly.layout import lay_out

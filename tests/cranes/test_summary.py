@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from results.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result
+from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result
 
 from crane.assembly.estimates import static_tension
 from crane.model.build import build

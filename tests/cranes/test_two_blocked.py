@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from physics.crane_scenes import hoist, stopped
+from physics.lifting.crane_scenes import hoist, stopped
 
 from crane.groups.span import MET
 from tautline.integrators.status import Status

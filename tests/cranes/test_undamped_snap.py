@@ -1,8 +1,8 @@
 """Few elements tell the snap of a slack rope as it is where nothing is said of damping, and say so where it is 0."""
 
 import pytest
-from physics.crane_scenes import anchor, crane, parsed, ran
-from physics.test_crane_slack import LENGTH, MASS, SPEED, STIFFNESS, dropped
+from physics.lifting.crane_scenes import anchor, crane, parsed, ran
+from physics.lifting.test_crane_slack import LENGTH, MASS, SPEED, STIFFNESS, dropped
 from references.slack import snap_tension_green
 
 from crane.assembly.layout import lay_out

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
 from references.cables import catenary
-from results.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
 
 from crane.assembly.drum_supply import check_supply, supply_of
 from crane.assembly.estimates import estimate, rk4_limit

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from physics.crane_scenes import GRAVITY, anchor, crane, drum, ran, sheave
+from physics.lifting.crane_scenes import GRAVITY, anchor, crane, drum, ran, sheave
 from references import cables
 
 from crane.application import Crane

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from physics.strings import run, straight_hole
+from physics.wells.strings import run, straight_hole
 
 from drillstring.model.build import build
 from tautline.integrators.status import StoppedEarly

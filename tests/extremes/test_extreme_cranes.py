@@ -7,7 +7,7 @@ second and by 2 m/s after it, over a boom tip at 30 m. All that a run stores is 
 import numpy as np
 import pytest
 import yaml
-from physics.crane_scenes import (
+from physics.lifting.crane_scenes import (
     GRAVITY,
     HOISTING,
     anchor,

@@ -6,7 +6,7 @@ has the same shape at rest and flutters at the same speed: a wrong power of a le
 
 import numpy as np
 import pytest
-from physics.hoses import SECTION, UNIFORM, WATER, energy_missing, flowing, pipe, run, scene, tip_of
+from physics.pipes.hoses import SECTION, UNIFORM, WATER, energy_missing, flowing, pipe, run, scene, tip_of
 
 from gardenhose.flutter import crossings
 from tautline.integrators.status import StoppedEarly

@@ -4,8 +4,8 @@ from math import pi
 
 import numpy as np
 import pytest
-from physics.strings import DATA, GRAVITY, Balance, run, shipped, straight_hole
-from physics.strings import mass_per_length as steel
+from physics.wells.strings import DATA, GRAVITY, Balance, run, shipped, straight_hole
+from physics.wells.strings import mass_per_length as steel
 from references import planar_well_dynamics as planar
 from references import soft_string as soft
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from physics.strings import shipped
+from physics.wells.strings import shipped
 
 from drillstring.model.build import build
 from tautline.integrators import partial_newton as part

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from physics.tied_cables import element, node, run, scene
+from physics.cables.tied_cables import element, node, run, scene
 
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.vibration.critical_step import critical_step

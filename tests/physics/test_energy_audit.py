@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from physics.rope_text import PINNED, chain, scene
+from physics.cables.rope_text import PINNED, chain, scene
 from scipy.special import j1, jn_zeros
 
 import tautline

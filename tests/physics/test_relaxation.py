@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from physics.strings import shipped
-from physics.tied_cables import PINNED, element, model_of, node, scene
+from physics.cables.tied_cables import PINNED, element, model_of, node, scene
+from physics.wells.strings import shipped
 
 from drillstring.model.build import build
 from tautline.integrators.method import method_for

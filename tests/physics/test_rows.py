@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from physics.strings import shipped
+from physics.wells.strings import shipped
 
 from drillstring.model.build import build
 from tautline.integrators.state import new_state

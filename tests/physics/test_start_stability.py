@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from physics.hoses import pipe
-from physics.rope_text import GRAVITY, PINNED, chain, model_of, node
+from physics.cables.rope_text import GRAVITY, PINNED, chain, model_of, node
+from physics.pipes.hoses import pipe
 from references.cables import catenary
 
 from crane.model.build import build as build_crane

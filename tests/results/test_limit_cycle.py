@@ -4,8 +4,8 @@ import warnings
 
 import numpy as np
 import pytest
+from figures.synthetic_hose import result
 from scipy.integrate import solve_ivp
-from synthetic_hose import result
 
 from gardenhose.motion.curves import Trace
 from gardenhose.motion.cycles import swings

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from oscillators import oscillator, rk4, subject
+from study.oscillators import oscillator, rk4, subject
 
 
 def driven(function, *, frequency=None, **solver):

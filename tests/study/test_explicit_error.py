@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oscillators import OMEGA, oscillator, rk4, subject
+from study.oscillators import OMEGA, oscillator, rk4, subject
 
 from tautline.study.trials.step_error import estimate, runs_for
 from tautline.study.trials.trial import Setting

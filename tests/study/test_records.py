@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray
 from matplotlib.figure import Figure
-from oscillators import OMEGA, oscillator, rk4, subject
+from study.oscillators import OMEGA, oscillator, rk4, subject
 
 from tautline.cli.console import finite
 from tautline.results.errors import ResultError

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oscillators import OMEGA, START, lag_constant, oscillator, rk4, run, subject
+from study.oscillators import OMEGA, START, lag_constant, oscillator, rk4, run, subject
 from test_study_verbs import only_object
 
 import drillstring.model.build

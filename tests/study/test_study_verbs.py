@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from oscillators import OMEGA, chain, oscillator, rk4
+from study.oscillators import OMEGA, chain, oscillator, rk4
 
 from tautline.cable.application import Cable
 from tautline.cli.run import run

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from oscillators import oscillator, subject
+from study.oscillators import oscillator, subject
 
 from crane.application import Crane
 from drillstring.application import Drillstring

@@ -5,7 +5,7 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
-from physics.hoses import scene
+from physics.pipes.hoses import scene
 
 from gardenhose.application import Gardenhose
 from gardenhose.scene import HoseScene

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from physics.rope_text import PINNED, chain, element, node, scene
+from physics.cables.rope_text import PINNED, chain, element, node, scene
 from scipy.interpolate import CubicHermiteSpline
 from view.made_up import moved
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from physics.crane_scenes import anchor, body, crane, drum, end, model_of, sheave
-from results.synthetic_crane import fixed_rope, one_fall, result
+from figures.synthetic_crane import fixed_rope, one_fall, result
+from physics.lifting.crane_scenes import anchor, body, crane, drum, end, model_of, sheave
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 

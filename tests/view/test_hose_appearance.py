@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from results.synthetic_hose import LENGTH, result
+from figures.synthetic_hose import LENGTH, result
 from scipy.interpolate import CubicHermiteSpline
 
 from gardenhose.view.appearance import JUMP, MARKS, appearance

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from physics.rope_text import PINNED, chain, scene
+from physics.cables.rope_text import PINNED, chain, scene
 from view.made_up import moved
 
 from tautline.cable.view.appearance import appearance

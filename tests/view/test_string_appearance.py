@@ -4,8 +4,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from physics.strings import DATA, shipped
-from results.synthetic_string import result as synthetic
+from figures.synthetic_string import result as synthetic
+from physics.wells.strings import DATA, shipped
 
 from drillstring.model.build import build
 from drillstring.model.prepared import well_of

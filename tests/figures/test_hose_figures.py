@@ -1,0 +1,302 @@
+"""Figures of hoses come out whole for every kind of result, and show what was stored."""
+
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+from figures.pages import check, lay_out, leave_out_pixels
+from figures.synthetic_hose import LENGTH, result
+
+from gardenhose.motion.curves import name_of, plane_of, shape_of, snapped, spread
+from gardenhose.motion.limit_cycle import limit_cycle
+from gardenhose.view.figures import FIGURES, boundary_figure, draw, figures, flutter_figure, static_figure
+from tautline.results.errors import ResultError
+from tautline.view.figures.figure import save
+
+EACH = [name for name in FIGURES if name != "overview"]
+RAMP = {"frames": 1201, "ramp": 6.0, "speed": 40.0, "swing": 0.6}
+
+
+def lines(plot):
+    """Labelled curves of a plot: label -> (x, y)."""
+    drawn = [line for line in plot.get_lines() if not line.get_label().startswith("_")]
+    return {line.get_label(): (np.asarray(line.get_xdata()), np.asarray(line.get_ydata())) for line in drawn}
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        {},
+        {"frames": 1},
+        {"frames": 2},
+        {"frames": 3},
+        {"frames": 30},
+        {"elements": 1, "tilt": 0.6},
+        {"swing": 0.0},
+        {"swing": 0.0, "start": 1.0, "growth": 9.0},
+        {"swing": 0.0, "sag": 0.0},
+        {"speed": 0.0},
+        {"speed": -20.0},
+        RAMP,
+    ],
+    ids=str,
+)
+def test_every_figure_is_drawn_without_a_warning(tmp_path, kind):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        names = [name for name in EACH if name != "waterfall" or kind.get("frames") != 1]
+        drawn = draw([result(**({"frames": 301} | kind))], names)
+        assert list(drawn) == names
+        check(drawn, tmp_path, pixels=kind in ({}, RAMP))
+
+
+def test_every_axis_says_its_quantity_and_unit():
+    for figure in draw([result()], EACH).values():
+        for plot in figure.axes:
+            labels = (plot.get_xlabel(), plot.get_ylabel())
+            assert any(labels) and all("[" in text for text in labels if text)
+
+
+def test_the_overview_is_tip_phase_and_shape_and_the_ramp_where_there_is_one():
+    assert list(draw([result()])) == ["tip", "phase", "shape"]
+    assert list(draw([result(**RAMP)])) == ["tip", "phase", "shape", "ramp"]
+    assert list(draw([result()], ["spectrum", "overview", "tip"])) == ["spectrum", "tip", "phase", "shape"]
+
+
+def test_the_tip_is_drawn_through_its_frames_with_the_flow_above_and_still_axes_left_out():
+    run = result()
+    plots = draw([run], ["tip"])["tip"].axes
+    assert [plot.get_ylabel() for plot in plots] == ["flow speed\n[m/s]", "tip x [m]", "tip z [m]"]
+    np.testing.assert_array_equal(plots[0].get_lines()[0].get_ydata(), run["flow_speed"])
+    drawn = plots[2].get_lines()[0]
+    np.testing.assert_allclose(np.interp(run.time, drawn.get_xdata(), drawn.get_ydata()), run["tip"][:, 2], atol=1e-12)
+    assert "periodic, 6.3 Hz" in plots[0].get_title(loc="left")
+    assert len(draw([result(tilt=0.6)], ["tip"])["tip"].axes) == 4
+    assert len(draw([result(speed=0.0)], ["tip"])["tip"].axes) == 2
+
+
+def test_the_phase_portrait_emphasises_the_last_cycles_of_one_result():
+    run = result()
+    portrait, path = draw([run], ["phase"])["phase"].axes
+    cycle = limit_cycle(run.time, run["tip"], run["tip_velocity"], LENGTH)
+    curves = lines(portrait)
+    assert list(curves) == ["whole run", f"last {cycle.cycles} cycles"]
+    place, speed = curves[f"last {cycle.cycles} cycles"]
+    assert 0.5 * np.ptp(place) == pytest.approx(cycle.axis_amplitude[2], rel=2e-3)
+    assert np.abs(speed).max() == pytest.approx(np.abs(run["tip_velocity"][-100:, 2]).max(), rel=0.02)
+    assert portrait.get_xlabel() == "tip z [m]" and portrait.get_ylabel() == "tip velocity z [m/s]"
+    assert path.get_xlabel() == "x [m]" and path.get_aspect() == 1.0
+
+
+def test_phase_portraits_of_several_results_stand_in_one_plot():
+    runs = [result(speed=speed, swing=swing) for speed, swing in ((15.0, 0.4), (25.0, 0.7), (35.0, 1.0))]
+    portrait, _ = draw(runs, ["phase"])["phase"].axes
+    assert list(lines(portrait)) == ["Garden hose, 15 m/s", "Garden hose, 25 m/s", "Garden hose, 35 m/s"]
+    sizes = [np.ptp(place) for place, _ in lines(portrait).values()]
+    assert sizes == sorted(sizes)
+
+
+def test_shapes_are_those_of_the_last_cycle_and_end_in_the_tip():
+    run = result()
+    plot = draw([run], ["shape"])["shape"].axes[0]
+    cycle = limit_cycle(run.time, run["tip"], run["tip_velocity"], LENGTH)
+    inside = (run.time >= cycle.crossings[-2]) & (run.time <= cycle.crossings[-1])
+    ends = [(line.get_xdata()[-1], line.get_ydata()[-1]) for line in plot.get_lines()[:-2]]
+    assert 15 < len(ends) <= 24
+    for end in ends:
+        assert np.abs(run["tip"][inside][:, [0, 2]] - end).sum(axis=1).min() < 1e-12
+    assert plot.get_aspect() == 1.0 and (plot.get_xlabel(), plot.get_ylabel()) == ("x [m]", "z [m]")
+
+
+def test_shapes_of_several_results_have_one_scale():
+    plots = draw([result(swing=0.4, speed=15.0), result()], ["shape"])["shape"].axes[:2]
+    assert plots[0].get_ylim() == plots[1].get_ylim() and plots[0].get_title(loc="left") == "Garden hose, 15 m/s"
+
+
+def test_a_spectrum_has_its_line_at_the_frequency():
+    plot = draw([result()], ["spectrum"])["spectrum"].axes[0]
+    ((text, (frequency, amplitude)),) = lines(plot).items()
+    assert text == "6.3 Hz, amplitude 0.208 m" and plot.get_yscale() == "log"
+    assert frequency[amplitude.argmax()] == pytest.approx(6.3, abs=0.1)
+    assert amplitude.max() == pytest.approx(0.208, rel=0.02)
+
+
+def test_a_waterfall_is_over_the_length_from_the_root():
+    run = result()
+    plot, bar = draw([run], ["waterfall"])["waterfall"].axes
+    np.testing.assert_allclose(plot.images[0].get_array(), run["axial_force"].T)
+    assert plot.get_ylim() == (0.0, LENGTH) and bar.get_ylabel() == "axial_force [N]"
+
+
+def test_a_ramp_shows_extremes_amplitude_and_where_they_begin():
+    run = result(**RAMP)
+    place, size = draw([run], ["ramp"])["ramp"].axes
+    flow, values = lines(place)["extremes"]
+    late = flow > 14.0
+    assert 40 < late.sum() < 60 and np.all(np.diff(np.sign(values[late] - values[late].mean())) != 0.0)
+    (dots,) = (line for line in size.get_lines() if line.get_marker() == "o")
+    flow, amplitude = np.asarray(dots.get_xdata()), np.asarray(dots.get_ydata())
+    assert amplitude[flow < 10.0].max(initial=0.0) < 1e-3
+    (onset,) = (text for text in lines(size) if "length" in text)
+    assert onset.startswith("1 % of the length at 1") and 11.0 < float(onset.split()[-2]) < 13.0
+    assert size.get_xlabel() == "flow speed [m/s]" and place.get_ylabel() == "tip z [m]"
+
+
+def test_a_speed_that_rises_and_falls_is_told_apart():
+    run = result(**RAMP)
+    run["flow_speed"][:] = 40.0 * np.sin(np.pi * run.time / run.time[-1])
+    plots = draw([run], ["ramp"])["ramp"].axes
+    assert {"extremes, speed rising", "extremes, speed falling"} <= lines(plots[0]).keys()
+
+
+def test_a_ramp_up_and_down_tells_where_the_motion_ends_and_takes_a_drift_for_no_swing():
+    run = result(frames=2401, ramp=12.0, speed=40.0, swing=0.6)
+    run["flow_speed"][:] = 40.0 * np.sin(np.pi * run.time / run.time[-1])
+    fading = np.clip((run["flow_speed"] - 12.0) / 28.0, 0.0, 1.0) ** 2
+    sway = np.sin(2 * np.pi * 6.3 * run.time)
+    run["tip"][:] = [0.4, 0.0, 0.0]
+    # It rises with the speed, and swings beyond 12 m/s.
+    run["tip"][:, 2] += 0.2 * run["flow_speed"] / 40.0 + 0.2 * fading * sway
+    run["tip_velocity"][:] = np.gradient(run["tip"], run.time, axis=0)
+    place, size = draw([run], ["ramp"])["ramp"].axes
+    begins, ends = (text for text in lines(size) if "length" in text)
+    assert begins.startswith("1 % of the length at 1") and ends.startswith("1 % of the length last at 1")
+    assert place.get_ylabel() == "tip z [m]"
+    for dots in (line for line in size.get_lines() if line.get_marker() == "o"):
+        flow, amplitude = (np.asarray(values) for values in (dots.get_xdata(), dots.get_ydata()))
+        assert amplitude[flow < 11.0].max(initial=0.0) < 5e-3
+
+
+def test_files_are_named_after_the_result_and_the_figure(tmp_path, monkeypatch):
+    leave_out_pixels(monkeypatch)
+    one, other = result(tmp_path / "hose.nc", frames=200), result(tmp_path / "second.nc", frames=200)
+    names = [file.name for file in figures([one], tmp_path, (), ("png", "svg"))]
+    assert names == [f"hose_{name}.{ending}" for name in ("tip", "phase", "shape") for ending in ("png", "svg")]
+    assert [file.name for file in figures([one], tmp_path, ("phase",), ("pdf",), "mine")] == ["mine.pdf"]
+    assert [file.name for file in figures([one, other], tmp_path, ("tip",))] == ["comparison_tip.png"]
+
+
+def test_results_of_one_title_are_named_after_their_files(tmp_path):
+    runs = [result(tmp_path / "first.nc", frames=50), result(tmp_path / "second.nc", frames=50)]
+    assert list(lines(draw(runs, ["tip"])["tip"].axes[0])) == ["first", "second"]
+
+
+def test_an_unknown_figure_is_refused_with_those_there_are():
+    with pytest.raises(
+        ResultError, match=r"no figure or variable 'torque'; known: overview \(tip, phase, shape\); tip \("
+    ):
+        draw([result(frames=2)], ["torque"])
+
+
+def modes():
+    """Two modes in the plane, one of which begins to grow at 9 m/s with 3 Hz, and their likes out of it."""
+    speed = np.linspace(0.0, 12.0, 61)
+    first = -0.3 * speed + 1j * 2 * np.pi * (1.0 + 0.02 * speed)
+    second = 0.4 * (speed - 9.0) + 1j * 2 * np.pi * (4.8 - 0.2 * speed)
+    both = np.stack([second, first], axis=1)
+    return speed, np.concatenate([both, both.conj() * 1.01], axis=1), np.array([False, False, True, True])
+
+
+def test_an_argand_diagram_is_that_of_the_literature(tmp_path):
+    speed, values, outside = modes()
+    figure = flutter_figure(speed, values, np.broadcast_to(outside, values.shape), 9.0, 3.0, "Hose")
+    argand, growth = figure.axes
+    curves = [line for line in argand.get_lines() if len(line.get_xdata()) == len(speed)]
+    assert [line.get_linestyle() for line in curves] == ["-", "-", "--", "--"]
+    np.testing.assert_allclose(curves[0].get_xdata(), values[:, 0].imag)
+    np.testing.assert_allclose(curves[0].get_ydata(), -values[:, 0].real)
+    np.testing.assert_allclose(curves[3].get_xdata(), -values[:, 3].imag)  # of a conjugate pair either will do
+    assert curves[0].get_color() == curves[2].get_color() != curves[1].get_color() == curves[3].get_color()
+    assert "critical: 9 m/s, 3 Hz" in [text.get_text() for text in figure.legends[0].get_texts()]
+    rates = [line for line in growth.get_lines() if len(line.get_xdata()) == len(speed)]
+    np.testing.assert_allclose(rates[0].get_ydata(), values[:, 0].real)
+    assert {"2", "4", "10"} <= {text.get_text() for text in argand.texts}
+    assert (argand.get_xlabel(), argand.get_ylabel()) == ("Re ω, frequency [rad/s]", "Im ω, damping [1/s]")
+    assert save(figure, tmp_path / "flutter.png").stat().st_size > 5000
+
+
+def test_a_flutter_figure_is_drawn_of_little_too():
+    speed, values, outside = modes()
+    values[20:30, 0] = np.nan
+    share = np.where(outside, 0.9, 0.1) * np.ones(values.shape)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for figure in (
+            flutter_figure(speed, values, share),
+            flutter_figure(speed[:1], values[:1], share[:1]),
+            flutter_figure(speed, values[:, :1] - 10.0, share[:, :1], None, None),
+            flutter_figure(speed, values[:, :1].real + 0j, share[:, :1], 9.0, 0.0),
+        ):
+            lay_out(figure)
+            assert all(plot.get_lines() for plot in figure.axes)
+
+
+@pytest.mark.parametrize("count", [1, 5, 13])
+def test_static_shapes_are_drawn_with_their_tips(tmp_path, count):
+    speed = np.linspace(0.0, 12.0, count)
+    x = np.linspace(0.0, 0.5, 30)
+    shapes = [np.stack([x, 0 * x, -(0.9 - 0.05 * value) * x**2], axis=1) for value in speed]
+    tips = np.array([shape[-1] for shape in shapes])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        figure = static_figure(speed, shapes, tips, "Static")
+        assert save(figure, tmp_path / "static.png").stat().st_size > 5000
+    left, right = figure.axes[:2]
+    np.testing.assert_allclose(left.get_lines()[0].get_ydata(), shapes[0][:, 2])
+    np.testing.assert_allclose(lines(right)["z"][1], tips[:, 2])
+    assert (left.get_xlabel(), left.get_ylabel()) == ("x [m]", "z [m]")
+    assert ("0 m/s" in lines(left)) == (count <= 8)
+
+
+def test_a_stability_boundary_stands_beside_the_published_one(tmp_path):
+    beta, u = np.array([0.1, 0.2, 0.3]), np.array([4.9, 5.6, 8.6])
+    figure = boundary_figure(beta, u, (np.linspace(0, 0.8, 9), np.linspace(4.2, 12, 9)), "Gregory & Païdoussis")
+    assert list(lines(figure.axes[0])) == ["Gregory & Païdoussis", "computed"]
+    np.testing.assert_array_equal(lines(figure.axes[0])["computed"][1], u)
+    assert list(lines(boundary_figure(beta, u).axes[0])) == ["computed"]
+    assert save(figure, tmp_path / "boundary.svg").stat().st_size > 5000
+
+
+def test_a_hose_is_the_cubic_of_its_elements():
+    arc = np.array([0.0, 0.2, 0.5])
+    cubic = np.polynomial.Polynomial([0.0, 1.0, -0.5, 0.7])
+    position = np.stack([arc, 0 * arc, cubic(arc)], axis=1)
+    slope = np.stack([1 + 0 * arc, 0 * arc, cubic.deriv()(arc)], axis=1)
+    curve = shape_of(position, slope, arc, points=5)
+    assert curve.shape == (11, 3)
+    np.testing.assert_allclose(curve[:, 2], cubic(curve[:, 0]), atol=1e-15)
+    assert shape_of(np.stack([position] * 4), np.stack([slope] * 4), arc, 5).shape == (4, 11, 3)
+
+
+def test_planes_stand_upright_and_point_from_root_to_tip():
+    x, z = np.random.default_rng(0).uniform(-1, 1, (2, 50))
+    for towards, across in (([1.0, 0, 0], "x"), ([-1.0, 0, 0], "−x")):
+        plane = plane_of(np.stack([x, 1e-4 * z, z], axis=1), np.array(towards))
+        assert (name_of(plane.across), name_of(plane.up)) == (across, "z")
+    flat = plane_of(np.stack([x, z, 0 * x], axis=1), np.array([1.0, 0.2, 0.0]))
+    assert (name_of(flat.across), name_of(flat.up)) == ("x", "y")
+    inclined = plane_of(np.stack([0.6 * x, 0.8 * x, z], axis=1), np.array([0.6, 0.8, -0.3]))
+    np.testing.assert_allclose(inclined.across, [0.6, 0.8, 0.0], atol=1e-12)
+    line = plane_of(np.outer(x, [0.0, 1.0, 0.0]))
+    assert name_of(line.up) == "z" and np.abs(line.across[1]) == 1.0
+    hanging = plane_of(np.outer(x, [0.0, 0.0, 1.0]))
+    assert name_of(hanging.up) == "z"
+    assert np.isfinite(np.array(plane_of(np.zeros((3, 3))))).all()
+
+
+def test_directions_have_short_names():
+    assert name_of(snapped(np.array([0.001, 0.0, 0.9999]))) == "z"
+    assert name_of(np.array([0.6, 0.0, -0.8])) == "along (0.6, 0, -0.8)"
+
+
+def test_frames_are_chosen_evenly():
+    time = np.linspace(0.0, 1.0, 101)
+    assert list(spread(time, 0.2, 0.3, 6)) == [20, 22, 24, 26, 28, 30]
+    assert list(spread(time, 0.201, 0.209, 6)) == [21]
+
+
+def test_the_numbers_of_a_run_need_nothing_that_draws():
+    code = "import sys, gardenhose.motion.limit_cycle; assert 'matplotlib' not in sys.modules"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0

@@ -1,0 +1,170 @@
+"""A load that drops off its hook: against a fine axial reference until rope goes slack, and against steps of 0.2 ms.
+
+A mass is gone at the beginning of a step, and the step's acceleration is the mean of before and after: the release is
+late by half of the step in which it falls, which is what first velocities differ by from one step to another.
+"""
+
+import json
+
+import numpy as np
+import pytest
+from physics.lifting.crane_scenes import GRAVITY, block_of_falls, fall, imbalance, ran, solved, unbalanced
+from references.hoisting import FILE
+
+AT, MASS, LENGTH = 0.05, 5000.0, 25.0
+IMPEDANCE = np.sqrt(8.0e7 * 6.5)
+"""Of the rope, N s/m: a cut rope recoils at its tension over this."""
+STORED = json.loads(FILE.read_text())
+
+
+def loss(remaining, step, elements=16, end=0.35):
+    """5 t on one fall of which only some remain; frames every millisecond, or every step if that is longer."""
+    return fall(
+        MASS,
+        LENGTH,
+        elements,
+        {"release": {"at": AT, "remaining": remaining}},
+        solver={"end": end, "step": step},
+        interval=max(step, 1.0e-3),
+    )
+
+
+def until_slack(case):
+    """Times after the release, s, and what the reference has there, until its rope would be compressed."""
+    times = np.arange(len(case["drum"])) * case["interval"]
+    slack = np.flatnonzero((np.array(case["drum"]) < 0.0) | (np.array(case["hook"]) < -1.0))[0]
+    return times[1:slack], {key: np.array(case[key])[1:slack] for key in ("drum", "hook", "velocity")}
+
+
+# one fall
+def test_four_fifths_lost_is_the_reference_until_the_rope_goes_slack():
+    """Of 5 t one remains: drum within 0.6 % of its tension at rest, speed within 0.6 % of its largest."""
+    times, reference = until_slack(STORED["load_loss_to_1000"])
+    assert times[-1] > 0.03
+    result = ran(loss(1000.0, 2.0e-4))
+    rows = np.searchsorted(result["time"], times + AT - 1.0e-6)
+    drum = result["tension"][rows, 0, 0]
+    assert drum == pytest.approx(reference["drum"], abs=6.0e-3 * reference["drum"][0])
+    speed = -result["body_velocity"][rows, 0, 2]
+    assert speed == pytest.approx(reference["velocity"], abs=6.0e-3 * np.abs(reference["velocity"]).max())
+
+
+def test_a_hook_that_has_lost_all_recoils_at_tension_over_impedance():
+    """To 0.1 %, and the wave reaches the drum after 25 m of rope, when the reference feels it too.
+
+    The front is a jump, which elements spread: the drum is compared to 3 % of the tension at rest, in the mean square.
+    """
+    times, reference = until_slack(STORED["load_loss_to_0"])
+    result = ran(loss(0.0, 2.0e-4, 64))
+    rows = np.searchsorted(result["time"], times + AT - 1.0e-6)
+    speed = result["body_velocity"][rows, 0, 2]
+    assert np.median(speed) == pytest.approx(MASS * GRAVITY / IMPEDANCE, rel=1.0e-3)
+    wrong = result["tension"][rows, 0, 0] - reference["drum"]
+    assert np.sqrt(np.mean(wrong**2)) < 0.03 * reference["drum"][0]
+
+
+@pytest.mark.parametrize("remaining", [0.0, 50.0, 1000.0])
+def test_a_step_of_5_ms_throws_the_hook_as_high_as_one_of_0_2_ms(remaining):
+    """Rope goes slack and snaps: within 2.5 % of the rise, and the energy that was in the rope accounts for it."""
+    coarse, fine = (ran(loss(remaining, step)) for step in (5.0e-3, 2.0e-4))
+    rise = [result["body_position"][:, 0, 2].max() + LENGTH for result in (coarse, fine)]
+    assert rise[0] == pytest.approx(rise[1], rel=0.025)
+    assert (coarse["axial_force"][:] == 0.0).any()
+    assert (coarse["axial_force"] >= 0.0).all()
+    assert remaining * GRAVITY * rise[1] < fine["strain_energy"][0]
+    assert imbalance(coarse, AT + 0.011) < 0.01
+    # what is missing is what generalized-alpha damps of the snaps: 0.3 to 0.5 %
+    assert imbalance(fine, AT + 0.011) < 7.0e-3
+
+
+def test_elements_do_not_change_how_high_it_is_thrown():
+    rises = [ran(loss(50.0, 1.0e-3, n))["body_position"][-1, 0, 2] + LENGTH for n in (16, 64)]
+    assert rises[0] == pytest.approx(rises[1], rel=0.01)
+
+
+@pytest.mark.parametrize("at", [0.0, 0.0403])
+def test_what_leaves_with_the_load_is_booked_in_any_step(at):
+    """At t = 0, when the load was still at rest, and in a step of 3.7 ms before one of 3 ms."""
+    load = {"release": {"at": at, "remaining": 1000.0}}
+    result = ran(fall(load=load, solver={"end": 0.05, "control": "fixed"}, interval=0.011))
+    assert result["tension"][0, 0, 1] == pytest.approx(MASS * GRAVITY, rel=1.0e-6)
+    gone = 4000.0 * GRAVITY * LENGTH
+    assert result["external_work"][-1] == pytest.approx(gone, rel=1.0e-3)
+    assert np.abs(unbalanced(result)).max() < 0.02 * result["strain_energy"][0]
+
+
+# sixteen falls
+RIM = {"inertia": 12.0}
+LAWS = {
+    "no slip": RIM,
+    "capstan": RIM | {"law": "capstan", "friction": 0.1},
+    "frictionless": {"law": "frictionless"},
+}
+WHOLE, LEFT = 80.0e3, 2000.0
+
+
+def block(law, step, end=1.1):
+    """A block of sixteen falls that loses 78 of 80 t at 0.1 s."""
+    return block_of_falls(
+        16,
+        WHOLE,
+        hooks=LAWS[law],
+        fixed=LAWS[law],
+        load={"release": {"at": 0.1, "remaining": LEFT}},
+        solver={"end": end, "step": step},
+        interval=5.0e-3,
+    )
+
+
+def rise_of(result):
+    """Largest rise of the block, m, and when, s."""
+    height = result["body_position"][:, 0, 2] - result["body_position"][0, 0, 2]
+    return height.max(), result["time"][height.argmax()]
+
+
+def check_thrown(result, most):
+    """The block is thrown up by what was in the rope, less than all of it, and comes down again on a taut rope."""
+    rise, at = rise_of(result)
+    assert 0.6 < LEFT * GRAVITY * rise / result["strain_energy"][0] < 0.7
+    assert 0.25 < at < 0.35
+    assert (result["axial_force"][result["time"] > 0.15] == 0.0).any()
+    snap = result["tension"][result["time"] > 0.2].max()
+    assert result["tension"][0].max() * 0.3 < snap < 3.0 * result["tension"][0].max()
+    assert imbalance(result, 0.111) < most
+
+
+def test_sixteen_falls_lose_78_of_80_tonnes():
+    """Steps of 5 ms as of 1 ms: the block rises as high to 0.5 %; the peaks of the snaps after it are chaotic.
+
+    Energy that the method destroys in the snaps: 2.8 % and 2.3 % of what moves and what the rope gives.
+    """
+    coarse, fine = (ran(block("no slip", step)) for step in (5.0e-3, 1.0e-3))
+    check_thrown(coarse, 0.035)
+    check_thrown(fine, 0.03)
+    assert coarse.attributes["numerical_dissipation"] > 0.0 and fine.attributes["numerical_dissipation"] > 0.0
+    assert rise_of(coarse)[0] == pytest.approx(rise_of(fine)[0], rel=5.0e-3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("law", LAWS)
+def test_sixteen_falls_lose_their_load_as_in_steps_of_0_2_ms(law):
+    """Rise to 1 % at 5 ms and at 1 ms; 0.2 ms is within 0.2 % of 0.1 ms. What the method destroys: 1 % at 0.2 ms.
+
+    For two seconds without friction, where most energy is left for what follows; 0.1 ms until the first snap is over.
+    """
+    end = 2.1 if law == "frictionless" else 1.1
+    finest = ran(block(law, 1.0e-4, end=0.6))
+    fine, middle, coarse = (ran(block(law, step, end)) for step in (2.0e-4, 1.0e-3, 5.0e-3))
+    exact = rise_of(fine)[0]
+    assert rise_of(finest)[0] == pytest.approx(exact, rel=2.0e-3)
+    assert rise_of(middle)[0] == pytest.approx(exact, rel=0.01)
+    assert rise_of(coarse)[0] == pytest.approx(exact, rel=0.01)
+    for result, most in ((finest, 6.0e-3), (fine, 0.01), (middle, 0.03), (coarse, 0.035)):
+        check_thrown(result, most)
+
+
+def test_a_block_at_rest_before_its_load_drops_stays_there():
+    result = ran(solved(block("no slip", 5.0e-3), end=0.1))
+    assert np.ptp(result["body_position"], axis=0).max() < 1.0e-9
+    lines = result["tension"][0, 1:]
+    assert lines.mean() == pytest.approx(WHOLE * GRAVITY / 16, rel=0.02)

@@ -1,0 +1,290 @@
+"""Where hoses become unstable, against exact characteristic equations and spectral methods (tests/references/hose.py).
+
+Figures in comments are relative errors that were measured; tolerances leave a factor of about two to four above them.
+"""
+
+import numpy as np
+import pytest
+from physics.pipes import hoses
+from physics.pipes.hoses import COUPLINGS, WATER, at_rest, orders, pipe, scene
+from references import hose as reference
+
+from gardenhose.flutter import crossings, stability
+from tautline.integrators.vibration import vibrations as found_by
+
+CLAIMED = 5e-3
+"""Error of the critical speed that the issue allows."""
+BOUNDARY = {  # first crossings by `reference.critical_speeds`, which takes seconds for each: beta, (u, omega)
+    0.1: (4.749896773113373, 14.179),
+    0.2: (5.59140437782707, 13.706),
+    0.3: (8.2699550015397, 28.6),
+    0.4: (8.778159181579364, 27.2),
+    0.5: (9.322418432780397, 26.5),
+    0.6: (9.991351642523012, 26.4),
+    0.7: (12.769088289146055, 43.0),
+    0.8: (13.493130500959683, 42.6),
+}
+
+
+def crossing(beta, u, omega):
+    """The exact crossing near (u, omega): Newton's method on the characteristic determinant."""
+    return reference._polish(u, omega, beta)
+
+
+def onset(made, beta, u, width=0.2, plane="any"):
+    """The only critical speed near u, as u, its dimensionless angular frequency, and what happens there."""
+    root = np.sqrt(beta)
+    (found,) = crossings(made, np.array([u - width, u + width]) / root, plane)
+    return found.speed * root, 2 * np.pi * found.frequency, found.kind
+
+
+# Gregory and Paidoussis' cantilever
+@pytest.mark.parametrize("beta", BOUNDARY)
+def test_cantilever_flutters_on_the_boundary_of_gregory_and_paidoussis(beta):
+    # measured at 20 elements from 3.3e-6 (beta 0.1) to 1.4e-4 (0.8), frequencies twice that; at 10 at most 2.2e-3
+    u, omega = crossing(beta, *BOUNDARY[beta])
+    assert u == pytest.approx(BOUNDARY[beta][0], rel=1e-9)
+    for n, limit in ((10, CLAIMED), (20, 4e-4)) if beta in (0.1, 0.5, 0.8) else ((10, CLAIMED),):
+        speed, frequency, kind = onset(pipe(beta, n), beta, u)
+        assert kind == "flutter"
+        assert speed == pytest.approx(u, rel=limit)
+        assert frequency == pytest.approx(omega, rel=2.5 * limit)
+
+
+@pytest.mark.parametrize("beta", [0.2, 0.5, 0.8])
+def test_cantilever_is_stable_below_the_boundary_and_not_beyond(beta):
+    u = BOUNDARY[beta][0]
+    speeds = np.append(np.linspace(0.5, 0.99, 6), 1.01) * u / np.sqrt(beta)
+    found = stability(pipe(beta, 10), speeds)
+    assert found.eigenvalues[:-1].real.max() < 0
+    assert found.eigenvalues[-1].real.max() > 0
+
+
+def test_critical_speed_converges_with_order_four():
+    # measured 3.9, 4.0
+    u, _ = crossing(0.2, *BOUNDARY[0.2])
+    errors = [onset(pipe(0.2, n), 0.2, u)[0] / u - 1 for n in (5, 10, 20)]
+    assert orders(errors) == pytest.approx([4, 4], abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("damping", "u", "omega"), [(1e-3, 5.64160, 13.8), (1e-2, 5.96769, 14.2), (0.1, 7.24585, 17.0)]
+)
+@pytest.mark.parametrize("n", [10, 20])
+def test_damping_raises_the_critical_speed_as_the_exact_equation_has_it_on_any_mesh(damping, u, omega, n):
+    # Kelvin and Voigt's; its largest rate grows with the fourth power of the mesh, and may hide nothing.
+    # Measured at 10 elements 8e-6 to 5.5e-5, at 20 at most 4e-6.
+    exact = [one for one in reference.critical_speeds(0.2, alpha=damping, upto=u + 0.5) if one.becomes == "unstable"]
+    assert exact[0].u == pytest.approx(u, abs=1e-4)
+    found, frequency, kind = onset(pipe(0.2, n, {"damping": damping}), 0.2, u)
+    assert (found, kind) == (pytest.approx(exact[0].u, rel=2e-4 if n == 10 else 1e-5), "flutter")
+    assert frequency == pytest.approx(exact[0].omega, rel=4e-4 if n == 10 else 3e-5)
+
+
+def test_at_a_jump_of_the_boundary_the_cantilever_flutters_ceases_to_and_flutters_again():
+    # both onsets at beta = 0.67; measured 2.6e-5 and 7.7e-5 at 20 elements. The pipe is stable from 11.6 to 12.5
+    beta, root = 0.67, np.sqrt(0.67)
+    made = pipe(beta, 20)
+    exact = reference.critical_speeds(beta, upto=13.0)
+    assert [one.becomes for one in exact] == ["unstable", "stable", "unstable"]
+    first, ceases, again = exact
+    assert (first.u, again.u) == (pytest.approx(10.6158, abs=1e-4), pytest.approx(12.5185, abs=1e-4))
+    between = (ceases.u + again.u) / 2
+    found = crossings(made, np.array([10.0, (first.u + ceases.u) / 2, between, 13.0]) / root)
+    assert len(found) == 2
+    for one, other in zip(found, (first, again), strict=True):
+        assert one.speed * root == pytest.approx(other.u, rel=2e-4)
+        assert 2 * np.pi * one.frequency == pytest.approx(other.omega, rel=4e-4)
+
+
+@pytest.mark.parametrize(
+    ("beta", "mu", "jet", "u", "omega"),
+    [
+        (0.2, 0.1, 1.0, 4.2216893472, 14.0846383388),
+        (0.2, 0.3, 1.0, 2.9057805558, 14.7181322290),
+        (0.2, 0.0, 1.5, 4.0739480886, 14.0509762114),
+        (0.5, 0.0, 1.5, 6.9183089564, 24.4641291863),
+        (0.5, 0.0, 2.0, 4.3942037465, 13.6138045707),
+        (0.2, 0.3, 1.5, 2.2843498307, 14.8348498445),
+    ],
+)
+def test_mass_and_nozzle_at_the_end_lower_the_critical_speed_as_they_should(beta, mu, jet, u, omega):
+    # figures of the references' tests; measured at 10 elements at most 1.5e-4, frequencies 1.0e-4
+    speed, frequency, kind = onset(pipe(beta, 10, {"tip_mass": mu}, jet), beta, u)
+    assert (speed, kind) == (pytest.approx(u, rel=4e-4), "flutter")
+    assert frequency == pytest.approx(omega, rel=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("water", "U", "omega"), [(1.0, 12.3865733974, 26.9213491493), (0.5, 6.8684356467, 27.5895324124)]
+)
+def test_two_pieces_and_two_bores_flutter_where_spectral_elements_have_them(water, U, omega):
+    # EJ and mass differ, then the bore, too; measured at 10 elements a piece 5.8e-6 and 1.7e-5
+    first = {"length": 0.25, "elements": 10, "axial_stiffness": 1e4} | {"bending_stiffness": 0.00108}
+    first |= {"mass_per_length": 0.0031316}
+    second = first | {"bending_stiffness": 0.00054, "mass_per_length": 0.0025, "water_mass_per_length": water * WATER}
+    made = scene({"segments": [first, second]}, gravity=[0, 0, 0])
+    (found,) = crossings(made, [U - 0.3, U + 0.3])
+    assert found.speed == pytest.approx(U, rel=2e-5)
+    assert 2 * np.pi * found.frequency == pytest.approx(omega, rel=5e-5)
+
+
+# Table 2.2's hose
+@pytest.mark.parametrize(
+    ("plane", "key", "U"),
+    [("in", "in_plane", 13.9148976569), ("out", "out_of_plane_damped", 13.8405929422), ("any", "weightless", None)],
+)
+def test_hose_flutters_about_its_static_shape_where_polynomials_have_it(plane, key, U):
+    # measured at 10 elements 4.6e-5, frequency 1.5e-4; at 20 2.9e-6 and 9.7e-6
+    speed, omega = hoses.reference_file("cycles")["critical"][key]
+    assert U is None or speed == pytest.approx(U, abs=1e-9)
+    gravity = [0, 0, 0] if key == "weightless" else [0, 0, -9.81]
+    for n, limit in ((10, 1e-4), (20, 7e-6)):
+        (found,) = crossings(scene({"elements": n}, gravity=gravity), [13.5, 14.2], plane)
+        assert (found.kind, found.plane) == ("flutter", plane)
+        assert found.speed == pytest.approx(speed, rel=limit)
+        assert 2 * np.pi * found.frequency == pytest.approx(omega, rel=3.5 * limit)
+
+
+def test_search_that_is_not_told_where_to_look_finds_both_planes_of_the_hose_the_lower_first():
+    found = stability(scene())
+    assert [one.plane for one in found.critical] == ["out", "in"]
+    assert [one.speed for one in found.critical] == pytest.approx([13.8405929422, 13.9148976569], rel=1e-4)
+    assert found.speed[0] == 0 and found.speed[-1] > 14
+    assert np.all((found.out_of_plane < 1e-6) | (found.out_of_plane > 1 - 1e-6)), "planes do not mix"
+
+
+def test_eigenvalues_of_the_hose_are_the_references_in_and_out_of_the_plane():
+    # the three least of either plane; measured 7e-6, 9e-6, 3e-5 at 20 elements in both
+    U = 12.0
+    model = reference.Hose(reference.Parameters(), 16)
+    found = stability(scene({"elements": 20}), [U, U + 0.1], modes=12)
+    for values, plane in ((model.eigenvalues(U), 0), (model.lateral_eigenvalues(U), 1)):
+        mine = found.eigenvalues[0][(found.out_of_plane[0] > 0.5) == plane]
+        values = values[values.imag > 1e-6]
+        for value in sorted(values, key=abs)[:3]:
+            assert np.abs(mine - value).min() < 1e-4 * abs(value)
+
+
+@pytest.mark.parametrize("coupling", COUPLINGS)
+def test_critical_speed_is_that_of_linear_coupling_whatever_ties_hose_and_water(coupling):
+    # multipliers measured 1e-11; augmented 1.3e-6, as the static shape is (test_hose_statics)
+    plain, tied = (crossings(scene({"elements": 6}, coupling=way), [13.5, 14.2], "in") for way in ("linear", coupling))
+    assert len(tied) == 1
+    assert tied[0].speed == pytest.approx(plain[0].speed, rel=1e-9 if coupling in ("linear", "lagrange") else 1e-5)
+    assert tied[0].frequency == pytest.approx(plain[0].frequency, rel=1e-9 if coupling != "augmented" else 1e-5)
+
+
+@pytest.mark.parametrize("U", [0.0, 10.0, 14.2])
+def test_hose_with_springs_to_its_water_has_the_slow_eigenvalues_of_linear_coupling(U):
+    # of stiffness 1e5 N/m, which give 2e-7 m at rest; measured 8e-7, 5e-6, 5e-5 at 0, 10, 14.2 m/s
+    plain, tied = (
+        found_by.vibrations(rest.system, rest.state, 6).value
+        for rest in (
+            at_rest(scene({"elements": 6}, **ties), U) for ties in ({}, {"coupling": "penalty", "stiffness": 1e5})
+        )
+    )
+    for value in plain[:4]:
+        assert np.abs(tied - value).min() < 1.5e-4 * abs(value)
+
+
+# supported pipes
+SUPPORTED = {  # the first natural frequency at u = 0, 1, 2, 3 for beta = 0.2, and where the pipe buckles
+    ("pinned", "pinned"): ((9.8696044011, 9.3375314424, 7.5469402519, 2.8682688628), reference.PINNED_PINNED),
+    ("clamped", "pinned"): ((15.4182057170, 15.0153953558, 13.7447292963, 11.3532537684), reference.CLAMPED_PINNED),
+    ("clamped", "clamped"): ((22.3732854481, 22.0660768204, 21.1216934120, 19.4626743942), reference.CLAMPED_CLAMPED),
+}
+
+
+def supported(supports, n, damping=0.0):
+    return pipe(0.2, n, {"root_support": supports[0], "end": supports[1], "damping": damping})
+
+
+@pytest.mark.parametrize("supports", SUPPORTED)
+def test_first_frequency_of_a_supported_pipe_falls_with_speed_as_it_should(supports):
+    # measured at 16 elements at most 1.3e-5 (pinned at u = 3, close to buckling); no growth but rounding
+    for u, omega in enumerate(SUPPORTED[supports][0]):
+        rest = at_rest(supported(supports, 16), u / np.sqrt(0.2))
+        values = found_by.vibrations(rest.system, rest.state, 4).value
+        assert values[:2].imag == pytest.approx([omega, omega], rel=4e-5), "alike in both planes"
+        assert np.abs(values[:2].real).max() < 1e-9 * abs(values[-1]) + 1e-9
+
+
+@pytest.mark.parametrize("supports", SUPPORTED)
+def test_supported_pipe_diverges_at_pi_4_4934_and_2_pi(supports):
+    # damping moves no buckling, and none at all is looked at below; measured 1.0e-6, 4.3e-6, 1.6e-5 at 16 elements
+    u = SUPPORTED[supports][1]
+    speed, frequency, kind = onset(supported(supports, 16, 1e-4), 0.2, u)
+    assert (kind, frequency) == ("divergence", 0)
+    assert speed == pytest.approx(u, rel=4e-5)
+
+
+@pytest.mark.parametrize("supports", SUPPORTED)
+def test_undamped_supported_pipe_diverges_and_does_not_flutter(supports):
+    # all that it does below is to ring for ever: what rounding adds to its thousands of radians a second is no growth
+    u = SUPPORTED[supports][1]
+    speed, _, kind = onset(supported(supports, 16), 0.2, u)
+    assert kind == "divergence"
+    assert speed == pytest.approx(u, rel=4e-5)
+
+
+@pytest.mark.parametrize("speeds", [[0.0], [0.0, 2.0, 4.0], [2.0, 4.0]])
+def test_nothing_grows_in_a_stable_hose_by_rounding(speeds):
+    assert not stability(pipe(0.2, 10), speeds).grows.any()
+
+
+def test_speeds_may_fall_or_stand_in_any_order():
+    rising, falling = (stability(scene({"elements": 6}), speeds) for speeds in ([13.0, 14.5], [14.5, 13.0, 14.5]))
+    assert falling.speed.tolist() == [13.0, 14.5] and rising.grows.tolist() == [False, True]
+    assert [one.speed for one in falling.critical] == pytest.approx([one.speed for one in rising.critical])
+
+
+def test_hose_that_takes_in_water_flutters_as_that_speed_grows():
+    (found,) = crossings(scene({"elements": 6}), [-5.0, -1.0, 0.0], "in")
+    assert -1.0 < found.speed < 0.0 and found.kind == "flutter"
+
+
+def test_more_modes_than_there_are_at_some_speed_are_as_many_as_there_are():
+    found = stability(scene({"elements": 2}), [0.0, 8.0, 16.0], 100)
+    assert found.eigenvalues.shape[0] == 3 and 4 <= found.eigenvalues.shape[1] < 100
+
+
+def test_hose_of_many_elements_flutters_where_one_of_few_does(monkeypatch):
+    plain = crossings(scene({"elements": 12}), [13.5, 14.2], "in")
+    for coupling in ("linear", "lagrange"):
+        monkeypatch.setattr("gardenhose.flutter.DENSE", 50)
+        monkeypatch.setattr(found_by, "DENSE", 50)
+        (long,) = crossings(scene({"elements": 12}, coupling=coupling), [13.5, 14.2], "in")
+        assert long.speed == pytest.approx(plain[0].speed, rel=1e-7)
+        monkeypatch.undo()
+
+
+def test_hose_without_water_has_the_frequencies_of_a_cantilever():
+    # the first three in both planes; measured 1e-7, 5e-6, 4e-5 at 16 elements
+    hose = {"length": 1.0, "elements": 16, "axial_stiffness": 1e6, "bending_stiffness": 1.0, "mass_per_length": 1.0}
+    rest = hoses.dry_at_rest(scene(hose | {"damping": 0.0}, False, gravity=[0, 0, 0]))
+    found = found_by.vibrations(*rest).value
+    roots = np.array([1.8751040687119611, 4.6940911329741745, 7.8547574382376125])
+    assert found[:6].imag == pytest.approx(np.repeat(roots**2, 2), rel=1e-4)
+
+
+def test_hose_pinned_at_its_root_swings_as_a_rod():
+    # a stiff rod about its end: omega^2 = 3 g / 2 L, in both planes; measured -8e-7 and 2e-7
+    hose = {"bending_stiffness": 10.0, "axial_stiffness": 1e6, "damping": 0.0, "direction": [0, 0, -1]}
+    rest = hoses.dry_at_rest(scene(hose | {"root_support": "pinned"}, False))
+    found = found_by.vibrations(*rest).value
+    assert found[:2].imag == pytest.approx(np.sqrt(1.5 * 9.81 / 0.5), rel=3e-6)
+
+
+def test_eigenvalues_of_a_large_hose_by_sparse_algebra_are_those_by_dense(monkeypatch):
+    # measured 9e-12
+    rest = at_rest(scene(), 12.0)
+    dense = found_by.vibrations(rest.system, rest.state, 6)
+    monkeypatch.setattr(found_by, "DENSE", 10)
+    sparse = found_by.vibrations(rest.system, rest.state, 6)
+    assert sparse.value == pytest.approx(dense.value, rel=1e-9)
+    for one, other in zip(sparse.shape.T, dense.shape.T, strict=True):
+        like = abs(np.vdot(one, other)) / np.linalg.norm(one) / np.linalg.norm(other)
+        assert like == pytest.approx(1, abs=1e-6)
+    with pytest.raises(ValueError, match="too many for all"):
+        found_by.vibrations(rest.system, rest.state)

@@ -1,0 +1,280 @@
+"""Whirl of a collar between two ends, one lump that is free: forward, rubbing, and rolling backward, in closed form.
+
+The lump, steel mass m and moving mass M = m + mud, sits in the middle of two links of length l = L / 2 between ends on
+the hole's axis; bending holds it with k = 4 EI / l^3 (the one bend of the discrete rod, EI / l times twice u / l). Its
+centre of gravity is e off the axis and turns with the rotary at Omega. With z = u + iv, clockwise looking down:
+
+    M z'' + c z' + D |z'| z' + k z + N (1 + i mu sign(w)) z/|z| = m e Omega^2 exp(i Omega t),  N = k_c (|z| - delta),
+
+w = R Omega + |z| times the whirl rate being the slip of the pipe's surface on the wall. Its circular motions are solved
+for here without integrating anything (J. P. Den Hartog, Mechanical Vibrations, 1956, ch. 6; D. W. Childs,
+Turbomachinery Rotordynamics, 1993, ch. 1).
+"""
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from physics.wells.strings import COLLAR, area, mass_per_length, run, straight_hole
+from physics.wells.strings import E as YOUNG
+from scipy.optimize import brentq
+
+from drillstring.results.whirl import busiest, whirl_of
+
+MUD, HOLE, LENGTH, OFF, ZETA = 1200.0, 0.2032, 10.0, 2e-3, 0.1
+LINK, RADIUS, CLEARANCE = LENGTH / 2, COLLAR[0] / 2, (HOLE - COLLAR[0]) / 2
+WALL, SOFT = 1e9, 1e8
+"""Stiffness of the wall, N/m: hard where a ratio of diameters is asked for, else soft enough to come to rest soon."""
+STEEL = mass_per_length() * LINK
+MASS = STEEL + MUD * LINK * (area(COLLAR[0], 0.0) + area(COLLAR[1], 0.0))
+SPRING = 4 * YOUNG * pi / 64 * (COLLAR[0] ** 4 - COLLAR[1] ** 4) / LINK**3
+CRITICAL = sqrt(SPRING / MASS)
+DRAG = 0.5 * MUD * COLLAR[0] * LINK
+"""Of C_d = 1, N s^2/m^2."""
+
+
+def damping(zeta):
+    return float(2 * zeta * CRITICAL * MASS)
+
+
+def span(speed, off=OFF, zeta=ZETA, **changes):
+    """The lump in a vertical hole, wide enough unless a diameter is given, without gravity; twist is damped away."""
+    usual = {
+        "diameter": 1.0, "gravity": 0.0, "mud": {"density": MUD, "added_mass": 1.0, "drag": 0.0},
+        "well__wall__stiffness": WALL, "well__wall__damping": 1e5, "string__0__eccentricity": [off, 0.0],
+        "damping": {"translation": damping(zeta), "structural": 1e-3},
+        "bit": {"lateral": "pinned"}, "top__rotation": float(speed),
+        "model__bending": "stiff", "solver__step": 1e-3, "solver__end": 9.0, "solver__rho_inf": 1.0,
+        "output__interval": 5e-3,
+    }  # fmt: skip
+    return straight_hole(length=LENGTH, elements=2, **{"inclination": 0.0} | usual | changes)
+
+
+def way(result):
+    """Complex offset of the middle lump, its angle that does not jump, and that of the pipe."""
+    z = result["lateral_displacement"][:, 1, 0] + 1j * result["lateral_displacement"][:, 1, 1]
+    return z, np.unwrap(np.angle(z)), result["rotation"][:, 1]
+
+
+def late(result, seconds=1.0):
+    """The last so many seconds."""
+    return np.flatnonzero(result.time >= result.time[-1] - seconds - 1e-9)
+
+
+def whole_turns(result, seconds=2.0):
+    """Frames of the last so many seconds, less what is no whole turn around the hole: a slight gravity averages out."""
+    at = late(result, seconds)
+    _, angle, _ = way(result)
+    gone = np.abs(angle[at] - angle[at[0]]) / (2 * pi)
+    return at[gone < np.floor(gone[-1])]
+
+
+def whirl_rate(result, seconds=1.0):
+    at = late(result, seconds)
+    _, angle, _ = way(result)
+    return (angle[at[-1]] - angle[at[0]]) / (result.time[at[-1]] - result.time[at[0]])
+
+
+def steady(result):
+    """Offset in the frame that turns with the pipe, mean of the end, which must have settled."""
+    z, _, turned = way(result)
+    turning = (z * np.exp(-1j * turned))[late(result)]
+    spread = np.ptp(np.abs(turning)) / np.abs(turning).mean()
+    assert spread < 1e-3, "the end is steady"
+    return turning.mean()
+
+
+# -- forward, without the wall
+
+
+@pytest.mark.parametrize("speed", [0.5, 0.9, 1.0, 1.1, 2.0, 4.0])
+def test_forward_whirl_with_linear_damping_has_amplitude_and_phase_of_the_one_mass_rotor(speed):
+    # r/e = (m/M) x^2 / sqrt((1 - x^2)^2 + (2 zeta x)^2), behind the unbalance by atan(2 zeta x / (1 - x^2))
+    found = steady(run(span(speed * CRITICAL)))
+    size = OFF * STEEL / MASS * speed**2 / sqrt((1 - speed**2) ** 2 + (2 * ZETA * speed) ** 2)
+    assert abs(found) == pytest.approx(size, rel=1e-3)
+    assert -np.angle(found) == pytest.approx(np.arctan2(2 * ZETA * speed, 1 - speed**2), abs=1e-3)
+
+
+@pytest.mark.parametrize("speed", [0.6, 1.0, 1.5, 3.0])
+def test_forward_whirl_with_quadratic_drag_has_the_amplitude_of_exact_harmonic_balance(speed):
+    # on a circle the drag D (r Omega)^2 is tangential and steady: ((k - M W^2) r)^2 + (D W^2 r^2)^2 = (m e W^2)^2
+    drag, turn = 20.0, speed * CRITICAL
+    mud = {"density": MUD, "added_mass": 1.0, "drag": drag}
+    result = run(span(turn, off=0.02, zeta=0.0, mud=mud, solver__end=20.0))
+    stiff, loss, push = SPRING - MASS * turn**2, drag * DRAG * turn**2, STEEL * 0.02 * turn**2
+    size = sqrt(2.0 * push**2 / (stiff**2 + sqrt(stiff**4 + 4.0 * (loss * push) ** 2)))
+    found = steady(result)
+    assert abs(found) == pytest.approx(size, rel=1e-3)
+    assert -np.angle(found) == pytest.approx(np.arctan2(loss * size, stiff), abs=2e-3)
+    # what the mud takes comes from the rotary
+    torque = result["surface_torque"][late(result)].mean()
+    assert torque == pytest.approx(drag * DRAG * size**3 * turn**2, rel=2e-3)
+
+
+def test_far_above_the_critical_speed_the_centre_of_gravity_comes_to_rest_on_the_axis_of_the_hole():
+    # z = m e W^2 / (k - m W^2 + i c W) without mud, so z + e = e (k + i c W) / (k - m W^2 + i c W): e / x^2 and less
+    speed, c = 10.0 * CRITICAL, damping(0.01)
+    result = run(span(speed, zeta=0.01, mud={"density": 1e-9, "drag": 0.0}, solver__step=2.5e-4, solver__end=60.0))
+    left = abs((SPRING + 1j * c * speed) / (SPRING - STEEL * speed**2 + 1j * c * speed))
+    assert abs(steady(result) + OFF) / OFF == pytest.approx(left, abs=5e-4)
+    assert left < 0.02
+
+
+def test_the_rotary_does_the_work_that_the_damping_takes_at_the_critical_speed():
+    # c r^2 Omega is the torque of a steady circle
+    result = run(span(CRITICAL))
+    torque = result["surface_torque"][late(result)].mean()
+    assert torque == pytest.approx(damping(ZETA) * (OFF * STEEL / MASS / (2 * ZETA)) ** 2 * CRITICAL, rel=2e-3)
+
+
+# -- forward, rubbing on the wall
+
+
+def rub(speed, off, zeta, friction):
+    """Complex offset of a synchronous rub: |(k - M W^2) r + N + i (c W r + mu N)| = m e W^2, N = k_c (r - delta)."""
+
+    def resistance(r):
+        normal = SOFT * (r - CLEARANCE)
+        tangential = damping(zeta) * speed * r + friction * normal
+        return complex((SPRING - MASS * speed**2) * r + normal, tangential)
+
+    push = STEEL * off * speed**2
+    r = brentq(lambda r: abs(resistance(r)) - push, CLEARANCE, 1.1 * CLEARANCE)
+    return r * np.exp(-1j * np.angle(resistance(r)))
+
+
+RUBBING = {
+    "diameter": HOLE,
+    "well__wall__stiffness": SOFT,
+    "solver__step": 2.5e-4,
+    "solver__end": 8.0,
+    "solver__rho_inf": 0.8,
+}
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.2, 0.3])
+def test_an_unbalanced_lump_with_little_friction_rubs_forward_around_the_hole(friction):
+    # normal force, place and phase of the rub, which the wall's friction brakes all the way around
+    speed, off = 2.0 * CRITICAL, 0.02
+    assert STEEL * off * speed**2 > (MASS * speed**2 - SPRING) * CLEARANCE, "the free circle is wider than the hole"
+    result = run(span(speed, off, 0.02, friction=friction, **RUBBING))
+    exact = rub(speed, off, 0.02, friction)
+    found = steady(result)
+    assert whirl_rate(result) / speed == pytest.approx(1.0, rel=1e-3)
+    assert abs(found) == pytest.approx(abs(exact), rel=1e-4)
+    assert np.angle(found) == pytest.approx(np.angle(exact), abs=2e-3)
+    normal = result["contact_force"][late(result), 1].mean()
+    assert normal == pytest.approx(SOFT * (abs(exact) - CLEARANCE), rel=2e-3)
+    braked = damping(0.02) * abs(exact) ** 2 * speed + friction * normal * (RADIUS + abs(exact))
+    assert result["surface_torque"][late(result)].mean() == pytest.approx(braked, rel=5e-3)
+
+
+def test_the_same_lump_with_much_friction_is_thrown_back_at_its_first_blow_and_rolls():
+    # 0.6 beside the 0.3 above: rubbing forward and rolling backward are both solutions, and the first blow decides
+    speed, off = 2.0 * CRITICAL, 0.02
+    result = run(span(speed, off, 0.02, friction=0.6, **RUBBING))
+    r = np.abs(way(result)[0])[late(result)].mean()
+    assert whirl_rate(result) / speed == pytest.approx(-RADIUS / r, rel=1e-3)
+
+
+# -- backward
+
+
+def level(friction, speed=4 * pi, zeta=0.0, **changes):
+    """The lump on the low side of a level hole, without bending, in a slight gravity: it starts in contact."""
+    return span(
+        speed, 0.0, zeta, inclination=pi / 2, friction=friction, gravity=0.5, model__bending="none",
+        **RUBBING | {"well__wall__stiffness": WALL, "solver__end": 5.0} | changes,
+    )  # fmt: skip
+
+
+def climb(friction, angle):
+    """Speed squared over r g of a mass that a belt of friction mu drives up a hole, from rest at the bottom.
+
+    dy/dpsi = 2 (mu N - sin psi), N = cos psi + y in weights, has the solution A cos + B sin - A exp(2 mu psi).
+    """
+    down, along = (2 - 4 * friction**2) / (1 + 4 * friction**2), 6 * friction / (1 + 4 * friction**2)
+    return down * (np.cos(angle) - np.exp(2 * friction * angle)) + along * np.sin(angle)
+
+
+def rolling(speed):
+    """Radius of pure rolling: k_c (r - delta) = M r W_w^2 with W_w = R Omega / r."""
+    return brentq(lambda r: WALL * (r - CLEARANCE) - MASS * (RADIUS * speed) ** 2 / r, CLEARANCE, 1.2 * CLEARANCE)
+
+
+def test_a_lump_in_contact_rolls_backward_where_friction_exceeds_one_over_the_root_of_two():
+    # A < 0 in `climb`: friction carries it over the top, and on until its surface no longer slips
+    speed = 4 * pi
+    assert climb(0.8, np.linspace(0.1, 2 * pi, 50)).min() > 0.0
+    result = run(level(0.8, speed))
+    assert result.attributes["halvings"] == 0, "a contact that rolls is no contact that chatters"
+    rate, r = whirl_rate(result, 2.0), rolling(speed)
+    assert rate / speed == pytest.approx(-COLLAR[0] / (HOLE - COLLAR[0]), rel=1e-2), "a rigid wall"
+    assert rate / speed == pytest.approx(-RADIUS / r, rel=1e-3), "the wall as soft as it is"
+    normal = result["contact_force"][whole_turns(result), 1].mean()
+    assert normal == pytest.approx(MASS * r * rate**2, rel=3e-3)
+
+
+def test_a_lump_in_contact_with_less_friction_swings_on_the_low_side_as_far_as_the_closed_form_says():
+    for friction in (0.4, 0.6):
+        result = run(level(friction))
+        _, angle, _ = way(result)
+        top = brentq(lambda x, mu=friction: climb(mu, x), 0.8 * np.arctan(friction) * 2, pi)
+        assert angle[0] - angle.min() == pytest.approx(top, rel=1e-2)
+        assert abs(whirl_rate(result, 4.0)) < 0.02 * 4 * pi
+
+
+def test_the_rotary_keeps_a_lump_rolling_by_the_work_that_its_damping_takes():
+    # tangential balance c r W_w = F, of power R F Omega = c (r W_w)^2; rolling lasts where F < mu N: c < mu M W_w
+    speed, zeta = 4 * pi, 0.02
+    result = run(level(0.8, speed, zeta))
+    r, rate = rolling(speed), -whirl_rate(result, 2.0)
+    assert rate == pytest.approx(RADIUS * speed / r, rel=1e-3)
+    first, last = whole_turns(result)[[0, -1]]
+    spent = result.time[last] - result.time[first]
+    for energy in ("dissipated_energy", "external_work"):
+        power = (result[energy][last] - result[energy][first]) / spent
+        assert power == pytest.approx(damping(zeta) * (r * rate) ** 2, rel=1e-2)
+    assert damping(zeta) < 0.8 * MASS * rate
+
+
+# -- what is told of it
+
+
+def test_the_whirl_ratio_of_a_run_is_that_of_its_circle_and_frames_far_apart_do_not_deceive_it():
+    # from positions alone, a frame every 50 ms would see the lump, which goes 8.6 times a second, go the other way
+    slow = run(level(0.8, 4 * pi, output__interval=0.05))
+    one = whirl_of(slow, busiest(slow))
+    assert one.lump == 1 and one.rolling == pytest.approx(-COLLAR[0] / (HOLE - COLLAR[0]))
+    assert one.ratio() == pytest.approx(-RADIUS / rolling(4 * pi), rel=2e-3)
+    assert one.rate()[-1] == pytest.approx(one.ratio() * 4 * pi, rel=2e-2)
+
+
+def test_headline_figures_of_an_unbalanced_string_tell_offset_whirl_ratio_and_acceleration():
+    result = run(span(2.0 * CRITICAL))
+    told = result.headline
+    size = abs(steady(result))
+    assert told["whirl_ratio"]["value"] == pytest.approx(1.0, abs=2e-3)
+    assert told["lateral_offset_max"]["value"] == pytest.approx(np.abs(way(result)[0]).max())
+    assert told["lateral_acceleration_max"]["value"] >= 0.99 * size * (2.0 * CRITICAL) ** 2
+    assert "whirl_ratio" not in run(level(0.4, solver__end=0.5)).headline, "nothing is eccentric"
+
+
+# -- either way
+
+
+@pytest.mark.parametrize("case", ["free", "rub", "roll"])
+def test_the_other_sense_of_rotation_gives_the_mirrored_orbit(case):
+    made = {
+        "free": lambda speed: span(speed, solver__end=2.0),
+        "rub": lambda speed: span(speed, 0.02, 0.02, friction=0.2, **RUBBING | {"solver__end": 1.0}),
+        "roll": lambda speed: level(0.8, speed, solver__end=2.0),
+    }[case]
+    speed = 4 * pi if case == "roll" else 2.0 * CRITICAL
+    right, left = run(made(speed)), run(made(-speed))
+    # in a level hole the first of the two lateral directions is up, so both mirror the second
+    mirrored = left["lateral_displacement"][:, 1] * (1.0, -1.0)
+    assert mirrored == pytest.approx(right["lateral_displacement"][:, 1], abs=1e-9 * (1.0 if case == "free" else 1e3))
+    assert left["rotation"] == pytest.approx(-right["rotation"], abs=1e-6)
+    assert left["contact_force"] == pytest.approx(right["contact_force"], rel=1e-3, abs=10.0)
