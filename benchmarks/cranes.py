@@ -10,8 +10,8 @@ from page import Section, number, show, table
 
 from crane.model.build import build
 from crane.scene.scene import CraneScene
-from tautline.scene.document import Document
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 from tautline.simulation import simulate
 
 DATA = jwell.ROOT / "data"

@@ -21,8 +21,8 @@ from page import Section, load, machine, number, table
 
 from gardenhose.flutter import crossings
 from gardenhose.scene import HoseScene
-from tautline.scene.document import Document
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 
 PAGE = hoses.ROOT / "docs" / "hose_validation.md"
 ASKED = 0.03

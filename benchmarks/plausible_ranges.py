@@ -6,7 +6,7 @@ from pathlib import Path
 
 from page import table
 
-from tautline.scene.ranges import RANGES, in_range
+from tautline.scene.values.ranges import RANGES, in_range
 
 PAGE = Path(__file__).parents[1] / "docs" / "ranges.md"
 BEGIN, END = "<!-- ranges: written by benchmarks/plausible_ranges.py -->\n", "<!-- end of ranges -->\n"

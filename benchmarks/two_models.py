@@ -13,8 +13,8 @@ from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
 from drillstring.statics.form import find_form
 from tautline.results.result import Result
-from tautline.scene.document import Document
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 from tautline.simulation import simulate
 
 DATA = jwell.ROOT / "data"

@@ -17,7 +17,7 @@ from gardenhose.scene import HoseScene, Segment
 from tautline.cable.input.parts import Coupling, Element, Mass, Motion, Node, Place, Tie
 from tautline.cable.input.scene import CableScene
 from tautline.cable.input.solver import CableSolver
-from tautline.scene.document import Document
+from tautline.scene.reading.document import Document
 
 METHODS = {"lagrange": "multiplier", "penalty": "penalty", "augmented": "augmented"}
 FREE, HELD = False, True

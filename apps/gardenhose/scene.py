@@ -14,11 +14,11 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.functions import Constant, FunctionOfTime, time_function
-from tautline.scene.magnitude import LARGEST, OUTSIDE, is_outside
 from tautline.scene.model import Model, Scene, Whole, validate, word
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault, raise_all
 from tautline.scene.solver import Output, Solver, check_output
+from tautline.scene.values.magnitude import LARGEST, OUTSIDE, is_outside
+from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Direction, Gravity, Position, Vector, Velocity, unit
 
 MOST_ELEMENTS = 2000

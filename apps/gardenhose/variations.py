@@ -12,9 +12,9 @@ from typing import Any
 from gardenhose.build import assembled
 from gardenhose.scene import UNIFORM, HoseScene, Segment
 from tautline.cable.model.ties import penalty_stiffness
-from tautline.scene.document import Document, Path_
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document, Path_
 from tautline.study.robustness.bar import Bar
 
 ORIGIN = "study"

@@ -11,8 +11,8 @@ from tautline.results.variable import Variable
 from tautline.scene.identity import model_hash
 from tautline.scene.model import Model as Part
 from tautline.scene.model import Scene
-from tautline.scene.quantity import quantity
 from tautline.scene.solver import Output, Solver, check_output, longest_step
+from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Gravity
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import Degrees, assemble

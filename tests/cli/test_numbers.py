@@ -6,7 +6,8 @@ import pytest
 from rich.console import Console
 
 from tautline.cli.console import console
-from tautline.cli.summary import quantity, significant, speed, two_columns
+from tautline.cli.summary import speed, two_columns
+from tautline.scene.values.printed import quantity, significant
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,8 @@ from typing import Any
 import yaml
 from extremes.spellings import SPELLINGS
 
-from tautline.scene.document import Document
-from tautline.scene.quantity import NUMBER
+from tautline.scene.reading.document import Document
+from tautline.scene.values.quantity import NUMBER
 
 SEED = 22
 ROOT = Path(__file__).parents[2]

@@ -11,7 +11,7 @@ from extremes.mutations import Case, scenes
 
 from tautline.kernels.time_function import sample
 from tautline.scene.functions import Table
-from tautline.scene.magnitude import LARGEST, SMALLEST
+from tautline.scene.values.magnitude import LARGEST, SMALLEST
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from drillstring.scene.scene import DrillstringScene, check_lengths, json_schema, read
 from drillstring.warnings.scene import warnings
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 
 JWELL = Path(__file__).parents[2] / "data" / "jwell.yaml"
 TEXT = JWELL.read_text()

@@ -16,8 +16,8 @@ from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.scene import json_schema, parse, read, with_values
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
+from tautline.scene.reading.document import Document
 
 DATA = Path(__file__).parents[2] / "data"
 APPENDIX = Path(__file__).with_name("appendix_a.yaml").read_text()

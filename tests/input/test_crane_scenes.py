@@ -30,10 +30,10 @@ from crane.scene.scene import (
 )
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant, Harmonic, Ramp, Spectrum, Table
 from tautline.scene.model import Model, validate
+from tautline.scene.reading.document import Document
 from tautline.scene.solver import Output, Solver
 
 

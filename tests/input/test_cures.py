@@ -6,7 +6,7 @@ import pytest
 
 from drillstring.scene.scene import DrillstringScene
 from tautline.scene.errors import SceneError
-from tautline.scene.quantity import suited
+from tautline.scene.values.quantity import suited
 
 DATA = Path(__file__).parents[2] / "data"
 DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8")

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tautline.scene.document import Document, join_key, split_key
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.document import Document, join_key, split_key
 
 
 @pytest.mark.parametrize(

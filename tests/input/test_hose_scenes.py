@@ -19,10 +19,10 @@ from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.integrators.state import new_state
 from tautline.integrators.vibration.critical_step import CriticalStep
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant, Ramp
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 
 HOSE = Path(__file__).parents[2] / "data" / "hose.yaml"
 TEXT = HOSE.read_text(encoding="utf8")

@@ -17,11 +17,11 @@ from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
 from tautline.cable.input.models import WrittenCable
 from tautline.cable.input.thesis_compat import read_quirks
-from tautline.scene.document import Document
 from tautline.scene.doubts import slips_of_units
 from tautline.scene.model import validate
-from tautline.scene.ranges import RANGES
-from tautline.scene.units import read_unit
+from tautline.scene.reading.document import Document
+from tautline.scene.values.ranges import RANGES
+from tautline.scene.values.units import read_unit
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(ROOT.glob("data/*.yaml")) + sorted(ROOT.glob("**/templates/*.yaml"))

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic_core import PydanticCustomError
 
-from tautline.scene.columns import Columns
-from tautline.scene.quantity import MEANINGS, quantity
-from tautline.scene.units import TABLE, UnknownUnit, pint_registry, read_unit
+from tautline.scene.reading.columns import Columns
+from tautline.scene.values.quantity import MEANINGS, quantity
+from tautline.scene.values.units import TABLE, UnknownUnit, pint_registry, read_unit
 
 PINTS_NAME = {"bbl": "oil_bbl", "%": "percent", "lbm": "pound", "klbm": "klb", "usft": "survey_foot"}
 
@@ -194,7 +194,7 @@ def test_every_example_given_in_a_cure_is_itself_understood():
 
 def test_common_units_do_not_load_pint():
     code = (
-        "import sys; from tautline.scene.units import TABLE, read_unit; [read_unit(name) for name in TABLE];"
+        "import sys; from tautline.scene.values.units import TABLE, read_unit; [read_unit(name) for name in TABLE];"
         "read_unit('deg/30m'); assert 'pint' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -88,7 +88,7 @@ def test_help_loads_nothing_that_computes(tmp_path):
 
 
 def test_reading_a_scene_in_python_loads_no_compiler():
-    names = "import sys, tautline.scene.document, tautline.scene.model; print('numba' in sys.modules)"
+    names = "import sys, tautline.scene.reading.document, tautline.scene.model; print('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", names], capture_output=True, text=True).stdout.strip() == "False"
 
 

@@ -14,8 +14,8 @@ from tautline.integrators.statics import stability
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.scene.document import Document
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 from tautline.simulation import simulate
 
 LENGTH, SPAN, MASS, EA = 120.0, 80.0, 3.7, 2.0e7

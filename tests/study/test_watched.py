@@ -9,8 +9,8 @@ from physics.pipes.hoses import scene
 
 from gardenhose.application import Gardenhose
 from gardenhose.scene import HoseScene
-from tautline.scene.document import Document
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 from tautline.study.accuracy.precision import Grid, study
 from tautline.study.robustness.stability import stability
 from tautline.study.trials.errors import compare

@@ -12,7 +12,7 @@ from crane.assembly.loads import load_of, pull
 from crane.assembly.mesh_damping import HIGHEST, bounce
 from crane.geometry.reeving import Path
 from crane.scene.scene import CraneScene, End, Sheave
-from tautline.scene.files import stamps
+from tautline.scene.reading.files import stamps
 
 REAL_LIMIT = 2.785294
 """Decay rate times step beyond which RK4 is unstable: 1 - x + x^2/2 - x^3/6 + x^4/24 = 1."""

@@ -17,7 +17,7 @@ from crane.sea.frames import ENTRIES, Frame, heave_of, requests_of
 from crane.sea.vessel import frames_of
 from tautline.kernels.time_function import value_at
 from tautline.scene.errors import SceneError
-from tautline.scene.files import stamps
+from tautline.scene.reading.files import stamps
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 

@@ -15,9 +15,9 @@ from crane.groups.span import MATERIAL
 from crane.model.build import assembled
 from crane.scene.consistency import MOST_ELEMENTS
 from crane.scene.scene import Anchor, CraneScene, Drum, PathItem
-from tautline.scene.document import Document, Path_
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document, Path_
 from tautline.study.robustness.bar import Bar
 
 ORIGIN = "study"

@@ -18,9 +18,9 @@ from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.surroundings import Motion
 from tautline.kernels.time_function import sample
 from tautline.results.errors import ResultError
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 from tautline.system.time_functions import compile_functions
 
 SETTLED, MOST_ITERATIONS = 1.0e-9, 30

@@ -9,8 +9,8 @@ from pydantic import AfterValidator, Field, model_validator
 from crane.scene.path import Name
 from tautline.scene.functions import FunctionOfTime, time_function
 from tautline.scene.model import Model, word
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault, refusal
+from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Position, Velocity, listed, three
 
 FORCES = listed(3, "three forces: along x, y and z", "[0, 0, {ramp: {to: 1 kN, over: 2}}]")

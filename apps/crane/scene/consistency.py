@@ -8,9 +8,9 @@ from typing import Any
 
 from crane.scene.path import Anchor, Drum, End, PathItem, Sheave
 from tautline.scene.functions import FunctionOfTime
-from tautline.scene.magnitude import LARGEST, OUTSIDE, SMALLEST
 from tautline.scene.model import Model, Scene
 from tautline.scene.refusal import nearest, raise_all
+from tautline.scene.values.magnitude import LARGEST, OUTSIDE, SMALLEST
 
 Key = tuple[str | int, ...]
 Fault = tuple[Key, str, str]

@@ -9,8 +9,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, mod
 
 from tautline.scene.functions import FunctionOfTime, time_function
 from tautline.scene.model import Branch, Model, OneOf, Switch, Whole, word
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault, raise_all, refusal
+from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Position, Vector, three, unit
 
 UPRIGHT = 0.1

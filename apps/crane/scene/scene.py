@@ -29,9 +29,9 @@ from crane.scene.surroundings import Motion as Motion
 from crane.scene.surroundings import MotionFile as MotionFile
 from crane.scene.surroundings import SeaMotion as SeaMotion
 from tautline.scene.model import MARK, Model, Scene, Whole, word
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
+from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Gravity
 
 __all__ = [

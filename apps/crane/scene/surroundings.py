@@ -7,12 +7,12 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from crane.scene.path import Name
-from tautline.scene.files import FileName
 from tautline.scene.functions import Constant, FunctionOfTime, Spectrum, time_function
 from tautline.scene.model import MARK, Model
-from tautline.scene.quantity import quantity
+from tautline.scene.reading.files import FileName
 from tautline.scene.refusal import fault, nearest, raise_all
-from tautline.scene.units import UnknownUnit, read_unit
+from tautline.scene.values.quantity import quantity
+from tautline.scene.values.units import UnknownUnit, read_unit
 from tautline.scene.vector import Position
 
 ZERO = Constant(value=0.0)

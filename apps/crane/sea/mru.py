@@ -19,11 +19,11 @@ from pydantic_core import PydanticCustomError
 from scipy.interpolate import CubicSpline
 
 from crane.sea.frames import MOTIONS
-from tautline.scene.columns import Columns
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Constant
+from tautline.scene.reading.columns import Columns
 from tautline.scene.refusal import nearest
-from tautline.scene.units import TABLE, UnknownUnit, read_unit
+from tautline.scene.values.units import TABLE, UnknownUnit, read_unit
 from tautline.system.time_functions import Samples
 
 UNITS = {"t": "s", "surge": "m", "sway": "m", "heave": "m", "roll": "rad", "pitch": "rad", "yaw": "rad"}

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from crane.scene.scene import CraneScene
 from tautline.scene.doubts import meant, units_that_fit
-from tautline.scene.ranges import RANGES, in_range, sized
+from tautline.scene.values.ranges import RANGES, in_range, sized
 
 RELATIONS = (
     ("axial_stiffness", "axial stiffness", "modulus of the rope", "EA"),

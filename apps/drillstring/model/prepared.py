@@ -15,7 +15,7 @@ from drillstring.string.lumps import Lumps, Tube, cut
 from drillstring.well import wellbore
 from drillstring.well.survey import read_survey
 from tautline.scene.errors import SceneError
-from tautline.scene.files import stamps
+from tautline.scene.reading.files import stamps
 
 
 @dataclass(frozen=True, eq=False)

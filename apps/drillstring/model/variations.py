@@ -13,9 +13,9 @@ from typing import Any
 from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import LUMPED, DrillstringScene
 from drillstring.string.lumps import Tube, share_elements
-from tautline.scene.document import Document, Path_
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document, Path_
 from tautline.study.robustness.bar import Bar
 
 ORIGIN = "study"

@@ -11,6 +11,7 @@ from drillstring.drilling.bit_group import OWN
 from drillstring.drilling.bit_rock import BladeBit, RockBit
 from drillstring.drilling.top_drive import TopDrive
 from tautline.results.variable import Variable
+from tautline.scene.values.printed import shown
 
 LAST = 0.5
 """Part of a run, at its end, that tells of stick-slip and of means: what was before is how it came to that."""
@@ -54,9 +55,9 @@ def observed_at_ends(frames: Any, groups: Sequence[Any]) -> dict[str, np.ndarray
 
 
 def _per_hour(rate: float, result: Any) -> str:
-    """A rate of penetration as drillers write it, in feet where the result is told in oilfield units."""
-    field = getattr(result, "attributes", {}).get("units") == "field"
-    return f"{3600.0 * rate / 0.3048:.3g} ft/h" if field else f"{3600.0 * rate:.3g} m/h"
+    """A rate of penetration as drillers write it, in the units of the result."""
+    system = str(getattr(result, "attributes", {}).get("units") or "si")
+    return shown(3600.0 * rate, "m/h", system, digits=3)
 
 
 def last_part(time: np.ndarray) -> np.ndarray:

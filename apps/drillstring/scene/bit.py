@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from tautline.scene.model import Model, Switch, Whole, word
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
+from tautline.scene.values.quantity import quantity
 
 MOST_BLADES = 20
 NeverLess = Annotated[float, quantity("N", nonnegative=True, of="weight on bit")]

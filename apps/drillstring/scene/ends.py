@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 from drillstring.scene.bit import Bit as Bit
 from tautline.scene.functions import Constant, FunctionOfTime, Position, time_function
 from tautline.scene.model import Branch, Model, word
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
+from tautline.scene.values.quantity import quantity
 
 
 class Controller(Model):

@@ -6,10 +6,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from tautline.scene.files import FileName
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
-from tautline.scene.quantity import quantity
+from tautline.scene.reading.files import FileName
 from tautline.scene.refusal import fault, refusal
+from tautline.scene.values.quantity import quantity
 
 MOST_ELEMENTS = 100_000
 

@@ -16,8 +16,8 @@ from drillstring.statics.statics import Statics
 from drillstring.statics.torque_drag import links, own_friction, require_wall
 from drillstring.string.factors import Factors
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.scene.columns import Columns
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.columns import Columns
 from tautline.threads import one_thread
 
 TOLD = 1.0e-6

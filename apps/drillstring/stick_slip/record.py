@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.stick_slip.severity_map import NOT_RUN, NUMBERS, Cell, Map
-from tautline.cli.summary import quantity, shown, significant
 from tautline.results.errors import ResultError
+from tautline.scene.values.printed import quantity, shown, significant
 from tautline.version import __version__
 
 if TYPE_CHECKING:

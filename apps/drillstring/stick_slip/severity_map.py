@@ -29,9 +29,9 @@ from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
 from tautline.integrators.status import StoppedEarly
 from tautline.integrators.time_loop import compile_for
-from tautline.scene.document import Document, Path_
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document, Path_
 from tautline.simulation import Run, simulate
 
 TURNS = 1.0

@@ -8,8 +8,8 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
-from tautline.cli.summary import shown
 from tautline.scene.errors import SceneWarning
+from tautline.scene.values.printed import shown
 
 LARGEST_SHARE = 0.8
 """Share of the yield load above which a string at rest is warned of: what is left is the margin of overpull."""

@@ -166,7 +166,7 @@ def _speed(word: str, text: str) -> float:
     from pydantic import TypeAdapter, ValidationError
 
     from drillstring.view.campbell_summary import RPM
-    from tautline.scene.quantity import quantity
+    from tautline.scene.values.quantity import quantity
 
     adapter: Any = TypeAdapter(Annotated[float, quantity("rad/s", nonnegative=True)])
     try:

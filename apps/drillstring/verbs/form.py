@@ -11,6 +11,7 @@ import typer
 from tautline.cli.run import searched
 from tautline.cli.verbs import Json
 from tautline.scene.errors import option_error
+from tautline.scene.values.systems import length_unit
 
 if TYPE_CHECKING:
     from drillstring.statics.form import Finding, Form
@@ -206,8 +207,8 @@ def _print(scenes: list[Path], found: list[Finding], system: str) -> None:
     names = (
         "model",
         "n",
-        f"end north, east, down [{_unit(system)[1]}]",
-        f"end moved [{_unit(system)[1]}]",
+        f"end north, east, down [{length_unit(system)[1]}]",
+        f"end moved [{length_unit(system)[1]}]",
         "off axis",
         "off the rod",
         "hook load",
@@ -238,21 +239,16 @@ def _print(scenes: list[Path], found: list[Finding], system: str) -> None:
                 say(text, "yellow")
 
 
-def _unit(system: str) -> tuple[float, str]:
-    """Length in m of one unit of places, and its name."""
-    return (0.3048, "ft") if system == "field" else (1.0, "m")
-
-
 def _place(place: Any, system: str) -> str:
     # Rounding makes -0.0000 of what is nothing.
-    length, _ = _unit(system)
+    length, _ = length_unit(system)
     return ", ".join(f"{round(float(x) / length, DECIMALS) + 0.0:.{DECIMALS}f}" for x in place)
 
 
 def _length(value: float, system: str) -> str:
-    from tautline.cli.summary import significant
+    from tautline.scene.values.printed import significant
 
-    length, name = _unit(system)
+    length, name = length_unit(system)
     return f"{significant(value / length, 5)} {name}"
 
 
@@ -264,7 +260,7 @@ def _hook(load: float, tension: Any) -> float:
 def _row(found: Finding, one: Form, system: str) -> list[str]:
     import numpy as np
 
-    from tautline.cli.summary import shown
+    from tautline.scene.values.printed import shown
 
     largest = _largest(found, one)
     off = "–" if largest is None else shown(largest, "m", system)
@@ -280,7 +276,7 @@ def _row(found: Finding, one: Form, system: str) -> list[str]:
 def _exact_row(found: Finding, system: str) -> list[str]:
     import numpy as np
 
-    from tautline.cli.summary import shown
+    from tautline.scene.values.printed import shown
 
     reference, finest = found.reference, found.finest
     rod = reference.rod
@@ -299,13 +295,11 @@ def _draw(scenes: list[Path], found: list[Finding], path: Path, system: str) -> 
     from drillstring.view.form_figures import form_figure
     from tautline.cli.console import say
     from tautline.view.figures.figure import save
+    from tautline.view.figures.unit_axes import use_units
 
     titles = [one.title or scene.stem for scene, one in zip(scenes, found, strict=True)]
     figure = form_figure(titles, found)
-    if system == "field":
-        from tautline.view.figures.field_axes import use_field_units
-
-        use_field_units(figure)
+    use_units(figure, system)
     say(f"wrote {save(figure, path)}", "green")
 
 

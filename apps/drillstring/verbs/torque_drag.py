@@ -276,7 +276,7 @@ def _print(scene: DrillstringScene, cases: list[Case], fitted: Fit | None) -> No
     from drillstring.view.torque_summary import sentences, table
     from tautline.cli.console import say
     from tautline.cli.study import show
-    from tautline.cli.summary import shown
+    from tautline.scene.values.printed import shown
 
     show(table(cases, scene.units))
     if scene.bit.on_bottom:

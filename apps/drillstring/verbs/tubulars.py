@@ -41,7 +41,7 @@ def _table(found: tuple[Tubular, ...]) -> Any:
     from rich.text import Text
 
     from drillstring.scene.tubulars import INCH, POUND_PER_FOOT
-    from tautline.scene.field_units import in_field_units
+    from tautline.scene.values.systems import in_system
 
     table = Table(box=None, padding=(0, 1, 0, 0))
     table.add_column("tubular", style="cyan", no_wrap=True)
@@ -51,7 +51,7 @@ def _table(found: tuple[Tubular, ...]) -> Any:
     for one in found:
         joint = "" if one.tool_joint_od is None else f"{one.tool_joint_od / INCH:.3f}"
         weight = f"{_weight(one) / POUND_PER_FOOT:.2f}"
-        load = f"{in_field_units(one.yield_load, 'N')[0]:.1f}"
+        load = f"{in_system(one.yield_load, 'N', 'field')[0]:.1f}"
         table.add_row(one.label, f"{one.id / INCH:.3f}", weight, joint, load, one.connection)
     return table
 

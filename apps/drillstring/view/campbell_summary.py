@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.scene.scene import BEAM, LUMPED
-from tautline.cli.summary import shown, significant
+from tautline.scene.values.printed import shown, significant
+from tautline.scene.values.systems import length_unit
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -55,7 +56,7 @@ def table(found: Campbell, system: str = "si") -> Table:
     from rich.table import Table
 
     made = Table(box=None, padding=(0, 2, 0, 0))
-    place = "ft" if system == "field" else "m"
+    _, place = length_unit(system)
     heads = ["", "motion", "Hz", "error", f"most at [{place}]", *(f"{name_of(order)} rpm" for order in found.orders)]
     for number, head in enumerate(heads):
         made.add_column(escape(head), justify="left" if number < 2 else "right", no_wrap=True)

@@ -18,9 +18,9 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.well.sections import direction_angles
 from drillstring.well.wellbore import Wellbore, WellboreError, from_survey
 from tautline.results.errors import ResultError
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 
 PIPE = 0.127
 """Outer diameter, m, of a string of which none is known: the most common drill pipe's, 5 in."""

@@ -35,6 +35,7 @@ from tautline.view.figures.figure import (
     widen,
 )
 from tautline.view.figures.histories import energies
+from tautline.view.figures.unit_axes import use_units
 from tautline.view.figures.waterfall import edges_of, waterfall_figure
 
 NO_TORQUE = 1.0
@@ -293,14 +294,12 @@ def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = N
     """Draw figures or variables; see `tautline.view.figures.drawings.drawn`.
 
     By default, all that one result has something for, and the overview of several. Axes are in the units of the first
-    result's scene: SI, or oilfield units.
+    result's scene.
     """
     found = drawn(results, DRAWINGS, what, vs)
-    if results[0].attributes.get("units") == "field":
-        from tautline.view.figures.field_axes import use_field_units
-
-        for figure in found.values():
-            use_field_units(figure)
+    system = str(results[0].attributes.get("units") or "si")
+    for figure in found.values():
+        use_units(figure, system)
     return found
 
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from drillstring.view.drawn import Drawn, turned_over
+from tautline.scene.values.systems import length_unit
 from tautline.view.space.appearance import Label, Line, Ruler, still
 
-FOOT = 0.3048
 TICKS = 9
 """Of a ruler, at most."""
 ARROW = 0.1
@@ -46,8 +46,8 @@ def words(drawn: Drawn, size: float, low: list[Line]) -> tuple[Label, ...]:
 
 
 def depth_scale(drawn: Drawn, size: float, units: str = "si") -> Ruler:
-    """Depth at the left: along an unrolled hole, else true vertical depth; in ft with units ``field``."""
-    unit, metres = ("ft", FOOT) if units == "field" else ("m", 1.0)
+    """Depth at the left: along an unrolled hole, else true vertical depth; in the units of a system."""
+    metres, unit = length_unit(units)
     course = drawn.course
     right = drawn.right
     if drawn.unrolled:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from drillstring.stick_slip.severity_map import NOT_RUN, Map
+from tautline.scene.values.systems import in_system
 from tautline.view.figures.figure import (
     COLOURS,
     QUIET,
@@ -39,7 +40,8 @@ def stick_slip_figure(found: Map, title: str, path: Path, system: str = "si") ->
 @styled
 def draw(found: Map, title: str, system: str = "si") -> Figure:
     """Severity as colour and number; a frame where the bit sticks; the name of what stopped a run."""
-    force, unit = (4448.2216152605, "kip") if system == "field" else (1e3, "kN")
+    share, unit = in_system(1e6, "N", system if system != "si" else "metric")
+    force = 1e6 / share
     speeds, weights = np.array(found.speeds) / RPM, np.array(found.weights) / force
     across, up = _edges(speeds), _edges(weights)
     width = 3.2 + min(9.0, max(4.2, 0.75 * speeds.size))

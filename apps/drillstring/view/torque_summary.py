@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drillstring.scene.scene import LUMPED
-from tautline.cli.summary import shown
+from tautline.scene.values.printed import shown
+from tautline.scene.values.systems import SYSTEMS, in_system
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -37,11 +38,9 @@ NO_STROKE = 1e-6
 
 def column_unit(unit: str, largest: float, system: str) -> tuple[float, str]:
     """Factor to divide SI by, and the unit to write, the same for a whole column or axis."""
-    from tautline.scene.field_units import in_field_units
-
-    if system == "field":
+    if unit in SYSTEMS[system]:
         size = abs(largest) or 1.0
-        value, name = in_field_units(size, unit)
+        value, name = in_system(size, unit, system)
         return size / value, name
     return (1e3, f"k{unit}") if unit in ("N", "N m") else (1.0, unit)
 

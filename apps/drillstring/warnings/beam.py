@@ -19,8 +19,8 @@ from drillstring.model.prepared import tubes_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import Lumps, cut
 from drillstring.well.wellbore import Wellbore
-from tautline.cli.summary import shown
 from tautline.scene.errors import SceneWarning
+from tautline.scene.values.printed import shown
 
 SIDE_FORCE, HOOK_LOAD, NOTHING = 0.25, 1.9, 7.0
 """How far, m, the hole may leave a straight line between points of contact until side force or hook load may be off by

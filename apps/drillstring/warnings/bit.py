@@ -11,11 +11,11 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import tension_at_rest
 from drillstring.well.wellbore import Wellbore
-from tautline.cli.summary import shown
 from tautline.kernels.time_function import sample, value_at
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4, method_of
 from tautline.scene.solver import longest_step
+from tautline.scene.values.printed import shown
 from tautline.system.time_functions import compile_functions
 
 LIMIT = RK4.reach_of_vibration
@@ -100,7 +100,7 @@ def _of_drilling(scene: DrillstringScene, lumps: Lumps) -> list[SceneWarning]:
 
 def _rate(scene: DrillstringScene, rate: float) -> str:
     """A rate of penetration as drillers say it."""
-    return f"{rate * 3600.0 / 0.3048:.3g} ft/h" if scene.units == "field" else f"{rate * 3600.0:.3g} m/h"
+    return shown(3600.0 * rate, "m/h", scene.units, digits=3)
 
 
 def _of_method(scene: DrillstringScene) -> list[SceneWarning]:

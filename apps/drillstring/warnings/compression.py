@@ -12,8 +12,8 @@ from drillstring.statics.helix import limits_at
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
-from tautline.cli.summary import shown
 from tautline.scene.errors import SceneWarning
+from tautline.scene.values.printed import shown
 
 STATIONS = 200
 """Places along the string at which its compression is compared with what buckles it."""

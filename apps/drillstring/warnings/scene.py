@@ -16,12 +16,12 @@ from drillstring.string.fluid import fluid_of
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import yield_warnings
 from drillstring.warnings.wall import wall_warnings
-from tautline.cli.summary import shown
 from tautline.kernels.time_function import sample
 from tautline.results.rounding import unrounded
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.solver import longest_step
+from tautline.scene.values.printed import shown
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIP_FOR_NEWTON = 1.0e-3

@@ -14,10 +14,10 @@ from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.string.strength import tension_at_rest
 from drillstring.well.wellbore import Wellbore
-from tautline.cli.summary import shown
 from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
-from tautline.scene.ranges import RANGES
+from tautline.scene.values.printed import shown
+from tautline.scene.values.ranges import RANGES
 
 DEEP = 0.5
 """Depth in the wall over the clearance that is warned of; a stabiliser's clearance is taken as `SNUG` at least."""
@@ -63,6 +63,6 @@ def _cure(scene: DrillstringScene, stiffness: float, enough: float) -> str:
     """What would be stiff enough, with the unit that was perhaps meant."""
     written = None if scene.document is None else scene.document.written("well.wall.stiffness")
     row = RANGES["contact stiffness"]
-    fitting = units_that_fit(written or "", row.unit, row, scene.units == "field", lambda value: value >= enough)
+    fitting = units_that_fit(written or "", row.unit, row, scene.units, lambda value: value >= enough)
     asked = f"{meant(written, fitting[:1], row.unit)}. Else give" if written and fitting else "Give"
     return f"{asked} {shown(enough, 'N/m', scene.units)} or more; 1.0e9 N/m is usual"

@@ -15,9 +15,9 @@ from tautline.cable.view.appearance import extent_of, factor_of, note_of, quanti
 from tautline.cable.view.symbols import mass, pin, plate, supports
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 from tautline.view.space.appearance import (
     DECK,
     STEEL,

@@ -98,7 +98,7 @@ class Installed:
 
     def for_scene(self, path: Path) -> Application:
         """Ask each whether the scene is its own."""
-        from tautline.scene.document import Document
+        from tautline.scene.reading.document import Document
 
         return self._recognising(Document.read(path).root, str(path))
 
@@ -108,7 +108,7 @@ class Installed:
 
     def for_result(self, result: Result) -> Application:
         """Ask each about the scene that a result carries."""
-        from tautline.scene.document import Document
+        from tautline.scene.reading.document import Document
 
         path = str(result.path)
         return self._recognising(Document.parse(str(result.attributes.get("scene", "")), path).root, path)

@@ -15,9 +15,9 @@ from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.nodal import item_of
 from tautline.cable.input.parts import Element, Node, Place, Tie
 from tautline.cable.input.scene import CableScene
-from tautline.scene.document import join_key
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
+from tautline.scene.reading.document import join_key
 from tautline.scene.solver import longest_step
 from tautline.scene.warnings import warning, warnings_of
 

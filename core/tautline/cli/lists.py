@@ -29,7 +29,7 @@ def numbers(text: str | None, option: str, unit: str) -> list[float]:
     """
     from pydantic import TypeAdapter, ValidationError
 
-    from tautline.scene.quantity import quantity
+    from tautline.scene.values.quantity import quantity
 
     adapter: Any = TypeAdapter(_annotated(quantity(unit, positive=True)))
 

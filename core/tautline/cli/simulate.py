@@ -11,7 +11,8 @@ from tautline.cli.console import console, print_json, say
 from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.summary import limit_said, quantity, table, two_columns
+from tautline.cli.summary import limit_said, table, two_columns
+from tautline.scene.values.printed import quantity
 
 if TYPE_CHECKING:
     from tautline.application.protocol import Application

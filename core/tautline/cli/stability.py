@@ -10,7 +10,8 @@ from tautline.application.installed import Catalogue
 from tautline.cli.console import print_json, say
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.study import named, percentage, prepared, show, stem_of, stop_record, tell_of, working
-from tautline.cli.summary import significant, two_columns
+from tautline.cli.summary import two_columns
+from tautline.scene.values.printed import significant
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -14,8 +14,8 @@ from tautline.cli.console import console, print_json, say
 from tautline.cli.lists import number, numbers, one_of, words
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.simulate import FIRST_RUN, print_warnings
-from tautline.cli.summary import significant
 from tautline.scene.methods import named as method_named
+from tautline.scene.values.printed import significant
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -8,59 +8,13 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from tautline.cli.console import console
+from tautline.scene.values.printed import quantity, shown, significant
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-PREFIXED = {"N", "J", "W", "Pa", "N m", "N/m", "Hz"}
-"""Units that people write with k, M or G in front; a metre or a second stays what it is."""
 FEWEST = 24
 """Letters in a line that a value has at least, beside what it is of, and that this has in a narrow window."""
-
-
-def significant(value: float, digits: int = 4) -> str:
-    """Write a number to so many significant digits, without an exponent where it reads well."""
-    if value == 0.0:
-        return "0"
-    if not math.isfinite(value):
-        return "–"
-    size = math.floor(math.log10(abs(value)))
-    if -4 <= size < 7:
-        text = f"{value:.{max(0, digits - 1 - size)}f}"
-        return text.rstrip("0").rstrip(".") if "." in text else text
-    return f"{value:.{digits - 1}e}"
-
-
-def quantity(value: Any, unit: str) -> str:
-    """Write a figure with its unit: ``1.234 MN``."""
-    if value is None:
-        return "–"
-    if isinstance(value, (list, tuple)):
-        return ", ".join(quantity(item, unit) for item in value)
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return f"{value} {unit}".strip()
-    if isinstance(value, int) and not unit:
-        return str(value)
-    prefix = ""
-    if unit in PREFIXED:
-        for factor, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
-            if abs(value) >= factor:
-                value, prefix = value / factor, letter
-                break
-    return f"{significant(float(value))} {prefix}{unit}".strip()
-
-
-def shown(value: Any, unit: str, system: str = "si") -> str:
-    """Write a figure that is given in SI in the units of a `system`: ``si`` or ``field``."""
-    if system == "field" and isinstance(value, (int, float)) and not isinstance(value, bool):
-        from tautline.scene.field_units import FIELD, in_field_units
-
-        if unit in FIELD:
-            converted, name = in_field_units(float(value), unit)
-            return f"{significant(converted)} {name}"
-    if system == "field" and isinstance(value, (list, tuple)):
-        return ", ".join(shown(item, unit, system) for item in value)
-    return quantity(value, unit)
 
 
 def speed(factor: float | None) -> str:

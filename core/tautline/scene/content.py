@@ -9,8 +9,8 @@ from typing import Any
 
 import pydantic
 
-from tautline.scene.document import join_key
 from tautline.scene.functions import Chirp, Harmonic, Ramp, Spectrum
+from tautline.scene.reading.document import join_key
 
 STEPS_PER_PERIOD = 10.0
 """Steps that a decent picture of an oscillation takes (thesis section 2.5)."""

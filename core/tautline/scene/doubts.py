@@ -15,17 +15,19 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
 
-from tautline.scene.document import Document, Path_, join_key
 from tautline.scene.errors import SceneWarning
 from tautline.scene.model import DOUBT, MARK, Model
-from tautline.scene.quantity import NUMBER, Quantity
-from tautline.scene.ranges import RANGES, Range, in_range, sized
-from tautline.scene.units import Uncounted, UnknownUnit, converted, read_unit
+from tautline.scene.reading.document import Document, Path_, join_key
+from tautline.scene.values.quantity import NUMBER, Quantity
+from tautline.scene.values.ranges import RANGES, Range, in_range, sized
+from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
 
 FIELD = re.compile(r"\b(in|ft|psi|ksi|Mpsi|lbf|klbf|lb|ppg|pcf|gal|bbl)\b")
 """Units of the oilfield: who has written one of them means another of them."""
 ALSO_FIELD = ("deg", "rpm")
 """Units that the oilfield shares with everybody."""
+METRIC = ("kN", "kN m", "kN/m", "deg", "rpm", "m/h", "sg", "t", "bar", "MPa", "l/min")
+"""Units of engineers who write metric units and not those of SI."""
 SELDOM = ("lbf/ft", "lbf s/ft", "lb ft^2")
 """Units of the oilfield of what is chosen for the computation, and is as usual in SI."""
 OFFERED = 2
@@ -33,7 +35,7 @@ OFFERED = 2
 SHOWN = 3
 """Numbers of one kind that are told one by one."""
 LISTED = 8
-"""Numbers without a unit that are told one by one in a scene of field units."""
+"""Numbers without a unit that are listed one by one in a scene of other units than SI."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ class _Doubt:
 
 
 def slips_of_units(model: type[Model], document: Document | None) -> list[SceneWarning]:
-    """Warn of the numbers of a scene that are outside of their plausible range, or lack a field unit.
+    """Warn of numbers outside of their plausible range, and of those without a unit where the scene has others than SI.
 
     Parameters
     ----------
@@ -71,18 +73,18 @@ def slips_of_units(model: type[Model], document: Document | None) -> list[SceneW
     """
     if document is None:
         return []
-    field = document.root.get("units") == "field"
-    found = list(_doubts(model, document, _asks(field)))
+    system = str(document.root.get("units") or "si").lower()
+    found = list(_doubts(model, document, _asks(system)))
     groups: dict[tuple[str, str], list[_Doubt]] = {}
     for doubt in found:
         if not RANGES[doubt.of].holds(doubt.value):
             kind = re.sub(r"\[\d+\]", "[]", join_key(doubt.key))
             groups.setdefault((kind, doubt.of), []).append(doubt)
-    warnings = [warning for group in groups.values() for warning in _outside(group, field)]
-    return warnings + _bare([doubt for doubt in found if RANGES[doubt.of].holds(doubt.value)])
+    warnings = [warning for group in groups.values() for warning in _outside(group, system)]
+    return warnings + _bare(system, [doubt for doubt in found if RANGES[doubt.of].holds(doubt.value)])
 
 
-def _asks(field: bool) -> Callable[[Quantity, Any, float], None]:
+def _asks(system: str) -> Callable[[Quantity, Any, float], None]:
     """What raises the doubts of a quantity."""
 
     def doubt(quantity: Quantity, written: Any, value: float) -> None:
@@ -90,7 +92,7 @@ def _asks(field: bool) -> Callable[[Quantity, Any, float], None]:
         if row is None:
             return
         bare = not isinstance(written, str)
-        unusual = field and bare and value != 0.0 and _field_unit(row) is not None
+        unusual = bare and value != 0.0 and _usual_unit(row, system) is not None
         if row.holds(value) and not unusual:
             return
         context = {"of": quantity.of, "unit": quantity.unit, "typed": str(written), "value": value, "bare": bare}
@@ -133,14 +135,14 @@ def _place(document: Document, key: Path_) -> Path_ | None:
     return None
 
 
-def _units_meant(doubt: _Doubt, field: bool) -> list[tuple[str, float]]:
+def _units_meant(doubt: _Doubt, system: str) -> list[tuple[str, float]]:
     """Units under which the number as typed would be plausible, and its value then."""
     row = RANGES[doubt.of]
-    return units_that_fit(doubt.typed, doubt.unit, row, field, row.holds)
+    return units_that_fit(doubt.typed, doubt.unit, row, system, row.holds)
 
 
 def units_that_fit(
-    typed: str, si: str, row: Range, field: bool, fits: Callable[[float], bool]
+    typed: str, si: str, row: Range, system: str, fits: Callable[[float], bool]
 ) -> list[tuple[str, float]]:
     """Units of a row under which a number would be right, and its value in SI then.
 
@@ -152,8 +154,8 @@ def units_that_fit(
         Unit of a bare number.
     row : Range
         Whose units are tried.
-    field : bool
-        Whether the scene is in field units, which then come first.
+    system : str
+        The scene's ``units``, which come first.
     fits : callable
         Value in SI -> whether it would be right.
     """
@@ -161,8 +163,8 @@ def units_that_fit(
     if match is None:
         return []
     units = list(row.meant)
-    if field or FIELD.search(match["unit"]):
-        units.sort(key=lambda unit: not (FIELD.search(unit) or unit in ALSO_FIELD))
+    system = "field" if FIELD.search(match["unit"]) else system
+    units.sort(key=lambda unit: not _belongs(unit, system))
     tried = [unit for unit in (*units, si) if unit not in (match["unit"] or si, "")]
     values = [(unit, _in_unit(match["number"], unit, si)) for unit in tried]
     return [(unit, value) for unit, value in values if value is not None and fits(value)][:OFFERED]
@@ -190,7 +192,7 @@ def _both(typed: str, read: str) -> str:
     return typed if typed == read else f"{typed} = {read}"
 
 
-def _outside(group: list[_Doubt], field: bool) -> Iterator[SceneWarning]:
+def _outside(group: list[_Doubt], system: str) -> Iterator[SceneWarning]:
     """Warnings of numbers of one key outside of their range; of many the first, and how many there are."""
     told = group if len(group) <= SHOWN else group[:1]
     for doubt in told:
@@ -200,7 +202,7 @@ def _outside(group: list[_Doubt], field: bool) -> Iterator[SceneWarning]:
         more = f" So are {len(group) - 1} more numbers there." if len(group) > SHOWN else ""
         text = (
             f"{read}{line} is unusual for {_article(doubt.of)}: {in_range(row)} is plausible. "
-            f"{meant(doubt.typed, _units_meant(doubt, field), doubt.unit)}.{more}"
+            f"{meant(doubt.typed, _units_meant(doubt, system), doubt.unit)}.{more}"
         )
         yield SceneWarning(join_key(doubt.key), text)
 
@@ -212,24 +214,30 @@ def _article(name: str) -> str:
     return f"{'an' if name[0] in 'aeio' else 'a'} {name}"
 
 
-def _field_unit(row: Range) -> str | None:
-    """The unit of the oilfield that is usual for a quantity; None where there is none."""
-    usual = (unit for unit in row.meant if (FIELD.search(unit) or unit in ALSO_FIELD) and unit not in SELDOM)
-    return next(usual, None)
+def _belongs(unit: str, system: str) -> bool:
+    """Whether a unit is one of a system's own; SI has none that are sought."""
+    if system == "field":
+        return bool(FIELD.search(unit)) or unit in ALSO_FIELD
+    return system == "metric" and unit in METRIC
 
 
-def _bare(found: list[_Doubt]) -> list[SceneWarning]:
-    """One warning of all numbers without a unit, in a scene that says that it is in field units."""
+def _usual_unit(row: Range, system: str) -> str | None:
+    """The unit of a system that is usual for a quantity and is not SI's; None where there is none."""
+    return next((unit for unit in row.meant if _belongs(unit, system) and unit not in SELDOM), None)
+
+
+def _bare(system: str, found: list[_Doubt]) -> list[SceneWarning]:
+    """One warning of all numbers without a unit, in a scene that is in other units than SI."""
     if not found:
         return []
     readings = []
     for doubt in found[:LISTED]:
-        unit = _field_unit(RANGES[doubt.of]) or ""
+        unit = _usual_unit(RANGES[doubt.of], system) or ""
         value = _in_unit(doubt.typed, unit, doubt.unit)
         other = "" if value is None else f", and {doubt.typed} {unit} would be {sized(value, doubt.unit)}"
         line = f" (line {doubt.line})" if doubt.line else ""
         readings.append(f"{join_key(doubt.key)} = {doubt.typed}{line} is {doubt.shown}{other}")
     more = f"; and {len(found) - LISTED} more" if len(found) > LISTED else ""
     numbers = "1 number has" if len(found) == 1 else f"{len(found)} numbers have"
-    text = f"field, and {numbers} no unit. A number without a unit is read in SI: {'; '.join(readings)}{more}"
+    text = f"{system}, and {numbers} no unit. A number without a unit is read in SI: {'; '.join(readings)}{more}"
     return [SceneWarning("units", f"{text}. Write the unit that is meant")]

@@ -15,13 +15,13 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetCoreSchemaHandler, TypeAdapter, ValidationInfo, create_model, model_validator
 from pydantic_core import CoreSchema, core_schema
 
-from tautline.scene.columns import Columns
-from tautline.scene.files import FileName
-from tautline.scene.magnitude import SMALLEST
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
-from tautline.scene.quantity import quantity
-from tautline.scene.ranges import rate_of
+from tautline.scene.reading.columns import Columns
+from tautline.scene.reading.files import FileName
 from tautline.scene.refusal import fault, refusal
+from tautline.scene.values.magnitude import SMALLEST
+from tautline.scene.values.quantity import quantity
+from tautline.scene.values.ranges import rate_of
 
 Time = Annotated[float, quantity("s", of="moment")]
 Duration = Annotated[float, quantity("s", positive=True, of="duration")]
@@ -235,7 +235,7 @@ def time_function(
     velocity : str, optional
         Unit of the value's rate: the function may then also be written ``{velocity: function}``, read as `Velocity`.
     of, velocity_of : str
-        Rows of value and rate in the table of plausible ranges, `tautline.scene.ranges`.
+        Rows of value and rate in the table of plausible ranges, `tautline.scene.values.ranges`.
     **others : Branch
         Further keys allowed in its place.
     """

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
-from tautline.scene.files import names_file
+from tautline.scene.reading.files import names_file
 
 SOLVED_BY = (
     "method", "rho_inf", "alpha_m", "alpha_f", "step", "end", "control", "step_error", "tolerance", "frequency",
@@ -35,7 +35,7 @@ def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | No
     besides : collection of str
         Fields that do not count, as key paths without places in lists: ``solver.step``.
     folder : Path or None
-        Folder of the files that the scene names (`tautline.scene.files`); they count by their contents.
+        Folder of the files that the scene names (`tautline.scene.reading.files`); they count by their contents.
 
     Raises
     ------

@@ -11,10 +11,10 @@ import pydantic
 from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
-from tautline.scene.document import Document
 from tautline.scene.errors import LONGEST, Problem, SceneError
-from tautline.scene.quantity import Quantity, suited
+from tautline.scene.reading.document import Document
 from tautline.scene.refusal import KIND, nearest, refusal
+from tautline.scene.values.quantity import Quantity, suited
 
 MARK = "|"
 """Begins the tag of a branch that is no key of the file; dropped from key paths."""
@@ -143,7 +143,7 @@ class Scene(Model):
         what : str
             Names what is made.
         depends_on : tuple
-            All that `make` looks at, comparable: parts of the scene, and `tautline.scene.files.stamps` of its files.
+            All that `make` looks at, comparable: parts of the scene, and `reading.files.stamps` of its files.
         """
         made = self.__dict__.setdefault(MADE, {})
         known = made.get(what)

@@ -8,8 +8,8 @@ from pydantic import Field, model_validator
 
 from tautline.scene import methods
 from tautline.scene.model import Model, Whole, WordOf, word
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
+from tautline.scene.values.quantity import quantity
 
 MOST_STEPS = 1.0e9
 MOST_FRAMES = 1.0e6

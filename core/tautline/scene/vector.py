@@ -10,8 +10,8 @@ from pydantic import BeforeValidator, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from tautline.scene.model import MARK
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import refusal
+from tautline.scene.values.quantity import quantity
 
 Vector = tuple[float, float, float]
 

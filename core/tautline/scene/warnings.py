@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-from tautline.scene.document import join_key
 from tautline.scene.errors import SceneWarning
 from tautline.scene.extensions import load_extensions
+from tautline.scene.reading.document import join_key
 
 Place = str | tuple[str | int, ...]
 Check = Callable[[Any], Iterable[tuple[Any, str]]]

@@ -67,7 +67,7 @@ SURVEY = """
 import os
 from pathlib import Path
 from drillstring.stick_slip import severity_map as stick_slip
-from tautline.scene.document import Document
+from tautline.scene.reading.document import Document
 
 if __name__ == "__main__":
     with stick_slip._processes(Document.read(Path("jwell.yaml")), 2) as pool:

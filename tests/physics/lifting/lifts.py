@@ -13,8 +13,8 @@ from crane.model.build import build
 from crane.scene.scene import CraneScene
 from tautline.integrators.state import new_state
 from tautline.results.result import Result
-from tautline.scene.document import Document
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 from tautline.simulation import simulate
 from tautline.system.system import System
 

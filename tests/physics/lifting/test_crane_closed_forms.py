@@ -32,8 +32,8 @@ from scipy.integrate import solve_ivp
 
 from crane.scene.scene import CraneScene
 from tautline.integrators.vibration.modes import modes
-from tautline.scene.document import Document
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 
 SCENES = Path(__file__).parents[2] / "input" / "crane_scenes"
 

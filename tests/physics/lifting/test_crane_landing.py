@@ -5,9 +5,9 @@ import pytest
 
 from crane.model.build import build
 from crane.scene.scene import CraneScene
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 from tautline.simulation import simulate
 
 SCENE = """

@@ -17,8 +17,8 @@ from gardenhose.static import Form, form
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.results.result import Result
-from tautline.scene.document import Document
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 from tautline.simulation import simulate
 
 COUPLINGS = ("linear", "lagrange", "penalty", "augmented")

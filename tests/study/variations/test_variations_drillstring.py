@@ -66,7 +66,7 @@ SCENES = (
 
 def aliased():
     """Two sections that are one object, as YAML's aliases make them."""
-    from tautline.scene.document import Document
+    from tautline.scene.reading.document import Document
 
     sections = Document.parse(ALIASES).root["string"]
     assert sections[0] is sections[2]

@@ -19,9 +19,9 @@ from tautline.constraints.penalty import Penalties
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.vibration.modes import modes
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 
 DATA = Path(__file__).parents[3] / "data"
 SHIPPED = sorted(path.stem for path in DATA.glob("*.yaml") if "hose" in yaml.safe_load(path.read_text(encoding="utf8")))

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from tautline.scene.model import Whole
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import refusal
+from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Acceleration as Acceleration
 from tautline.scene.vector import listed, three
 

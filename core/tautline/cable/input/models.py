@@ -40,8 +40,8 @@ from tautline.cable.input.solver import CableSolver
 from tautline.scene.extensions import load_extensions
 from tautline.scene.functions import FunctionOfTime, time_function
 from tautline.scene.model import Branch, Model, OneOf, Switch, word
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
+from tautline.scene.values.quantity import quantity
 
 
 class Material(Model):

@@ -80,7 +80,7 @@ class NodalItem:
     key : str
         The key under ``CableModel``.
     model : type
-        What may be written there: a subclass of `OnNodes`, frozen, units and bounds by `tautline.scene.quantity`.
+        What may be written there: a subclass of `OnNodes`, frozen; units and bounds by `quantity`.
     groups : callable
         ``groups(layout, parts)``: the groups of the solver for all items of the kind; there is at least one.
         ``layout.start[node]`` is the place of a node's x in the vectors of positions, ``layout.initial`` their values

@@ -16,8 +16,8 @@ from pydantic import Field, model_validator
 from tautline.cable.input.entries import Damping, Id, Pair, Stiffness, Thrust, Time, listed
 from tautline.cable.input.nodal import NodalItem, OnNodes, Place, all_nodes, register_item
 from tautline.cable.input.parts import Anchor, Force, Mass, Spring
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
+from tautline.scene.values.quantity import quantity
 
 
 def _alone(layout: Any, part: Any) -> tuple[()]:

@@ -13,8 +13,8 @@ from typing import Any, ClassVar, Literal
 
 from tautline.cable.input.nodal import item_of
 from tautline.cable.input.solver import CableSolver
-from tautline.scene.document import Document
 from tautline.scene.errors import Problem, SceneWarning
+from tautline.scene.reading.document import Document
 
 Vector = tuple[float, float, float]
 Place = tuple[str | int, ...]

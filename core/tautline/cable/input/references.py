@@ -18,8 +18,8 @@ from tautline.cable.input.nodal import NODAL, item_of
 from tautline.cable.input.parts import Coupling, Curve, Element, Motion, Node, Place, Tie, Vector
 from tautline.cable.input.register import Register, known_ids
 from tautline.cable.input.thesis_compat import without_alternatives
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneWarning
+from tautline.scene.reading.document import Document
 
 STEEPEST = 1.0e3
 """Slope dr/dp, the stretch of the cable, that is surely something else."""

@@ -7,8 +7,8 @@ from typing import Any
 
 from tautline.cable.input import models as w
 from tautline.cable.input.parts import Place
-from tautline.scene.document import Document
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.reading.document import Document
 
 SPACES: dict[type, str] = {
     w.Node7Dof: "node",

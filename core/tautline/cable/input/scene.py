@@ -32,10 +32,10 @@ from tautline.cable.input.parts import (
 from tautline.cable.input.references import Parts, resolve
 from tautline.cable.input.solver import CableSolver
 from tautline.cable.input.thesis_compat import read_quirks
-from tautline.scene.document import Document
 from tautline.scene.errors import SceneError
 from tautline.scene.extensions import problems_of_extensions
 from tautline.scene.model import validate
+from tautline.scene.reading.document import Document
 
 __all__ = [
     "Anchor", "CableScene", "CableSolver", "Coupling", "Curve", "Element", "Force", "Mass", "Motion", "Node", "Spring",

@@ -8,7 +8,6 @@ from pydantic import Field, model_validator
 
 from tautline.scene.methods import method_of
 from tautline.scene.model import Model, Switch, Whole, word
-from tautline.scene.quantity import quantity
 from tautline.scene.refusal import fault
 from tautline.scene.solver import (
     METHODS,
@@ -22,6 +21,7 @@ from tautline.scene.solver import (
     check_alphas,
     check_control,
 )
+from tautline.scene.values.quantity import quantity
 
 FRAMES_OF_AUTO = 1000
 """Frames of a run whose step is chosen, where the scene does not say how many it wants."""

@@ -1,7 +1,7 @@
 """What the thesis' own example does and YAML reads otherwise: understood, and said as a warning.
 
 Three quirks: ``{Cable:0, what:N}`` without blanks, which YAML takes for keys named ``Cable:0`` without a value; a key
-given twice (`tautline.scene.document.REPEATABLE`); and a second, linear version of the model beside the cubic one.
+given twice (`document.REPEATABLE`); and a second, linear version of the model beside the cubic one.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from tautline.cable.input.models import KINDS, Item, LinearCoupl, LinearElement, Multiplier4, Node4Dof, Node7Dof
-from tautline.scene.document import Document, join_key
 from tautline.scene.errors import SceneError, SceneWarning
+from tautline.scene.reading.document import Document, join_key
 
 GLUED = re.compile(r"(?P<key>\w+):(?P<value>\S.*)")
 OF_LINEAR = (Node4Dof, LinearElement, Multiplier4)

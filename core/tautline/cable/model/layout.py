@@ -7,8 +7,8 @@ import numpy as np
 from tautline.cable.input.parts import Node
 from tautline.cable.input.scene import CableScene
 from tautline.kernels.time_function import TimeFunctions, value_at
-from tautline.scene.document import join_key
 from tautline.scene.functions import Table
+from tautline.scene.reading.document import join_key
 from tautline.system.system import Degrees
 from tautline.system.time_functions import FunctionRequest, compile_functions
 

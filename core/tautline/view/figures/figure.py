@@ -25,6 +25,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogFormatter, LogFormatterSciNotation, MaxNLocator
 
 from tautline.results.errors import ResultError
+from tautline.scene.values.systems import SYSTEMS, in_system
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours (jfly.uni-koeln.de/color), told apart by colour-blind readers; yellow is left out."""
@@ -166,13 +167,11 @@ def scale(values: Sequence[np.ndarray], unit: str) -> tuple[float, str]:
 
 
 def scale_in(system: str, values: Sequence[np.ndarray], unit: str) -> tuple[float, str]:
-    """Choose factor and unit as `scale` does; with the system ``field`` those of the oilfield, where it has one."""
-    if system != "field":
+    """Choose factor and unit as `scale` does; in another system those that it names."""
+    if unit not in SYSTEMS[system]:
         return scale(values, unit)
-    from tautline.scene.field_units import in_field_units
-
     size = max((float(np.max(np.abs(array))) for array in values if array.size), default=0.0) or 1.0
-    value, name = in_field_units(size, unit)
+    value, name = in_system(size, unit, system)
     return size / value, name
 
 

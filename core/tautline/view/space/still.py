@@ -50,7 +50,7 @@ def _seconds(text: str) -> float | None:
     """A time with a unit, or in s; None if it is none."""
     from pydantic import TypeAdapter, ValidationError
 
-    from tautline.scene.quantity import quantity
+    from tautline.scene.values.quantity import quantity
 
     try:
         return float(text)

@@ -11,10 +11,10 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from tautline.scene.magnitude import LARGEST, OUTSIDE, is_outside
-from tautline.scene.ranges import RANGES
 from tautline.scene.refusal import nearest, refusal
-from tautline.scene.units import Uncounted, UnknownUnit, converted, read_unit
+from tautline.scene.values.magnitude import LARGEST, OUTSIDE, is_outside
+from tautline.scene.values.ranges import RANGES
+from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
 
 NUMBER = re.compile(r"\s*(?P<number>[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*", re.DOTALL)
 LARGEST_EXPONENT = 400
@@ -57,7 +57,7 @@ class Quantity:
     """Annotation of a float: unit, bounds, and words allowed in place of a number.
 
     Bounds are in SI. `words` are accepted as they stand (``length: rest``). `of` is its row in the table of plausible
-    ranges (`tautline.scene.ranges`): every key of a scene has one. Numbers whose powers overflow are refused, but for
+    ranges (`values.ranges`): every key of a scene has one. Numbers whose powers overflow are refused, but for
     one of `any_size`, such as a part of a direction, which is scaled before it is used.
     """
 
@@ -225,7 +225,7 @@ def quantity(
     words : tuple of str
         Words allowed in place of a number.
     of : str
-        Row of the table of plausible ranges, `tautline.scene.ranges`. Every key of a scene names one; the options of a
+        Row of the table of plausible ranges, `values.ranges`. Every key of a scene names one; the options of a
         command need none.
     any_size : bool
         Whether it may be smaller or larger than what can be computed with.

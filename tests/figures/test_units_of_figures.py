@@ -6,8 +6,8 @@ import pytest
 from figures.synthetic_string import result
 
 from drillstring.view.figures import draw
-from tautline.view.figures.field_axes import FieldLocator, converted, in_words, use_field_units
 from tautline.view.figures.orbit import bar_beside, draw_amplitudes
+from tautline.view.figures.unit_axes import UnitLocator, converted, in_words, use_units
 
 FOOT, KIP, POUND_FOOT = 0.3048, 4448.2216152605, 1.3558179483
 
@@ -87,14 +87,14 @@ def test_panels_without_a_label_have_the_unit_of_their_row_and_headings_are_conv
     figure = draw([field()], ["orbit"])["orbit"]
     for plot in figure.axes:
         for axis in (plot.xaxis, plot.yaxis):
-            assert isinstance(axis.get_major_locator(), FieldLocator)
+            assert isinstance(axis.get_major_locator(), UnitLocator)
         assert plot.get_title(loc="left").endswith(" ft")
 
 
 def test_a_scene_in_si_is_drawn_as_before():
     figure = draw([result(None, frames=100)], ["overview"])["overview"]
     assert figure.axes[0].get_ylabel().endswith("[m]")
-    assert not isinstance(figure.axes[0].yaxis.get_major_locator(), FieldLocator)
+    assert not isinstance(figure.axes[0].yaxis.get_major_locator(), UnitLocator)
 
 
 def test_what_is_in_oilfield_units_is_left_alone():
@@ -102,7 +102,7 @@ def test_what_is_in_oilfield_units_is_left_alone():
     one.set_xlabel("hook load [kip]")
     two.set_xlabel("time [s]")
     one.plot([0, 10], [0, 1])
-    use_field_units(use_field_units(figure))
+    use_units(use_units(figure, "field"), "field")
     assert one.get_xlabel() == "hook load [kip]" and two.get_xlabel() == "time [s]"
     plt.close(figure)
 
@@ -112,7 +112,7 @@ def test_a_logarithmic_axis_has_powers_of_ten_of_the_oilfields_unit():
     plot.plot([0.0, 1.0], [1e-4, 3.0])
     plot.set_yscale("log")
     plot.set_ylabel("distance from the rod [m]")
-    use_field_units(figure)
+    use_units(figure, "field")
     figure.canvas.draw()
     assert plot.get_ylabel() == "distance from the rod [ft]"
     places = plot.yaxis.get_majorticklocs() / FOOT
@@ -125,7 +125,7 @@ def test_a_logarithmic_axis_has_powers_of_ten_of_the_oilfields_unit():
 def test_a_bar_of_colours_that_lifts_what_is_weak_is_in_inches():
     figure, plot = plt.subplots()
     bar_beside(figure, plot, draw_amplitudes(plot, np.arange(3.0), np.arange(2.0), np.full((2, 3), 25.4)), "way [mm]")
-    use_field_units(figure)
+    use_units(figure, "field")
     axis = figure.axes[1].yaxis
     places, numbers = ticks(axis)
     assert axis.get_label_text() == "way [in]" and numbers == pytest.approx(places / 25.4, abs=1e-9)
@@ -133,14 +133,15 @@ def test_a_bar_of_colours_that_lifts_what_is_weak_is_in_inches():
 
 
 def test_figures_in_headings_are_converted_with_their_prefixes_and_other_words_are_kept():
-    assert in_words("lump 3, 1240 m") == "lump 3, 4068 ft"
-    assert in_words("bit, 3773 m") == "bit, 12379 ft"
-    assert in_words("tension, at most 1.5 MN") == "tension, at most 337.2 kip"
+    assert in_words("lump 3, 1240 m", "field") == "lump 3, 4068 ft"
+    assert in_words("bit, 3773 m", "field") == "bit, 12379 ft"
+    assert in_words("tension, at most 1.5 MN", "field") == "tension, at most 337.2 kip"
     assert (
-        in_words("side force, at most 3.2 kN/m of 40 mesh lumps") == "side force, at most 219.3 lbf/ft of 40 mesh lumps"
+        in_words("side force, at most 3.2 kN/m of 40 mesh lumps", "field")
+        == "side force, at most 219.3 lbf/ft of 40 mesh lumps"
     )
-    assert in_words("after 12 s, at 30 deg, in 5 mud") == "after 12 s, at 30 deg, in 5 mud"
-    assert converted(25.4, "mm") == (pytest.approx(1.0), "in")
-    assert converted(2.0, "kN m") == (pytest.approx(2000.0 / POUND_FOOT / 1000.0), "kft-lbf")
-    assert converted(30.48, "m/h") == (pytest.approx(100.0), "ft/h")
-    assert converted(2.0, "Hz") == (2.0, "Hz")
+    assert in_words("after 12 s, at 30 deg, in 5 mud", "field") == "after 12 s, at 30 deg, in 5 mud"
+    assert converted(25.4, "mm", "field") == (pytest.approx(1.0), "in")
+    assert converted(2.0, "kN m", "field") == (pytest.approx(2000.0 / POUND_FOOT / 1000.0), "kft-lbf")
+    assert converted(30.48, "m/h", "field") == (pytest.approx(100.0), "ft/h")
+    assert converted(2.0, "Hz", "field") == (2.0, "Hz")

@@ -9,11 +9,11 @@ import pytest
 
 from drillstring.application import Drillstring
 from tautline.cli.run import run
-from tautline.cli.summary import shown
 from tautline.cli.verbs import make_app
 from tautline.results.result import Result
-from tautline.scene.field_units import FIELD, in_field_units
-from tautline.scene.units import pint_registry
+from tautline.scene.values.printed import shown
+from tautline.scene.values.systems import SYSTEMS, in_system
+from tautline.scene.values.units import pint_registry
 
 FIELD_WELL = (Path(__file__).parents[2] / "data" / "field_well.yaml").read_text(encoding="utf8")
 KIP, FOOT = 4448.2216152605, 0.3048
@@ -36,15 +36,20 @@ def drillstring(tmp_path, monkeypatch, capsys):
     return command
 
 
-@pytest.mark.parametrize("unit", FIELD)
-def test_every_conversion_equals_pint_s(unit):
+@pytest.mark.parametrize(("system", "unit"), [(system, unit) for system in SYSTEMS for unit in SYSTEMS[system]])
+def test_every_conversion_equals_pint_s(system, unit):
     registry = pint_registry()
-    wanted = unit.replace("N m", "N*m")
+    wanted = {"m/h": "m/hour", "1/m": "radian/m"}.get(unit, unit.replace("N m", "N*m"))
     for value in (1.0e-3, 7.0e2, 3.0e5, 8.0e8):
-        converted, name = in_field_units(value, unit)
-        # in pint a hyphen is a minus sign, and its bbl another barrel than oil's
-        pints = name.replace("-", "*").replace("lbm", "pound").replace("bbl", "oil_bbl")
-        exact = registry.Quantity(value, wanted).to(pints).magnitude
+        converted, name = in_system(value, unit, system)
+        # in pint a hyphen is a minus sign, its bbl another barrel than oil's, and a unit has no number in it
+        pints, many = name, 1.0
+        if match := re.fullmatch(r"deg/(\d+) (\w+)", name):
+            pints, many = f"degree/{match[2]}", float(match[1])
+        for ours, theirs in (("-", "*"), ("N m", "N*m"), ("lbm", "pound"), ("bbl", "oil_bbl"), ("/h", "/hour")):
+            pints = pints.replace(ours, theirs)
+        pints = "tonne" if pints == "t" else pints
+        exact = registry.Quantity(value, wanted).to(pints).magnitude * many
         assert converted == pytest.approx(exact, rel=1e-12), name
 
 
@@ -71,6 +76,27 @@ def test_every_conversion_equals_pint_s(unit):
 )
 def test_a_figure_is_written_as_a_driller_would(value, unit, text):
     assert shown(value, unit, "field") == text
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (1.2e6, "N", "1200 kN"),
+        (250.0, "N", "250 N"),
+        (-3.0e4, "N m", "-30 kN m"),
+        (6.283185307179586, "rad/s", "60 rpm"),
+        (18.0, "m/h", "18 m/h"),
+        (1300.0, "kg/m^3", "1.3 sg"),
+        (0.0017453292519943296, "1/m", "3 deg/30 m"),
+        (85_000.0, "kg", "85 t"),
+        (2.5e8, "Pa", "250 MPa"),
+        (1234.5, "m", "1234 m"),
+        (0.02, "rad", "1.146 deg"),
+        ([1.0e6, 2.0e6], "N", "1000 kN, 2000 kN"),
+    ],
+)
+def test_a_figure_in_metric_units_is_written_as_engineers_do(value, unit, text):
+    assert shown(value, unit, "metric") == text
 
 
 def test_without_a_word_about_units_figures_stay_si():

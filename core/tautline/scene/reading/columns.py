@@ -11,10 +11,10 @@ from pathlib import Path
 from pydantic_core import PydanticCustomError
 
 from tautline.scene.errors import SceneError
-from tautline.scene.magnitude import LARGEST, OUTSIDE
+from tautline.scene.reading.text import decode
 from tautline.scene.refusal import nearest, refusal
-from tautline.scene.text import decode
-from tautline.scene.units import Uncounted, Unit, UnknownUnit, converted, read_unit
+from tautline.scene.values.magnitude import LARGEST, OUTSIDE
+from tautline.scene.values.units import Uncounted, Unit, UnknownUnit, converted, read_unit
 
 LARGEST_TABLE = 200_000_000
 HEADER = re.compile(r"\s*(?P<name>[^\[(,;]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*")

@@ -16,7 +16,7 @@ from typing import Any
 import yaml
 
 from tautline.scene.errors import Problem, SceneError
-from tautline.scene.text import read_text
+from tautline.scene.reading.text import read_text
 
 DEEPEST = 50
 MOST_VALUES = 1_000_000

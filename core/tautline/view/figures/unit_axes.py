@@ -1,7 +1,7 @@
-"""Oilfield units on a figure that was drawn in SI: labels, ticks and headings; the drawn data stay as they are.
+"""Other units on a figure that was drawn in SI: labels, ticks and headings; the drawn data stay as they are.
 
 Ticks stand where the other unit has round numbers. Units are read off the labels, ``hook load [MN]``, so whatever an
-application draws is converted, and what is in oilfield units already, or in none (seconds, shares), is left alone.
+application draws is converted, and what has no other unit in the system (seconds, shares) is left alone.
 """
 
 from __future__ import annotations
@@ -14,15 +14,13 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, LogFormatterMathtext, LogLocator, MaxNLocator, NullFormatter
 
-from tautline.scene.field_units import FIELD, in_field_units
+from tautline.scene.values.systems import SYSTEMS, in_system
 
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "": 1.0}
 UNIT = re.compile(r"\[([^\[\]]+)\]$")
-INCH = 0.0254
-"""Of an axis in mm: what is that small is told in inches, not in feet."""
 
 
-class FieldLocator(Locator):
+class UnitLocator(Locator):
     """Places, in SI, where another unit, ``factor`` of which make one of SI, has round numbers."""
 
     def __init__(self, rounds: MaxNLocator | LogLocator, factor: float) -> None:
@@ -43,41 +41,39 @@ class FieldLocator(Locator):
         return self.tick_values(*sorted(self.axis.get_view_interval()))
 
 
-def read(word: str) -> tuple[float, str] | None:
+def read(word: str, system: str) -> tuple[float, str] | None:
     """Factor and SI unit of a unit with its prefix, ``kN m`` -> (1e3, "N m"); None of one that has no other."""
-    if word in FIELD:
+    known = SYSTEMS[system]
+    if word in known:
         return 1.0, word
-    if word[1:] in FIELD and word[0] in PREFIXES:
+    if word[1:] in known and word[0] in PREFIXES:
         return PREFIXES[word[0]], word[1:]
     return None
 
 
-def converted(value: float, word: str) -> tuple[float, str]:
-    """A figure in a unit with its prefix in oilfield units; both as they were where it has none."""
-    if word == "mm":
-        return value * 1e-3 / INCH, "in"
-    if word == "m/h":
-        return value / 0.3048, "ft/h"
-    known = read(word)
-    return in_field_units(value * known[0], known[1]) if known else (value, word)
+def converted(value: float, word: str, system: str) -> tuple[float, str]:
+    """A figure in a unit with its prefix in the units of a system; both as they were where that names none."""
+    known = read(word, system)
+    return in_system(value * known[0], known[1], system) if known else (value, word)
 
 
-def in_words(text: str) -> str:
+def in_words(text: str, system: str) -> str:
     """A heading with its figures converted: ``lump 3, 1240 m`` -> ``lump 3, 4068 ft``."""
-    units = "|".join(
-        re.escape(f"{letter}{unit}") for unit in sorted(FIELD, key=len, reverse=True) for letter in PREFIXES
-    )
+    known = sorted(SYSTEMS[system], key=len, reverse=True)
+    if not known:
+        return text
+    units = "|".join(re.escape(f"{letter}{unit}") for unit in known for letter in PREFIXES)
 
     def put(found: re.Match[str]) -> str:
-        value, unit = converted(float(found[1]), found[2])
+        value, unit = converted(float(found[1]), found[2], system)
         # Depths of ten thousand feet and more are written out.
         return f"{value:.0f} {unit}" if abs(value) >= 1000.0 else f"{value:.4g} {unit}"
 
     return re.sub(rf"(?<![\w.])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?) ({units})(?![\w/²³^])", put, text)
 
 
-def use_field_units(figure: Figure) -> Figure:
-    """Convert all axes of a figure, colour bars among them; returns it.
+def use_units(figure: Figure, system: str) -> Figure:
+    """Convert all axes of a figure to the units of a system, colour bars among them; returns it.
 
     An axis without a label has the unit of the others of its direction, if they agree: of several panels in a row the
     first may have the label.
@@ -86,39 +82,39 @@ def use_field_units(figure: Figure) -> Figure:
         axes: list[Axis] = [getattr(plot, which) for plot in figure.axes]
         words = {found[1] for axis in axes if (found := UNIT.search(axis.get_label_text()))}
         for axis in axes:
-            _convert(axis, next(iter(words)) if len(words) == 1 else "")
+            _convert(axis, next(iter(words)) if len(words) == 1 else "", system)
     for plot in figure.axes:
         for place in ("left", "center", "right"):
             if text := plot.get_title(loc=place):
-                plot.set_title(in_words(text), loc=place, fontsize=plot.title.get_fontsize())
+                plot.set_title(in_words(text, system), loc=place, fontsize=plot.title.get_fontsize())
     return figure
 
 
-def _convert(axis: Axis, usual: str) -> None:
+def _convert(axis: Axis, usual: str, system: str) -> None:
     text = axis.get_label_text()
     found = UNIT.search(text)
-    if isinstance(axis.get_major_locator(), FieldLocator) or (text and not found) or not (found or usual):
+    if isinstance(axis.get_major_locator(), UnitLocator) or (text and not found) or not (found or usual):
         return
     # A bar of colours that lifts what is weak has a function for a scale.
     if axis.get_scale() not in ("linear", "function", "log"):
         return
     low, high = axis.get_view_interval()
     size = max(abs(low), abs(high)) or 1.0
-    value, name = converted(size, found[1] if found else usual)
+    value, name = converted(size, found[1] if found else usual, system)
     if found:
-        axis.set_label_text(in_words(text[: found.start()]) + f"[{name}]")
+        axis.set_label_text(in_words(text[: found.start()], system) + f"[{name}]")
     factor = value / size
     if factor == 1.0:
         return
     if axis.get_scale() == "log":
-        axis.set_major_locator(FieldLocator(LogLocator(), factor))
-        axis.set_minor_locator(FieldLocator(LogLocator(subs="auto"), factor))
+        axis.set_major_locator(UnitLocator(LogLocator(), factor))
+        axis.set_minor_locator(UnitLocator(LogLocator(subs="auto"), factor))
         powers = LogFormatterMathtext()
         axis.set_major_formatter(FuncFormatter(lambda place, _: powers(float(f"{place * factor:.9g}"))))
         axis.set_minor_formatter(NullFormatter())
         return
     rounds = axis.get_major_locator()
-    axis.set_major_locator(FieldLocator(rounds if isinstance(rounds, MaxNLocator) else MaxNLocator("auto"), factor))
+    axis.set_major_locator(UnitLocator(rounds if isinstance(rounds, MaxNLocator) else MaxNLocator("auto"), factor))
     axis.set_major_formatter(FuncFormatter(lambda place, _: _round(place * factor)))
 
 

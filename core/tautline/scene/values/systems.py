@@ -1,0 +1,82 @@
+"""Systems of units in which figures are printed; what is stored, and what ``--json`` prints, stays SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from tautline.scene.values.units import read_unit
+
+SYSTEMS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
+    "si": {},
+    "metric": {
+        "rad": ("deg",),
+        "rad/s": ("rpm",),
+        "1/m": ("deg/30 m",),
+        "kg": ("t", "kg"),
+        "kg/m^3": ("sg",),
+        "N": ("kN", "N"),
+        "N m": ("kN m", "N m"),
+        "N/m": ("kN/m", "N/m"),
+        "J": ("kJ", "J"),
+        "W": ("kW", "W"),
+        "Pa": ("MPa", "kPa"),
+    },
+    "field": {
+        "m": ("ft",),
+        "mm": ("in",),
+        "m/s": ("ft/s",),
+        "m/h": ("ft/h",),
+        "m^2": ("in^2",),
+        "m^3": ("bbl",),
+        "rad": ("deg",),
+        "rad/s": ("rpm",),
+        "1/m": ("deg/100 ft",),
+        "kg": ("lbm",),
+        "kg/m": ("lbm/ft",),
+        "kg/m^3": ("ppg",),
+        "N": ("kip", "lbf"),
+        "N m": ("kft-lbf", "ft-lbf"),
+        "N/m": ("kip/ft", "lbf/ft"),
+        "J": ("kft-lbf", "ft-lbf"),
+        "Pa": ("ksi", "psi"),
+    },
+}
+"""System -> unit of a figure -> what engineers write, the largest first: a figure takes the first of which it is at
+least one. What a system does not name it leaves as it is."""
+SMALL_PRESSURE = 10_000.0
+"""Pressures up to so many psi are written in psi: a pump's 3500 psi is not 3.5 ksi to anyone."""
+
+
+def in_system(value: float, unit: str, system: str) -> tuple[float, str]:
+    """Convert a figure for display.
+
+    Parameters
+    ----------
+    value : float
+    unit : str
+        Its unit: of SI, or one of those that figures have besides (``mm``, ``m/h``).
+    system : str
+        A key of `SYSTEMS`.
+
+    Returns
+    -------
+    tuple
+        Value and unit as the system writes them; both as they were where it names none (seconds, shares).
+    """
+    choices = SYSTEMS[system].get(unit)
+    if choices is None:
+        return value, unit
+    least = SMALL_PRESSURE / 1000.0 if choices[0] == "ksi" else 1.0
+    scale = read_unit(unit).si(Fraction(1))
+    for name in choices:
+        converted = value * scale / read_unit(name).si(Fraction(1))
+        if abs(converted) >= least or name == choices[-1]:
+            return converted, name
+    raise AssertionError("a unit without a choice")
+
+
+def length_unit(system: str) -> tuple[float, str]:
+    """Length in m of the unit of lengths of a system, and its name."""
+    name = SYSTEMS[system].get("m", ("m",))[0]
+    return read_unit(name).si(Fraction(1)), name
