@@ -78,6 +78,7 @@ def build(scene: HoseScene) -> Model:
             "model_hash": model_hash(scene, folder=scene.folder),
             "conventions": "z up; axial_force is positive in tension and counts the damping; flow_speed is relative to "
             "the hose, positive from root to tip",
+            "units": scene.units,
         },
         observe=observer.observe,
         headline=headline,

@@ -14,7 +14,7 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.functions import Constant, FunctionOfTime, time_function
-from tautline.scene.model import Model, Scene, Whole, validate, word
+from tautline.scene.model import Model, Scene, UnitSystem, Whole, validate, word
 from tautline.scene.refusal import fault, raise_all
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE, is_outside
@@ -193,6 +193,7 @@ class HoseScene(Scene):
     """
 
     title: str | None = None
+    units: UnitSystem = "si"
     hose: Hose = Field(examples=[PLAIN_HOSE])
     water: Water | None = None
     coupling: Annotated[Literal["linear", "lagrange", "penalty", "augmented"], COUPLINGS] = "linear"

@@ -24,7 +24,7 @@ def _between_ends(result: Any, length: float) -> dict[str, tuple[Any, str, str]]
     along = way @ np.linalg.svd(way, full_matrices=False)[2][0]
     omega = first_mode(result["time"], along)
     return {
-        "node": (node + 1, "", "the tip is at rest; the node that moves most"),
+        "node": (node + 1, "", "tip at rest; node with the largest motion"),
         "node_amplitude": (0.5 * float(np.ptp(along)), "m", "its amplitude, half of peak to peak"),
         "node_frequency": (None if omega is None else omega / (2.0 * np.pi), "Hz", "its strongest frequency"),
     }
@@ -44,10 +44,10 @@ def headline(result: Any) -> dict[str, dict[str, Any]]:
     note = f" ({cycle.note})" if cycle.note else ""
     flow = float(result["flow_speed"][-1]) if "flow_speed" in result else None
     figures: dict[str, tuple[Any, str, str]] = {
-        "motion": (cycle.kind, "", f"motion of the tip at the end{note}"),
+        "motion": (cycle.kind, "", f"type of motion of the tip at the end{note}"),
         "tip_amplitude": (cycle.amplitude, "m", "amplitude of the tip, half of peak to peak"),
         "frequency": (cycle.frequency if cycle.cycles else None, "Hz", "frequency"),
-        "cycles": (cycle.cycles, "", "whole cycles that these are taken from"),
+        "cycles": (cycle.cycles, "", "cycles evaluated"),
         "tip_speed_max": (float(speed.max()), "m/s", "largest speed of the tip"),
         "tip_mean": ([float(x) for x in cycle.mean], "m", "mean position of the tip"),
         "axial_force_max": (float(force.max()), "N", "largest axial force"),

@@ -26,7 +26,7 @@ from tautline.integrators.state import (
     WORST,
     State,
     new_state,
-    turns_over,
+    oscillation_frequency,
 )
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.statics.relaxation import relax
@@ -65,8 +65,8 @@ FAR = 0.7
 SAFE = 0.8
 """Share of the critical step that an explicit run takes where its step is chosen for it."""
 GAINED = 0.05
-"""Share of the energy that went through a run above which what came from nowhere makes its result wrong. What is lost
-without account may be what the method is to damp, and is only warned of."""
+"""Share of the energy that went through a run above which energy created numerically makes its result wrong. What is
+lost without account may be what the method is to damp, and is only warned of."""
 POOR_BALANCE = 0.05
 """Error of the energy balance from which a run's accuracy is in doubt."""
 LATE = 0.5 * math.pi
@@ -120,7 +120,7 @@ def simulate(
     ------
     StoppedEarly
         Where no start was found or a step failed, with the status and what was stored until then; and IMBALANCE where
-        the run came to its end with a twentieth of its energy from nowhere.
+        the run came to its end with a twentieth of its energy created numerically.
     Interrupted
         On Ctrl-C, with what was stored until then.
     ResultError
@@ -153,7 +153,7 @@ def simulate(
     assert result is not None
     gained = run.energy_gained()
     if gained > GAINED:
-        detail = f"{100.0 * gained:.2g} % of it has come from nowhere"
+        detail = f"{100.0 * gained:.2g} % of it was created numerically"
         raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", detail, result)
     return result
 
@@ -428,7 +428,7 @@ class Run:
             "restart_time": self.remembered,
             "energy_error": abs(self.energy_gained()),
             "numerical_dissipation": -self.balance.missing(int(counters[STEPS])),
-            "motion_frequency": self.turns_over() / (2.0 * math.pi),
+            "motion_frequency": self.oscillation_frequency() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken),
             "warnings": [*self._of_start(), *self.warnings(taken), *warnings],
             "headline": without_rounding(self.model.headline(result), result, taken),
@@ -438,41 +438,42 @@ class Run:
         return store.finish(attributes, restart=self.memory)
 
     def energy_gained(self) -> float:
-        """Energy that has come from nowhere, over what went through the system."""
+        """Energy created numerically, over what went through the system."""
         ledger = self.state.ledger
         aside = stepping_with(self.method).set_aside(self.method, self.step, float(ledger[AT_START]))
         return self.balance.gained(float(ledger[THROUGHPUT]), aside)
 
-    def turns_over(self) -> float:
+    def oscillation_frequency(self) -> float:
         """Angular frequency of the motion as a whole, rad/s; zero where there is none beyond rounding."""
-        return turns_over(self.state) if self.balance.moves else 0.0
+        return oscillation_frequency(self.state) if self.balance.moves else 0.0
 
     def phase_lag(self, step: float) -> float:
         """By how much the method lets an oscillation as fast as the motion fall behind by the end, rad.
 
         An estimate for what swings freely; what is driven keeps the phase of its drive.
         """
-        omega = self.turns_over()
+        omega = self.oscillation_frequency()
         return abs(lag_of_step(self.method, omega * step)) * self.time / step if step > 0.0 else 0.0
 
     def warnings(self, step: float) -> list[str]:
         """What a reader of the result should know of its accuracy; `step` is the mean one, s."""
         found = []
-        gained, omega, lag = self.energy_gained(), self.turns_over(), self.phase_lag(step)
+        gained, omega, lag = self.energy_gained(), self.oscillation_frequency(), self.phase_lag(step)
         if abs(gained) > POOR_BALANCE:
             share = f"{100.0 * abs(gained):.2g} %"
             found.append(f"{share} of the energy is unaccounted for: take a smaller step and compare")
         steps = 2.0 * math.pi / (omega * step) if omega * step > 0.0 else math.inf
         if steps < STEPS_PER_PERIOD:
             found.append(
-                f"the motion turns over {omega / (2.0 * math.pi):.3g} times a second, and a step of {step:.3g} s takes "
-                f"{steps:.2g} steps a turn, where {STEPS_PER_PERIOD:g} make a decent picture: take a step of "
+                f"the motion oscillates at about {omega / (2.0 * math.pi):.3g} Hz. A step of {step:.3g} s gives {steps:.2g} "
+                f"steps per period, and {STEPS_PER_PERIOD:g} are needed to follow it: take a step of "
                 f"{2.0 * math.pi / (STEPS_PER_PERIOD * omega):.2g} s and compare"
             )
         elif lag > LATE:
             found.append(
-                f"what swings freely at {omega / (2.0 * math.pi):.3g} Hz is late by about {lag:.2g} rad at the end, by "
-                f"the method's own period error: take a step of {step * math.sqrt(LATE / lag):.2g} s where that matters"
+                f"the phase error of free vibration at {omega / (2.0 * math.pi):.3g} Hz has grown to about {lag:.2g} rad "
+                f"at the end, by the period error of the method: take a step of {step * math.sqrt(LATE / lag):.2g} s "
+                "where phase matters"
             )
         return found
 

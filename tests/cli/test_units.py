@@ -111,7 +111,7 @@ def test_the_summary_of_a_run_is_in_field_units_and_json_and_file_are_si(drillst
     assert report["hook_load_start"] == pytest.approx(hook, rel=1e-12) and hook > 1.0e5
     told = float(re.search(r"hook load at the start +([\d.]+) kip", err)[1])
     assert told == pytest.approx(hook / KIP, rel=1e-3)
-    stretch = float(re.search(r"stretch at the start +([\d.]+) ft", err)[1])
+    stretch = float(re.search(r"elongation of the string at the start +([\d.]+) ft", err)[1])
     assert stretch == pytest.approx(report["stretch_start"] / FOOT, rel=1e-3)
     assert re.search(r"surface torque at the end +[\d.]+ k?ft-lbf", err) and not re.search(r"\d k?N( m)?\b", err)
     assert Result.read("field.nc").attributes["units"] == "field"
@@ -122,7 +122,7 @@ def test_units_change_what_is_printed_and_nothing_that_is_computed(drillstring):
     code, out, err = drillstring("simulate", "si.yaml", "--end", "0.2", "--json")
     si = json.loads(out)
     assert "kN" in err and "kip" not in err
-    assert si["hook_load_max"] == field["hook_load_max"] and si["bit_travel"] == field["bit_travel"]
+    assert si["hook_load_max"] == field["hook_load_max"] and si["bit_displacement"] == field["bit_displacement"]
     # a run may be gone on with in other units
     code, out, err = drillstring("simulate", "field.yaml", "--end", "0.4", "--resume", "si.nc", "-o", "on.nc")
     assert code == 0, err

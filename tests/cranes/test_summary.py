@@ -169,7 +169,7 @@ def test_lead_angles_are_those_of_the_rope_from_plumb_in_and_out_of_the_sheaves_
     swaying = summed(one_fall(), sway=2.0, rise=0.0)
     assert value(swaying, "max_offlead") == pytest.approx(math.atan2(2.0, 25.0), rel=0.03)
     assert value(swaying, "max_sidelead") == 0.0
-    assert f"{math.degrees(value(swaying, 'max_offlead')):.3g} deg" in swaying["max_offlead"]["text"]
+    assert swaying["max_offlead"]["unit"] == "rad"
 
 
 def test_names_of_items_make_keys():

@@ -271,7 +271,13 @@ EDITS = {
         "start = moving",
         "known: static, relaxed, straight",
     ),
-    "unknown units of print": ("solver:", "units: imperial\nsolver:", 24, "units = imperial", "known: si, field"),
+    "unknown units of print": (
+        "solver:",
+        "units: imperial\nsolver:",
+        24,
+        "units = imperial",
+        "known: si, metric, field",
+    ),
     "a tubular of an unknown grade": (
         "{name: BHA,",
         "{tubular: 5 in 19.5 S120, name: BHA,",

@@ -178,5 +178,5 @@ def test_simulate_prints_broken_limits_and_gives_all_in_json(tmp_path, capfd, mo
     assert set(penetration) == {"name", "text", "unit", "sense", "limit", "value", "passed", "time", "place"}
     assert penetration["passed"] is False and penetration["limit"] == 1.0
     flat = " ".join(err.split())
-    assert "limits kept" in flat and "2 of 3" in flat
+    assert "limits satisfied" in flat and "2 of 3" in flat
     assert "warning: largest depth of the string in the wall over its clearance" in flat and "not at most 1" in flat

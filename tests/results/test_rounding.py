@@ -39,11 +39,11 @@ def test_a_string_that_hangs_still_has_no_speed_no_travel_and_no_loss_and_one_th
     still = simulate(build(shipped("hanging", solver__end=0.5)))
     assert np.abs(still["bit_speed"]).max() > 0.0, "there is rounding to be taken away"
     figures = {name: figure["value"] for name, figure in still.headline.items()}
-    assert figures["bit_speed_max"] == figures["bit_travel"] == still.attributes["numerical_dissipation"] == 0.0
+    assert figures["bit_speed_max"] == figures["bit_displacement"] == still.attributes["numerical_dissipation"] == 0.0
     assert figures["stretch_start"] == pytest.approx(0.376529, rel=1e-5)
     block = {"harmonic": {"amplitude": 1e-9, "period": 0.1, "ramp": 0.05}}
     moved = simulate(build(shipped("hanging", solver__end=0.5, top__block=block))).headline
-    assert 1e-10 < moved["bit_travel"]["value"] < 1e-8 and 1e-9 < moved["bit_speed_max"]["value"] < 1e-6
+    assert 1e-10 < moved["bit_displacement"]["value"] < 1e-8 and 1e-9 < moved["bit_speed_max"]["value"] < 1e-6
 
 
 def test_a_well_towards_the_south_ends_0_m_east():

@@ -59,7 +59,7 @@ def field_well(report, result):
     assert report["hook_load_start"] == pytest.approx(weight * mud * pound * 9.81, rel=1e-3)
     # 30 ft/min up for 6 s less half of the ramp's 2 s, in SI whatever is printed; the bit follows, later and less
     assert result["block_position"][-1] == pytest.approx(-2.5 * foot, rel=1e-9)
-    assert 0.0 < report["bit_travel"] < 2.5 * foot and result.attributes["units"] == "field"
+    assert 0.0 < report["bit_displacement"] < 2.5 * foot and result.attributes["units"] == "field"
 
 
 def drilling(report, result):
@@ -84,7 +84,7 @@ def tripping(report, result):
     # block's 350 kN besides
     assert result["block_position"].min() == pytest.approx(-28.0, abs=1e-5)
     assert result["block_position"][-1] == pytest.approx(-27.7, abs=1e-5)
-    assert report["bit_travel"] == pytest.approx(27.75, abs=0.05)
+    assert report["bit_displacement"] == pytest.approx(27.75, abs=0.05)
     assert report["hook_load_max_with_block"] == pytest.approx(report["hook_load_max"] + 350e3, rel=1e-12)
     # 2000 m of mostly drill pipe in mud: the frictionless hook load by vertical depths (22.6 and 49.3 lb/ft, collars)
     sine, cosine = np.sin(np.radians(50.0)), np.cos(np.radians(50.0))
@@ -98,7 +98,7 @@ def tripping(report, result):
 def hanging(report, result):
     # exact, and nothing moves
     assert report["stretch_start"] == pytest.approx(0.376529, abs=1e-6)
-    assert report["bit_travel"] < 1e-9
+    assert report["bit_displacement"] < 1e-9
 
 
 def level(case):

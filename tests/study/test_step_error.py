@@ -154,7 +154,7 @@ def test_the_j_well_states_at_least_its_error_where_a_step_and_its_half_miss_the
     way = np.linalg.norm(exact[:, columns] - exact[0, columns], axis=1).max()
     told = step_error(Subject(Drillstring(), scene), result)
     assert off / way > least and told.position >= off / way and told.distance >= off
-    assert told.position < 2.5 * off / way and "position of body 12" in told.warning
+    assert told.position < 2.5 * off / way and "position of the bit" in told.warning
     assert 0.75 * told.changes[0] / way < 0.005  # what half the step alone would have said
 
 

@@ -70,6 +70,7 @@ def build(scene: CraneScene) -> Model:
             "application": "crane",
             "model_hash": model_hash(scene, folder=scene.folder),
             "conventions": COORDINATE_UNITS,
+            "units": scene.units,
         },
         observe=observer.observe,
         headline=told.headline,

@@ -28,7 +28,7 @@ from crane.scene.surroundings import Limits as Limits
 from crane.scene.surroundings import Motion as Motion
 from crane.scene.surroundings import MotionFile as MotionFile
 from crane.scene.surroundings import SeaMotion as SeaMotion
-from tautline.scene.model import MARK, Model, Scene, Whole, word
+from tautline.scene.model import MARK, Model, Scene, UnitSystem, Whole, word
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.quantity import quantity
@@ -115,6 +115,7 @@ class CraneScene(Scene):
     """
 
     title: str | None = None
+    units: UnitSystem = "si"
     rope: Rope = Field(examples=[PLAIN_ROPE])
     bodies: tuple[Body, ...] = ()
     path: Annotated[tuple[Annotated[PathItem, ITEMS], ...], Field(min_length=1, examples=[PLAIN_PATH])]

@@ -36,7 +36,7 @@ def break_away_figures(result: Any) -> dict[str, tuple[float, str, str]]:
     if not held or np.abs(result["rotation"][: last + 1, -1]).max() > TURNED:
         return {}
     return {
-        "break_away_stroke": (block[last] - block[0], "m", "bit moves off: stroke of the block, down"),
-        "break_away_hook_load": (result["hook_load"][last], "N", "bit moves off: hook load"),
-        "break_away_time": (result.time[last], "s", "bit moves off: time"),
+        "break_away_stroke": (block[last] - block[0], "m", "break-away of the bit: stroke of the block, down"),
+        "break_away_hook_load": (result["hook_load"][last], "N", "break-away of the bit: hook load"),
+        "break_away_time": (result.time[last], "s", "break-away of the bit: time"),
     }

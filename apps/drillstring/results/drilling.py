@@ -106,5 +106,5 @@ def drilling_figures(result: Mapping[str, Any] | Any) -> dict[str, tuple[float, 
     if found["largest"] > SLOWEST:
         figures["bit_rotation_mean"] = (found["mean"], "rad/s", "mean rotary speed of the bit, last half")
         figures["stick_slip_severity"] = (found["severity"], "", "stick-slip severity of the bit, last half")
-        figures["rotation_stuck"] = (found["stuck"], "", "share of the last half the bit is at rest")
+        figures["rotation_stuck"] = (found["stuck"], "", "share of time with the bit at rest, last half")
     return figures

@@ -9,7 +9,7 @@ import numpy as np
 from drillstring.drilling.end_groups import numbers_of_ends
 from drillstring.results.break_away import break_away_figures
 from drillstring.results.drilling import drilling_figures, observed_at_ends
-from drillstring.results.places import LUMP, part_of
+from drillstring.results.places import LUMP, names_of_bodies, names_of_links
 from drillstring.results.whirl import whirl_figures
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
@@ -186,6 +186,8 @@ def coordinates_of(
     found = {
         "body": ("body", np.arange(lumps.length.size + 1), "", f"{part}, from the top drive down"),
         "link": ("link", np.arange(lumps.length.size), "", "element, from the top drive down"),
+        "body_name": ("body", np.array(names_of_bodies(lumps)), "", f"section and depth of the {part}"),
+        "link_name": ("link", np.array(names_of_links(lumps)), "", "section and depth of the element"),
         "axis": ("axis", np.array(["x", "y", "z"]), "", "north, east, down"),
         "side": ("side", np.array(["m1", "m2"]), "", "across the hole, in the Bishop frame"),
         "unstretched_depth": ("body", lumps.measured_depth, "m", "measured depth of the unstretched string"),
@@ -208,27 +210,34 @@ def coordinates_of(
     return found
 
 
+def _where(result: Any, force: np.ndarray) -> str:
+    """Where a force (m, bodies) is largest, in brackets; nothing where there is none."""
+    if not force.max() > 0.0 or "body_name" not in result:
+        return ""
+    return f" ({result['body_name'][int(force.max(axis=0).argmax())]})"
+
+
 def headline(result: Any, lumps: Lumps, block: float = 0.0) -> dict[str, dict[str, Any]]:
     """Figures that sum a run up; ``block`` is the weight of block and drive, N, which hook loads do not hold."""
     hook, torque = result["hook_load"], result["surface_torque"]
     bit, speed = result["bit_depth"], result["bit_speed"]
-    moving = np.ptp(result["block_position"]) > 0.0
+    contact, moving = result["contact_force"], np.ptp(result["block_position"]) > 0.0
     figures = {
         "hook_load_start": (hook[0], "N", "hook load at the start"),
         "hook_load_max": (hook.max(), "N", "largest hook load"),
         "hook_load_min": (hook.min(), "N", "smallest hook load"),
         # Not how far the bit hangs below its place on the axis: a string that lies in a bend cuts its corner.
-        "stretch_start": (lumps.stretch(result["tension"][0]), "m", "stretch at the start"),
-        "bit_travel": (np.ptp(bit), "m", "travel of the bit"),
+        "stretch_start": (lumps.stretch(result["tension"][0]), "m", "elongation of the string at the start"),
+        "bit_displacement": (np.ptp(bit), "m", "bit displacement, largest less smallest"),
         "bit_speed_max": (np.abs(speed).max(), "m/s", "largest bit speed"),
-        "contact_force_max": (result["contact_force"].max(), "N", f"largest contact force of a {part_of(result)}"),
+        "contact_force_max": (contact.max(), "N", f"largest contact force{_where(result, contact)}"),
     }
     if block > 0.0:
         figures["hook_load_max_with_block"] = (hook.max() + block, "N", "largest hook load, with the block")
     drills = "weight_on_bit" in result
     if moving and not drills:
-        # A bit that drills is told to be at rest by its rotation.
-        text = f"share of the time the bit is stuck, below {STUCK:g} m/s"
+        # Of a bit that drills, its rotation says whether it is at rest.
+        text = f"share of time with the bit at rest (below {STUCK:g} m/s)"
         figures["bit_stuck"] = (float((np.abs(speed) < STUCK).mean()), "", text)
     figures |= break_away_figures(result)
     if np.abs(torque).max() > TORQUE_SHOWN:

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.results.places import part_of
-
 LATE = 0.2
 """Share of a run, at its end, of which figures of a steady whirl are told."""
 TURNS = 1.0
@@ -124,15 +122,15 @@ def whirl_figures(result: Any) -> dict[str, tuple[float, str, str]]:
     """
     if not turns(result) or len(result.time) < 2:
         return {}
-    lump, part = busiest(result), part_of(result)
-    one = whirl_of(result, lump)
+    lump = busiest(result)
+    one, place = whirl_of(result, lump), result["body_name"][lump]
     if np.ptp(np.abs(one.offset)) <= STILL:
         return {}
-    figures = {"lateral_offset_max": (float(np.abs(one.offset).max()), "m", f"largest offset, of {part} {lump}")}
-    figures["lateral_offset_depth"] = (one.depth, "m", f"measured depth of {part} {lump}")
+    figures = {"lateral_offset_max": (float(np.abs(one.offset).max()), "m", f"largest lateral displacement ({place})")}
+    figures["lateral_offset_depth"] = (one.depth, "m", "measured depth of the largest lateral displacement")
     ratio = one.ratio()
     if np.isfinite(ratio):
-        figures["whirl_ratio"] = (ratio, "", "whirl over rotary speed at the end")
+        figures["whirl_ratio"] = (ratio, "", "whirl speed over rotary speed at the end")
     gained = np.diff(lateral_velocity(result), axis=0) / np.diff(result.time)[:, None, None]
     largest = float(np.linalg.norm(gained, axis=-1).max())
     figures["lateral_acceleration_max"] = (largest, "m/s^2", "largest lateral acceleration")

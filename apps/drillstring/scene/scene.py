@@ -16,7 +16,7 @@ from drillstring.scene.ends import Bit, Top
 from drillstring.scene.hole import MOST_ELEMENTS, Well
 from drillstring.scene.tubulars import EXAMPLE, NoSuchTubular, find
 from tautline.scene.errors import SceneError
-from tautline.scene.model import Model, Scene, Switch, Whole, word
+from tautline.scene.model import Model, Scene, Switch, UnitSystem, Whole, word
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.quantity import quantity
@@ -178,7 +178,7 @@ class DrillstringScene(Scene):
     """
 
     title: str | None = None
-    units: Annotated[Literal["si", "metric", "field"], word("si", "metric", "field")] = "si"
+    units: UnitSystem = "si"
     gravity: Annotated[float, quantity("m/s^2", nonnegative=True, of="gravity")] = 9.81
     well: Well = Field(examples=["{sections: [{hold: 2200 m}], diameter: 0.2032, wall: none}"])
     string: Annotated[tuple[Section, ...], Field(min_length=1, examples=[STRING])]

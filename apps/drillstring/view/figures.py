@@ -35,7 +35,6 @@ from tautline.view.figures.figure import (
     widen,
 )
 from tautline.view.figures.histories import energies
-from tautline.view.figures.unit_axes import use_units
 from tautline.view.figures.waterfall import edges_of, waterfall_figure
 
 NO_TORQUE = 1.0
@@ -296,11 +295,7 @@ def draw(results: Sequence[Result], what: Sequence[str] = (), vs: str | None = N
     By default, all that one result has something for, and the overview of several. Axes are in the units of the first
     result's scene.
     """
-    found = drawn(results, DRAWINGS, what, vs)
-    system = str(results[0].attributes.get("units") or "si")
-    for figure in found.values():
-        use_units(figure, system)
-    return found
+    return drawn(results, DRAWINGS, what, vs)
 
 
 figures = writing(draw)

@@ -78,11 +78,15 @@ class Defaults:
         from tautline.scene.content import too_fast
         from tautline.scene.doubts import slips_of_units
         from tautline.scene.errors import SceneWarning
+        from tautline.scene.values.printed import in_words
         from tautline.scene.warnings import warnings_of
 
         text = too_fast(scene, scene.solver)
-        found = slips_of_units(*self.as_written(scene)) + self.own_warnings(scene) + warnings_of(self.name, scene)
-        return list(dict.fromkeys(found + ([SceneWarning(self.step_key, text)] if text else [])))
+        system = getattr(scene, "units", "si")
+        found = self.own_warnings(scene) + warnings_of(self.name, scene)
+        found += [SceneWarning(self.step_key, text)] if text else []
+        ours = [SceneWarning(one.where, in_words(one.text, system)) for one in found]
+        return list(dict.fromkeys(slips_of_units(*self.as_written(scene)) + ours))
 
     step_key: str = "solver.step"
     """Key of the step in a scene."""

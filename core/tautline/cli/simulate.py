@@ -12,7 +12,7 @@ from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.summary import limit_said, table, two_columns
-from tautline.scene.values.printed import quantity
+from tautline.scene.values.printed import in_words, quantity
 
 if TYPE_CHECKING:
     from tautline.application.protocol import Application
@@ -221,9 +221,9 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
         console().print(table(report, result.attributes, result.headline))
         frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
         say(f"wrote {result.path}: {frames}. Next: {catalogue.name} plot {result.path}", "green")
-    for warning in report["warnings"]:
-        say(f"warning: {warning}", "yellow")
     system = str(result.attributes.get("units") or "si") if result is not None else "si"
+    for warning in report["warnings"]:
+        say(f"warning: {in_words(warning, system)}", "yellow")
     for record in report["limits"]:
         if not record["passed"]:
             say(f"warning: {record['text']}: {limit_said(record, system)}", "yellow")

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from tautline.cli.console import console
-from tautline.scene.values.printed import quantity, shown, significant
+from tautline.scene.values.printed import in_words, quantity, shown, significant
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -54,38 +54,45 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
         The application's figures: name -> {value, unit, text}.
     """
     system = str(attributes.get("units") or "si")
-    rows: list[tuple[str, str]] = [
+    rows = []
+    for name, figure in headline.items():
+        label = in_words(str(figure.get("text") or name.replace("_", " ")), system)
+        rows.append((label, shown(figure.get("value"), str(figure.get("unit") or ""), system)))
+    if limits := report.get("limits"):
+        failed = [record for record in limits if not record["passed"]]
+        rows += [("limits satisfied", f"{len(limits) - len(failed)} of {len(limits)}")]
+        rows += [(record["text"], limit_said(record, system)) for record in failed]
+    return two_columns([*rows, ("", ""), *_numbers(report, attributes, system)])
+
+
+def _numbers(report: dict[str, Any], attributes: dict[str, Any], system: str) -> list[tuple[str, str]]:
+    """Rows of how a run was computed, how fast, and how accurately."""
+    rows = [
         ("method", str(report["method"] or "–")),
         ("step", quantity(report["step"], "s")),
-        ("simulated time", quantity(report["simulated_time"], "s")),
-        ("wall time", quantity(report["wall_time"], "s")),
-        ("real-time factor", speed(report["real_time_factor"])),
         ("steps", quantity(report["steps"], "")),
     ]
     if report["newton_iterations"]:
         iterations = report["newton_iterations"] / (report["steps"] or 1)
         rows.append(("Newton iterations per step", significant(iterations, 3)))
-    if attributes.get("halvings") is not None:
+    if attributes.get("halvings"):
         rows.append(("step halvings", str(attributes["halvings"])))
+    rows += [
+        ("simulated time", quantity(report["simulated_time"], "s")),
+        ("wall time", quantity(report["wall_time"], "s")),
+        ("real-time factor", speed(report["real_time_factor"])),
+    ]
     if report["energy_error"] is not None:
         rows.append(("energy balance, relative error", significant(report["energy_error"], 2)))
-    if report.get("numerical_dissipation") is not None:
+    if (lost := report.get("numerical_dissipation")) is not None:
         # What nobody can account for is what the method has damped, as far as the ledger of power is exact.
-        rows.append(("energy lost to the method", shown(report["numerical_dissipation"], "J", system)))
+        word = "numerical dissipation" if lost >= 0.0 else "energy created numerically"
+        rows.append((word, shown(abs(lost), "J", system)))
     if report.get("phase_lag"):
-        rows.append(("free swinging late at the end by about", shown(report["phase_lag"], "rad", system)))
+        rows.append(("accumulated phase error of free vibration", shown(report["phase_lag"], "rad", system)))
     if found := report.get("step_error"):
         rows += _of_the_step(found, system)
-    if headline:
-        rows.append(("", ""))
-    for name, figure in headline.items():
-        label = str(figure.get("text") or name.replace("_", " "))
-        rows.append((label, shown(figure.get("value"), str(figure.get("unit") or ""), system)))
-    if limits := report.get("limits"):
-        failed = [record for record in limits if not record["passed"]]
-        rows += [("", ""), ("limits kept", f"{len(limits) - len(failed)} of {len(limits)}")]
-        rows += [(record["text"], limit_said(record, system)) for record in failed]
-    return two_columns(rows)
+    return rows
 
 
 def limit_said(record: dict[str, Any], system: str = "si") -> str:
@@ -102,8 +109,8 @@ def limit_said(record: dict[str, Any], system: str = "si") -> str:
 def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:
     """Rows of the error that runs with other steps have shown."""
     way, force = (None if x is None else f"{significant(100.0 * x, 2)} %" for x in (found["position"], found["force"]))
-    moved = f"{shown(found['distance'], 'm', system)} ({way}), {found['place']}"
+    moved = f"{shown(found['distance'], 'm', system)} ({way}), {in_words(found['place'], system)}"
     rows = [("estimated error due to the step", moved)]
     if force is not None:
-        rows.append(("", f"{force}, amplitude of {found['force_place']}"))
+        rows.append(("", f"{force}, amplitude of {in_words(found['force_place'], system)}"))
     return rows

@@ -176,7 +176,7 @@ def _mean_force(state, i):
 
 @kernel
 def observe_motion(state, v, a, h):
-    """Add a step, with velocities and accelerations at its start, to the integrals that say how fast motion turns over.
+    """Add a step, with velocities and accelerations at its start, to the integrals that give the oscillation frequency.
 
     The start counts as the end does, or what is let go would seem to begin without an acceleration.
     """
@@ -188,11 +188,11 @@ def observe_motion(state, v, a, h):
     state.ledger[TURNED] += 0.5 * h * turned
 
 
-def turns_over(state: State) -> float:
+def oscillation_frequency(state: State) -> float:
     """How fast the motion of a run has turned over, rad/s: the root of the mean of m a^2 over that of m v^2.
 
     For a vibration that is its angular frequency; of several each counts by its kinetic energy, those that a step
-    cannot follow all the more. What moves at a steady speed turns over never; 0 where nothing has moved.
+    cannot follow all the more. What moves at a steady speed does not oscillate; 0 where nothing has moved.
     """
     moved, turned = float(state.ledger[MOVED]), float(state.ledger[TURNED])
     return float(np.sqrt(turned / moved)) if moved > 0.0 and np.isfinite(turned) else 0.0

@@ -17,7 +17,7 @@ NOTHING = 1.0e-12
 """Share of the stored energy below which kinetic energy is rounding."""
 
 SMALL = 1.0e-6
-"""Share of what went through that is left of it at least, where nearly all of it came from nowhere."""
+"""Share of what went through that is left of it at least, where nearly all of it was created numerically."""
 
 
 class Balance:
@@ -40,11 +40,11 @@ class Balance:
         self._rows.append(energies)
 
     def missing(self, steps: int = 0) -> float:
-        """Energy that has come from nowhere since the start, J; negative where it is lost without account.
+        """Energy created numerically since the start, J; negative where it is lost without account.
 
         A method that damps what its step cannot follow loses energy so: its numerical dissipation. Of a run of so many
         `steps` it is 0 where it is no more than the rounding of as many sums of the energy that is stored. A loss that
-        is given back, by a damper or friction that pushes the way it moves, is energy from nowhere too.
+        is given back, by a damper or friction that pushes the way it moves, is energy created numerically too.
         """
         if not self._rows:
             return 0.0
@@ -60,12 +60,12 @@ class Balance:
         return bool(kinetic.max() > self.idle + NOTHING * (strain.max() + np.abs(potential).max()))
 
     def gained(self, throughput: float, aside: float = 0.0) -> float:
-        """Energy from nowhere over what went through the system, `throughput` J being the work counted without sign.
+        """Energy created numerically over what went through the system; `throughput` J is the work without sign.
 
         Of what was gained, `aside` J is what the method had set aside at the start.
 
         The most that there was at any frame, if that is more than what is lost without account at the end; and energy
-        from nowhere is not counted among what went through, or it would be its own excuse.
+        What was created numerically is not counted among what went through, or it would be its own excuse.
 
         What is merely stored counts a little, or a string at rest would have its rounding divided by nothing; and the
         largest force through the way that is rounding, or that a step may be wrong by, does no work to speak of.

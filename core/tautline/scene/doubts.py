@@ -26,7 +26,7 @@ FIELD = re.compile(r"\b(in|ft|psi|ksi|Mpsi|lbf|klbf|lb|ppg|pcf|gal|bbl)\b")
 """Units of the oilfield: who has written one of them means another of them."""
 ALSO_FIELD = ("deg", "rpm")
 """Units that the oilfield shares with everybody."""
-METRIC = ("kN", "kN m", "kN/m", "deg", "rpm", "m/h", "sg", "t", "bar", "MPa", "l/min")
+METRIC = ("kN", "kN m", "deg", "rpm", "m/h", "sg", "t", "bar", "MPa", "l/min")
 """Units of engineers who write metric units and not those of SI."""
 SELDOM = ("lbf/ft", "lbf s/ft", "lb ft^2")
 """Units of the oilfield of what is chosen for the computation, and is as usual in SI."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Self, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 import pydantic
 from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
@@ -252,6 +252,10 @@ def read_word(value: Any, known: Sequence[str], aliases: Mapping[str, str]) -> s
     close = difflib.get_close_matches(fold(value[:LONGEST]), list(meant), n=1)
     cure = f"did you mean '{meant[close[0]]}'? " if close else ""
     raise refusal("is not one of the known words", f"{cure}known: {', '.join(known)}")
+
+
+UnitSystem = Annotated[Literal["si", "metric", "field"], word("si", "metric", "field")]
+"""Units in which figures of a scene are printed and drawn; numbers without a unit are SI in each."""
 
 
 class WordOf:

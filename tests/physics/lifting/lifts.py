@@ -165,7 +165,7 @@ def travel(result: Result) -> np.ndarray:
 
 
 def energy_missing(result: Result) -> float:
-    """Energy that has come from nowhere or gone there, the largest at any frame, over what went through."""
+    """Energy created or lost numerically, the largest at any frame, over what went through."""
     names = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
     kinetic, strain, potential, work, lost = (of(result, name) for name in names)
     missing = kinetic + strain + potential - work + lost

@@ -94,7 +94,7 @@ def ranges(result: Result, since: float) -> tuple[float, float, float]:
 
 
 def energy_missing(result: Result) -> float:
-    """Energy that has come from nowhere or gone there, the largest at any frame, over what went through the hose."""
+    """Energy created or lost numerically, the largest at any frame, over what went through the hose."""
     names = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
     kinetic, strain, potential, work, lost = (np.asarray(result[name]) for name in names)
     missing = kinetic + strain + potential - work + lost

@@ -59,7 +59,7 @@ def test_the_tolerance_divides_right_from_inaccurate(monkeypatch):
 def test_a_step_that_cannot_follow_the_motion_is_inaccurate_and_has_said_so(monkeypatch):
     only(monkeypatch, "step x 10")
     found = varied(oscillator(time_end=END))["step x 10"]
-    assert found.outcome == "inaccurate" and any("steps a turn" in text for text in found.told) and not found.silent
+    assert found.outcome == "inaccurate" and any("steps per period" in text for text in found.told) and not found.silent
 
 
 def test_a_step_that_is_beyond_the_critical_one_is_stopped_by_name(monkeypatch):

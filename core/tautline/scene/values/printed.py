@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 from tautline.scene.values.systems import SYSTEMS, in_system
 
 PREFIXED = {"N", "J", "W", "Pa", "N m", "N/m", "Hz"}
 """Units that people write with k, M or G in front; a metre or a second stays what it is."""
+PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "": 1.0}
 
 
 def significant(value: float, digits: int = 4) -> str:
@@ -47,7 +49,40 @@ def shown(value: Any, unit: str, system: str = "si", digits: int = 4) -> str:
     """Write a figure that is given in SI in the units of a system (a key of `systems.SYSTEMS`)."""
     if isinstance(value, (list, tuple)):
         return ", ".join(shown(item, unit, system, digits) for item in value)
+    if unit == "rad":
+        system = "metric" if system == "si" else system  # an angle is read in degrees by everybody
     if unit in SYSTEMS[system] and isinstance(value, (int, float)) and not isinstance(value, bool):
         converted, name = in_system(float(value), unit, system)
         return f"{significant(converted, digits)} {name}"
     return quantity(value, unit, digits)
+
+
+def read(word: str, system: str) -> tuple[float, str] | None:
+    """Factor and SI unit of a unit with its prefix, ``kN m`` -> (1e3, "N m"); None of one that has no other."""
+    known = SYSTEMS[system]
+    if word in known:
+        return 1.0, word
+    if word[1:] in known and word[0] in PREFIXES:
+        return PREFIXES[word[0]], word[1:]
+    return None
+
+
+def converted(value: float, word: str, system: str) -> tuple[float, str]:
+    """A figure in a unit with its prefix in the units of a system; both as they were where that names none."""
+    known = read(word, system)
+    return in_system(value * known[0], known[1], system) if known else (value, word)
+
+
+def in_words(text: str, system: str) -> str:
+    """A heading or a sentence with its figures converted: ``drill pipe at 1240 m`` -> ``drill pipe at 4068 ft``."""
+    known = sorted(SYSTEMS[system], key=len, reverse=True)
+    if not known:
+        return text
+    units = "|".join(re.escape(f"{letter}{unit}") for unit in known for letter in PREFIXES)
+
+    def put(found: re.Match[str]) -> str:
+        value, unit = converted(float(found[1]), found[2], system)
+        # Depths of ten thousand feet and more are written out.
+        return f"{value:.0f} {unit}" if abs(value) >= 1000.0 else f"{value:.4g} {unit}"
+
+    return re.sub(rf"(?<![\w.])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?) ({units})(?![\w/²³^])", put, text)

@@ -286,7 +286,7 @@ def explicit_run(subject: Subject, step: float, steps: int | None = None) -> tup
     -------
     tuple of float, or None
         Largest momentum of the mode that is the fastest at the start, with what rounding makes of it, and energy that
-        came from nowhere, relative; None where the run stopped.
+        was created numerically, relative; None where the run stopped.
     """
     # Whole steps to a frame, or the step that is taken would be shorter than the one that is named.
     wanted = _end(subject, step) if steps is None else steps * step

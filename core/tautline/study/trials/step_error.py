@@ -302,10 +302,12 @@ def _listed(steps: Sequence[float]) -> str:
 
 
 def _name(result: Result, place: Place | None) -> str:
-    """A place as a sentence has it: ``position of body 12``."""
+    """A place as a sentence has it: ``position of body 12``, or by the name that the result has for it."""
     if place is None:
         return ""
     dims, what = result.variables[place.variable].dims, place.variable.replace("_", " ")
+    if len(dims) > 1 and f"{dims[1]}_name" in result:
+        return f"{what} of {result[f'{dims[1]}_name'][place.number]}"
     return f"{what} of {dims[1].replace('_', ' ')} {place.label}" if place.label else what
 
 

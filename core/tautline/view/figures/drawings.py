@@ -16,6 +16,7 @@ from tautline.view.figures.choice import split
 from tautline.view.figures.comparison import listed, names, nearest, one_kind, stem, title
 from tautline.view.figures.curves import variable_figure
 from tautline.view.figures.figure import Figure, save_all
+from tautline.view.figures.unit_axes import use_units
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,8 @@ def drawn(
     Returns
     -------
     dict of str to Figure
-        By name; figures of one result alone are named ``path_<result>`` where there are several.
+        By name, in the units of the first result's scene; figures of one result alone are named ``path_<result>`` where
+        there are several.
 
     Raises
     ------
@@ -101,6 +103,9 @@ def drawn(
         except ResultError:
             if what:
                 raise
+    system = str(results[0].attributes.get("units") or "si")
+    for figure in found.values():
+        use_units(figure, system)
     return found
 
 

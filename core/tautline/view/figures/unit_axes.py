@@ -14,9 +14,8 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, LogFormatterMathtext, LogLocator, MaxNLocator, NullFormatter
 
-from tautline.scene.values.systems import SYSTEMS, in_system
+from tautline.scene.values.printed import converted, in_words
 
-PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "": 1.0}
 UNIT = re.compile(r"\[([^\[\]]+)\]$")
 
 
@@ -39,37 +38,6 @@ class UnitLocator(Locator):
         """Ticks of the axis as it is."""
         assert self.axis is not None
         return self.tick_values(*sorted(self.axis.get_view_interval()))
-
-
-def read(word: str, system: str) -> tuple[float, str] | None:
-    """Factor and SI unit of a unit with its prefix, ``kN m`` -> (1e3, "N m"); None of one that has no other."""
-    known = SYSTEMS[system]
-    if word in known:
-        return 1.0, word
-    if word[1:] in known and word[0] in PREFIXES:
-        return PREFIXES[word[0]], word[1:]
-    return None
-
-
-def converted(value: float, word: str, system: str) -> tuple[float, str]:
-    """A figure in a unit with its prefix in the units of a system; both as they were where that names none."""
-    known = read(word, system)
-    return in_system(value * known[0], known[1], system) if known else (value, word)
-
-
-def in_words(text: str, system: str) -> str:
-    """A heading with its figures converted: ``lump 3, 1240 m`` -> ``lump 3, 4068 ft``."""
-    known = sorted(SYSTEMS[system], key=len, reverse=True)
-    if not known:
-        return text
-    units = "|".join(re.escape(f"{letter}{unit}") for unit in known for letter in PREFIXES)
-
-    def put(found: re.Match[str]) -> str:
-        value, unit = converted(float(found[1]), found[2], system)
-        # Depths of ten thousand feet and more are written out.
-        return f"{value:.0f} {unit}" if abs(value) >= 1000.0 else f"{value:.4g} {unit}"
-
-    return re.sub(rf"(?<![\w.])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?) ({units})(?![\w/²³^])", put, text)
 
 
 def use_units(figure: Figure, system: str) -> Figure:
