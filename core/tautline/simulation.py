@@ -465,14 +465,14 @@ class Run:
         steps = 2.0 * math.pi / (omega * step) if omega * step > 0.0 else math.inf
         if steps < STEPS_PER_PERIOD:
             found.append(
-                f"the motion oscillates at about {omega / (2.0 * math.pi):.3g} Hz. A step of {step:.3g} s gives {steps:.2g} "
-                f"steps per period, and {STEPS_PER_PERIOD:g} are needed to follow it: take a step of "
+                f"the motion oscillates at about {omega / (2.0 * math.pi):.3g} Hz. A step of {step:.3g} s gives "
+                f"{steps:.2g} steps per period, and {STEPS_PER_PERIOD:g} are needed to follow it: take a step of "
                 f"{2.0 * math.pi / (STEPS_PER_PERIOD * omega):.2g} s and compare"
             )
         elif lag > LATE:
             found.append(
-                f"the phase error of free vibration at {omega / (2.0 * math.pi):.3g} Hz has grown to about {lag:.2g} rad "
-                f"at the end, by the period error of the method: take a step of {step * math.sqrt(LATE / lag):.2g} s "
+                f"the phase error of free vibration at {omega / (2.0 * math.pi):.3g} Hz has grown to about "
+                f"{lag:.2g} rad at the end, by the period error of the method: take a step of {step * math.sqrt(LATE / lag):.2g} s "
                 "where phase matters"
             )
         return found
