@@ -53,7 +53,7 @@ def measure(quick: bool) -> Section:
         "largest", "largest speed while stuck, m/s", "step halvings",
     )  # fmt: skip
     text = (
-        f"Way of the bit along the hole over {end:g} s, every 50 ms; generalized-alpha, exact friction, static and "
+        f"Bit displacement along the hole over {end:g} s, every 50 ms; generalized-alpha, exact friction, static and "
         f"kinetic factor {MU:g}. The converged run has a step of {finest:g} s. The independent simulation is "
         "`tests/references/planar_well_dynamics.py`: a planar model, RK4 with every change of contact located, which "
         "states an error of 1e-9 m.\n\n" + table(header, rows)

@@ -48,7 +48,7 @@ class Run:
 
     @property
     def displacement(self) -> np.ndarray:
-        """Way of the bit along the hole since t = 0 (frames,), m."""
+        """Bit displacement along the hole since t = 0 (frames,), m."""
         return self.result["bit_depth"] - self.result["bit_depth"][0]
 
 

@@ -30,9 +30,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 def _no_helpers_beside_workers():
     """Where there is a worker for every core each compiles alone: a helper would have to start, and to take turns."""
     if int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")) >= (os.cpu_count() or 1):
-        from tautline.kernels import parallel_compile as workshop
+        from tautline.kernels import parallel_compile
 
-        workshop.HELPERS = 0
+        parallel_compile.HELPERS = 0
 
 
 NOT_RUN = ("references", "figures", "results", "input", "view", "wellbore", "layers")

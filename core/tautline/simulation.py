@@ -33,7 +33,7 @@ from tautline.integrators.statics.relaxation import relax
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
-from tautline.integrators.time_loop import PART, STEP, WORK_LIMIT, Frames, compile_for, march, new_frames, new_pause
+from tautline.integrators.time_loop import PART, STEP, WORK_LIMIT, Frames, compile_for, new_frames, new_pause, run_steps
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import listening
 from tautline.results.balance import ENERGIES, Balance
@@ -293,7 +293,7 @@ class Run:
     def store_first(self, store: Store) -> None:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
         system = self.model.system
-        march(
+        run_steps(
             self.method, system, self.state,
             np.zeros(1), np.zeros(1, np.int64), 0.0, self.frames,
         )  # fmt: skip
@@ -314,7 +314,7 @@ class Run:
         checked = time.perf_counter() - before
         at_first = self._work()
         self.pause[WORK_LIMIT] = at_first + self.work
-        status, filled, reached = march(
+        status, filled, reached = run_steps(
             self.method, system, self.state,
             self.ends[some], self.steps[some], self.time, self._from(self.waiting), self.pause,
         )  # fmt: skip
@@ -450,7 +450,7 @@ class Run:
     def phase_lag(self, step: float) -> float:
         """By how much the method lets an oscillation as fast as the motion fall behind by the end, rad.
 
-        An estimate for what swings freely; what is driven keeps the phase of its drive.
+        An estimate for free vibration; what is driven keeps the phase of its drive.
         """
         omega = self.oscillation_frequency()
         return abs(lag_of_step(self.method, omega * step)) * self.time / step if step > 0.0 else 0.0
@@ -472,8 +472,8 @@ class Run:
         elif lag > LATE:
             found.append(
                 f"the phase error of free vibration at {omega / (2.0 * math.pi):.3g} Hz has grown to about "
-                f"{lag:.2g} rad at the end, by the period error of the method: take a step of {step * math.sqrt(LATE / lag):.2g} s "
-                "where phase matters"
+                f"{lag:.2g} rad at the end, by the period error of the method: take a step of "
+                f"{step * math.sqrt(LATE / lag):.2g} s where phase matters"
             )
         return found
 

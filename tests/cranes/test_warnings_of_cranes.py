@@ -261,7 +261,7 @@ def test_figures_are_those_that_check_promises_and_read_as_a_table():
     rows = dict(describe(found))
     assert rows["head 1 to block 1"] == "25 m" and rows["around block 1"] == "180 deg, fleet angle 0 deg"
     fixed = describe(figures(fixed_rope()))
-    assert fixed[:2] == [("one to other", "10 m"), ("length of the rope's way", "10 m")]
+    assert fixed[:2] == [("one to other", "10 m"), ("length of the path", "10 m")]
     assert all(name == "damping of the rope" for name, _ in fixed[2:])
 
 

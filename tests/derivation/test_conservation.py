@@ -12,7 +12,7 @@ from tautline.integrators.linearise import start_moving
 from tautline.integrators.method import method_for
 from tautline.integrators.state import HALVINGS, ITERATIONS, STEPS, new_state
 from tautline.integrators.status import Status
-from tautline.integrators.time_loop import march, new_frames
+from tautline.integrators.time_loop import new_frames, run_steps
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, EccentricBodies
 from tautline.lumped.curve import PER_BODY, records
@@ -84,7 +84,7 @@ def run(well, block, damped, steps, on_axis=False):
     # The first frame, of no steps, is the start.
     each = np.minimum(np.arange(steps + 1), 1)
     ends = END * np.arange(steps + 1) / steps
-    status, filled, _ = march(method, system, state, ends, each, 0.0, frames)
+    status, filled, _ = run_steps(method, system, state, ends, each, 0.0, frames)
     assert (Status(status), filled) == (Status.DONE, steps + 1)
     return frames.energy.copy(), frames.q.copy(), state.counters.copy()
 

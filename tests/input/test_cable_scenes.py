@@ -703,7 +703,7 @@ def test_a_slope_left_out_points_along_the_elements():
 
 MOVED = LINEAR.replace("BC: [0, 0, 0, 1]", "BC: [1, 0, 0, 1], BC_functions: [2, 0, 0, 0]")
 
-CAUTIONS = {
+WARNINGS = {
     "a step too long for RK4": (
         BAR,
         "time_step: 0.01",
@@ -734,14 +734,14 @@ CAUTIONS = {
     "a node without mass": (BAR, "EJ: 0.0, rhoA: 1.0", "EJ: 0.0, rhoA: 0.0", "rhoA", "has no mass"),
     "a force after the end": (BAR, "timeInterval: [0, 1.0]", "timeInterval: [200, 201]", "timeInterval", "has ended"),
 }
-CAUTIONS["a tie that gapes"] = (
+WARNINGS["a tie that gapes"] = (
     TEXT,
     "id: 3, xyz: [1.0, 0, 0]",
     "id: 3, xyz: [1.0, 0, 0.1]",
     "LagMultipl7.constr",
     "differ by 0.1; give `offset:`",
 )
-CAUTIONS["an element that begins stretched"] = (
+WARNINGS["an element that begins stretched"] = (
     BAR,
     "id: 0, xyz: [0.0, 0, 0], xyz_d: [1, 0, 0], BC: [1, 1, 1, 0, 1, 1, 1]}\n  - Node7Dof: {id: 1,",
     "id: 0, p: 0, xyz: [0.0, 0, 0], xyz_d: [1, 0, 0], BC: [1, 1, 1, 0, 1, 1, 1]}\n  - Node7Dof: {id: 1, p: 0.4,",
@@ -750,9 +750,9 @@ CAUTIONS["an element that begins stretched"] = (
 )
 
 
-@pytest.mark.parametrize("name", CAUTIONS)
+@pytest.mark.parametrize("name", WARNINGS)
 def test_an_odd_scene_is_warned_of_and_not_refused(name):
-    text, old, new, where, words = CAUTIONS[name]
+    text, old, new, where, words = WARNINGS[name]
     assert old in text
     if name == "a node without mass":
         text = text.replace(old, new)

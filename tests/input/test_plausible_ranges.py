@@ -16,7 +16,7 @@ from drillstring.warnings.wall import wall_warnings
 from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
 from tautline.cable.input.models import WrittenCable
-from tautline.cable.input.thesis_compat import read_quirks
+from tautline.cable.input.thesis_compat import read_compat
 from tautline.scene.doubts import slips_of_units
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
@@ -133,7 +133,7 @@ def test_no_shipped_scene_or_template_is_warned_of(path):
         return
     model = model_of(document.root)
     if model is WrittenCable:
-        document, _ = read_quirks(document)
+        document, _ = read_compat(document)
     scene = validate(model, document)
     assert slips_of_units(model, document) == []
     if model is CraneScene:

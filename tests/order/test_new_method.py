@@ -18,7 +18,7 @@ from tautline.integrators.method import METHODS
 from tautline.integrators.period import lag_of_step
 from tautline.integrators.state import new_state
 from tautline.integrators.status import Status
-from tautline.integrators.time_loop import march, new_frames
+from tautline.integrators.time_loop import new_frames, run_steps
 from tautline.integrators.vibration.critical_step import critical_step
 from tautline.scene import methods
 from tautline.study.robustness.critical import critical_steps
@@ -50,7 +50,7 @@ def test_its_error_falls_with_the_square_of_the_step():
         start_moving(system, state, 1e-3)
         frames = new_frames(1, 3, 0)
         made = METHODS["midpoint"](system, SolverSettings("midpoint", 0.0, 2.0, 2.0, 0.0, 0.0))
-        status, filled, _ = march(made, system, state, np.array([2.0]), np.array([count]), 0.0, frames)
+        status, filled, _ = run_steps(made, system, state, np.array([2.0]), np.array([count]), 0.0, frames)
         assert (Status(status), filled) == (Status.DONE, 1)
         found.append(np.abs(frames.q[-1, :2] - exact[0]).max())
     assert np.log2(np.array(found[:-1]) / found[1:]) == pytest.approx([2.0] * 3, abs=0.15)

@@ -12,7 +12,7 @@ from tautline.integrators.linearise import start_moving
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import HALVINGS, ITERATIONS, STEPS, new_state
 from tautline.integrators.status import Status
-from tautline.integrators.time_loop import march, new_frames
+from tautline.integrators.time_loop import new_frames, run_steps
 from tautline.system.model import SolverSettings
 
 END = 2.0
@@ -50,7 +50,7 @@ def run(method, steps, ends=(END,), alpha=PARAMETERS["rho_inf 0.5"], **changes):
     rows = len(ends)
     frames = new_frames(rows, 3, 0)
     counts = np.broadcast_to(np.asarray(steps, dtype=np.int64), rows).copy()
-    status, filled, _ = march(METHODS[method](system, settings), system, state, np.array(ends), counts, 0.0, frames)
+    status, filled, _ = run_steps(METHODS[method](system, settings), system, state, np.array(ends), counts, 0.0, frames)
     assert (Status(status), filled) == (Status.DONE, rows)
     q, v, a, r = (x[-1] for x in (frames.q, frames.v, frames.a, frames.residual))
     return Ending(q[:2].copy(), v[:2].copy(), a[:2].copy(), r[2], q[2], state.counters.copy())
@@ -133,7 +133,7 @@ def test_a_step_that_no_halving_saves_ends_the_run_with_its_status():
     start_moving(system, state, 1e-3)
     before = state.q.copy(), state.v.copy(), state.a.copy()
     method, steps = METHODS["newmark"](system, settings), np.array([20])
-    status, filled, reached = march(method, system, state, np.array([END]), steps, 0.0, new_frames(1, 3, 0))
+    status, filled, reached = run_steps(method, system, state, np.array([END]), steps, 0.0, new_frames(1, 3, 0))
     assert (Status(status), filled, reached) == (Status.NOT_CONVERGED, 0, 0.0)
     assert all(np.array_equal(x, y) for x, y in zip(before, (state.q, state.v, state.a), strict=True))
     assert state.counters[STEPS] == 0

@@ -76,9 +76,9 @@ def test_ctrl_c_in_the_middle_of_a_frame_keeps_what_can_be_gone_on_with(monkeypa
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_run_that_failed_within_a_frame_is_gone_on_with_from_a_frame(monkeypatch, method):
-    whole, real = simulate(model(method)), simulation.march
+    whole, real = simulate(model(method)), simulation.run_steps
 
-    def march(method, system, state, ends, steps, begin, frames, pause=None):
+    def run_steps(method, system, state, ends, steps, begin, frames, pause=None):
         status, filled, reached = real(method, system, state, ends, steps, begin, frames, pause)
         if filled == 0 or ends[filled - 1] < 0.45:
             return status, filled, reached
@@ -86,12 +86,12 @@ def test_a_run_that_failed_within_a_frame_is_gone_on_with_from_a_frame(monkeypat
         real(method, system, state, np.array([t + 3 * h]), np.array([3]), t, new_frames(1, system.q.size, 0))
         return Status.NOT_CONVERGED, filled, t + 3 * h
 
-    monkeypatch.setattr(simulation, "march", march)
+    monkeypatch.setattr(simulation, "run_steps", run_steps)
     with pytest.raises(StoppedEarly) as stop:
         simulate(model(method))
     failed = stop.value.result
     assert failed.attributes["restart_time"] < failed.time[-1] == pytest.approx(0.5)
-    monkeypatch.setattr(simulation, "march", real)
+    monkeypatch.setattr(simulation, "run_steps", real)
     assert_equal(simulate(model(method), resume=failed), whole)
 
 

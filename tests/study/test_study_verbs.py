@@ -213,15 +213,15 @@ def interrupting(monkeypatch, after):
     """Have Ctrl-C pressed in the time loop of the run with this number, as a terminal would."""
     from tautline import simulation
 
-    march, calls = simulation.march, []
+    run_steps, calls = simulation.run_steps, []
 
     def pressed(method, system, *rest):
         calls.append(id(system))
         if len(dict.fromkeys(calls)) > after:
             signal.raise_signal(signal.SIGINT)
-        return march(method, system, *rest)
+        return run_steps(method, system, *rest)
 
-    monkeypatch.setattr(simulation, "march", pressed)
+    monkeypatch.setattr(simulation, "run_steps", pressed)
 
 
 @pytest.mark.parametrize("after", [0, 3])

@@ -42,7 +42,7 @@ class Estimate:
 
     @property
     def path(self) -> Path:
-        """The rope's way."""
+        """The path of the rope."""
         return self.layout.path
 
     @property

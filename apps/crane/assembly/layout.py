@@ -70,7 +70,7 @@ class Layout:
     wheels : (items,) records of ``WHEEL``
         With a radius of zero for points.
     path : Path
-        The rope's way at t = 0.
+        The path of the rope at t = 0.
     entries : (frames, 12) array
         The frames' numbers at t = 0.
     stretch : float

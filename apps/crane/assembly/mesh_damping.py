@@ -1,4 +1,4 @@
-"""Damping of what rings between the nodes of a mesh and is no motion of the rope.
+"""Damping of oscillations between the nodes of a mesh, which are no motion of the rope.
 
 After slack, nodes fly between slack elements and snap one by one; without damping a few elements then show tensions
 that a finer mesh does not. What a mesh of n elements cannot carry is at its highest frequency, 2 sqrt(3) wave speeds

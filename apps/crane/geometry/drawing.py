@@ -1,4 +1,4 @@
-"""A rope's way as a line to draw."""
+"""The path of a rope as a line to draw."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ CROSSED = 1.5 * math.pi
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A rope's way over n wheels.
+    """The path of a rope over n wheels.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ def reeve(wheels: Sequence[Wheel], sigma: np.ndarray, thickness: float = 0.0) ->
         wraps[j], marks[j] = _wrap_and_mark(wheel, int(sigma[j]), spans[j - 1 : j] if j else (), spans[j : j + 1])
         if 0 < j < n - 1 and wheel.radius > 0.0 and not LEAST_WRAP <= wraps[j] <= PASSED:
             message = f"the rope passes {wheel.name!r} without touching it"
-            raise ReevingError(message, "turn its wrap to the other side, or move it into the rope's way", j)
+            raise ReevingError(message, "turn its wrap to the other side, or move it into the path of the rope", j)
     radii = np.array([wheel.radius for wheel in wheels])
     lengths = np.array([span.length for span in spans])
     after, before = 0.5 * sigma * wraps, -0.5 * sigma * wraps

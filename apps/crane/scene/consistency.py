@@ -25,7 +25,7 @@ FAR_AWAY = 1.0e8
 DIVISORS = ("mass_per_length", "axial_stiffness", "diameter", "radius", "core_radius", "mass", "inertia", "stiffness")
 
 
-def check_agreement(scene: Scene) -> None:
+def check_consistency(scene: Scene) -> None:
     """Refuse a scene whose parts contradict each other; of several faults, all of the first kind are told.
 
     Raises

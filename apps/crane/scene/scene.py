@@ -16,7 +16,7 @@ from crane.scene.bodies import Body as Body
 from crane.scene.bodies import Drag as Drag
 from crane.scene.bodies import Release as Release
 from crane.scene.bodies import Spring as Spring
-from crane.scene.consistency import GROUND, MOST_ELEMENTS, VESSEL, check_agreement
+from crane.scene.consistency import GROUND, MOST_ELEMENTS, VESSEL, check_consistency
 from crane.scene.path import ITEMS, Anchor, Drum, End, PathItem, Sheave
 from crane.scene.path import Bearing as Bearing
 from crane.scene.path import Brake as Brake
@@ -58,7 +58,7 @@ class Rope(Model):
     diameter, breaking_load : float or None
         m and N.
     compression : str
-        ``none``: tension only, or ``elastic``.
+        ``none``: no compression, or ``elastic``.
     length : float or None
         Unstretched, m, from end to end of the path at the start, a drum counting where the rope leaves it; None for the
         length that makes the drawing true, or `as drawn` the path's own.
@@ -105,7 +105,7 @@ class CraneScene(Scene):
     Attributes
     ----------
     path : tuple of Drum, Sheave, End and Anchor
-        The rope's way, from one of its ends to the other.
+        The path of the rope, from one of its ends to the other.
     gravity : tuple of float
         m/s^2, z up.
     start : str
@@ -133,8 +133,8 @@ class CraneScene(Scene):
     output: Output = Field(examples=["{interval: 50 ms}"])
 
     @model_validator(mode="after")
-    def _agree(self) -> CraneScene:
-        check_agreement(self)
+    def _consistent(self) -> CraneScene:
+        check_consistency(self)
         check_output(self.solver, self.output)
         return self
 

@@ -127,13 +127,13 @@ def compensate(
     shares = {name: float(np.mean(cause == i)) for i, name in enumerate(("stroke", "speed", "acceleration"))}
     value, rate, second = moved[:, -1]
     later = np.array([value + GRACE * (rate + 0.5 * GRACE * second), rate + GRACE * second, second])
-    time, jets = np.append(time, end + GRACE), np.column_stack((moved, later))
+    time, derivatives = np.append(time, end + GRACE), np.column_stack((moved, later))
     return Compensation(
-        Samples(time, jets[0] - jets[0, 0], jets[1], jets[2]),
-        Samples(time, jets[0], jets[1], jets[2]),
+        Samples(time, derivatives[0] - derivatives[0, 0], derivatives[1], derivatives[2]),
+        Samples(time, derivatives[0], derivatives[1], derivatives[2]),
         float(np.mean(away)),
         shares,
-        float(np.abs(moved[0] - command.jets[0]).max()),
+        float(np.abs(moved[0] - command.derivatives[0]).max()),
     )
 
 
@@ -150,14 +150,14 @@ def _step(heave: Samples | Constant, end: float) -> float:
     if isinstance(heave, Constant):
         return 0.0
     run = heave.time <= end
-    fastest, sharpest = (float(np.abs(jet[run]).max(initial=0.0)) for jet in (heave.rate, heave.second))
+    fastest, sharpest = (float(np.abs(derivative[run]).max(initial=0.0)) for derivative in (heave.rate, heave.second))
     if sharpest == 0.0:
         return 0.0 if fastest == 0.0 else end / 100.0
     return float(np.clip(PHASE * fastest / sharpest, end / MOST_STEPS, end / 100.0))
 
 
 class _Command:
-    """Where the actuator should be: `jets` (3, n + 1) at the ends of the steps, and how far it goes within each.
+    """Where the actuator should be: `derivatives` (3, n + 1) at the ends of the steps, and how far it goes within each.
 
     `reach` (3, n) is the largest displacement, speed and acceleration within each step, `size` (3,) of the whole run;
     `sudden` (n,) says in which step the speed jumps: where a heave that begins with a speed is first answered.
@@ -172,8 +172,8 @@ class _Command:
         # a crest between two samples rises above them by an eighth of the second difference there
         crest = np.abs(np.diff(fine, n=2, axis=1)).max(axis=1) / 4.0
         self.reach = (fine.max(axis=1) + crest).T
-        self.jets = sample(functions, 0, np.minimum(time, np.nextafter(time[-1], 0.0)) - delay).T
-        self.size = np.maximum(np.abs(self.jets).max(axis=1), 1e-300)
+        self.derivatives = sample(functions, 0, np.minimum(time, np.nextafter(time[-1], 0.0)) - delay).T
+        self.size = np.maximum(np.abs(self.derivatives).max(axis=1), 1e-300)
         begin, first = heave.time[0] + delay, sample(functions, 0, heave.time[:1])[0]
         near = CLOSE * self.h
         self.sudden = (time[:-1] <= begin + near) & (time[1:] >= begin - near)
@@ -215,8 +215,8 @@ class _Actuator:
 
     def run(self) -> tuple[np.ndarray, np.ndarray]:
         """Displacement, speed and acceleration (3, n + 1), and what holds it back in each step (n,)."""
-        jets = self.command.jets
-        n = jets.shape[1] - 1
+        derivatives = self.command.derivatives
+        n = derivatives.shape[1] - 1
         moved, cause = np.empty((3, n + 1)), np.full(n, FREE)
         state, k = self._start(), 0
         moved[:, 0] = state
@@ -224,8 +224,8 @@ class _Actuator:
             if self._is_at(state, k):
                 leave = self._leaves(k)
                 if leave > k:
-                    moved[:, k : leave + 1] = jets[:, k : leave + 1]
-                    state, k = _State(*jets[:, leave]), leave
+                    moved[:, k : leave + 1] = derivatives[:, k : leave + 1]
+                    state, k = _State(*derivatives[:, leave]), leave
                     continue
             way = self._joining(state, k)
             if way is not None:
@@ -233,8 +233,8 @@ class _Actuator:
                 cause[k : k + len(way)] = RETURNING
                 # on it by construction; not by rounding, which would keep it from being recognised
                 k += len(way)
-                moved[:, k] = jets[:, k]
-                state = _State(*jets[:, k])
+                moved[:, k] = derivatives[:, k]
+                state = _State(*derivatives[:, k])
                 continue
             state, cause[k] = self._limited(state, k)
             k += 1
@@ -243,21 +243,21 @@ class _Actuator:
 
     def _start(self) -> _State:
         """State at t = 0: on the command if it can be, else at rest, within the stroke."""
-        state = _State(*self.command.jets[:, 0])
+        state = _State(*self.command.derivatives[:, 0])
         if not self.over.size or (self.over[0] > 0 and self._brakes_in_time(state)):
             return state
         return _State(float(np.clip(state.y, -0.99 * self.stroke, 0.99 * self.stroke)), 0.0, 0.0)
 
     def _is_at(self, state: _State, k: int) -> bool:
-        return bool(np.all(np.abs(np.array(state) - self.command.jets[:, k]) <= CLOSE * self.command.size))
+        return bool(np.all(np.abs(np.array(state) - self.command.derivatives[:, k]) <= CLOSE * self.command.size))
 
     def _leaves(self, k: int) -> int:
         """Step at whose beginning the command is left: the last from which the limit ahead can be respected."""
         ahead = np.searchsorted(self.over, k)
         if ahead == self.over.size:
-            return self.command.jets.shape[1] - 1
+            return self.command.derivatives.shape[1] - 1
         leave = int(self.over[ahead])
-        while leave > k and not self._brakes_in_time(_State(*self.command.jets[:, leave])):
+        while leave > k and not self._brakes_in_time(_State(*self.command.derivatives[:, leave])):
             leave -= 1
         return leave
 
@@ -284,15 +284,15 @@ class _Actuator:
 
     def _joining(self, state: _State, k: int) -> list[_State] | None:
         """States of a way back on to the command that keeps to all limits, in 3, 6 or 12 steps; None if none does."""
-        jets = self.command.jets
+        derivatives = self.command.derivatives
         for n in (1, 2, 4):
             goal = k + 3 * n
-            if goal >= jets.shape[1] - 1:
+            if goal >= derivatives.shape[1] - 1:
                 return None
             ahead = np.searchsorted(self.over, goal)
             if ahead < self.over.size and self.over[ahead] <= goal + 3:
                 continue
-            y, v, a = jets[:, goal]
+            y, v, a = derivatives[:, goal]
             long = n * self.h
             p = (v - state.v) / long - 0.5 * (state.a + a)
             q = (y - state.y - 3.0 * long * state.v) / long**2 - 4.0 / 3.0 * state.a - a / 6.0
@@ -334,7 +334,7 @@ class _Actuator:
 
     def _wanted(self, state: _State, k: int) -> tuple[float, int]:
         """Acceleration that brings it to its command, or smoothly to a limit in its way, and which limit that is."""
-        y, v, a = self.command.jets[:, k]
+        y, v, a = self.command.derivatives[:, k]
         soon = EAGER * self.h
         closing, slope = self._closing(y - state.y, self.joining)
         wanted, cause = a + slope * (v - state.v) + (v + closing - state.v) / soon, RETURNING

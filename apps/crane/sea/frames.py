@@ -113,10 +113,10 @@ def motion_of(frames: Sequence[Frame], values: np.ndarray) -> tuple[np.ndarray, 
     origins: list[np.ndarray] = []
     turns: list[np.ndarray] = []
     for k, frame in enumerate(frames):
-        jets = np.moveaxis(values[k], 2, 0)
+        derivatives = np.moveaxis(values[k], 2, 0)
         pivot = np.array(frame.pivot, dtype=float)
-        turn = rotation(*jets[:, 3:].transpose(1, 0, 2))
-        origin = np.ascontiguousarray(jets[:, :3].transpose(0, 2, 1)) - turn @ pivot
+        turn = rotation(*derivatives[:, 3:].transpose(1, 0, 2))
+        origin = np.ascontiguousarray(derivatives[:, :3].transpose(0, 2, 1)) - turn @ pivot
         origin[0] += pivot
         if frame.parent != GROUND:
             if not 0 <= frame.parent < k:
@@ -226,18 +226,18 @@ def _compiled(frames: Sequence[Frame], end: float) -> TimeFunctions:
     )
 
 
-def _model(time: np.ndarray, jet: np.ndarray) -> Samples | Constant:
+def _model(time: np.ndarray, derivative: np.ndarray) -> Samples | Constant:
     """Model of one entry from its value, rate and second rate (3, m)."""
-    if not np.any(jet[1:]):
-        return Constant(value=float(jet[0, 0]))
-    return Samples(time, jet[0], jet[1], jet[2])
+    if not np.any(derivative[1:]):
+        return Constant(value=float(derivative[0, 0]))
+    return Samples(time, derivative[0], derivative[1], derivative[2])
 
 
-def _with_grace(time: np.ndarray, jets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Knots and jets (3, m, n) with one more knot after the end, reached with the last acceleration."""
-    value, rate, second = jets[:, -1]
+def _with_grace(time: np.ndarray, derivatives: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Knots and derivatives (3, m, n) with one more knot after the end, reached with the last acceleration."""
+    value, rate, second = derivatives[:, -1]
     later = np.array([value + GRACE * (rate + 0.5 * GRACE * second), rate + GRACE * second, second])
-    return np.append(time, time[-1] + GRACE), np.concatenate((jets, later[:, None]), axis=1)
+    return np.append(time, time[-1] + GRACE), np.concatenate((derivatives, later[:, None]), axis=1)
 
 
 class _Path:
@@ -264,7 +264,7 @@ class _Path:
         values = self.motions(time)
         if still is not None:
             values[self.chain.index(still)] = 0.0
-        return np.stack([jet[:, -1] for jet in motion_of(self.frames, values)])
+        return np.stack([derivative[:, -1] for derivative in motion_of(self.frames, values)])
 
     def knots(self, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
         """Times and entries (3, m, 12) between which quintics are good, the last after the end."""

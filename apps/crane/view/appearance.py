@@ -189,7 +189,7 @@ def _sheaves(site: Site, crane: bool, load: bool) -> Iterator[Solid]:
 
 
 def _drums(site: Site) -> Iterator[Solid]:
-    """Drums, which turn against the rope's way where they take it in."""
+    """Drums, which turn against the path of the rope where they take it in."""
     numbers = [i for i, item in enumerate(site.scene.path) if isinstance(item, Drum)]
     turned = site.result["drum_rotation"] if numbers else np.zeros((0, 0))
     for k, i in enumerate(numbers):

@@ -1,6 +1,6 @@
-"""Figures of cranes: the rope's way, tensions, the load, winches, sheaves, energies, and what the rope went through.
+"""Figures of cranes: the path of the rope, tensions, the load, winches, sheaves, energies, and what loads the rope.
 
-Histories are drawn from the stored variables alone. The rope's way and its bending need the scene that the result
+Histories are drawn from the stored variables alone. The path of the rope and its bending need the scene that the result
 carries, and so the files that this names.
 """
 
@@ -116,7 +116,7 @@ def _of(result: Result, name: str) -> np.ndarray | None:
 
 @styled
 def path(runs: Sequence[_Run]) -> Figure:
-    """The rope's way at the first and the last frame."""
+    """The path of the rope at the first and the last frame."""
     (run,) = runs
     course, last = run.course, len(run.time) - 1
     shots = [of_run(run.result, course, 0, f"at {run.time[0]:.4g} s")]
@@ -299,7 +299,7 @@ DRAWINGS: Mapping[str, Drawing] = {
     "overview": Drawing(
         "largest tension, the load's height and the winch's power against time", overview, compared=True
     ),
-    "path": Drawing("the rope's way at the first and the last frame", path, False),
+    "path": Drawing("the path of the rope at the first and the last frame", path, False),
     "tension": Drawing("tension at the ends of the spans against time, shaded where it is slack", tension),
     "payload": Drawing("position of the bodies against time", payload),
     "winch": Drawing("tension, speed and power of the drums", winch),

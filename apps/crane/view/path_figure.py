@@ -1,4 +1,4 @@
-"""The rope's way as a picture: of a scene before it runs, and of a run at its first and last frame."""
+"""The path of the rope as a picture: of a scene before it runs, and of a run at its first and last frame."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def _circle(center: np.ndarray, axis: np.ndarray, radius: float) -> np.ndarray:
 
 @styled
 def path_figure(shots: Sequence[Snapshot], scene: CraneScene, title: str) -> Figure:
-    """Elevation of the rope's way, its plan where it leaves a plane, and the crane where the load is far below.
+    """Elevation of the path of the rope, its plan where it leaves a plane, and the crane where the load is far below.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ def _fleet(found: Estimate) -> Sentences:
         limit = item.fleet_limit if isinstance(item, Sheave) else DRUM_FLEET_LIMIT
         angle = fleet_angle(found, i)
         if angle > limit:
-            cure = "turn the axis or move it into the rope's way"
+            cure = "turn the axis or move it into the path of the rope"
             cure += ", or raise fleet_limit" if isinstance(item, Sheave) else ""
             text = (
                 f"the rope meets {item.name} at {math.degrees(angle):.3g} deg to its plane, more than "
@@ -226,7 +226,7 @@ def _mesh(found: Estimate) -> Sentences:
 
 
 def _undamped(scene: CraneScene) -> Sentences:
-    """A rope that may go slack and that nothing damps: it rings between its nodes when it snaps."""
+    """A rope that may go slack and that nothing damps: it oscillates between its nodes when it snaps."""
     rope = scene.rope
     if rope.damping == 0.0 and rope.compression == "none" and max(scene.elements) > 1:
         text = (
@@ -290,7 +290,7 @@ def _held_back(actuator: Compensation | None) -> Sentences:
 
 
 def figures(scene: CraneScene) -> dict[str, Any]:
-    """Figures of the rope's way for ``check --json``, m, rad and s; of fleet angles the larger of both sides."""
+    """Figures of the path of the rope for ``check --json``, m, rad and s; of fleet angles the larger of both sides."""
     found = estimate(scene)
     path, items = found.path, scene.path
     sheaves = [i for i, item in enumerate(items) if isinstance(item, Sheave)]
@@ -312,7 +312,7 @@ def describe(found: dict[str, Any]) -> list[tuple[str, str]]:
     for wrap, fleet in zip(found["wraps"], found["fleet_angles"], strict=True):
         angles = math.degrees(wrap["angle"]), math.degrees(fleet["angle"])
         rows.append((f"around {wrap['sheave']}", f"{angles[0]:.4g} deg, fleet angle {angles[1]:.2g} deg"))
-    rows.append(("length of the rope's way", f"{found['path_length']:.4g} m"))
+    rows.append(("length of the path", f"{found['path_length']:.4g} m"))
     if not found["damping"]["given"]:
         rows.append(("damping of the rope", f"{found['damping']['largest']:.2g} s: rope.damping is not given"))
     return rows

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 MOVED = 1.0e-5
-"""Way of the bit, m, from which it has moved: a stuck one creeps by less than a tenth of it, elastically."""
+"""Displacement of the bit, m, from which it has moved: a stuck one creeps by less than a tenth of it, elastically."""
 AT_REST = 1.0e-8
 """Speed, m/s, and rotary speed, rad/s, below which an end of the string is at rest at the start."""
 ON_BOTTOM = "weight_on_bit"

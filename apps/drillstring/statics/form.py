@@ -1,6 +1,6 @@
 """Form finding: a string's shape at rest, and beside it the exact extensible rod where there is one.
 
-The lumps come to rest by the static solver, or by dynamic relaxation: a march with damping in proportion to mass
+The lumps come to rest by the static solver, or by dynamic relaxation: motion with damping in proportion to mass
 (thesis, eq. 2.168) that stops by itself once the forces balance. Friction does not act in the first; in the second it
 does, and what the string rests in then depends on where it began.
 """
@@ -181,7 +181,11 @@ def at_rest(scene: DrillstringScene, by: str = "static", most: int = MOST_STEPS)
                 step = min(step, SAFE * CriticalStep(system, method_of(model.solver.method)).search(state, 0.0)[0])
             spent = relax(system, state, method, step, model.own, REST, most).steps
     except StoppedEarly as stop:
-        way = "Newton's method and the march after it failed" if by == "static" else "by dynamic relaxation"
+        way = (
+            "Newton's method and the pseudo-transient steps after it failed"
+            if by == "static"
+            else "by dynamic relaxation"
+        )
         raise NotAtRest(stop, scene.model.elements, way) from None
     frames = new_frames(1, system.q.size, model.own)
     frames.q[0], frames.residual[0] = state.full_q, state.residual

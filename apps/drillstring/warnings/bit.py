@@ -25,7 +25,7 @@ OFF = 0.05
 UPRIGHT = np.radians(10.0)
 """Inclination below which a pipe in compression is not held by the hole."""
 RINGS = 0.95
-"""Spectral radius at infinity above which the shock of a bit that sticks rings on."""
+"""Spectral radius at infinity above which the shock of a bit that sticks goes on to oscillate."""
 
 
 def bit_warnings(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> list[SceneWarning]:
@@ -113,8 +113,8 @@ def _of_method(scene: DrillstringScene) -> list[SceneWarning]:
     return [
         SceneWarning(
             "solver.rho_inf" if method_of(scene.solver.method).has_alphas else "solver.method",
-            "does not damp what a step cannot follow: the shock of a bit that sticks rings on in its torque, and it "
-            "lets go too early; take generalized-alpha with rho_inf 0.9 or less",
+            "does not damp what a step cannot follow: after the shock of a bit that sticks its torque oscillates, and "
+            "the bit is released too early; take generalized-alpha with rho_inf 0.9 or less",
         )
     ]
 

@@ -171,7 +171,7 @@ def shape(runs: Sequence[Run]) -> Figure:
 
 
 class _Fan(NamedTuple):
-    """Shapes of a hose, when they were, and the way of its tip."""
+    """Shapes of a hose, when they were, and the path of its tip."""
 
     share: np.ndarray
     curves: np.ndarray

@@ -129,7 +129,7 @@ def simulate(
     model = application.build(read)
 
     from tautline.integrators.status import Interrupted, StoppedEarly
-    from tautline.simulation import simulate as march
+    from tautline.simulation import simulate as run_model
 
     solver = getattr(model, "solver", None)
     end = getattr(solver, "end", None)
@@ -141,7 +141,7 @@ def simulate(
     try:
         with Bar(end, shown=not quiet) as bar:
             others = _other_runs(application, read, model, verify, earlier, bar, quiet)
-            result = march(
+            result = run_model(
                 model, target, progress=bar, resume=earlier, announce=lambda _: say(FIRST_RUN, "cyan"),
                 afterwards=others,
             )  # fmt: skip

@@ -2,7 +2,7 @@
 
 With e = r' and a measure of strain eps(e.e), the energy EA eps^2 / 2 and the dissipation EA c eps.^2 / 2 per metre of
 material give the force S h e against e, where h = 2 d(eps)/d(e.e) and S = EA (eps + c eps.): h = 1 for Green's strain
-(eq. 2.52), 1/|e| for engineering strain. A rope that takes tension only has S = 0 where it is slack. Where material
+(eq. 2.52), 1/|e| for engineering strain. A rope that carries no compression has S = 0 where it is slack. Where material
 moves past the nodes the strain rate is that of a particle, e. = r'[v] - L. W - u r'', and the rows of p are the
 derivative of the stored energy by L and the power of the damping (the print of 2.48 leaves the former out).
 """

@@ -143,8 +143,8 @@ def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
 
 
 @entry
-def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, rows, pause):
-    """Go through output frames with an implicit method; see :func:`march`."""
+def run_implicit(method, groups, dofs, functions, state, ends, steps, begin, rows, pause):
+    """Go through output frames with an implicit method; see :func:`run_steps`."""
     t0 = begin
     at = method.corrector.changed
     for k in range(ends.size):
@@ -166,8 +166,8 @@ def march_implicit(method, groups, dofs, functions, state, ends, steps, begin, r
 
 
 @entry
-def march_explicit(method, groups, dofs, functions, state, ends, steps, begin, rows, pause):
-    """Go through output frames with an explicit method; see :func:`march`.
+def run_explicit(method, groups, dofs, functions, state, ends, steps, begin, rows, pause):
+    """Go through output frames with an explicit method; see :func:`run_steps`.
 
     Such a method knows acceleration and reactions at the start of its steps only: they are made anew for a frame.
     """
@@ -204,7 +204,7 @@ _ALWAYS = ("begin", "alarm", "commit", "record", "energy", "dissipation", "suppl
 def loop_of(method):
     """The compiled loop for a method's scratch, and the sums that it asks of the groups."""
     stepping = stepping_with(method)
-    return march_explicit if stepping.explicit else march_implicit, (*_ALWAYS, *stepping.sums(method))
+    return run_explicit if stepping.explicit else run_implicit, (*_ALWAYS, *stepping.sums(method))
 
 
 def compile_for(method, system, state, announce=None):
@@ -225,7 +225,7 @@ def compile_for(method, system, state, announce=None):
     compile_all([*hooks[:1], heavy, common, *hooks[1:], *parts], announce)
 
 
-def march(method, system, state, ends, steps, begin, frames, pause=None):
+def run_steps(method, system, state, ends, steps, begin, frames, pause=None):
     """Go through output frames and record each, in compiled code.
 
     Parameters

@@ -197,7 +197,7 @@ def _code_for(name: str, kind: type) -> str | None:
 
 
 def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
-    """The kernels that :func:`link` needs for some sums, for the workshop; sums that are heavy belong at the end."""
+    """The kernels that :func:`link` needs for some sums, for `parallel_compile`; heavy sums belong at the end."""
     kinds = _kinds_of(groups)
     used = [(_code_for(name, type(g)), kind) for name in sums for g, kind in zip(groups, kinds, strict=True)]
     return list(dict.fromkeys((run_hook, _signature(ROWS[name], kind)) for name, kind in used if name is not None))

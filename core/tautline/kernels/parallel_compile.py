@@ -87,8 +87,8 @@ import json, os, sys
 path, unsafe = (json.loads(given) for given in sys.argv[1:3])
 unsafe = set(unsafe) - {os.path.realpath(p) for p in sys.path}
 sys.path[:] = [p for p in path if os.path.isabs(p) and os.path.realpath(p) not in unsafe]
-from tautline.kernels import parallel_compile as workshop
-workshop.help_out()
+from tautline.kernels import parallel_compile
+parallel_compile.help_out()
 """
 """What a helper runs: it looks for modules where this process does, but not in the folders that are unsafe."""
 

@@ -61,7 +61,7 @@ class Model:
     attributes : dict
         Stored with the result: the scene's text among them.
     observe : callable
-        Frames (``integrators.march.Frames``) of a batch -> dict of arrays, leading axis time.
+        Frames (``integrators.time_loop.Frames``) of a batch -> dict of arrays, leading axis time.
     headline : callable
         Result -> dict of name -> {"value", "unit", "text"}: the application's own figures.
     start : str

@@ -83,7 +83,7 @@ def test_a_lever_arm_rolls_in_closed_form_at_large_angles(angle):
     frame = Frame("vessel", GROUND, (0.0, 0.0, -10.0), (NIL, NIL, NIL, roll, NIL, NIL))
     t = np.linspace(0.0, 9.0, 61)
     q, dq, ddq = values_at((frame,), t)[0, 3].T
-    place, speed, acceleration = (point_of(jet[:, 0], (0.0, 0.0, 30.0)) for jet in exact((frame,), t))
+    place, speed, acceleration = (point_of(derivative[:, 0], (0.0, 0.0, 30.0)) for derivative in exact((frame,), t))
     # of a derivative the arm's constant part is nothing: O' + R' x
     assert np.allclose(place[:, 1:], np.column_stack((-40.0 * np.sin(q), -10.0 + 40.0 * np.cos(q))), atol=1e-12)
     assert np.allclose(speed[:, 1:], np.column_stack((-40.0 * np.cos(q) * dq, -40.0 * np.sin(q) * dq)), atol=1e-12)
@@ -98,8 +98,8 @@ def test_rates_are_those_of_finite_differences():
     value, rate, second = exact(FRAMES, t)
 
     def difference(order):
-        jets = {k: exact(FRAMES, t + k * h)[order] - exact(FRAMES, t - k * h)[order] for k in stencil}
-        return sum(weight * jets[k] for k, weight in stencil.items()) / h
+        derivatives = {k: exact(FRAMES, t + k * h)[order] - exact(FRAMES, t - k * h)[order] for k in stencil}
+        return sum(weight * derivatives[k] for k, weight in stencil.items()) / h
 
     # beside the end of a ramp a difference straddles a corner of the third derivative
     corners = np.array([1.3, 3.0, 3.3, 4.0, 5.0, 6.0, 8.0, 13.0])
@@ -185,9 +185,9 @@ def test_heave_is_what_the_vessel_does_and_not_what_the_boom_does():
     heave = heave_of(FRAMES, 0, 1, (30.0, 1.0, 20.0), END)
     times = np.linspace(0.0, END, 57)
     got = sample(compile_functions([FunctionRequest(heave)]), 0, times)
-    for order, jet in enumerate(exact(FRAMES, times)):
+    for order, derivative in enumerate(exact(FRAMES, times)):
         at_rest = exact((Frame("vessel", GROUND, VESSEL.pivot), BOOM), times)[order]
-        lift = point_of(jet[:, 1], (30.0, 1.0, 20.0)) - point_of(at_rest[:, 1], (30.0, 1.0, 20.0))
+        lift = point_of(derivative[:, 1], (30.0, 1.0, 20.0)) - point_of(at_rest[:, 1], (30.0, 1.0, 20.0))
         assert np.allclose(got[:, order], lift[:, 2], atol=1e-7)
 
 

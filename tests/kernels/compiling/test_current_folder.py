@@ -13,9 +13,9 @@ SPY = "open({name!r} + '.was_run', 'w').close()\nraise SystemExit('run from the 
 HELP = """
 import sys, time
 from collections import deque
-from tautline.kernels import parallel_compile as workshop
-waiting = deque([(workshop.help_out, ())])
-workshop._employ(waiting)
+from tautline.kernels import parallel_compile
+waiting = deque([(parallel_compile.help_out, ())])
+parallel_compile._employ(waiting)
 print(len(waiting))
 """
 

@@ -23,11 +23,11 @@ import sys
 from typing import NamedTuple
 import numpy as np
 from tautline.elements.nodal.load import Loads
-from tautline.integrators.time_loop import compile_for, loop_of, march, new_frames
+from tautline.integrators.time_loop import compile_for, loop_of, run_steps, new_frames
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state
 from tautline.kernels import groups
-from tautline.kernels import parallel_compile as workshop
+from tautline.kernels import parallel_compile
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.jit import kernel
 from tautline.system.model import SolverSettings
@@ -54,8 +54,8 @@ def _record(g, out, at):
     at[0] += 0
 
 groups.register(Ball, residual=_residual, tangent=_tangent, energy=_energy, record=_record)
-workshop.HELPERS, workshop.WORTH = HELPERS
-workshop.os.sched_getaffinity = lambda _: range(8)
+parallel_compile.HELPERS, parallel_compile.WORTH = HELPERS
+parallel_compile.os.sched_getaffinity = lambda _: range(8)
 things = (Loads(np.array([0]), np.array([2.0])), Ball(4.0))
 system = assemble(things, Degrees(["x"], np.zeros(1), np.ones(1)), compile_functions([]), np.zeros(1), [], [])
 settings = SolverSettings("generalized-alpha", 0, 1, 1, 0.5, 0.5)
@@ -72,7 +72,7 @@ class Listener(event.Listener):
     def on_end(self, e): pass
 event.register("numba:compile", Listener())
 frames = new_frames(1, 1, 0)
-march(method, system, state, np.array([1.0]), np.array([10]), 0.0, frames)
+run_steps(method, system, state, np.array([1.0]), np.array([10]), 0.0, frames)
 print(told, len(late), len(loops), loops == list(loop.overloads), round(float(frames.q[0, 0]), 12))
 """
 
@@ -87,7 +87,7 @@ def cache(tmp_path):
     method = METHODS["generalized-alpha"](system, SolverSettings("generalized-alpha", 0, 1, 1, 0.5, 0.5))
     compile_for(method, system, new_state(system))
     known, cache = storage.folder_to_write(), tmp_path / "cache"
-    loops = [[*known.rglob(name)] for name in ("time_loop.march_implicit*", "linearise.evaluate_scene*")]
+    loops = [[*known.rglob(name)] for name in ("time_loop.run_implicit*", "linearise.evaluate_scene*")]
     assert all(loops)
     for file in (file for files in loops for file in files if file.suffix != ".lock"):
         copy = cache / storage.OWN / known.name / file.relative_to(known)
@@ -100,7 +100,7 @@ def cache(tmp_path):
 def test_a_scene_with_a_group_that_no_helper_can_import_is_compiled_once_and_runs(tmp_path, cache, helpers):
     """x = F t^2 / (2 m) = 0.25 at 1 s; `Ball` lives in a script that only its own process knows."""
     answers, script = [], tmp_path / "ball.py"
-    script.write_text(SCRIPT.replace("HELPERS\nworkshop", f"{helpers}\nworkshop"))
+    script.write_text(SCRIPT.replace("HELPERS\nparallel_compile", f"{helpers}\nparallel_compile"))
     for _ in range(2):
         done = subprocess.run(
             [sys.executable, str(script)], capture_output=True, text=True, cwd=tmp_path,

@@ -10,7 +10,7 @@ from tautline.cable.model.build import build
 from tautline.integrators.linearise import start_moving
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state
-from tautline.integrators.time_loop import march, new_frames
+from tautline.integrators.time_loop import new_frames, run_steps
 from tautline.integrators.vibration.modes import modes
 from tautline.simulation import simulate
 
@@ -136,7 +136,7 @@ def march_unchecked(items, step, steps):
     start_moving(model.system, state, step)
     frames = new_frames(steps + 1, model.system.q.size, model.own)
     ends, each = step * np.arange(steps + 1.0), np.minimum(np.arange(steps + 1), 1)
-    status, made, _ = march(method, model.system, state, ends, each, 0.0, frames)
+    status, made, _ = run_steps(method, model.system, state, ends, each, 0.0, frames)
     return status, frames.q[:made], frames.energy[:made, :2].sum(axis=1)
 
 

@@ -206,7 +206,7 @@ def test_a_scene_in_which_nothing_is_free_can_be_run():
     assert np.array(result["axial_force"])[-1, 0] == pytest.approx(float(force_of(1.5, 7.0, "green")), rel=1e-12)
 
 
-# a rope that takes tension only
+# a rope that carries no compression
 SLACK = ", compression: false"
 
 

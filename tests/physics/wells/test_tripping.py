@@ -135,7 +135,7 @@ def test_work_of_the_block_goes_into_weight_and_friction(trips):
     raised = result["potential_energy"][-1] - result["potential_energy"][0]
     strained = result["strain_energy"][-1] - result["strain_energy"][0]
     assert work == pytest.approx(lost + raised + strained, rel=1e-4)
-    # drag of the statics over the way of the bit
+    # drag of the statics over the bit displacement
     depth, _ = steady(result, 22.0)
     statics = Statics(SCENE, depth, LINKS, above=LENGTH - depth)
     drag = statics.solve(FRICTION, "pick_up").hook_load - statics.solve(0.0, "pick_up").hook_load

@@ -80,8 +80,8 @@ class Node4Dof(Model):
 class _Element(Model):
     """What both kinds of element have.
 
-    Ours: `strain` (green, eq. 2.52, or engineering, eq. 2.154), `compression` (false: tension only) and `load`, a dead
-    load in N per metre of unstretched cable.
+    Ours: `strain` (green, eq. 2.52, or engineering, eq. 2.154), `compression` (false: none) and `load`, a dead load
+    in N per metre of unstretched cable.
     """
 
     id: Id

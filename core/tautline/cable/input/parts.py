@@ -50,8 +50,8 @@ class Node:
 class Element:
     """A cable element: EA N, EJ N m^2, rhoA kg/m, damping c s (eq. 2.49), load N/m of unstretched length.
 
-    ``compression`` false is a rope that takes tension only. ``quadrature`` of the axial term: None leaves the choice
-    to the builder. ``spinless``: bending is damped as that of a rope that does not spin about its own line
+    ``compression`` false is a rope that carries no compression. ``quadrature`` of the axial term: None leaves
+    the choice to the builder. ``spinless``: bending is damped as that of a rope that does not spin about its own line
     (`tautline.elements.bending_damping`), else as that of one that spins as damps least. ``conveyed`` is a fluid that
     flows along the element's own curve: mass per length kg/m, and id of the motion of its p.
     """

@@ -31,7 +31,7 @@ from tautline.cable.input.parts import (
 )
 from tautline.cable.input.references import Parts, resolve
 from tautline.cable.input.solver import CableSolver
-from tautline.cable.input.thesis_compat import read_quirks
+from tautline.cable.input.thesis_compat import read_compat
 from tautline.scene.errors import SceneError
 from tautline.scene.extensions import problems_of_extensions
 from tautline.scene.model import validate
@@ -83,7 +83,7 @@ def json_schema() -> dict[str, Any]:
 
 def _scene(document: Document) -> CableScene:
     model = file_model()
-    meant, warnings = read_quirks(document)
+    meant, warnings = read_compat(document)
     try:
         written = validate(model, meant)
     except SceneError as error:

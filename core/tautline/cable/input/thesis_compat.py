@@ -1,7 +1,8 @@
 """What the thesis' own example does and YAML reads otherwise: understood, and said as a warning.
 
-Three quirks: ``{Cable:0, what:N}`` without blanks, which YAML takes for keys named ``Cable:0`` without a value; a key
-given twice (`document.REPEATABLE`); and a second, linear version of the model beside the cubic one.
+Three departures from YAML and from our syntax: ``{Cable:0, what:N}`` without blanks, which YAML takes for keys named
+``Cable:0`` without a value; a key given twice (`document.REPEATABLE`); and a second, linear version
+of the model beside the cubic one.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ GLUED = re.compile(r"(?P<key>\w+):(?P<value>\S.*)")
 OF_LINEAR = (Node4Dof, LinearElement, Multiplier4)
 
 
-def read_quirks(document: Document) -> tuple[Document, list[SceneWarning]]:
+def read_compat(document: Document) -> tuple[Document, list[SceneWarning]]:
     """Copy of a document that says what its author meant, and a warning for each liberty taken."""
     warnings = []
     for path, line in document.repeats:

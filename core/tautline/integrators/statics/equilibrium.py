@@ -45,7 +45,7 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
     """Move the state to static equilibrium at t = 0.
 
     Newton's method, and where it fails the same with the mass matrix as a shift that fades as the residual falls
-    (pseudo-transient continuation: an implicit Euler march of an overdamped scene whose step grows). Friction does not
+    (pseudo-transient continuation: implicit Euler steps of an overdamped scene whose step grows). Friction does not
     act, for nothing moves. Where a system has a window and only a part of its rows is out of balance, that part is
     brought into balance between two iterations over all: a string that peels off the wall does so lump by lump.
 

@@ -1,4 +1,4 @@
-"""Dynamic relaxation: a damped march with everything that drives the scene held as it is at t = 0, until it is at rest.
+"""Dynamic relaxation: damped motion with all that drives the scene held as it is at t = 0, until it is at rest.
 
 It finds what the static solver cannot look for: the state that a scene with friction, contacts and slack ropes settles
 in from where it begins. The damping is proportional to mass, eq. 2.168, with the force -alpha M v integrated exactly by
@@ -19,7 +19,7 @@ from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import WORST, State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
-from tautline.integrators.time_loop import march, new_frames
+from tautline.integrators.time_loop import new_frames, run_steps
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.kernels.dofs import expand
 from tautline.kernels.jit import entry
@@ -95,7 +95,7 @@ def relax(
     for round_ in range(1, most // BETWEEN + 1):
         for _ in range(times):
             part = np.array([together * h]), np.array([together])
-            status, _, _ = march(method, still, state, *part, 0.0, frames)
+            status, _, _ = run_steps(method, still, state, *part, 0.0, frames)
             if status != Status.DONE and h > step:
                 # Too long a step: what it was grown by is taken back.
                 h = longest = max(step, 0.25 * h)

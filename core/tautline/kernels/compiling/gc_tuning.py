@@ -1,4 +1,4 @@
-"""Python's search for garbage: objects that refer to one another in a circle, which no count tells to be left.
+"""Python's garbage collection: objects that refer to one another in a circle, which no count tells to be left.
 
 Python searches after every 700 objects that it makes, now and then among all that there are. A compiler makes millions,
 of which most are needed to its end: the search took a fifteenth of a first run, and a tenth of a short one. This is for
@@ -18,7 +18,7 @@ RARELY = 200_000, 20, 100
 
 @contextmanager
 def collected_rarely() -> Iterator[None]:
-    """Have garbage searched for rarely inside, and then as before; what is there then counts as old."""
+    """Collect garbage rarely inside, and then as before; what is there then counts as old."""
     usual = gc.get_threshold()
     gc.set_threshold(*(max(before, here) if before else 0 for before, here in zip(usual, RARELY, strict=True)))
     try:

@@ -305,7 +305,7 @@ def explicit_run(subject: Subject, step: float, steps: int | None = None) -> tup
 
 
 def _gained_late(result: Result) -> float:
-    """Energy from nowhere in the second half of a run, over what goes through it then.
+    """Energy created numerically in the second half of a run, over what goes through it then.
 
     In the first the ledger itself is off, by what a motion loses that is damped within a few steps.
     """

@@ -34,7 +34,7 @@ class Stability:
     penalties : list of Stiffness
     conditions : list of Condition
     energy_drift : float or None
-        Energy from nowhere over what went through the system, in the scene as it stands.
+        Energy created numerically over what went through the system, in the scene as it stands.
     constraint_drift : float or None
         Largest violation of what multipliers hold, m; None where they hold nothing.
     tangent : float or None

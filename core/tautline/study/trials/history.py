@@ -1,4 +1,4 @@
-"""What of a run is compared: the way of a point, and the axial force in an element."""
+"""What of a run is compared: the path of a point, and the axial force in an element."""
 
 from __future__ import annotations
 
