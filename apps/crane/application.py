@@ -17,7 +17,6 @@ class Crane(Packaged):
     rooms = MappingProxyType(
         {
             "scene": "scene.scene",
-            "warnings": "warnings.scene",
             "build": "model.build",
             "figures": "view.figures",
             "appearance": "view.appearance",

@@ -18,7 +18,6 @@ class Drillstring(Packaged):
     rooms = MappingProxyType(
         {
             "scene": "scene.scene",
-            "warnings": "warnings.scene",
             "build": "model.build",
             "figures": "view.figures",
             "appearance": "view.appearance",

@@ -10,7 +10,7 @@ from drillstring.application import Drillstring
 from drillstring.model.build import build
 from drillstring.scene.scene import DrillstringScene, read
 from drillstring.view.figures import draw
-from drillstring.warnings.scene import warnings
+from drillstring.warnings import warnings
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.simulation import simulate
@@ -81,12 +81,12 @@ WARNED = {
     "the block is too fast": (DRILLING.replace("to: 20 m/h", "to: 30 m/h"), "top.block", "goes to 150 kN"),
     "the block comes up": (DRILLING.replace("to: 20 m/h", "to: -72 m/h"), "top.block", "is raised at 72 m/h"),
     "the block rests": (DRILLING.replace("to: 20 m/h", "to: 0 m/h"), "top.block", "goes to 0 N"),
-    "a method that rings": (DRILLING.replace("rho_inf: 0.5", "rho_inf: 1"), "solver.rho_inf", "lets go too early"),
+    "a method without damping": (DRILLING.replace("rho_inf: 0.5", "rho_inf: 1"), "solver.rho_inf", "released too early"),
     "an explicit step": (
         DRILLING.replace("generalized-alpha, rho_inf: 0.5", "rk4"), "bit.slip_speed", "chatters at a step of 0.002 s"
     ),
     "Newmark": (
-        DRILLING.replace("generalized-alpha, rho_inf: 0.5", "newmark"), "solver.method", "lets go too early"
+        DRILLING.replace("generalized-alpha, rho_inf: 0.5", "newmark"), "solver.method", "released too early"
     ),
 }  # fmt: skip
 

@@ -5,7 +5,7 @@ from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, end, fall
 
 from crane.assembly import static_start as reach
 from crane.assembly.layout import lay_out
-from crane.warnings.scene import warnings
+from crane.warnings import warnings
 from tautline.integrators.status import Status
 from tautline.scene.errors import SceneError
 

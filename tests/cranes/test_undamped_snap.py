@@ -6,7 +6,7 @@ from physics.lifting.test_crane_slack import LENGTH, MASS, SPEED, STIFFNESS, dro
 from references.slack import snap_tension_green
 
 from crane.assembly.layout import lay_out
-from crane.warnings.scene import figures, warnings
+from crane.warnings import figures, warnings
 from tautline.scene.errors import SceneError
 
 EXACT = snap_tension_green(MASS, STIFFNESS, LENGTH, SPEED)

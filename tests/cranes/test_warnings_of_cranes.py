@@ -11,7 +11,7 @@ from crane.assembly.drum_supply import check_supply, supply_of
 from crane.assembly.estimates import estimate, rk4_limit
 from crane.scene.scene import CraneScene
 from crane.view.figures import draw_scene
-from crane.warnings.scene import describe, figures, warnings
+from crane.warnings import describe, figures, warnings
 from tautline.scene.errors import SceneError
 
 GRAVITY = 9.81

@@ -29,7 +29,7 @@ from physics.lifting.crane_scenes import (
 from references import cables
 
 from crane.application import Crane
-from crane.warnings.scene import warnings
+from crane.warnings import warnings
 from tautline.cli.run import ExitCode, run
 from tautline.cli.verbs import make_app
 from tautline.integrators.status import Status, StoppedEarly

@@ -10,7 +10,7 @@ from references import planar_well_dynamics as planar
 from references import soft_string as soft
 
 from drillstring.model.build import build
-from drillstring.warnings.scene import warnings
+from drillstring.warnings import warnings
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 from tautline.simulation import simulate

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drillstring.scene.scene import DrillstringScene, check_lengths, json_schema, read
-from drillstring.warnings.scene import warnings
+from drillstring.warnings import warnings
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document

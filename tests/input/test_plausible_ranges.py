@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from crane.scene.scene import CraneScene
-from crane.warnings.rope import rope_warnings
-from drillstring.model.prepared import tubes_of, well_of
+from crane.warnings import rope_warnings
+from drillstring.model.prepared import prepared
 from drillstring.scene.scene import DrillstringScene
-from drillstring.string.lumps import cut
-from drillstring.warnings.wall import wall_warnings
+from drillstring.warnings import soft_wall
 from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
 from tautline.cable.input.models import WrittenCable
 from tautline.cable.input.thesis_compat import read_compat
 from tautline.scene.doubts import slips_of_units
+from tautline.scene.errors import SceneWarning
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
 from tautline.scene.values.ranges import RANGES
@@ -94,8 +94,7 @@ def test_a_slip_of_a_unit_is_warned_of_with_its_line_range_and_the_unit_that_was
 
 def walled(text):
     scene = DrillstringScene.parse(text)
-    well = well_of(scene)
-    return wall_warnings(scene, well, cut(tubes_of(scene, well.length), scene.model.elements))
+    return [SceneWarning(*one) for one in soft_wall(scene, prepared(scene))]
 
 
 def test_a_wall_too_soft_for_its_string_is_warned_of_with_the_depth_and_the_unit_that_was_meant():
@@ -139,8 +138,7 @@ def test_no_shipped_scene_or_template_is_warned_of(path):
     if model is CraneScene:
         assert list(rope_warnings(scene)) == []
     if model is DrillstringScene:
-        well = well_of(scene)
-        assert wall_warnings(scene, well, cut(tubes_of(scene, well.length), scene.model.elements)) == []
+        assert list(soft_wall(scene, prepared(scene))) == []
 
 
 def quantities(schema, path="", within=False):

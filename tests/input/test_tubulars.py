@@ -13,7 +13,7 @@ from drillstring.model.build import build
 from drillstring.model.prepared import tubes_of
 from drillstring.scene.scene import DrillstringScene, json_schema
 from drillstring.scene.tubulars import NoSuchTubular, catalogue, find, inches, matching
-from drillstring.warnings.scene import warnings
+from drillstring.warnings import warnings
 from tautline.scene.errors import SceneError
 
 INCH, FOOT, POUND = 0.0254, 0.3048, 0.45359237

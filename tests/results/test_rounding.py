@@ -5,7 +5,7 @@ import pytest
 from physics.wells.strings import shipped
 
 from drillstring.model.build import build
-from drillstring.warnings.scene import figures
+from drillstring.warnings import figures
 from tautline.results.rounding import unrounded, without_rounding
 from tautline.simulation import simulate
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Tube
-from tautline.scene.errors import SceneError, SceneWarning
+from tautline.scene.errors import SceneError
 
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
@@ -31,14 +31,3 @@ def check_weight(scene: DrillstringScene, tubes: list[Tube]) -> None:
 def buoyed_mass(scene: DrillstringScene, tube: Tube) -> float:
     """Steel and contents of a section less the mud that it displaces, kg/m."""
     return weight_in(fluid_of(scene.mud), tube, 1.0)
-
-
-def buoyancy_warnings(scene: DrillstringScene, tubes: tuple[Tube, ...]) -> list[SceneWarning]:
-    """Warnings of sections that float, and are held down by the others."""
-    found = []
-    for i, tube in enumerate(tubes):
-        mass = buoyed_mass(scene, tube)
-        if mass <= 0.0:
-            cause = f"{tube.name} floats: with what is inside it is {-mass:.3g} kg/m lighter than the mud it displaces"
-            found.append(SceneWarning(f"string[{i}]", f"{cause}; {CURE}, if that is not meant"))
-    return found

@@ -15,7 +15,7 @@ from physics.wells.strings import shipped
 from drillstring.model.prepared import well_of
 from drillstring.scene.scene import BEAM
 from drillstring.statics.statics import Statics
-from drillstring.warnings.scene import warnings
+from drillstring.warnings import warnings
 
 PIPE = [{"name": "drill pipe", "length": "rest", "od": 0.127, "id": 0.1086}]
 WELLS = ("bend", "tripping")

@@ -6,7 +6,7 @@ from physics.wells.strings import GRAVITY, Balance, E, run, straight_hole
 from physics.wells.strings import mass_per_length as steel
 
 from drillstring.model.prepared import tubes_of, well_of
-from drillstring.warnings.scene import warnings
+from drillstring.warnings import warnings
 from tautline.integrators.linearise import matrices
 from tautline.scene.errors import SceneError
 

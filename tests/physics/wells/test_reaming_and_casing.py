@@ -20,7 +20,7 @@ from drillstring.statics.soft_string import soft_string
 from drillstring.statics.statics import Statics
 from drillstring.statics.torque_drag import torque_drag
 from drillstring.string.factors import Factors
-from drillstring.warnings.scene import warnings
+from drillstring.warnings import warnings
 from tautline.scene.errors import SceneError
 
 W = mass_per_length() * GRAVITY

@@ -16,7 +16,7 @@ from references import soft_string as reference
 from drillstring.model.prepared import well_of
 from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.statics import Statics
-from drillstring.warnings.scene import warnings
+from drillstring.warnings import warnings
 from tautline.scene.errors import SceneError
 
 SCENE = DrillstringScene.read(DATA / "tripping.yaml")

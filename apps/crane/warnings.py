@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.assembly.drum_supply import check_supply, hoisted_spans, reeled_of
+from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoisted_spans, reeled_of, supply_of
 from crane.assembly.estimates import Estimate, estimate, rk4_limit
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
@@ -17,11 +17,11 @@ from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.sea.compensation import Compensation
-from crane.warnings.rope import rope_warnings
-from crane.warnings.winch import SUDDEN, winch_warnings
 from tautline.kernels.time_function import sample
+from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
-from tautline.system.time_functions import compile_functions
+from tautline.scene.values.ranges import RANGES, in_range, sized
+from tautline.system.time_functions import Samples, compile_functions
 
 LEAST_RATIO = 16.0
 """Sheave over rope diameter below which bending wears a wire rope out quickly; the codes ask for 18 to 25."""
@@ -36,6 +36,12 @@ SAGGING = 0.02
 ENOUGH = 8
 HELD_BACK = 0.01
 """Share of the run for which an actuator may be off its command without a word."""
+RELATIONS = (
+    ("axial_stiffness", "axial stiffness", "modulus of the rope", "EA"),
+    ("breaking_load", "breaking load", "strength of the rope", "the load"),
+    ("mass_per_length", "mass per length", "density of the rope", "the mass"),
+)
+"""Key, its row in the table of ranges, the row of it over the area, and what it is called."""
 
 Sentences = Iterator[tuple[str, str]]
 
@@ -49,7 +55,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *(("path", text) for text in found.path.warnings),
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
-        *winch_warnings(found, actuator), *_start(found),
+        *_winches(found, actuator), *_start(found),
         *_held_back(actuator), *_dry(scene), *_floating(found),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
@@ -287,6 +293,118 @@ def _held_back(actuator: Compensation | None) -> Sentences:
         f"m, held back by {what}; give it wider limits, or expect that much heave at the load"
     )
     yield "heave_compensation.limits", text
+
+
+def rope_warnings(scene: CraneScene) -> Sentences:
+    """Key and text of the numbers of a rope that are implausible for its diameter; none where that is not given."""
+    rope = scene.rope
+    if rope.diameter is None:
+        return
+    area = 0.25 * math.pi * rope.diameter**2
+    for key, name, over, what in RELATIONS:
+        value, row = getattr(rope, key), RANGES[over]
+        if value is None or row.holds(value / area):
+            continue
+        written = None if scene.document is None else scene.document.written(("rope", key))
+        own = RANGES[name]
+        options = units_that_fit(written or "", own.unit, own, scene.units, lambda x, row=row: row.holds(x / area))
+        text = (
+            f"{sized(value, own.unit)} does not go with a diameter of {1e3 * rope.diameter:.4g} mm: {what} over the "
+            f"area of its circle is {sized(value / area, row.unit)}, and {in_range(row)} is plausible. "
+            f"{meant(written or '', options, own.unit)}. Or see whether rope.diameter is what was meant"
+        )
+        yield f"rope.{key}", text
+
+
+SUDDEN = 0.01
+"""Share of the tension at rest that a jump in speed may add without a word."""
+
+
+def _winches(found: Estimate, actuator: Compensation | None) -> Sentences:
+    """Motion of winches that begins with a jump, or goes too far, and layers that count nothing: key and text of each.
+
+    Parameters
+    ----------
+    found : Estimate
+    actuator : Compensation or None
+        Of the heave compensation, where there is one.
+    """
+    scene = found.scene
+    for drum in scene.drums:
+        yield from _layers(scene, drum)
+        supply = supply_of(scene, drum)
+        if supply is None:
+            continue
+        front = abs(float(supply.speed[0])) * found.impedance
+        if front > SUDDEN * found.largest_tension:
+            text = (
+                f"jumps to {supply.speed[0]:.3g} m/s at t = 0: a front of {front:.3g} N runs along the rope, v sqrt(EA "
+                "rho); begin at 0 with a ramp, such as {ramp: {to: "
+                f"{supply.speed[0]:.3g}, over: 1.0}}}}, unless that is what is asked"
+            )
+            yield where(scene, drum, drum.drive), text
+        whole = _compensated(supply, actuator)
+        yield from _empty(scene, drum, whole)
+        yield from _full(scene, drum, whole)
+    yield from _too_high(found)
+
+
+def _layers(scene: CraneScene, drum: Drum) -> Sentences:
+    """Layers of a drum of which nobody knows how much rope is on it."""
+    if drum.layers is not None and drum.rope_on_drum is None:
+        full = "" if drum.layers.count is None else ", and it is full as if it had begun empty"
+        text = (
+            "without rope_on_drum nobody knows which layer the rope leaves from: drum_rotation and winch_torque go by "
+            f"the drum's radius{full}; give rope_on_drum, or remove layers"
+        )
+        yield where(scene, drum, "layers"), text
+
+
+def _compensated(supply: Supply, actuator: Compensation | None) -> Supply:
+    """Supply of the operator and of heave compensation together."""
+    if actuator is None or not isinstance(actuator.pay_out, Samples):
+        return supply
+    answered = np.interp(supply.time, actuator.pay_out.time, actuator.pay_out.value)
+    return supply._replace(paid_out=supply.paid_out + answered)
+
+
+def _empty(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
+    """A drum that runs out of rope."""
+    held, most = drum.rope_on_drum, float(supply.paid_out.max())
+    if held is not None and most > held:
+        k = int(np.argmax(supply.paid_out > held))
+        text = (
+            f"{held:.4g} m, and {most:.4g} m are paid out: the run will stop at about t = {supply.time[k]:.3g} s, when "
+            "the drum is empty; give more rope, or pay out less"
+        )
+        yield where(scene, drum, "rope_on_drum"), text
+
+
+def _full(scene: CraneScene, drum: Drum, supply: Supply) -> Sentences:
+    """A drum that heave compensation fills; one that its operator fills is refused."""
+    capacity, held = capacity_of(scene, drum), (drum.rope_on_drum or 0.0) - supply.paid_out
+    if capacity is not None and held.max() > capacity:
+        k = int(np.argmax(held > capacity))
+        text = (
+            f"the layers hold {capacity:.4g} m, and with heave compensation it comes to {float(held.max()):.4g} m: the "
+            f"run will stop at about t = {supply.time[k]:.3g} s, when the drum is full; give it more turns or layers"
+        )
+        yield where(scene, drum, "layers"), text
+
+
+def _too_high(found: Estimate) -> Sentences:
+    """A load that is hoisted into what it hangs on."""
+    scene = found.scene
+    loose, (drums, time, taken) = hoisted_spans(scene), reeled_of(scene)
+    room = sum(found.path.spans[k].length for k in loose)
+    if loose and taken.max() > room:
+        k, drum = int(np.argmax(taken > room)), drums[0]
+        who = "reels" if len(drums) == 1 else f"{' and '.join(one.name for one in drums)} together reel"
+        text = (
+            f"{who} {float(taken.max()):.4g} m in, and there are {room:.4g} m between the load and what it hangs on: "
+            f"the load comes into the sheave at about t = {time[k]:.3g} s; hoist less, or end earlier"
+        )
+        yield where(scene, drum, drum.drive), text
 
 
 def figures(scene: CraneScene) -> dict[str, Any]:

@@ -1,0 +1,558 @@
+"""What to tell a user about a drill string before it runs: large against what, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import ceil, degrees, pi, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drillstring.drilling.bit_numbers import bit_row, rate_at, torque_at, weight_at
+from drillstring.drilling.end_groups import BLOCK, ROTATION
+from drillstring.model.build import requests
+from drillstring.model.lumped_string import lateral_mass
+from drillstring.model.prepared import Prepared, prepared, tubes_of
+from drillstring.model.variations import bars
+from drillstring.results.limits import SNUG
+from drillstring.scene.scene import BEAM, LUMPED, DrillstringScene
+from drillstring.statics.helix import limits_at
+from drillstring.string.buoyancy import CURE, buoyed_mass
+from drillstring.string.fluid import fluid_of, weight_in
+from drillstring.string.lumps import Lumps, cut
+from drillstring.string.strength import tension_at_rest
+from drillstring.well.wellbore import Wellbore
+from tautline.kernels.time_function import sample, value_at
+from tautline.results.rounding import unrounded
+from tautline.scene.doubts import meant, units_that_fit
+from tautline.scene.errors import SceneWarning
+from tautline.scene.methods import RK4, method_of
+from tautline.scene.solver import longest_step
+from tautline.scene.values.printed import shown
+from tautline.scene.values.ranges import RANGES
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+SLIP_FOR_NEWTON = 1.0e-3
+SLIP_FOR_CREEP = 1.0e-3
+"""Slip velocities, m/s, of the regularised law: below one Newton's method struggles, above the other it creeps."""
+PAST_THE_END = 5.0
+"""Metres that a string may hang past the hole's end, by its stretch and the heave, without a word."""
+STAND = 45.0
+"""Metres above the table to which a rig pulls the top of a string, before the stand is set back: four joints."""
+LONG_FOR_MOTION = 0.05
+"""Step over the fastest axial period of interest at which amplitudes are lost."""
+LARGEST_SHARE = 0.8
+"""Share of the yield load above which a string at rest is warned of: what is left is the margin of overpull."""
+DEEP = 0.5
+"""Depth in the wall over the clearance that is warned of; a stabiliser's clearance is taken as `SNUG` at least."""
+LEANING = 0.01
+"""Sine of the inclination that a vertical hole is taken to have: none is straight."""
+OFF = 0.05
+"""Difference of the block's speed from the rate of penetration, over the latter, that is reported."""
+UPRIGHT = np.radians(10.0)
+"""Inclination below which a pipe in compression is not held by the hole."""
+UNDAMPED = 0.95
+"""Spectral radius at infinity above which the torque oscillates after the shock of a bit that sticks."""
+STATIONS = 200
+"""Places along the string at which its compression is compared with what buckles it."""
+TO_A_HALF_WAVE = {LUMPED: 4, BEAM: 2}
+"""Elements that a half wave of buckling wants. A column of n links to a half wave buckles at a compression that is
+(pi / 2 n)^2 / 3 too low, 5 % with four; a cubic element bends by itself."""
+FLAT = 1.0e-6
+"""Size of the hole's directions out of a plane, over that within it, below which the hole lies in the plane."""
+SIDE_FORCE, HOOK_LOAD, NOTHING = 0.25, 1.9, 7.0
+"""How far, m, the hole may leave a straight line between points of contact until side force or hook load may be off by
+more than 1 per cent, and until there may be no equilibrium at all."""
+PLACES = 8
+"""Of each element, at which the hole's curvature is taken."""
+MOST_ELEMENTS = 2000
+"""Elements up to which a mesh that follows the hole is looked for."""
+
+Sentences = Iterator[tuple[str, str]]
+Check = Callable[[DrillstringScene, Prepared], Sentences]
+
+
+def warnings(scene: DrillstringScene) -> list[SceneWarning]:
+    """Warnings of a scene, each with its cause and a cure; raises SceneError where well and string do not fit."""
+    ready = prepared(scene)
+    return [SceneWarning(place, text) for check in CHECKS for place, text in check(scene, ready)]
+
+
+# steps and frames
+def _steps(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """Steps that are too long for the contact, the frames or the string's own vibration."""
+    solver, lumps = scene.solver, ready.lumps
+    critical, step = contact_critical_step(scene, lumps), longest_step(solver, 0.0)
+    if solver.explicit and step > critical:
+        text = (
+            f"{step:g} s is longer than RK4's critical step of {critical:.3g} s (stiffest wall contact, eq. 2.170): "
+            "the run will become unstable; take a smaller step, or method: generalized-alpha"
+        )
+        yield "solver.step", text
+    ratio = scene.output.interval / step if step > 0.0 else 1.0
+    if abs(ratio - round(ratio)) > 1e-6:
+        steps = int(np.ceil(ratio))
+        text = (
+            f"{scene.output.interval:g} s is not a whole number of steps of {step:g} s: the step taken is "
+            f"{scene.output.interval / steps:.6g} s"
+        )
+        yield "output.interval", text
+    sound = min(sqrt(tube.youngs_modulus / tube.density) for tube in lumps.tubes)
+    period = 4.0 * lumps.total / sound
+    if not solver.explicit and step > LONG_FOR_MOTION * period:
+        text = (
+            f"{step:g} s is long against the string's first axial period of about {period:.2g} s: its motion is damped "
+            f"by the algorithm; take {0.01 * period:.1g} s or less"
+        )
+        yield "solver.step", text
+
+
+def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
+    """Critical step of RK4 by the stiffest contact, eq. 2.170, the mud that moves with a lump counted; inf if none.
+
+    A beam's elements vibrate along the hole faster than lumps do: for them it is the shorter of the two.
+    """
+    wall = scene.well.wall
+    if wall is None:
+        return float("inf")
+    if scene.model.kind == BEAM:
+        from drillstring.groups.beam_points import points_of
+        from drillstring.model.beam_frequency import contact_frequency
+
+        of_contact = contact_frequency(points_of(lumps), wall, fluid_of(scene.mud), scene.well.diameter)
+        return RK4.reach_of_vibration / max(of_contact, *(bar.fastest for bar in bars(scene)))
+    mass = lumps.of_lumps(lambda tube: tube.mass_per_length)
+    mass = mass + lateral_mass(lumps, fluid_of(scene.mud), scene.well.diameter)
+    od = lumps.largest(lambda tube: tube.od)
+    stiffness = wall.stiffness * od / od.max() * lumps.tributary / (lumps.total / wall.lumps)
+    return RK4.reach_of_vibration / float(np.sqrt((stiffness / mass)[1:].max()))
+
+
+# pipe
+def _floating(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """Sections that float, and are held down by the others."""
+    for i, tube in enumerate(ready.lumps.tubes):
+        mass = buoyed_mass(scene, tube)
+        if mass <= 0.0:
+            cause = f"{tube.name} floats: with what is inside it is {-mass:.3g} kg/m lighter than the mud it displaces"
+            yield f"string[{i}]", f"{cause}; {CURE}, if that is not meant"
+
+
+def _yielding(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """Sections whose tension at rest is more than `LARGEST_SHARE` of their yield load."""
+    tension = tension_at_rest(scene, ready.well, ready.lumps)
+    for i, section in enumerate(scene.string):
+        if section.yield_load is None or float(tension[i]) <= LARGEST_SHARE * section.yield_load:
+            continue
+        share = float(tension[i]) / section.yield_load
+        load, most = (shown(force, "N", scene.units) for force in (float(tension[i]), section.yield_load))
+        text = (
+            f"{section.name} carries {load} at rest, {100.0 * share:.0f} % of its yield load of {most}; take a higher "
+            "grade, a heavier pipe, or a lighter string below it"
+        )
+        yield f"string[{i}].yield_load", text
+
+
+# wall
+def soft_wall(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A wall into which the string at rest sinks by its weight, and by its tension in bends: often a slip of a unit.
+
+    No stiffness is implausible by itself: a rod of the laboratory lies in a soft tube. Weight across the hole and
+    tension over the hole's radius press a metre of string on the wall. Both grow with the length of a lump, as the
+    stiffness of its contact does (`drillstring.scene.hole.Wall`), so that the mesh does not count.
+    """
+    wall, well, lumps = scene.well.wall, ready.well, ready.lumps
+    if wall is None:
+        return
+    places = lumps.measured_depth[1:] - 0.5 * lumps.length
+    tubes = [lumps.tubes[k] for k in lumps.section]
+    weight = np.array([abs(weight_in(fluid_of(scene.mud), tube, scene.gravity)) for tube in tubes])
+    tension = np.abs(tension_at_rest(scene, well, lumps))[lumps.section]
+    side = weight * np.maximum(np.sin(well.inclination(places)), LEANING)
+    side = np.maximum(side, tension * np.hypot(*well.curvature(places)))
+    diameter = np.array([tube.contact_od for tube in tubes])
+    # Of a metre of wall: that of a lump of `wall.lumps` in all, by the largest diameter.
+    stiffness = wall.stiffness * diameter / diameter.max() / (lumps.total / wall.lumps)
+    clearance = 0.5 * (scene.well.diameter - diameter)
+    room = np.maximum(clearance, SNUG * scene.well.diameter)
+    depth = side / stiffness
+    worst = int(np.argmax(depth / room))
+    if depth[worst] <= DEEP * room[worst]:
+        return
+    enough = wall.stiffness * float(depth[worst] / room[worst]) / DEEP
+    far, gap, place = (shown(float(x), "m", scene.units) for x in (depth[worst], clearance[worst], places[worst]))
+    text = (
+        f"{shown(wall.stiffness, 'N/m', scene.units)} is soft: weight and tension at rest press {tubes[worst].name} by "
+        f"about {far} into the wall at {place}, and its clearance is {gap}. {_stiff_enough(scene, enough)}"
+    )
+    yield "well.wall.stiffness", text
+
+
+def _stiff_enough(scene: DrillstringScene, enough: float) -> str:
+    """What would be stiff enough, with the unit that was perhaps meant."""
+    written = None if scene.document is None else scene.document.written("well.wall.stiffness")
+    row = RANGES["contact stiffness"]
+    fitting = units_that_fit(written or "", row.unit, row, scene.units, lambda value: value >= enough)
+    asked = f"{meant(written, fitting[:1], row.unit)}. Else give" if written and fitting else "Give"
+    return f"{asked} {shown(enough, 'N/m', scene.units)} or more; 1.0e9 N/m is usual"
+
+
+def _friction(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """Slip velocities of the regularised law."""
+    wall = scene.well.wall
+    if wall is None or wall.friction.static <= 0.0 or wall.friction.law != "regularised":
+        return
+    slow = wall.friction.slip_velocity
+    if not scene.solver.explicit and slow < SLIP_FOR_NEWTON:
+        text = (
+            f"regularised friction with slip_velocity {slow:g} m/s is hard on an implicit method: steps are halved and "
+            "may fail; use law: projection, which is exact"
+        )
+        yield "well.wall.friction.law", text
+    if slow > SLIP_FOR_CREEP:
+        text = f"{slow:g} m/s: a stuck string creeps at up to that speed; use law: projection"
+        yield "well.wall.friction.slip_velocity", text
+
+
+def _casing(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A casing that is longer than the hole, and a string that moves past its shoe."""
+    casing = None if scene.well.wall is None else scene.well.wall.casing
+    if casing is None:
+        return
+    if casing.shoe > ready.well.length:
+        end = f"{ready.well.length:.0f} m"
+        cause = f"{casing.shoe:g} m is below the end of the hole at {end}: all of it is taken as cased"
+        yield "well.wall.casing.shoe", f"{cause}; give the measured depth of the shoe"
+    highest, lowest = _reach_of_block(scene)
+    moved, longest = lowest - highest, float(ready.lumps.length.max())
+    if moved > longest:
+        cause = f"the block moves {moved:.3g} m, more than a link of {longest:.3g} m: lumps"
+        text = (
+            f"{cause} keep the friction of where they start when they pass the shoe; torque-drag at several depths has "
+            "it right"
+        )
+        yield "well.wall.casing", text
+
+
+# block
+def _reach_of_block(scene: DrillstringScene) -> tuple[float, float]:
+    """Highest and lowest position of the block, m down from the table."""
+    end = scene.solver.end
+    functions = compile_functions([FunctionRequest(scene.top.block, end=end, key="top.block")])
+    positions = sample(functions, 0, np.linspace(0.0, end, 2001))[:, 0]
+    return float(positions.min()), float(positions.max())
+
+
+def _block(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A block that takes the string out of the hole as it was drilled, at either end."""
+    (highest, lowest), total = _reach_of_block(scene), ready.lumps.total
+    past = lowest + total - ready.well.length
+    if past > PAST_THE_END and not scene.bit.on_bottom:
+        text = (
+            f"lowers the bit {past:.3g} m past the end of the hole, where the hole is taken to go on with its last "
+            "curvature; deepen the well, or shorten the string"
+        )
+        yield "top.block", text
+    if -highest > total:
+        cause = f"lifts the top of the string {-highest:.0f} m above the table, and all of it is {total:.0f} m"
+        yield "top.block", f"{cause}: the string leaves the hole; give a shorter stroke"
+    elif -highest > STAND:
+        cause = f"lifts the top of the string {-highest:.0f} m above the table, which few derricks can"
+        cure = "the pipe stands there in one piece, straight on from the hole: trip stand by stand, a run for each"
+        yield "top.block", f"{cause}: {cure}, or ask torque-drag for many depths"
+
+
+# bit
+def _weight_on_bit(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """More weight on bit than the string has, or than its collars have in an upright hole."""
+    if not scene.bit.on_bottom:
+        return
+    lumps = ready.lumps
+    tension = np.append(tension_at_rest(scene, ready.well, lumps), scene.bit.load)
+    weight, hook = (shown(force, "N", scene.units) for force in (scene.bit.weight or 0.0, float(tension[0])))
+    if tension[0] < 0.0:
+        # No refusal: rigs with pull-down push strings so, and the model computes what they do.
+        cannot = scene.top.weight + tension[0] < 0.0
+        how = "and a hoist cannot push" if cannot else "which the top drive's weight gives"
+        cause = f"{weight} is more than the string weighs along the hole: the hook load is {hook} at rest, {how}"
+        yield "bit.weight", f"{cause}; take less, or a heavier string, unless the rig has a pull-down"
+        return
+    end = lumps.tubes[0].length
+    upright = float(ready.well.inclination(np.array([end]))[0]) < UPRIGHT
+    if len(lumps.tubes) > 1 and tension[1] < 0.0 and upright:
+        name, pressed = lumps.tubes[0].name, shown(-float(tension[1]), "N", scene.units)
+        text = (
+            f"{weight} puts the lower end of {name} under {pressed} of compression in an upright hole: it may buckle; "
+            "take less, or more collars"
+        )
+        yield "bit.weight", text
+
+
+def _torque_on_bit(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A bit that is turned and has no law of torque."""
+    if not scene.bit.on_bottom or scene.bit.torque is not None or scene.bit.cutting is not None:
+        return
+    functions = compile_functions(requests(scene))
+    if np.any(sample(functions, ROTATION, np.linspace(0.0, scene.solver.end, 201))[:, 1]):
+        cause = "is not given: the rock is taken to resist the turning bit with no torque at all, whatever its weight"
+        cure = "give bit.torque, such as {static: 8 kN m, kinetic: 4 kN m}, or bit.cutting"
+        yield "bit.torque", f"{cause}; {cure}"
+
+
+def _penetration(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A block that is not lowered as fast as the bit drills."""
+    if not scene.bit.on_bottom:
+        return
+    functions = compile_functions(requests(scene))
+    feed = value_at(functions, BLOCK, scene.solver.end)[1]
+    spin = value_at(functions, ROTATION, scene.solver.end)[1]
+    if scene.bit.penetration is None and scene.bit.cutting is None:
+        if feed > 0.0:
+            cause = f"lowers the bit at {_rate(scene, feed)} onto a bottom that is not drilled"
+            yield "top.block", f"{cause}; give bit.penetration or bit.cutting, or hold the block"
+        return
+    b = bit_row(scene.bit, scene.well.diameter, ready.lumps.tubes, spin, False)[0]
+    rate = rate_at(b, scene.bit.weight or 0.0, spin)
+    if abs(feed - rate) <= OFF * rate:
+        return
+    then = weight_at(b, feed, spin)
+    found = shown(then, "N", scene.units) if np.isfinite(then) else "no steady value, for the bit does not turn"
+    moves = "raised" if feed < 0.0 else "lowered"
+    text = (
+        f"is {moves} at {_rate(scene, abs(feed))} at the end and the bit drills {_rate(scene, rate)} with its weight: "
+        f"the weight on bit goes to {found}"
+    )
+    yield "top.block", text
+
+
+def _rate(scene: DrillstringScene, rate: float) -> str:
+    """A rate of penetration in the units of the scene."""
+    return shown(3600.0 * rate, "m/h", scene.units, digits=3)
+
+
+def _sticking(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A method that cannot damp the shock of a bit that sticks."""
+    if not scene.bit.on_bottom:
+        return
+    alpha_f, method = scene.solver.alphas[1], method_of(scene.solver.method)
+    sticks = scene.bit.torque is not None or scene.bit.cutting is not None
+    # rho_inf = alpha_f / (1 - alpha_f) on the line of eqs 2.79-2.80; Newmark's is 1
+    rho = alpha_f / (1.0 - alpha_f) if method.has_alphas and alpha_f < 1.0 else 1.0
+    if not scene.solver.explicit and sticks and rho > UNDAMPED:
+        text = (
+            "does not damp what a step cannot follow: after the shock of a bit that sticks its torque oscillates, and "
+            "the bit is released too early; take generalized-alpha with rho_inf 0.9 or less"
+        )
+        yield ("solver.rho_inf" if method.has_alphas else "solver.method"), text
+
+
+def _chatter(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """An explicit step that is too long for the torque of a bit at rest, which rises with its speed."""
+    if not scene.bit.on_bottom or not scene.solver.explicit:
+        return
+    lumps, limit = ready.lumps, RK4.reach_of_vibration
+    b = bit_row(scene.bit, scene.well.diameter, lumps.tubes, 0.0, True)[0]
+    inertia = float(lumps.of_lumps(lambda tube: tube.density * tube.polar_moment)[-1])
+    steepness = torque_at(b, scene.bit.weight or 0.0, 0.0) / inertia
+    step = longest_step(scene.solver, scene.output.interval)
+    if steepness * step > limit * scene.bit.slip_speed:
+        text = (
+            f"a bit at rest chatters at a step of {step:g} s, and loses energy: take a step of "
+            f"{limit * scene.bit.slip_speed / steepness:.2g} s, a slip_speed of {steepness * step / limit:.2g} rad/s, "
+            "or generalized-alpha, whose bit sticks exactly"
+        )
+        yield "bit.slip_speed", text
+
+
+# buckling
+class Buckled(NamedTuple):
+    """Where a string at rest is farthest beyond its limit: section, compression and limit N, from and to which m."""
+
+    section: int
+    compression: float
+    limit: float
+    top: float
+    bottom: float
+
+
+def buckled_at_rest(scene: DrillstringScene, well: Wellbore, lumps: Lumps) -> Buckled | None:
+    """Where the string at rest and without friction is compressed beyond its sinusoidal limit (buckling.py)."""
+    edges = np.linspace(0.0, lumps.total, STATIONS + 1)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    section = np.searchsorted(np.cumsum([tube.length for tube in lumps.tubes])[:-1], middle, side="right")
+    weight = np.array([weight_in(fluid_of(scene.mud), tube, scene.gravity) for tube in lumps.tubes])[section]
+    gained = weight * np.diff(well.tvd(edges))
+    pushed = -(np.cumsum(gained[::-1])[::-1] - 0.5 * gained + scene.bit.load)
+    at = np.flatnonzero(pushed > 0.0)
+    if at.size == 0:
+        return None
+    tubes = [lumps.tubes[k] for k in section[at]]
+    clearance = np.array([0.5 * (scene.well.diameter - tube.contact_od) for tube in tubes])
+    limit = limits_at(well, middle[at], tubes, weight[at], clearance).sinusoidal
+    beyond = pushed[at] > limit
+    if not beyond.any():
+        return None
+    worst = int(np.argmax(np.where(beyond, pushed[at] / np.maximum(limit, 1e-9), 0.0)))
+    span = edges[at[beyond][0]], edges[at[beyond][-1] + 1]
+    return Buckled(int(section[at[worst]]), float(pushed[at[worst]]), float(limit[worst]), *map(float, span))
+
+
+def _buckling(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """A string that buckles, in a run that cannot show it."""
+    if scene.well.wall is None or scene.model.bending == "none" or scene.bit.load >= 0.0:
+        return
+    lumps = ready.lumps
+    found = buckled_at_rest(scene, ready.well, lumps)
+    if found is None:
+        return
+    causes, cures = [], []
+    tubes = [tube for tube in lumps.tubes if tube.eccentricity != (0.0, 0.0)]
+    if not tubes and (flat := _flatness(ready.well)) is not None:
+        causes.append(f"{flat}, and nothing pushes the string out of it")
+        cures.append(f"give string[{found.section}] an `eccentricity`, such as [0, 2 mm], or the hole its survey")
+    tube = lumps.tubes[found.section]
+    half_wave = pi * sqrt(2.0 * tube.youngs_modulus * tube.second_moment / found.compression)
+    longest = float(lumps.length[lumps.section == found.section].max())
+    wanted = ceil(tube.length * TO_A_HALF_WAVE[scene.model.kind] / half_wave)
+    now = int((lumps.section == found.section).sum())
+    if wanted > now:
+        lengths = [shown(length, "m", scene.units) for length in (longest, half_wave)]
+        causes.append(f"elements of {lengths[0]} are long for half waves of {lengths[1]}")
+        total = lumps.length.size + wanted - now
+        cures.append(f"give string[{found.section}] `elements: {wanted}` and model `elements: {total}`")
+    if not causes:
+        return
+    pushed, limit = (shown(force, "N", scene.units) for force in (found.compression, found.limit))
+    span = " to ".join(shown(depth, "m", scene.units) for depth in (found.top, found.bottom))
+    what = f"compresses {tube.name} by up to {pushed} at rest and buckles it beyond {limit}, from {span}"
+    where = "bit.weight" if scene.bit.on_bottom and scene.bit.weight else "bit.force"
+    cause = f"{what}, which the run will not show: {'; '.join(causes)}"
+    yield where, f"{cause}; to see it {', and '.join(cures)}, or else take less"
+
+
+def _flatness(well: Wellbore) -> str | None:
+    """How the hole keeps a string from leaving its plane, in words; None where it does not lie in one."""
+    t = well.frame(np.linspace(0.0, well.length, STATIONS))[2]
+    size = np.linalg.svd(np.vstack([t, [0.0, 0.0, 1.0]]), compute_uv=False)
+    if size[2] > FLAT * size[0]:
+        return None
+    return "the hole is perfectly straight" if np.ptp(t, axis=0).max() < FLAT else "the hole lies in one plane"
+
+
+# mesh
+def _mesh(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """Elements that are too long for the hole, or for the string."""
+    lumps = ready.lumps
+    if scene.model.kind == BEAM and (text := _beam_off_the_line(scene, ready)):
+        yield "model.elements", text
+        return
+    longest = float(lumps.length.max())
+    if longest > 0.25 * lumps.total and lumps.total > 500.0:
+        text = (
+            f"an element is {longest:.0f} m long, {100 * longest / lumps.total:.0f} % of the string: friction and "
+            "curvature are coarse; take more elements"
+        )
+        yield "model.elements", text
+
+
+def off_the_line(well: Wellbore, lumps: Lumps) -> np.ndarray:
+    """How far the hole leaves a straight line between the points of contact of each element, (n,) m.
+
+    An element is a cubic that touches the wall in the middles of its halves. Between two of these points the hole
+    leaves the straight line by about phi h / 32, phi being what it turns by over the length h of the element:
+    h^2 / (32 R) in an arc. Where that is decimetres a beam cuts across the hole's bends and their ends.
+
+    Measured with friction 0.2, picking up, slacking off and turning, in the wells of jwell, iscwsa, field_well and
+    tripping, on arcs of 300 m and of 100 m to the horizontal and of 600 m to 45 deg, with 2 to 96 elements beside 160:
+    up to 0.25 m the wall's side force in all differs by 0.6 % at most, from 0.28 m on by up to 1.6 %, at 1 m by up to
+    4 %. Hook loads differ by 0.7 % at most up to 1.9 m, and by up to 2.8 % at 6 m; above 7 m half of the strings found
+    no equilibrium, or were tens of per cent off.
+    """
+    share = (np.arange(PLACES) + 0.5) / PLACES
+    places = lumps.measured_depth[:-1, None] + lumps.length[:, None] * share
+    k1, k2 = well.curvature(places.ravel())
+    turn = np.hypot(k1, k2).reshape(places.shape).mean(axis=1) * lumps.length
+    return turn * lumps.length / 32.0
+
+
+def _beam_off_the_line(scene: DrillstringScene, ready: Prepared) -> str:
+    """What is wrong with a beam that is too coarse for its hole, and with how many elements it is not; else nothing."""
+    if scene.well.wall is None:
+        return ""
+    lumps = ready.lumps
+    off = off_the_line(ready.well, lumps)
+    worst = int(np.argmax(off))
+    if off[worst] <= SIDE_FORCE:
+        return ""
+    length, away = (shown(float(value), "m", scene.units) for value in (lumps.length[worst], off[worst]))
+    cause = f"an element of {length} is long for its hole, which leaves the straight line between the element's points"
+    cause += f" of contact by {away}"
+    if off[worst] > NOTHING:
+        wrong = "there may be no equilibrium, or one that is tens of per cent off"
+    elif off[worst] > HOOK_LOAD:
+        wrong = "hook loads may be off by more than 1 %, the side force by more than 5 %"
+    else:
+        wrong = "the side force of the wall may be off by more than 1 %, hook loads by less"
+    return f"{cause}: {wrong}; {_finer(scene, ready.well, lumps.length.size)}"
+
+
+def _finer(scene: DrillstringScene, well: Wellbore, now: int) -> str:
+    free = scene.model_copy(update={"string": tuple(s.model_copy(update={"elements": None}) for s in scene.string)})
+    tubes = tubes_of(free, well.length)
+    count = now
+    while count < MOST_ELEMENTS and off_the_line(well, cut(tubes, count)).max() > SIDE_FORCE:
+        count += max(1, count // 50)
+    if count >= MOST_ELEMENTS:
+        return "take shorter elements where the hole bends, or kind: lumped"
+    stated = any(section.elements for section in scene.string)
+    return f"take {count} elements" + (" and let the sections share them" if stated else "") + ", or kind: lumped"
+
+
+CHECKS: tuple[Check, ...] = (
+    _steps, _floating, soft_wall, _friction, _block, _casing, _yielding, _weight_on_bit, _torque_on_bit, _penetration,
+    _sticking, _chatter, _buckling, _mesh,
+)  # fmt: skip
+"""What is looked at, in the order in which it is reported."""
+
+
+def figures(scene: DrillstringScene) -> dict[str, Any]:
+    """Figures of well and string for ``check --json``, SI."""
+    ready = prepared(scene)
+    well, lumps = ready.well, ready.lumps
+    end = well.position(np.array([well.length]))[0]
+    stations = np.linspace(0.0, well.length, 2001)
+    k1, k2 = well.curvature(stations)
+    return {
+        "well": {
+            "length": well.length,
+            **{name: unrounded(float(x), well.length) for name, x in zip(("north", "east"), end[:2], strict=True)},
+            "vertical_depth": float(end[2]),
+            "largest_inclination": float(well.inclination(stations).max()),
+            "largest_curvature": float(np.hypot(k1, k2).max()),
+        },
+        "string": {
+            "length": lumps.total,
+            "elements": int(lumps.length.size),
+            "mass": float(lumps.of_lumps(lambda tube: tube.mass_per_length).sum()),
+            "displacement": float(lumps.of_lumps(lambda tube: pi / 4.0 * (tube.od**2 - tube.id**2)).sum()),
+        },
+        "critical_step_rk4": contact_critical_step(scene, lumps) if scene.well.wall is not None else None,
+        "printed_in": scene.units,
+    }
+
+
+def describe(figures: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows of a table for people, in the units that the scene asks for."""
+    well, string = figures["well"], figures["string"]
+    rows = [
+        ("measured depth of the well", well["length"], "m"),
+        ("true vertical depth", well["vertical_depth"], "m"),
+        ("largest inclination", degrees(well["largest_inclination"]), "deg"),
+        ("length of the string", string["length"], "m"),
+        ("mass of the string", string["mass"], "kg"),
+        ("displacement of its tubes", string["displacement"], "m^3"),
+        ("elements", string["elements"], ""),
+    ]
+    if figures["critical_step_rk4"] is not None:
+        rows.append(("critical step of RK4", figures["critical_step_rk4"], "s"))
+    return [(text, shown(value, unit, figures["printed_in"])) for text, value, unit in rows]
