@@ -13,14 +13,14 @@ from gardenhose.limits import limits
 from gardenhose.observe import Observer, variables
 from gardenhose.scene import HoseScene
 from gardenhose.summary import headline
+from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.model.build import Assembly, assemble_cables
 from tautline.cable.model.elements import records
 from tautline.cable.model.layout import Layout
 from tautline.elements.nodal.jet import JET, Jets
 from tautline.integrators.statics.attainable import within_rounding
-from tautline.scene.identity import model_hash
-from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
-from tautline.system.model import Model, SolverSettings
+from tautline.scene.solver import error_of_steps, unused_alphas
+from tautline.system.model import Model
 
 TOLERANCE = 1.0e-4
 """Error of eq. 2.78 that counts as solved, in the root of energy over `energy_of`: it moves the tip of the hose of
@@ -55,31 +55,22 @@ def build(scene: HoseScene) -> Model:
     found = streams(scene)
     observer = Observer(scene, made, place_of_flow(made.layout, found[0], 0) if found else None)
     solver, length = scene.solver, scene.hose.total_length
-    alpha_m, alpha_f = solver.alphas
     error = error_of_steps(solver, STEP_ERROR * length)
     notes = [*made.notes, *unused_alphas(scene.solver)]
     if solver.step == "auto" and error > 0.0:
         notes.append(f"step: auto keeps the error of a step below {error:.2g} m")
     model = Model(
         system=made.system,
-        solver=SolverSettings(
-            solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
-            alpha_m, alpha_f, solver.tolerance or tolerance_of(scene), solver.criterion or "energy",
-            solver.max_iterations, solver.max_halvings, projection="identity", stabilise=2,
-            energy_unit=energy_of(scene), step_error=error, automatic=solver.step == "auto", contraction=CONTRACTION,
-            newton=solver.newton,
+        solver=settings_of(
+            solver, scene.output.interval, tolerance_of(scene), "energy", error,
+            projection="identity", stabilise=2, energy_unit=energy_of(scene), contraction=CONTRACTION,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),
-        attributes={
-            "scene": scene.document.text if scene.document is not None else "",
-            "title": scene.title or "",
-            "application": "gardenhose",
-            "model_hash": model_hash(scene, folder=scene.folder),
-            "conventions": "z up; axial_force is positive in tension and counts the damping; flow_speed is relative to "
-            "the hose, positive from root to tip",
-            "units": scene.units,
-        },
+        attributes=attributes_of(
+            scene, "gardenhose", "z up; axial_force is positive in tension and counts the damping; flow_speed is "
+            "relative to the hose, positive from root to tip",
+        ),
         observe=observer.observe,
         headline=headline,
         limits=limits,

@@ -6,15 +6,15 @@ import numpy as np
 from pydantic import Field
 
 from tautline.application.defaults import Defaults
+from tautline.application.modelling import attributes_of, energies_of, energy_variables, settings_of
 from tautline.elements.nodal.node import Anchors, PointMasses
 from tautline.results.variable import Variable
-from tautline.scene.identity import model_hash
 from tautline.scene.model import Model as Part
 from tautline.scene.model import Scene
-from tautline.scene.solver import Output, Solver, check_output, longest_step
+from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.quantity import quantity
 from tautline.scene.vector import Gravity
-from tautline.system.model import Model, SolverSettings
+from tautline.system.model import Model
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
 
@@ -23,7 +23,6 @@ buoy: {mass: 2 t, stiffness: 8 kN/m, damping: 100, displaced: 0.5 m}
 solver: {method: generalized-alpha, rho_inf: 0.9, step: 10 ms, end: 20 s}
 output: {interval: 50 ms}
 """
-ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
 
 
 class Buoy(Part):
@@ -65,23 +64,21 @@ class Buoys(Defaults):
         )
         stencil = [np.arange(3)[None, :]]
         system = assemble(groups, degrees, compile_functions([]), np.zeros(3), stencil, stencil)
-        alpha_m, alpha_f = solver.alphas
 
         def observe(frames):
-            energy = dict(zip(ENERGIES, frames.energy.T, strict=True))
-            return {"time": frames.time, "position": frames.q[:, None, :], "velocity": frames.v[:, None, :]} | energy
+            seen = {"time": frames.time, "position": frames.q[:, None, :], "velocity": frames.v[:, None, :]}
+            return seen | energies_of(frames)
 
-        step = longest_step(solver, scene.output.interval)
         return Model(
             system=system,
-            solver=SolverSettings(solver.method, step, solver.end, scene.output.interval, alpha_m, alpha_f),
+            solver=settings_of(solver, scene.output.interval, tolerance=1e-9, criterion="force"),
             variables=[
                 Variable("position", ("time", "node", "axis"), "m", "position"),
                 Variable("velocity", ("time", "node", "axis"), "m/s", "velocity"),
-                *(Variable(name, ("time",), "J", name.replace("_", " ")) for name in ENERGIES),
+                *energy_variables("", " of weight", "damping", "of forces"),
             ],
             coordinates={},
-            attributes={"scene": scene.document.text, "application": "buoy", "model_hash": model_hash(scene)},
+            attributes=attributes_of(scene, "buoy", "z up"),
             observe=observe,
             headline=lambda result: {},
             start="as given",

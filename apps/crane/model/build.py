@@ -19,11 +19,11 @@ from crane.results.observe import COORDINATE_UNITS, Observer, variables
 from crane.results.summary import headline
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
+from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.time_function import value_at
-from tautline.scene.identity import model_hash
-from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
-from tautline.system.model import Model, SolverSettings
+from tautline.scene.solver import error_of_steps, unused_alphas
+from tautline.system.model import Model
 from tautline.system.system import System, assemble
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
@@ -53,25 +53,13 @@ def build(scene: CraneScene) -> Model:
     layout, system, notes = made.layout, made.system, [*made.notes, *unused_alphas(scene.solver)]
     observer, told = Observer(layout, system.groups, made.compensation), _Told(scene)
     solver = scene.solver
-    alpha_m, alpha_f = solver.alphas
     error = error_of_steps(solver, STEP_ERROR) or (STEP_ERROR if scene.controlled else 0.0)
     model = Model(
         system=system,
-        solver=SolverSettings(
-            solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
-            alpha_m, alpha_f, solver.tolerance or TOLERANCE, solver.criterion or "force", solver.max_iterations,
-            solver.max_halvings, step_error=error, automatic=solver.step == "auto", newton=solver.newton,
-        ),
+        solver=settings_of(solver, scene.output.interval, TOLERANCE, "force", error),
         variables=variables(observer),
         coordinates=observer.coordinates(),
-        attributes={
-            "scene": scene.document.text if scene.document is not None else "",
-            "title": scene.title or "",
-            "application": "crane",
-            "model_hash": model_hash(scene, folder=scene.folder),
-            "conventions": COORDINATE_UNITS,
-            "units": scene.units,
-        },
+        attributes=attributes_of(scene, "crane", COORDINATE_UNITS),
         observe=observer.observe,
         headline=told.headline,
         limits=told.limits,

@@ -15,6 +15,7 @@ from crane.groups.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL,
 from crane.groups.winch import Drums
 from crane.scene.scene import Drum, Sheave
 from crane.sea.compensation import Compensation
+from tautline.application.modelling import energies_of, energy_variables
 from tautline.kernels.time_function import sample
 from tautline.results.variable import Variable
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -70,11 +71,12 @@ def variables(observer: Observer) -> list[Variable]:
             if observer.compensator
             else []
         ),
-        Variable("kinetic_energy", time, "J", "kinetic energy"),
-        Variable("strain_energy", time, "J", "strain energy, of springs too"),
-        Variable("potential_energy", time, "J", "potential energy of weight and buoyancy"),
-        Variable("dissipated_energy", time, "J", "energy lost to damping and friction"),
-        Variable("external_work", time, "J", "work of winches, moving frames and forces"),
+        *energy_variables(
+            ", of springs too",
+            " of weight and buoyancy",
+            "damping and friction",
+            "of winches, moving frames and forces",
+        ),
     ]
 
 
@@ -155,10 +157,7 @@ class Observer:
                     made["body_turn"][:, k] = q[:, place : place + QUATERNION]
         if self.compensator is not None:
             made["compensator"] = sample(self.compensator, 0, np.ascontiguousarray(frames.time))[:, 0]
-        for k, name in enumerate(("kinetic_energy", "strain_energy", "potential_energy")):
-            made[name] = frames.energy[:, k].copy()
-        made["external_work"], made["dissipated_energy"] = frames.energy[:, 3].copy(), frames.energy[:, 4].copy()
-        return made
+        return made | energies_of(frames)
 
     def _sheaves(self, frames: Any, found: np.ndarray) -> dict[str, np.ndarray]:
         layout, rows = self.layout, self.layout.wheels

@@ -13,11 +13,11 @@ from drillstring.results.observe import COORDINATE_UNITS, headline, variables
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
+from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.groups import offers
-from tautline.scene.identity import model_hash
-from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
-from tautline.system.model import Model, SolverSettings
+from tautline.scene.solver import error_of_steps, unused_alphas
+from tautline.system.model import Model
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 TOLERANCE = 1.0e-9
@@ -48,26 +48,15 @@ def build(scene: DrillstringScene) -> Model:
     string = _assembler(scene.model.kind)(scene, well, lumps, functions, law)
     system, observer = string.system, string.observer
     solver = scene.solver
-    alpha_m, alpha_f = solver.alphas
-    criterion = solver.criterion or ("force" if offers(system.groups, "switch") else "energy")
+    criterion = "force" if offers(system.groups, "switch") else "energy"
     model = Model(
         system=system,
-        solver=SolverSettings(
-            solver.method, longest_step(solver, scene.output.interval), solver.end, scene.output.interval,
-            alpha_m, alpha_f, solver.tolerance or TOLERANCE, criterion, solver.max_iterations,
-            solver.max_halvings, step_error=error_of_steps(solver, STEP_ERROR), automatic=solver.step == "auto",
-            newton=solver.newton,
+        solver=settings_of(
+            solver, scene.output.interval, TOLERANCE, criterion, error_of_steps(solver, STEP_ERROR)
         ),
         variables=variables() + variables_of_ends(system.groups),
         coordinates=observer.coordinates(),
-        attributes={
-            "scene": scene.document.text if scene.document is not None else "",
-            "title": scene.title or "",
-            "application": "drillstring",
-            "model_hash": model_hash(scene, folder=scene.folder),
-            "conventions": COORDINATE_UNITS,
-            "units": scene.units,
-        },
+        attributes=attributes_of(scene, "drillstring", COORDINATE_UNITS),
         observe=observer.observe,
         headline=lambda result: headline(result, lumps, scene.top.weight),
         limits=lambda result: limits(result, scene, lumps),

@@ -17,6 +17,7 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
+from tautline.application.modelling import energies_of
 from tautline.elements.twist import Twist
 from tautline.kernels.hermite import FIRST, SECOND, WEIGHT, gauss, lobatto, table
 
@@ -131,11 +132,8 @@ class BeamObserver:
             "block_position": q[:, 0, :3] @ first,
             "bit_speed": speed[:, -1],
             "bit_depth": s[:, -1],
-            "kinetic_energy": frames.energy[:, 0].copy(),
-            "strain_energy": frames.energy[:, 1].copy(),
+            **energies_of(frames),
             "potential_energy": frames.energy[:, 2] - self.unstretched,
-            "dissipated_energy": frames.energy[:, 4].copy(),
-            "external_work": frames.energy[:, 3].copy(),
         } | observed_at_ends(frames, self.groups)
 
     def _tension(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:

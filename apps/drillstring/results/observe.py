@@ -13,6 +13,7 @@ from drillstring.results.places import LUMP, names_of_bodies, names_of_links
 from drillstring.results.whirl import whirl_figures
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
+from tautline.application.modelling import energies_of, energy_variables
 from tautline.lumped.curve import PER_BODY
 from tautline.results.variable import Variable
 
@@ -49,11 +50,12 @@ def variables() -> list[Variable]:
         Variable("block_position", ("time",), "m", "block position, positive down"),
         Variable("bit_speed", ("time",), "m/s", "speed of the bit along the hole, positive down"),
         Variable("bit_depth", ("time",), "m", "measured depth of the bit"),
-        Variable("kinetic_energy", ("time",), "J", "kinetic energy"),
-        Variable("strain_energy", ("time",), "J", "strain energy, of the wall too"),
-        Variable("potential_energy", ("time",), "J", "potential energy, over the unstretched string's"),
-        Variable("dissipated_energy", ("time",), "J", "energy lost to friction, mud and damping"),
-        Variable("external_work", ("time",), "J", "work done on the string at its top"),
+        *energy_variables(
+            ", of the wall too",
+            ", over the unstretched string's",
+            "friction, mud and damping",
+            "done on the string at its top",
+        ),
     ]
 
 
@@ -92,7 +94,6 @@ class Observer:
         along = v[:, :, 0] * (1.0 - k1 * q[:, :, 1] - k2 * q[:, :, 2])
         velocity = along[..., None] * t + v[:, :, 1, None] * m1 + v[:, :, 2, None] * m2
         contact, friction, around = self._contact(frames, q, v, k1, k2)
-        potential = frames.energy[:, 2]
         return {
             "position": self.well.point(s, q[:, :, 1], q[:, :, 2]),
             "velocity": velocity,
@@ -111,11 +112,8 @@ class Observer:
             "block_position": q[:, 0, 0].copy(),
             "bit_speed": v[:, -1, 0].copy(),
             "bit_depth": s[:, -1].copy(),
-            "kinetic_energy": frames.energy[:, 0].copy(),
-            "strain_energy": frames.energy[:, 1].copy(),
-            "potential_energy": potential - self.unstretched,
-            "dissipated_energy": frames.energy[:, 4].copy(),
-            "external_work": frames.energy[:, 3].copy(),
+            **energies_of(frames),
+            "potential_energy": frames.energy[:, 2] - self.unstretched,
         } | observed_at_ends(frames, self.groups)
 
     def _tension(self, q, v, s, k1, k2) -> np.ndarray:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.nodal import NODAL, item_of
 from tautline.cable.input.parts import BESIDES_MODEL
@@ -19,9 +20,8 @@ from tautline.cable.model.observe import Observer, headline, variables
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of
 from tautline.constraints.multiplier import Multipliers
 from tautline.integrators.statics.attainable import within_rounding
-from tautline.scene.identity import model_hash
-from tautline.scene.solver import error_of_steps, longest_step, unused_alphas
-from tautline.system.model import Model, SolverSettings
+from tautline.scene.solver import error_of_steps, unused_alphas
+from tautline.system.model import Model
 from tautline.system.system import System, assemble
 
 STIFF_SHARE = 1.0e-4
@@ -100,27 +100,21 @@ def build(scene: CableScene) -> Model:
     _, system, observer, lengths, notes = assemble_cables(scene)
     notes += unused_alphas(scene.solver)
     solver = scene.solver
-    alpha_m, alpha_f = solver.alphas
     error = error_of_steps(solver, ERROR * sum(lengths))
     if solver.step == "auto" and error > 0.0:
         notes.append(f"time_step: auto keeps the error of a step below {error:.2g} m")
     model = Model(
         system=system,
-        solver=SolverSettings(
-            solver.method, longest_step(solver, solver.interval), solver.end, solver.interval,
-            alpha_m, alpha_f, solver.tolerance, "energy",
-            solver.max_iterations, projection=solver.projection, stabilise=solver.stabilise, energy_unit=1.0,
-            step_error=error, automatic=solver.step == "auto", newton=solver.newton,
+        solver=settings_of(
+            solver, solver.interval, solver.tolerance, "energy", error,
+            projection=solver.projection, stabilise=solver.stabilise, energy_unit=1.0,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),
-        attributes={
-            "scene": scene.text,
-            "title": scene.title or "",
-            "application": "cable",
-            "model_hash": model_hash(scene, BESIDES_MODEL),
-            "conventions": "axial_force is positive in tension and counts the damping; material is p",
-        },
+        attributes=attributes_of(
+            scene, "cable", "axial_force is positive in tension and counts the damping; material_coordinate is p",
+            BESIDES_MODEL,
+        ),
         observe=observer.observe,
         headline=lambda result: headline(result),
         limits=lambda result: limits(result, scene),

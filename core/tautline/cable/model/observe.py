@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.application.modelling import energies_of, energy_variables
 from tautline.cable.model.layout import Layout
 from tautline.constraints.multiplier import Multipliers
 from tautline.kernels.hermite import FIRST, SECOND, table
@@ -17,7 +18,7 @@ SHORTEST_SLOPE = 1.0e-90
 
 def variables(observer: Observer) -> list[Variable]:
     """Everything that is stored, with units."""
-    node, element, time = ("time", "node"), ("time", "element"), ("time",)
+    node, element = ("time", "node"), ("time", "element")
     slopes = [Variable("slope", (*node, "axis"), "", "slope dr/dp; zero at nodes of linear elements")]
     curved = [Variable("curvature", element, "1/m", "curvature in the middle of an element")]
     return [
@@ -29,12 +30,11 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("axial_force", element, "N", "axial force in the middle of an element, with its damping"),
         *(curved if observer.cubic_nodes.size else []),
         *([Variable("multiplier", ("time", "constraint"), "N", "multiplier")] if observer.names else []),
-        Variable("kinetic_energy", time, "J", "kinetic energy"),
-        Variable("strain_energy", time, "J", "strain energy, of springs too"),
-        Variable("potential_energy", time, "J", "potential energy of weight and loads"),
-        Variable("dissipated_energy", time, "J", "energy lost to damping"),
-        Variable(
-            "external_work", time, "J", "work of forces and prescribed motion, and energy that material brings in"
+        *energy_variables(
+            ", of springs too",
+            " of weight and loads",
+            "damping",
+            "of forces and prescribed motion, and energy that material brings in",
         ),
     ]
 
@@ -88,10 +88,7 @@ class Observer:
             made["slope"], made["curvature"] = slope, curvature
         if self.multipliers is not None:
             made["multiplier"] = frames.a[:, self.multipliers.unknown] * self.multipliers.weight
-        for k, name in enumerate(("kinetic_energy", "strain_energy", "potential_energy")):
-            made[name] = frames.energy[:, k].copy()
-        made["external_work"], made["dissipated_energy"] = frames.energy[:, 3].copy(), frames.energy[:, 4].copy()
-        return made
+        return made | energies_of(frames)
 
     def _forces(self, made: dict[str, np.ndarray], slope: np.ndarray, slope_rate: np.ndarray):
         """Axial force (m, elements) N and curvature 1/m in the middle of elements."""

@@ -1,0 +1,84 @@
+"""What the models of all applications have in common: how they are solved, what a result says of itself, energies."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tautline.results.variable import Variable
+from tautline.scene.identity import BESIDES, model_hash
+from tautline.scene.solver import longest_step
+from tautline.system.model import SolverSettings
+
+ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
+"""Variables of the energies in the order of a frame's."""
+
+
+def settings_of(
+    solver: Any, interval: float, tolerance: float, criterion: str, step_error: float = 0.0, **more: Any
+) -> SolverSettings:
+    """How a model is solved, as the ``solver`` section of its scene says.
+
+    Parameters
+    ----------
+    solver : tautline.scene.solver.Solver
+        The section; `tolerance` and `criterion` (``force`` or ``energy``) count where it has none.
+    interval : float
+        Between frames, s.
+    step_error : float
+        Error that a step may have, m; 0 leaves steps as they are.
+    **more
+        Other fields of `SolverSettings`.
+    """
+    alpha_m, alpha_f = solver.alphas
+    optional = {key: getattr(solver, key) for key in ("max_iterations", "max_halvings") if hasattr(solver, key)}
+    return SolverSettings(
+        solver.method, longest_step(solver, interval), solver.end, interval, alpha_m, alpha_f,
+        solver.tolerance or tolerance, getattr(solver, "criterion", None) or criterion, step_error=step_error,
+        automatic=solver.step == "auto", newton=solver.newton, **optional, **more,
+    )  # fmt: skip
+
+
+def attributes_of(scene: Any, application: str, conventions: str, besides: Any = BESIDES) -> dict[str, Any]:
+    """What a result says of its scene: text, title, application, conventions, units, and what the scene is.
+
+    Parameters
+    ----------
+    scene
+        A scene with a ``document``, or one made in Python.
+    application : str
+        Its name.
+    conventions : str
+        Signs, axes and the like.
+    besides : collection of str
+        Fields that do not count in what the scene is; see `tautline.scene.identity.model_hash`.
+    """
+    document = scene.document
+    folder: Path | None = getattr(scene, "folder", None)
+    return {
+        "scene": document.text if document is not None else "",
+        "title": scene.title or "",
+        "application": application,
+        "model_hash": model_hash(scene, besides, folder),
+        "conventions": conventions,
+        "units": getattr(scene, "units", "si"),
+    }
+
+
+def energy_variables(strain: str, potential: str, lost: str, work: str) -> list[Variable]:
+    """The variables of energies, (time,) J, with what each holds of an application."""
+    texts = {
+        "kinetic_energy": "kinetic energy",
+        "strain_energy": f"strain energy{strain}",
+        "potential_energy": f"potential energy{potential}",
+        "dissipated_energy": f"energy lost to {lost}",
+        "external_work": f"work {work}",
+    }
+    return [Variable(name, ("time",), "J", text) for name, text in texts.items()]
+
+
+def energies_of(frames: Any) -> dict[str, np.ndarray]:
+    """Values of these variables from a batch of frames, each (frames,) J."""
+    return {name: frames.energy[:, k].copy() for k, name in enumerate(ENERGIES)}
