@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gardenhose.scene import HoseScene, Segment
-from tautline.cable.input.parts import Coupling, Element, Mass, Motion, Node, Place, Tie
-from tautline.cable.input.scene import CableScene
+from tautline.cable.input.nodal import NodalPart
+from tautline.cable.input.nodal_items import PointMass
+from tautline.cable.input.parts import CableScene, Coupling, Element, Motion, Node, Place, Tie
 from tautline.cable.input.solver import CableSolver
 from tautline.scene.reading.document import Document
 
@@ -87,7 +88,10 @@ def cables_of(scene: HoseScene, fused: bool = True) -> CableScene:
                 elements[i] = replace(elements[i], conveyed=(stream.mass, motions[-1].id))
         else:
             _add_water(scene, s, stream, motions[-1].id, nodes, elements, couplings, ties)
-    masses = [Mass(1, (len(s),), scene.hose.tip_mass, 0, ("hose", "tip_mass"))] if scene.hose.tip_mass > 0.0 else []
+    masses = []
+    if scene.hose.tip_mass > 0.0:
+        mass = PointMass(id=1, nodes7=(len(s),), mass=scene.hose.tip_mass)
+        masses = [NodalPart("PointMass", mass, (len(s),), 0, ("hose", "tip_mass"))]
     solver = CableSolver.model_construct(end=scene.solver.end, mass_damping=0.0)
     return CableScene(
         title=scene.title, gravity=scene.gravity, nodes=tuple(nodes), elements=tuple(elements), ties=tuple(ties),

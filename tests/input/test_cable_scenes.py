@@ -438,8 +438,12 @@ def test_the_reeled_span_is_read_as_it_stands():
         ("multiplier", (2, 3), 0, None),
         ("multiplier", (2, 3), 2, None),
     ]
-    assert (scene.anchors[0].nodes, scene.anchors[0].stiffness, scene.anchors[0].damping) == ((1,), 100.0, 0.02)
-    assert (scene.masses[0].nodes, scene.masses[0].mass) == ((2,), 0.5)
+    assert (scene.anchors[0].nodes, scene.anchors[0].model.stiffness, scene.anchors[0].model.damping) == (
+        (1,),
+        100.0,
+        0.02,
+    )
+    assert (scene.masses[0].nodes, scene.masses[0].model.mass) == ((2,), 0.5)
     motion = scene.motions[0]
     assert (motion.id, motion.pos0, motion.times[-1], motion.velocities[2]) == (1, 1.5, 100.0, -0.05)
     solver = scene.solver
@@ -479,7 +483,11 @@ def test_additions_of_ours_are_read():
         ("penalty", 1, None),
     ]
     assert scene.ties[2].offset == (0.0, 0.0, 0.005)
-    assert (scene.springs[0].nodes, scene.springs[0].stiffness, scene.springs[0].length) == ((0, 2), 5.0, 0.3)
+    assert (scene.springs[0].nodes, scene.springs[0].model.stiffness, scene.springs[0].model.length) == (
+        (0, 2),
+        5.0,
+        0.3,
+    )
     assert scene.motions[0].pos0 == pytest.approx(0.2) and scene.motions[0].function.to == 1.0
     solver = scene.solver
     assert (solver.start, solver.projection, solver.stabilise, solver.control, solver.step_error) == (
@@ -520,7 +528,7 @@ def test_the_appendix_itself_is_read_with_warnings(whole):
     assert counts == [5, 3, 4, 7]
     assert {node.kind for node in scene.nodes} == {7} and {element.kind for element in scene.elements} == {"cubic"}
     assert scene.solver.method == "rk4" and scene.solver.plotpoints == 10.0
-    assert scene.forces[0].interval == (0.0, 1.0) and scene.forces[0].force == (0.0, 8.5, 0.0)
+    assert scene.forces[0].model.interval == (0.0, 1.0) and scene.forces[0].model.force == (0.0, 8.5, 0.0)
     assert [(c.cable, c.node, c.dof, c.what) for panel in scene.plots for c in panel] == [
         (0, None, None, "N"),
         (1, None, None, "N"),

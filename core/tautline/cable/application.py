@@ -10,7 +10,7 @@ from tautline.application.packaged import Packaged
 from tautline.study.trials.overrides import SETTINGS, Place, overrides
 
 if TYPE_CHECKING:
-    from tautline.cable.input.scene import CableScene
+    from tautline.cable.input.parts import CableScene
 
 KEYS = {"method": "type", "step": "time_step", "end": "time_end", "step_error": "tolerance", "interval": "plotpoints"}
 """What the command line calls the keys of ``GeneralizedAlpha`` that have another name there."""

@@ -48,7 +48,7 @@ def test_frequencies_of_a_bar_go_with_the_root_of_its_stiffness(factor):
 # what holds it
 def test_springs_to_where_nodes_began_are_as_stiff_as_they_are_told():
     varied = vary.contact(mixed(), 4e6)
-    assert [anchor.stiffness for anchor in varied.anchors] == [4e6, 4e6]
+    assert [anchor.model.stiffness for anchor in varied.anchors] == [4e6, 4e6]
     assert replace(varied, nodal=mixed().nodal) == mixed()
     assert (vary.stiffnesses(mixed())["contact"], vary.stiffnesses(varied)["contact"]) == (250.0, 4e6)
     assert vary.contact(bent(), 4e6) is None and vary.stiffnesses(bent())["contact"] is None

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tautline.cable.input.scene import CableScene, parse
+from tautline.cable.input.parts import CableScene
+from tautline.cable.input.scene import parse
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError

@@ -85,9 +85,6 @@ class NodalItem:
         ``groups(layout, parts)``: the groups of the solver for all items of the kind; there is at least one.
         ``layout.start[node]`` is the place of a node's x in the vectors of positions, ``layout.initial`` their values
         at the start. Compiled code is best imported in it, so that ``check`` does not wait for a compiler.
-    part : callable or None
-        ``part(model, place, line, nodes)``: what stands in the scene, frozen, with ``key``, ``nodes``, ``line`` and
-        ``place``; None: a `NodalPart`.
     coupled : callable
         ``coupled(layout, part)``: arrays of places, each of which the tangent couples with one another:
         `each_node` or `all_nodes`, or your own.
@@ -104,7 +101,6 @@ class NodalItem:
     key: str
     model: type[OnNodes]
     groups: Callable[[Any, Sequence[Any]], Sequence[Any]] = _none
-    part: Callable[[Any, Place, int, tuple[int, ...]], Any] | None = None
     coupled: Callable[[Any, Any], Iterable[np.ndarray]] = each_node
     mass: Callable[[Any], float] = _nothing
     force: Callable[[Any], float] = _nothing
@@ -112,11 +108,9 @@ class NodalItem:
     equations: Callable[[Any, Any], Iterable[tuple[list[tuple[int, float]], float, str]]] = _none
     warnings: Callable[[Any, Any], Iterable[tuple[Place, str]]] = _none
 
-    def made(self, model: Any, place: Place, line: int, nodes: tuple[int, ...]) -> Any:
+    def made(self, model: Any, place: Place, line: int, nodes: tuple[int, ...]) -> NodalPart:
         """The part of an item in a scene."""
-        if self.part is None:
-            return NodalPart(self.key, model, tuple(nodes), line, place)
-        return self.part(model, place, line, nodes)
+        return NodalPart(self.key, model, tuple(nodes), line, place)
 
 
 NODAL: dict[str, NodalItem] = {}

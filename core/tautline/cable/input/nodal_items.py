@@ -14,8 +14,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from tautline.cable.input.entries import Damping, Id, Pair, Stiffness, Thrust, Time, listed
-from tautline.cable.input.nodal import NodalItem, OnNodes, Place, all_nodes, register_item
-from tautline.cable.input.parts import Anchor, Force, Mass, Spring
+from tautline.cable.input.nodal import NodalItem, NodalPart, OnNodes, Place, all_nodes, register_item
 from tautline.scene.refusal import fault
 from tautline.scene.values.quantity import quantity
 
@@ -32,11 +31,11 @@ class PointMass(OnNodes):
     mass: Annotated[float, quantity("kg", positive=True, of="mass")]
 
 
-def _masses(layout: Any, parts: Sequence[Mass]) -> list[Any]:
+def _masses(layout: Any, parts: Sequence[NodalPart]) -> list[Any]:
     from tautline.elements.nodal.node import PointMasses
 
     scene = layout.scene
-    places, values = zip(*((layout.start[node], m.mass) for m in parts for node in m.nodes), strict=True)
+    places, values = zip(*((layout.start[node], m.model.mass) for m in parts for node in m.nodes), strict=True)
     gravity = np.array(scene.gravity, float)
     return [PointMasses(np.array(places), np.array(values, float), scene.solver.mass_damping, gravity)]
 
@@ -45,10 +44,9 @@ register_item(
     NodalItem(
         key="PointMass",
         model=PointMass,
-        part=lambda m, at, line, ids: Mass(m.id, ids, m.mass, line, at),
         groups=_masses,
         coupled=_alone,
-        mass=lambda part: part.mass,
+        mass=lambda part: part.model.mass,
     )
 )
 
@@ -66,35 +64,34 @@ class PointForce(OnNodes):
             raise fault("timeInterval", "ends before it has begun", "give the earlier time first, such as [0, 1.0]")
         return self
 
+    @property
+    def interval(self) -> tuple[float, float]:
+        """When it acts, s; infinity where no end is given."""
+        first, last = self.timeInterval or (0.0, math.inf)
+        return first, last
 
-def _force(model: PointForce, place: Place, line: int, ids: tuple[int, ...]) -> Force:
-    first, last = model.timeInterval or (0.0, math.inf)
-    x, y, z = model.force
-    return Force(model.id, ids, (x, y, z), (first, last), line, place)
 
-
-def _forces(layout: Any, parts: Sequence[Force]) -> list[Any]:
+def _forces(layout: Any, parts: Sequence[NodalPart]) -> list[Any]:
     from tautline.elements.nodal.node import TimedForces
 
-    rows = [(layout.start[node], f.force, f.interval) for f in parts for node in f.nodes]
+    rows = [(layout.start[node], f.model.force, f.model.interval) for f in parts for node in f.nodes]
     places, values, intervals = zip(*rows, strict=True)
     acts, before = np.zeros(len(rows)), np.zeros(len(rows))
     return [TimedForces(np.array(places), np.array(values, float), np.array(intervals, float), acts, before)]
 
 
-def _too_late(scene: Any, force: Force) -> Iterator[tuple[Place, str]]:
-    if force.interval[0] >= scene.solver.end:
-        yield (*force.place, "timeInterval"), f"begins after the run has ended ({scene.solver.end:g} s)"
+def _too_late(scene: Any, part: NodalPart) -> Iterator[tuple[Place, str]]:
+    if part.model.interval[0] >= scene.solver.end:
+        yield (*part.place, "timeInterval"), f"begins after the run has ended ({scene.solver.end:g} s)"
 
 
 register_item(
     NodalItem(
         key="PointForce",
         model=PointForce,
-        part=_force,
         groups=_forces,
         coupled=_alone,
-        force=lambda part: float(np.linalg.norm(part.force)),
+        force=lambda part: float(np.linalg.norm(part.model.force)),
         warnings=_too_late,
     )
 )
@@ -108,10 +105,10 @@ class OneNodeSpring(OnNodes):
     damping: Damping = 0.0
 
 
-def _anchors(layout: Any, parts: Sequence[Anchor]) -> list[Any]:
+def _anchors(layout: Any, parts: Sequence[NodalPart]) -> list[Any]:
     from tautline.elements.nodal.node import Anchors
 
-    rows = [(layout.start[node], a.stiffness, a.damping) for a in parts for node in a.nodes]
+    rows = [(layout.start[node], a.model.stiffness, a.model.damping) for a in parts for node in a.nodes]
     places, stiffness, damping = zip(*rows, strict=True)
     home = np.array([layout.initial[place : place + 3] for place in places])
     return [Anchors(np.array(places), np.array(stiffness, float), np.array(damping, float), home)]
@@ -121,10 +118,9 @@ register_item(
     NodalItem(
         key="OneNodeSpring",
         model=OneNodeSpring,
-        part=lambda m, at, line, ids: Anchor(m.id, ids, m.stiffness, m.damping, line, at),
         groups=_anchors,
         coupled=_alone,
-        stiffness=lambda part: part.stiffness,
+        stiffness=lambda part: part.model.stiffness,
     )
 )
 
@@ -140,12 +136,12 @@ class TwoNodeSpring(OnNodes):
     length: Annotated[float, quantity("m", nonnegative=True, of="distance")] | None = None
 
 
-def _springs(layout: Any, parts: Sequence[Spring]) -> list[Any]:
+def _springs(layout: Any, parts: Sequence[NodalPart]) -> list[Any]:
     from tautline.elements.nodal.node import SPRING, Springs
 
     rows = np.zeros(len(parts), SPRING).view(np.recarray)
-    for i, spring in enumerate(parts):
-        a, b = (layout.start[node] for node in spring.nodes)
+    for i, part in enumerate(parts):
+        spring, (a, b) = part.model, (layout.start[node] for node in part.nodes)
         apart = float(np.linalg.norm(layout.initial[b : b + 3] - layout.initial[a : a + 3]))
         rows[i] = (a, b, spring.stiffness, spring.damping, apart if spring.length is None else spring.length)
     return [Springs(rows, np.zeros((6, 6)))]
@@ -155,9 +151,8 @@ register_item(
     NodalItem(
         key="TwoNodeSpring",
         model=TwoNodeSpring,
-        part=lambda m, at, line, ids: Spring(m.id, (ids[0], ids[1]), m.stiffness, m.damping, m.length, line, at),
         groups=_springs,
         coupled=all_nodes,
-        stiffness=lambda part: part.stiffness,
+        stiffness=lambda part: part.model.stiffness,
     )
 )

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
-from tautline.cable.input.nodal import item_of
+from tautline.cable.input.nodal import NodalPart, item_of
 from tautline.cable.input.solver import CableSolver
 from tautline.scene.errors import Problem, SceneWarning
 from tautline.scene.reading.document import Document
@@ -104,62 +104,6 @@ class Coupling:
 
 
 @dataclass(frozen=True, slots=True)
-class Force:
-    """A force, N, on each of some nodes, from ``interval[0]`` to ``interval[1]``, s: infinity where no end is given."""
-
-    key: ClassVar[str] = "PointForce"
-
-    id: int
-    nodes: tuple[int, ...]
-    force: Vector
-    interval: tuple[float, float]
-    line: int
-    place: Place
-
-
-@dataclass(frozen=True, slots=True)
-class Anchor:
-    """A spring N/m and damper N s/m from each of some nodes to where it began (`OneNodeSpring`, eqs 3.1-3.4)."""
-
-    key: ClassVar[str] = "OneNodeSpring"
-
-    id: int
-    nodes: tuple[int, ...]
-    stiffness: float
-    damping: float
-    line: int
-    place: Place
-
-
-@dataclass(frozen=True, slots=True)
-class Spring:
-    """A spring N/m and damper N s/m along the line between two nodes; `length` m at rest, None: as the scene begins."""
-
-    key: ClassVar[str] = "TwoNodeSpring"
-
-    id: int
-    nodes: tuple[int, int]
-    stiffness: float
-    damping: float
-    length: float | None
-    line: int
-    place: Place
-
-
-@dataclass(frozen=True, slots=True)
-class Mass:
-    """A point mass, kg, at each of some nodes."""
-
-    key: ClassVar[str] = "PointMass"
-
-    id: int
-    nodes: tuple[int, ...]
-    mass: float
-    line: int
-    place: Place
-
-
-@dataclass(frozen=True, slots=True)
 class Motion:
     """What a held degree of freedom follows.
 
@@ -220,7 +164,7 @@ class CableScene:
     elements: tuple[Element, ...]
     ties: tuple[Tie, ...]
     couplings: tuple[Coupling, ...]
-    nodal: tuple[Any, ...]
+    nodal: tuple[NodalPart, ...]
     motions: tuple[Motion, ...]
     plots: tuple[tuple[Curve, ...], ...]
     solver: CableSolver
@@ -238,26 +182,26 @@ class CableScene:
         return self.document.path
 
     @property
-    def forces(self) -> tuple[Force, ...]:
+    def forces(self) -> tuple[NodalPart, ...]:
         """The point forces."""
         return self.items_of("PointForce")
 
     @property
-    def anchors(self) -> tuple[Anchor, ...]:
+    def anchors(self) -> tuple[NodalPart, ...]:
         """The springs to where a node began."""
         return self.items_of("OneNodeSpring")
 
     @property
-    def springs(self) -> tuple[Spring, ...]:
+    def springs(self) -> tuple[NodalPart, ...]:
         """The springs between two nodes."""
         return self.items_of("TwoNodeSpring")
 
     @property
-    def masses(self) -> tuple[Mass, ...]:
+    def masses(self) -> tuple[NodalPart, ...]:
         """The point masses."""
         return self.items_of("PointMass")
 
-    def items_of(self, key: str) -> tuple[Any, ...]:
+    def items_of(self, key: str) -> tuple[NodalPart, ...]:
         """Items on nodes of one kind."""
         return tuple(part for part in self.nodal if part.key == key)
 

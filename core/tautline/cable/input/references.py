@@ -6,8 +6,7 @@ All faults are collected and told at once. What needs lengths is left to `tautli
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
 
 from tautline.cable.input import couplings as joints
 from tautline.cable.input import models as w
@@ -15,7 +14,7 @@ from tautline.cable.input.entries import DOFS
 from tautline.cable.input.geometry import COINCIDENT, chord, mean_direction
 from tautline.cable.input.initial import initial_value
 from tautline.cable.input.nodal import NODAL, item_of
-from tautline.cable.input.parts import Coupling, Curve, Element, Motion, Node, Place, Tie, Vector
+from tautline.cable.input.parts import CableScene, Curve, Element, Motion, Node, Place, Vector
 from tautline.cable.input.register import Register, known_ids
 from tautline.cable.input.thesis_compat import without_alternatives
 from tautline.scene.errors import SceneWarning
@@ -25,30 +24,24 @@ STEEPEST = 1.0e3
 """Slope dr/dp, the stretch of the cable, that is surely something else."""
 
 
-@dataclass(frozen=True)
-class Parts:
-    """The parts of a scene, in the order of the file."""
+def resolve(written: w.WrittenCable, meant: Document, document: Document, before: Sequence[SceneWarning]) -> CableScene:
+    """Make a scene of what is written.
 
-    nodes: tuple[Node, ...]
-    elements: tuple[Element, ...]
-    ties: tuple[Tie, ...]
-    couplings: tuple[Coupling, ...]
-    nodal: tuple[Any, ...]
-    motions: tuple[Motion, ...]
-    plots: tuple[tuple[Curve, ...], ...]
-    warnings: tuple[SceneWarning, ...]
-
-
-def resolve(written: w.WrittenCable, document: Document) -> Parts:
-    """Make the parts of a scene.
+    Parameters
+    ----------
+    written : WrittenCable
+    meant, document : Document
+        The file as its oddities are meant, for key paths in messages, and as it stands.
+    before : sequence of SceneWarning
+        What reading the file has found.
 
     Raises
     ------
     SceneError
         Listing every fault with its line, key and cure.
     """
-    kept, warnings = without_alternatives(written.CableModel, document)
-    register = Register(document, [(item.kind, item.model, ("CableModel", i, item.kind)) for i, item in kept])
+    kept, warnings = without_alternatives(written.CableModel, meant)
+    register = Register(meant, [(item.kind, item.model, ("CableModel", i, item.kind)) for i, item in kept])
     register.check_ids()
     motions = _motions(register)
     material = written.CableModelMaterial
@@ -56,7 +49,11 @@ def resolve(written: w.WrittenCable, document: Document) -> Parts:
     nodes = _nodes(register, elements, {motion.id: motion for motion in motions})
     ties, ignored = joints.ties(register)
     couplings = joints.couplings(register)
-    parts = Parts(
+    scene = CableScene(
+        title=written.title,
+        gravity=material.Gravity,
+        solver=written.GeneralizedAlpha,
+        document=document,
         nodes=nodes,
         elements=elements,
         ties=ties,
@@ -64,12 +61,12 @@ def resolve(written: w.WrittenCable, document: Document) -> Parts:
         motions=motions,
         nodal=tuple(part for item in NODAL.values() for part in register.make(item.model, item.made)),
         plots=_plots(written, register),
-        warnings=(*warnings, *ignored),
+        warnings=(*before, *warnings, *ignored),
     )
     register.report()
-    _check_loose(parts, register)
+    _check_loose(scene, register)
     register.report()
-    return parts
+    return scene
 
 
 def _vector(values: tuple[float, ...]) -> Vector:
@@ -182,12 +179,12 @@ def _slope(register: Register, model: w.Node7Dof, place: Place, joined: list[Ele
     return mean or (1.0, 0.0, 0.0)
 
 
-def _check_loose(parts: Parts, register: Register) -> None:
+def _check_loose(scene: CableScene, register: Register) -> None:
     """Refuse nodes that no element joins and whose free degrees of freedom nothing gives any mass."""
-    joined = {node for element in parts.elements for node in element.nodes}
-    heavy = {node for part in parts.nodal if item_of(part).mass(part) > 0.0 for node in part.nodes}
-    slaves = {coupling.slave for coupling in parts.couplings}
-    for node in parts.nodes:
+    joined = {node for element in scene.elements for node in element.nodes}
+    heavy = {node for part in scene.nodal if item_of(part).mass(part) > 0.0 for node in part.nodes}
+    slaves = {coupling.slave for coupling in scene.couplings}
+    for node in scene.nodes:
         if node.id in joined:
             continue
         names = DOFS[node.kind].split()

@@ -13,34 +13,13 @@ from typing import Any
 from tautline.cable.input.couplings import check_couplings
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.models import file_model
-from tautline.cable.input.parts import (
-    Anchor as Anchor,
-)
-from tautline.cable.input.parts import (
-    CableScene,
-    Coupling,
-    Curve,
-    Element,
-    Force,
-    Mass,
-    Motion,
-    Node,
-    Place,
-    Spring,
-    Tie,
-)
-from tautline.cable.input.references import Parts, resolve
-from tautline.cable.input.solver import CableSolver
+from tautline.cable.input.parts import CableScene, Place
+from tautline.cable.input.references import resolve
 from tautline.cable.input.thesis_compat import read_compat
 from tautline.scene.errors import SceneError
 from tautline.scene.extensions import problems_of_extensions
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
-
-__all__ = [
-    "Anchor", "CableScene", "CableSolver", "Coupling", "Curve", "Element", "Force", "Mass", "Motion", "Node", "Spring",
-    "Tie", "json_schema", "parse", "read", "with_values",
-]  # fmt: skip
 
 
 def read(path: str | Path) -> CableScene:
@@ -89,15 +68,7 @@ def _scene(document: Document) -> CableScene:
     except SceneError as error:
         # An unknown key may be one of an extension that could not be loaded.
         raise SceneError([*error.problems, *problems_of_extensions(str(document.path))]) from None
-    parts: Parts = resolve(written, meant)
-    scene = CableScene(
-        title=written.title,
-        gravity=written.CableModelMaterial.Gravity,
-        solver=written.GeneralizedAlpha,
-        document=document,
-        **{name: value for name, value in vars(parts).items() if name != "warnings"},
-        warnings=(*warnings, *parts.warnings),
-    )
+    scene = resolve(written, meant, document, warnings)
     # A scene whose lengths or couplings contradict each other is refused here, not when it is built.
     check_couplings(scene, material_coordinates(scene))
     return scene

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tautline.cable.input.parts import Node
-from tautline.cable.input.scene import CableScene
+from tautline.cable.input.parts import CableScene, Node
 from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.scene.functions import Table
 from tautline.scene.reading.document import join_key

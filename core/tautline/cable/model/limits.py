@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.cable.input.scene import CableScene
+from tautline.cable.input.parts import CableScene
 from tautline.results.limits import ANY_STRAIN, strain_limit, stretch_limits
 
 

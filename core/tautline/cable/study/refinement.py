@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.cable.input.material import material_coordinates
-from tautline.cable.input.parts import Coupling, Curve, Dof, Element, Node, Vector
-from tautline.cable.input.scene import CableScene
+from tautline.cable.input.parts import CableScene, Coupling, Curve, Dof, Element, Node, Vector
 from tautline.cable.model.layout import Layout
 
 SAME = 1.0e-9

@@ -11,8 +11,8 @@ from collections import Counter
 from dataclasses import replace
 from typing import Any
 
-from tautline.cable.input.parts import Element, Tie
-from tautline.cable.input.scene import CableScene
+from tautline.cable.input.nodal import NodalPart
+from tautline.cable.input.parts import CableScene, Element, Tie
 from tautline.cable.model.ties import penalty_stiffness
 from tautline.cable.study.refinement import Chart, Place, divided, runs_of
 from tautline.scene.errors import SceneError
@@ -59,12 +59,11 @@ def contact(scene: CableScene, value: float) -> CableScene | None:
     """Stiffness of the springs that hold nodes to where they began, N/m; None without any."""
     if not scene.anchors:
         return None
-    return replace(
-        scene,
-        nodal=tuple(
-            replace(part, stiffness=float(value)) if part.key == "OneNodeSpring" else part for part in scene.nodal
-        ),
-    )
+
+    def stiff(part: NodalPart) -> NodalPart:
+        return replace(part, model=part.model.model_copy(update={"stiffness": float(value)}))
+
+    return replace(scene, nodal=tuple(stiff(one) if one.key == "OneNodeSpring" else one for one in scene.nodal))
 
 
 def penalty(scene: CableScene, value: float) -> CableScene | None:
@@ -142,7 +141,7 @@ def stiffnesses(scene: CableScene) -> dict[str, float | None]:
         found = [tie.stiffness / _square(chart, tie) for tie in sprung if tie.stiffness is not None]
         if len(found) < len(sprung):
             found.append(penalty_stiffness(chart.layout))
-    anchored = max((anchor.stiffness for anchor in scene.anchors), default=None)
+    anchored = max((anchor.model.stiffness for anchor in scene.anchors), default=None)
     return {"contact": anchored, "penalty": max(found, default=None)}
 
 

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from tautline.cable.input.embedded_scene import scene_of
-from tautline.cable.input.parts import Node
-from tautline.cable.input.scene import CableScene
+from tautline.cable.input.parts import CableScene, Node
 from tautline.cable.view.symbols import coil, mass, pin, plate, supports
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
@@ -71,7 +70,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     pulled = [(still(homes[i]), places[i]) for anchor in scene.anchors for i in anchor.nodes]
     pulled += [(places[spring.nodes[0]], places[spring.nodes[1]]) for spring in scene.springs]
     springs = [coil(*ends, size, name) for ends, name in _numbered("spring", pulled)]
-    heavy = [(one.mass, places[i]) for one in scene.masses for i in one.nodes if one.mass > 0.0]
+    heavy = [(one.model.mass, places[i]) for one in scene.masses for i in one.nodes if one.model.mass > 0.0]
     masses = [mass(*one, extent, name) for one, name in _numbered("mass", heavy)]
     held = _supports(scene, places, size)
     signs = [text for text, some in (("supports", held), ("springs", springs), ("masses", masses)) if some]
@@ -223,7 +222,7 @@ def _support(node: Node, size: float, behind: float, hangs: bool) -> Any:
 def _forces(scene: CableScene, time: np.ndarray, position: np.ndarray) -> tuple[Arrows, ...]:
     """All forces on nodes; one acts from the first time of its interval until the last."""
     index = {node.id: i for i, node in enumerate(scene.nodes)}
-    each = [(index[node], one.force, one.interval) for one in scene.forces for node in one.nodes]
+    each = [(index[node], one.model.force, one.model.interval) for one in scene.forces for node in one.nodes]
     if not each:
         return ()
     nodes, force, interval = (np.array(one) for one in zip(*each, strict=True))
