@@ -29,7 +29,7 @@ from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4, method_of
 from tautline.scene.solver import longest_step
 from tautline.scene.values.printed import shown
-from tautline.scene.values.ranges import RANGES
+from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 SLIP_FOR_NEWTON = 1.0e-3
@@ -126,6 +126,18 @@ def contact_critical_step(scene: DrillstringScene, lumps: Lumps) -> float:
     od = lumps.largest(lambda tube: tube.od)
     stiffness = wall.stiffness * od / od.max() * lumps.tributary / (lumps.total / wall.lumps)
     return RK4.reach_of_vibration / float(np.sqrt((stiffness / mass)[1:].max()))
+
+
+# hole
+def _survey(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """Stations deeper than any hole: the column of depths has another unit."""
+    row, length = RANGES["depth"], ready.well.length
+    if scene.well.survey is not None and not row.holds(length):
+        text = (
+            f"{scene.well.survey.file}: the last station stands at {sized(length, 'm')}, and {in_range(row)} is plausible "
+            "for a depth; check the unit of the column md, or give it as `md:`"
+        )
+        yield "well.survey", text
 
 
 # pipe
@@ -509,8 +521,8 @@ def _finer(scene: DrillstringScene, well: Wellbore, now: int) -> str:
 
 
 CHECKS: tuple[Check, ...] = (
-    _steps, _floating, soft_wall, _friction, _block, _casing, _yielding, _weight_on_bit, _torque_on_bit, _penetration,
-    _sticking, _chatter, _buckling, _mesh,
+    _steps, _survey, _floating, soft_wall, _friction, _block, _casing, _yielding, _weight_on_bit, _torque_on_bit,
+    _penetration, _sticking, _chatter, _buckling, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
 

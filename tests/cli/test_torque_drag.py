@@ -385,8 +385,8 @@ def test_load_that_no_equilibrium_reaches_is_named(drillstring_, folder):
         (1, "-5,170,130", 2, "not below the rotary table"),
         (0, "depth [ft],pick_up [m],slack_off [kip]", 1, "is not a unit like N"),
         (0, "depth [ft],up,down", 1, "pick_up"),
-        (0, "depth,pick_up [kip],slack_off [kip]", 1, "the column 'depth' has no unit"),
-        (0, "depth [ft],pick_up [kip],slack_off", 1, "the column 'slack_off' has no unit"),
+        (0, "depth,pick_up [kip],slack_off [kip]", 1, "depth: no unit"),
+        (0, "depth [ft],pick_up [kip],slack_off", 1, "slack_off: no unit"),
     ],
 )
 def test_bad_row_of_measured_loads_is_named_by_its_number(loads, drillstring_, row, new, line, words):

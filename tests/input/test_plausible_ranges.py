@@ -92,6 +92,18 @@ def test_a_slip_of_a_unit_is_warned_of_with_its_line_range_and_the_unit_that_was
     assert f"Was {meant}" in found.text
 
 
+def test_a_survey_whose_depths_are_those_of_no_hole_is_warned_of(tmp_path):
+    """Inches in a column that says metres; the angles turn slowly enough for any hole."""
+    rows = "\n".join(f"{39.37 * 30.0 * i:.2f},{0.1 * i:.2f},0" for i in range(60))
+    (tmp_path / "survey.csv").write_text(f"md [m],inc [deg],azi [deg]\n{rows}\n")
+    text = STRING.split("string:")
+    well = "well: {survey: {file: survey.csv, max_gap: 2 km}, diameter: 0.2 m, wall: none}\n"
+    (tmp_path / "scene.yaml").write_text(well + "string:" + text[1])
+    found = Installed().for_scene(tmp_path / "scene.yaml")
+    said = [one.text for one in found.warnings(found.read(tmp_path / "scene.yaml")) if one.where == "well.survey"]
+    assert len(said) == 1 and "check the unit of the column md" in said[0]
+
+
 def walled(text):
     scene = DrillstringScene.parse(text)
     return [SceneWarning(*one) for one in soft_wall(scene, prepared(scene))]

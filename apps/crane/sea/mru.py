@@ -8,14 +8,11 @@ surge, sway and heave are in m; angles have no default, because degrees read as 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 from scipy.interpolate import CubicSpline
 
 from crane.sea.frames import MOTIONS
@@ -23,7 +20,6 @@ from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Constant
 from tautline.scene.reading.columns import Columns
 from tautline.scene.refusal import nearest
-from tautline.scene.values.units import TABLE, UnknownUnit, read_unit
 from tautline.system.time_functions import Samples
 
 UNITS = {"t": "s", "surge": "m", "sway": "m", "heave": "m", "roll": "rad", "pitch": "rad", "yaw": "rad"}
@@ -34,9 +30,6 @@ LARGEST = {
     "roll": 0.5 * math.pi, "pitch": 0.5 * math.pi, "yaw": 2.0 * math.pi,
 }  # fmt: skip
 """What no vessel does, m and rad: the unit must be another."""
-ANGLE_WORDS = {word: "deg" for word in ("deg", "degs", "degree", "degrees")}
-ANGLE_WORDS |= {word: "rad" for word in ("rad", "rads", "radian", "radians")}
-"""Ways to write the units of an angle, in small letters."""
 FEWEST_ROWS = 4
 LONGEST_GAP = 3.0
 """Median intervals that may pass without a row, where the scene does not say."""
@@ -112,13 +105,13 @@ def read_record(path: str | Path, units: Mapping[str, str] | None = None) -> Rec
     SceneError
         If a cell is no finite number, or a column or its unit is missing.
     """
-    sheet = Sheet(path)
+    sheet = Columns(path, headed=True)
     found = sheet.find({name: (name,) for name in UNITS} | {alias: (name,) for alias, name in ALIASES.items()})
     lacking = [name for name in UNITS if (name,) not in found]
     if lacking:
         cure = "write a header such as: t [s], surge [m], sway [m], heave [m], roll [deg], pitch [deg], yaw [deg]"
         cause = "there is no such column; one of zeros will do for a motion that was not measured"
-        raise SceneError([sheet.problem(sheet.header, ", ".join(lacking), None, cause, cure)])
+        raise SceneError([sheet.problem(sheet.header_line, ", ".join(lacking), None, cause, cure)])
     asked = {ALIASES.get(name.lower(), name.lower()): unit for name, unit in (units or {}).items()}
     odd = [name for name in asked if name not in UNITS]
     if odd:
@@ -129,140 +122,10 @@ def read_record(path: str | Path, units: Mapping[str, str] | None = None) -> Rec
     for name, unit in UNITS.items():
         default = None if name in ANGLES else unit
         factors[name] = sheet.factor(found[(name,)], name, unit, asked.get(name), default)
-    columns = {name: sheet.numbers(found[(name,)], name) for name in UNITS}
+    columns = {name: sheet.numbers(found[(name,)][0], name) for name in UNITS}
     sheet.raise_if_any()
     values = {name: factors[name] * columns[name] for name in UNITS}
     return Record(sheet.path, values["t"], np.array([values[name] for name in MOTIONS]), np.array(sheet.lines))
-
-
-class Sheet:
-    """A CSV file with a header, whose faults are collected and raised as one.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Raises
-    ------
-    SceneError
-        If it cannot be read, is empty or has no header.
-    """
-
-    def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
-        self.problems: list[Problem] = []
-        try:
-            self.columns = Columns(self.path)
-        except PydanticCustomError as error:
-            said = error.context or {}
-            raise SceneError([self.problem(said.get("line"), "", None, said["cause"], said["cure"])]) from None
-        self.header = self.columns.header_line
-        self.lines = [line for line, _ in self.columns.rows]
-        if not self.columns.headed:
-            cause, cure = "the first line holds numbers where the names should be", "write a header above them"
-            raise SceneError([self.problem(self.header, "", None, cause, cure)])
-
-    def problem(self, line: int | None, key: str, value: str | None, cause: str, cure: str) -> Problem:
-        """A problem of a line, or of the file as such."""
-        return Problem(str(self.path), line, key, value, cause, cure)
-
-    def raise_if_any(self) -> None:
-        """Raise what was found, in the order of the file.
-
-        Raises
-        ------
-        SceneError
-            If anything was.
-        """
-        if self.problems:
-            raise SceneError(sorted(self.problems, key=lambda problem: problem.line or 0))
-
-    def find(self, names: Mapping[str, tuple[str, ...]]) -> dict[tuple[str, ...], tuple[int, str]]:
-        """Column and unit (empty for none) of every meaning, by the words of its header.
-
-        Parameters
-        ----------
-        names : mapping
-            From a header in small letters, its words joined by a space, to what it means.
-
-        Raises
-        ------
-        SceneError
-            If two columns mean the same.
-        """
-        found: dict[tuple[str, ...], tuple[int, str]] = {}
-        for place, (title, bracketed) in enumerate(zip(self.columns.names, self.columns.units, strict=True)):
-            name, unit = _name_and_unit(title, bracketed, names)
-            if name is None:
-                continue
-            if names[name] in found:
-                cause = f"columns {found[names[name]][0] + 1} and {place + 1} are both this"
-                raise SceneError([self.problem(self.header, title, None, cause, "rename the one that is not meant")])
-            found[names[name]] = place, unit
-        return found
-
-    def factor(
-        self, column: tuple[int, str], name: str, wanted: str, asked: str | None = None, default: str | None = None
-    ) -> float:
-        """SI value of a column's unit, which the header gives, or the scene (`asked`), or else `default`."""
-        written = column[1]
-        if written and asked and written != asked:
-            cause = f"the header says {written}, and the scene says {asked}"
-            self.problems.append(self.problem(self.header, name, None, cause, "remove the wrong one"))
-            return 1.0
-        unit = written or asked or default
-        if unit is not None and unit.lower() in ANGLE_WORDS:
-            unit = ANGLE_WORDS[unit.lower()]
-        if unit is None:
-            cause = "no unit: degrees and radians would be taken for one another"
-            cure = f"write {name} [{'deg' if wanted == 'rad' else wanted}] in the header"
-            cure += f", or `units: {{{name}: deg}}` beside the file" if wanted == "rad" else ""
-            self.problems.append(self.problem(self.header, name, None, cause, cure))
-            return 1.0
-        try:
-            found = read_unit(unit)
-            cause = f"'{unit}' is not a unit like {wanted}" if found.dimension != read_unit(wanted).dimension else ""
-        except UnknownUnit as error:
-            cause = str(error)
-        if cause:
-            self.problems.append(self.problem(self.header, name, None, cause, f"write {name} [{wanted}]"))
-            return 1.0
-        return found.si(Fraction(1))
-
-    def numbers(self, column: tuple[int, str], name: str) -> np.ndarray:
-        """Cells of a column (rows,); what is no finite number is noted."""
-        values = []
-        for line, row in self.columns.rows:
-            cell = row[column[0]].strip() if column[0] < len(row) else ""
-            value = _number(cell)
-            if not math.isfinite(value):
-                cause = "is not a finite number" if cell else "the cell is empty"
-                self.problems.append(self.problem(line, name, cell[:40], cause, "give a number, or delete the row"))
-            values.append(value)
-        return np.array(values)
-
-
-def _number(cell: str) -> float:
-    """Number in a cell, with a decimal comma where the comma is no separator; nan for anything else."""
-    try:
-        return math.nan if "_" in cell else float(cell.replace(",", ".") if cell.count(",") == 1 else cell)
-    except ValueError:
-        return math.nan
-
-
-def _name_and_unit(title: str, bracketed: str, names: Mapping[str, object]) -> tuple[str | None, str]:
-    """Name and unit of a header: ``roll [deg]``, ``roll_deg``, ``roll deg``, ``RollDeg``; None if it is unknown."""
-    words = re.sub(r"[\s_.]+", " ", title).strip()
-    if words in names:
-        return words, bracketed
-    for name in sorted(names, key=len, reverse=True):
-        rest = words.removeprefix(name)
-        unit = rest.strip()
-        spaced = rest.startswith(" ") and all(part in TABLE or part == "hz" for part in unit.split("/"))
-        if words.startswith(name) and not bracketed and (spaced or unit in ("deg", "rad")):
-            return name, unit
-    return None, ""
 
 
 def _order(record: Record) -> list[Problem]:

@@ -17,9 +17,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from crane.sea.frames import GROUND, MOTIONS, Frame, boom
-from crane.sea.mru import ANGLES, Sheet, read_motions
+from crane.sea.mru import ANGLES, read_motions
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant, Harmonic, Spectrum, Sum
+from tautline.scene.reading.columns import Columns
 from tautline.system.time_functions import jonswap
 
 VESSEL, BELOW = "vessel", "ground"
@@ -171,11 +172,11 @@ def in_sea(sea: Spectrum, response: Response) -> tuple[Sum | Constant, ...]:
     energy = float((amplitude**2).sum())
     share = float((amplitude[outside] ** 2).sum()) / energy if energy > 0.0 else 0.0
     if share > OUTSIDE:
-        sheet = Sheet(response.path)
+        sheet = Columns(response.path, headed=True)
         cause = f"the table goes from {table[0]:.4g} to {table[-1]:.4g} rad/s, "
         cause += f"and {100.0 * share:.3g} % of the sea's energy lies outside"
         cure = f"add rows, {frequency[0]:.3g} to {frequency[-1]:.3g} rad/s, or check the unit of the frequency"
-        raise SceneError([sheet.problem(sheet.header, "frequency", None, cause, cure)])
+        raise SceneError([sheet.problem(sheet.header_line, "frequency", None, cause, cure)])
     motions: list[Sum | Constant] = []
     for name in MOTIONS:
         if name not in response.amplitude:
@@ -213,7 +214,7 @@ def read_response(path: str | Path, direction: float | None = None) -> Response:
         cell that is no number, a response that is negative or larger than any vessel's, a frequency that is not
         positive or given twice, fewer than two frequencies, a direction that the file does not hold.
     """
-    sheet = Sheet(path)
+    sheet = Columns(path, headed=True)
     found = _columns(sheet)
     frequency = _frequency(sheet, found)
     amplitude, phase = {}, {}
@@ -222,12 +223,12 @@ def read_response(path: str | Path, direction: float | None = None) -> Response:
             continue
         per_metre, default = ("rad/m", None) if name in ANGLES else ("m/m", "m/m")
         column = found[name, "amplitude"]
-        amplitude[name] = sheet.factor(column, name, per_metre, None, default) * sheet.numbers(column, name)
+        amplitude[name] = sheet.factor(column, name, per_metre, None, default) * sheet.numbers(column[0], name)
         _check_size(sheet, name, amplitude[name])
         how = "phase" if (name, "phase") in found else "lag"
         column = found[name, how]
         factor = sheet.factor(column, f"{name} {how}", "rad")
-        phase[name] = (1.0 if how == "phase" else -1.0) * factor * sheet.numbers(column, f"{name} {how}")
+        phase[name] = (1.0 if how == "phase" else -1.0) * factor * sheet.numbers(column[0], f"{name} {how}")
     rows = _rows_of_direction(sheet, found, direction)
     sheet.raise_if_any()
     order = rows[np.argsort(frequency[rows], kind="stable")]
@@ -241,7 +242,7 @@ def read_response(path: str | Path, direction: float | None = None) -> Response:
     )
 
 
-def _columns(sheet: Sheet) -> dict[tuple[str, ...], tuple[int, str]]:
+def _columns(sheet: Columns) -> dict[tuple[str, ...], tuple[int, str]]:
     """What each column is, all of them known and each motion with its phase."""
     names: dict[str, tuple[str, ...]] = {
         "frequency": ("frequency",),
@@ -253,34 +254,34 @@ def _columns(sheet: Sheet) -> dict[tuple[str, ...], tuple[int, str]]:
         names |= {f"{name} phase": (name, "phase"), f"{name} lag": (name, "lag")}
     found = sheet.find(names)
     known = {place for place, _ in found.values()}
-    for place, title in enumerate(sheet.columns.names):
+    for place, title in enumerate(sheet.names):
         if place not in known and title:
             cure = "write headers such as: frequency [rad/s], heave [m/m], heave phase [deg], roll [deg/m]"
-            sheet.problems.append(sheet.problem(sheet.header, title, None, "no such column", cure))
+            sheet.problems.append(sheet.problem(sheet.header_line, title, None, "no such column", cure))
     motions = [name for name in MOTIONS if (name, "amplitude") in found]
     if not motions:
         cure = "add columns such as heave [m/m] and heave phase [deg]"
-        sheet.problems.append(sheet.problem(sheet.header, "", None, "there is no motion", cure))
+        sheet.problems.append(sheet.problem(sheet.header_line, "", None, "there is no motion", cure))
     for name in MOTIONS:
         phases = [how for how in ("phase", "lag") if (name, how) in found]
         if (name in motions) != (len(phases) == 1):
             cause = "has no column of its phase" if name in motions and not phases else "has no column of its amplitude"
             cause = "has a phase and a lag" if len(phases) == 2 else cause
             cure = f"give the two columns {name} and {name} phase [deg]"
-            sheet.problems.append(sheet.problem(sheet.header, name, None, cause, cure))
+            sheet.problems.append(sheet.problem(sheet.header_line, name, None, cause, cure))
     if (("frequency",) in found) == (("period",) in found):
         cure = "give one of frequency [rad/s], frequency [Hz] and period [s]"
         cause = "is given together with period" if ("period",) in found else "there is no such column"
-        sheet.problems.append(sheet.problem(sheet.header, "frequency", None, cause, cure))
+        sheet.problems.append(sheet.problem(sheet.header_line, "frequency", None, cause, cure))
     sheet.raise_if_any()
     return found
 
 
-def _frequency(sheet: Sheet, found: Mapping[tuple[str, ...], tuple[int, str]]) -> np.ndarray:
+def _frequency(sheet: Columns, found: Mapping[tuple[str, ...], tuple[int, str]]) -> np.ndarray:
     """Frequency of each row, rad/s."""
     name = "period" if ("period",) in found else "frequency"
     column = found[(name,)]
-    values = sheet.numbers(column, name)
+    values = sheet.numbers(column[0], name)
     for line, value in zip(sheet.lines, values, strict=True):
         if value <= 0.0:
             sheet.problems.append(sheet.problem(line, name, f"{value:g}", "is not positive", "give one above zero"))
@@ -292,12 +293,12 @@ def _frequency(sheet: Sheet, found: Mapping[tuple[str, ...], tuple[int, str]]) -
     if unit not in FREQUENCY_UNITS:
         cause = f"'{column[1]}' is not a unit of frequency" if unit else "no unit: rad/s or Hz?"
         sheet.problems.append(
-            sheet.problem(sheet.header, name, None, cause, "write frequency [rad/s] or frequency [Hz]")
+            sheet.problem(sheet.header_line, name, None, cause, "write frequency [rad/s] or frequency [Hz]")
         )
     return FREQUENCY_UNITS.get(unit, 1.0) * values
 
 
-def _check_size(sheet: Sheet, name: str, amplitude: np.ndarray) -> None:
+def _check_size(sheet: Columns, name: str, amplitude: np.ndarray) -> None:
     """Note responses that are negative, or so large that the unit must be another; one a column."""
     angle = name in ANGLES
     for wrong, cause, cure in (
@@ -311,17 +312,17 @@ def _check_size(sheet: Sheet, name: str, amplitude: np.ndarray) -> None:
 
 
 def _rows_of_direction(
-    sheet: Sheet, found: Mapping[tuple[str, ...], tuple[int, str]], direction: float | None
+    sheet: Columns, found: Mapping[tuple[str, ...], tuple[int, str]], direction: float | None
 ) -> np.ndarray:
     """Rows of the direction asked for; all of a file that has no directions."""
     everything = np.arange(len(sheet.lines))
     if ("direction",) not in found:
         if direction is not None:
             cure = "remove `direction:`, or name a file that has the column direction [deg]"
-            sheet.problems.append(sheet.problem(sheet.header, "direction", None, "there is no such column", cure))
+            sheet.problems.append(sheet.problem(sheet.header_line, "direction", None, "there is no such column", cure))
         return everything
     column = found[("direction",)]
-    held = sheet.factor(column, "direction", "rad") * sheet.numbers(column, "direction")
+    held = sheet.factor(column, "direction", "rad") * sheet.numbers(column[0], "direction")
     directions = np.unique(held[np.isfinite(held)])
     if direction is None and directions.size == 1:
         return everything
@@ -330,11 +331,11 @@ def _rows_of_direction(
         listed = ", ".join(f"{math.degrees(x):.5g}" for x in directions[:12])
         cause = "none is asked for" if direction is None else f"{math.degrees(direction):.5g} deg is not in the file"
         cure = f"give `direction:` beside `rao:`, one of {listed} deg"
-        sheet.problems.append(sheet.problem(sheet.header, "direction", None, cause, cure))
+        sheet.problems.append(sheet.problem(sheet.header_line, "direction", None, cause, cure))
     return rows
 
 
-def _check_frequencies(sheet: Sheet, frequency: np.ndarray, order: np.ndarray) -> None:
+def _check_frequencies(sheet: Columns, frequency: np.ndarray, order: np.ndarray) -> None:
     """Note a table of one frequency, and frequencies that it has twice."""
     if order.size < 2:
         cause, cure = f"{order.size} row of frequencies is no table", "give two at least"

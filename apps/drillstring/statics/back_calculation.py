@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 from scipy.optimize import least_squares
 
 from drillstring.scene.scene import DrillstringScene
@@ -98,21 +97,14 @@ def read_measured(path: Path, block: float = 0.0) -> Measured:
     SceneError
         Naming the file, the row and what is wrong with it.
     """
-    try:
-        columns = Columns(path)
-        wanted = [name for name in ("depth", *LOADS) if name == "depth" or _has(columns, name)]
-        if wanted == ["depth"]:
-            raise columns.refuse(
-                columns.header_line, "there is neither a column 'pick_up' nor 'slack_off'", "name them in the header"
-            )
-        values = {name: _column(columns, name) for name in wanted}
-    except PydanticCustomError as error:
-        said = error.context or {}
-        line = said.get("line")
-        raise SceneError(
-            [Problem(str(path), int(line) if line else None, "", None, str(said["cause"]), str(said["cure"]))]
-        ) from None
-    lines = np.array([line for line, _ in columns.rows])
+    columns = Columns(path)
+    wanted = [name for name in ("depth", *LOADS) if name == "depth" or _has(columns, name)]
+    if wanted == ["depth"]:
+        cause = "there is neither a column 'pick_up' nor 'slack_off'"
+        columns.stop(columns.header_line, "pick_up, slack_off", None, cause, "name them in the header")
+    values = {name: _column(columns, name) for name in wanted}
+    columns.raise_if_any()
+    lines = np.array(columns.lines)
     none = np.full(lines.size, np.nan)
     up, down = (values.get(name, none) for name in LOADS)
     measured = Measured(values["depth"], up - block, down - block, lines)
@@ -127,20 +119,13 @@ def _has(columns: Columns, name: str) -> bool:
 def _column(columns: Columns, name: str) -> np.ndarray:
     """A column in SI, with NaN for empty cells of loads."""
     at = columns.index(COLUMNS[name])
-    if not columns.units[at]:
-        # Hook loads come in kN, t, kip and klbf, depths in m and ft, and a guess would fit a factor all the same.
-        example = {"m": "m", "N": "kN"}[UNITS[name]]
-        cure = f"write the header as {name} [{example}], or with the unit that it is"
-        raise columns.refuse(columns.header_line, f"the column '{columns.names[at]}' has no unit", cure)
-    every = columns.rows
-    filled = [k for k, (_, row) in enumerate(every) if name == "depth" or (at < len(row) and row[at].strip())]
-    found = np.full(len(every), np.nan)
-    columns.rows = [every[k] for k in filled]
-    try:
-        found[filled] = columns.values(at, UNITS[name])
-    finally:
-        columns.rows = every
-    return found
+    # Hook loads come in kN, t, kip and klbf, depths in m and ft, and a guess would fit a factor all the same.
+    factor = columns.factor((at, columns.units[at]), name, UNITS[name])
+    found = []
+    for line, row in columns.rows:
+        cell = row[at] if at < len(row) else ""
+        found.append(columns.number(line, name, cell) if cell or name == "depth" else np.nan)
+    return factor * np.array(found)
 
 
 def _check(path: Path, measured: Measured, block: float) -> None:

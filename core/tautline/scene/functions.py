@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetCoreSchemaHandler, TypeAdapter, ValidationInfo, create_model, model_validator
 from pydantic_core import CoreSchema, core_schema
 
+from tautline.scene.errors import SceneError
 from tautline.scene.model import Branch, Model, OneOf, Whole, word
 from tautline.scene.reading.columns import Columns
 from tautline.scene.reading.files import FileName
@@ -172,12 +173,17 @@ def _from_file(data: Any, info: ValidationInfo, unit: str) -> Any:
     if data.get("time") is not None or data.get("value") is not None:
         raise fault("file", "is given together with time and value", "keep the file, or the lists")
     folder = (info.context or {}).get("folder", Path())
-    columns = Columns(Path(folder) / data["file"])
-    time = columns.index(("time", "t"), otherwise=0)
-    asked = data.get("column")
-    other = 1 if time == 0 else 0
-    value = columns.index((asked,)) if isinstance(asked, str) else columns.index(("value",), otherwise=other)
-    return data | {"time": list(columns.values(time, "s")), "value": list(columns.values(value, unit))}
+    try:
+        columns = Columns(Path(folder) / data["file"])
+        time = columns.index(("time", "t"), otherwise=0)
+        asked = data.get("column")
+        other = 1 if time == 0 else 0
+        value = columns.index((asked,)) if isinstance(asked, str) else columns.index(("value",), otherwise=other)
+        return data | {"time": list(columns.values(time, "s")), "value": list(columns.values(value, unit))}
+    except SceneError as error:
+        first = error.problems[0]
+        words = f"{first.value} in {first.key} {first.cause}" if first.value is not None else first.cause
+        raise refusal(words, first.cure, file=first.file, line=first.line) from None
 
 
 @functools.cache

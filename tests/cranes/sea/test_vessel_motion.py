@@ -129,7 +129,7 @@ def column(name, factor):
 FAULTS = {
     "a gap": (without(100, 105), 100, "t", "no row in the 0.7 s before (gap is 0.3 s)"),
     "not a number": (replaced(50, ", ", ", nan, "), 50, "surge", "is not a finite number"),
-    "a word": (replaced(51, "4.9", "four"), 51, "t", "is not a finite number"),
+    "a word": (replaced(51, "4.9", "four"), 51, "t", "is not a number"),
     "a row cut short": (lambda lines: [*lines[:9], "0.8, 1.0", *lines[10:]], 10, "sway", "the cell is empty"),
     "a time twice": (replaced(33, "3.1", "3"), 33, "t", "the same time as line 32"),
     "out of order": (replaced(33, "3.1", "1.1"), 33, "t", "earlier than line 32"),
@@ -279,7 +279,7 @@ FAULTY_TABLES = {
     "a frequency twice": (PLAIN, ["0.2, 1, 0", "4, 1, 0", "0.2, 1, 0"], 4, "the same frequency as line 2"),
     "a frequency of zero": (PLAIN, ["0, 1, 0", "4, 1, 0"], 2, "is not positive"),
     "one row": (PLAIN, ["0.2, 1, 0"], 2, "no table"),
-    "no number": (PLAIN, ["0.2, 1, 0", "4, one, 0"], 3, "is not a finite number"),
+    "no number": (PLAIN, ["0.2, 1, 0", "4, one, 0"], 3, "is not a number"),
 }  # fmt: skip
 
 

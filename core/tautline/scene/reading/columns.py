@@ -1,159 +1,281 @@
-"""Columns of numbers from a CSV file, by header, with units in the header or without."""
+"""Columns of numbers from a CSV file: one reader for tables, surveys, records of motion, and measured loads.
+
+Comma, semicolon or tab stand between cells; decimal commas where the comma is no separator. Lines that begin with ``#``
+and lines without any cell are passed over. Units stand in the header: ``md [ft]``, ``roll (deg)``, ``roll_deg``,
+``RollDeg``. All faults of a file are collected, and raised together by the lines that they stand on.
+"""
 
 from __future__ import annotations
 
 import csv
 import math
 import re
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
+from typing import NoReturn
 
-from pydantic_core import PydanticCustomError
+import numpy as np
 
-from tautline.scene.errors import SceneError
+from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.text import decode
-from tautline.scene.refusal import nearest, refusal
+from tautline.scene.refusal import nearest
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE
-from tautline.scene.values.units import Uncounted, Unit, UnknownUnit, converted, read_unit
+from tautline.scene.values.units import TABLE, Uncounted, UnknownUnit, converted, read_unit
 
 LARGEST_TABLE = 200_000_000
-HEADER = re.compile(r"\s*(?P<name>[^\[(,;]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*")
+"""Bytes of a file, where its reader does not say."""
+MOST_FAULTS = 1000
+"""Faults that are collected before a file is given up."""
+HEADER = re.compile(r"\s*(?P<name>[^\[(]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+WORDS = {
+    "°": "deg", "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "dega": "deg",
+    "rad": "rad", "rads": "rad", "radian": "rad", "radians": "rad", "grad": "gon", "hz": "Hz",
+    "meter": "m", "meters": "m", "metre": "m", "metres": "m", "mkb": "m",
+    "ftkb": "ft", "us ft": "usft", "ftus": "usft", "survey ft": "usft",
+}  # fmt: skip
+"""Ways to write units in headers, in small letters; `ftKB` and `mKB` count from the kelly bushing."""
 
 
 class Columns:
-    """The columns of a CSV file.
-
-    Separators are commas, semicolons or tabs; lines that begin with ``#`` are skipped; headers are ``time``,
-    ``time [s]`` or ``time (s)``. A file without a header has columns without names.
+    """A CSV file as columns.
 
     Parameters
     ----------
-    path : Path
-        The file.
+    path : str or Path
+    largest : int
+        Bytes that it may have.
+    headed : bool
+        Whether it must have a header; a file without one has columns without names.
+
+    Attributes
+    ----------
+    titles, names, units : list of str
+        Of each column: the cell of the header, its name in small letters, its unit; empty where there is none.
+    rows : list of (line, cells)
+    header_line : int
+    problems : list of Problem
+        Faults found so far.
 
     Raises
     ------
-    PydanticCustomError
-        Naming the file and the line at fault.
+    SceneError
+        If there is no such file, or it is too large, empty, no text, or lacks its header.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        rows = self._rows()
-        first_line, first = rows[0]
-        self.headed = not all(_is_number(cell) for cell in first)
-        heads = [HEADER.fullmatch(cell) for cell in first] if self.headed else []
-        self.names = [head["name"].lower() if head else "" for head in heads] or [""] * len(first)
-        self.units = [(head["unit"] or "") if head else "" for head in heads] or [""] * len(first)
+    def __init__(self, path: str | Path, largest: int = LARGEST_TABLE, headed: bool = False) -> None:
+        self.path = Path(path)
+        self.problems: list[Problem] = []
+        rows = self._read(largest)
+        self.header_line, first = rows[0]
+        self.headed = not all(_is_number(cell) for cell in first if cell)
+        if headed and not self.headed:
+            cause, cure = "the first line holds numbers where the names should be", "write a header above them"
+            self.stop(self.header_line, "", None, cause, cure)
+        self.titles = first if self.headed else [""] * len(first)
+        heads = [HEADER.fullmatch(cell) for cell in self.titles]
+        self.names = [head["name"].lower() if head else "" for head in heads]
+        self.units = [(head["unit"] or "") if head else "" for head in heads]
         self.rows = rows[1:] if self.headed else rows
-        self.header_line = first_line
         if not self.rows:
-            raise self.refuse(first_line, "holds a header and no rows", "add rows of numbers")
+            self.stop(self.header_line, "", None, "holds a header and no rows", "add rows of numbers")
 
-    def refuse(self, line: int | None, cause: str, cure: str) -> Exception:
-        """Error at a line of this file."""
-        return refusal(cause, cure, file=str(self.path), line=line)
+    # faults
+    def problem(self, line: int | None, key: str, value: str | None, cause: str, cure: str) -> Problem:
+        """A problem of a line, or of the file as such."""
+        return Problem(str(self.path), line, key, value, cause, cure)
 
-    def _rows(self) -> list[tuple[int, list[str]]]:
+    def add(self, line: int | None, key: str, value: str | None, cause: str, cure: str) -> None:
+        """Note a problem and read on; raises SceneError where there are too many."""
+        self.problems.append(self.problem(line, key, value, cause, cure))
+        if len(self.problems) >= MOST_FAULTS:
+            self.raise_if_any()
+
+    def stop(self, line: int | None, key: str, value: str | None, cause: str, cure: str) -> NoReturn:
+        """Raise SceneError with this problem after those already found."""
+        raise SceneError([*self.problems, self.problem(line, key, value, cause, cure)])
+
+    def raise_if_any(self) -> None:
+        """Raise SceneError with what was found, in the order of the file."""
+        if self.problems:
+            raise SceneError(sorted(self.problems, key=lambda problem: problem.line or 0))
+
+    # the file
+    def _read(self, largest: int) -> list[tuple[int, list[str]]]:
         try:
             if not self.path.is_file():
-                raise self.refuse(None, "there is no such file", "check the name: it is relative to the scene's folder")
-            if self.path.stat().st_size > LARGEST_TABLE:
-                raise self.refuse(None, f"is over {LARGEST_TABLE / 1e6:.0f} MB", "thin it out")
-            text = decode(self.path.read_bytes(), self.path)
-        except PydanticCustomError:
-            raise
-        except SceneError as error:
-            problem = error.problems[0]
-            raise self.refuse(problem.line, problem.cause, problem.cure) from None
+                what = "is a folder, not a file" if self.path.is_dir() else "there is no such file"
+                self.stop(None, "", None, what, "check the path: it is relative to the scene's folder")
+            if (size := self.path.stat().st_size) > largest:
+                cause = f"is {size / 1e6:.0f} MB long, and {largest / 1e6:.0f} MB are the most"
+                self.stop(None, "", None, cause, "keep only the rows that are needed")
+            text = decode(self.path.read_bytes(), self.path, legacy=True)
         except (OSError, ValueError) as error:
-            raise self.refuse(None, f"cannot be read: {error}", "check the name and its permissions") from None
-        lines = [(i, s) for i, s in enumerate(text.splitlines(), 1) if s.strip() and not s.lstrip().startswith("#")]
+            cause = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+            self.stop(None, "", None, cause, "check the path and its permissions")
+        if not text.strip():
+            self.stop(None, "", None, "is empty", "write a header and rows of numbers into it")
+        lines = [(i, s) for i, s in enumerate(text.splitlines(), 1) if s.strip(" \t;,\x1a") and s.lstrip()[0] != "#"]
         if not lines:
-            raise self.refuse(None, "is empty", "add rows of numbers")
-        separator = next((mark for mark in ("\t", ";", ",") if mark in lines[0][1]), ",")
+            self.stop(None, "", None, "holds only comments", "write a header and rows of numbers into it")
+        self.separator = next((mark for mark in "\t;," if mark in lines[0][1]), ",")
+        return [(i, self._cells(i, s)) for i, s in lines]
+
+    def _cells(self, line: int, text: str) -> list[str]:
+        if '"' not in text:
+            return [cell.strip() for cell in text.split(self.separator)]
+        # Line by line, so that a quote left open spoils one line, and line numbers are the file's.
         try:
-            cells = csv.reader((s for _, s in lines), delimiter=separator, strict=False)
-            return [(i, row) for (i, _), row in zip(lines, cells, strict=False)]
+            cells = next(csv.reader([text], delimiter=self.separator, skipinitialspace=True))
         except csv.Error as error:
-            raise self.refuse(None, f"is not a CSV file: {error}", "write plain rows of numbers") from None
+            self.stop(line, "row", text[:40], str(error), "write plain numbers, one cell to a column")
+        return [cell.strip() for cell in cells]
 
-    def index(self, names: tuple[str, ...], otherwise: int | None = None) -> int:
-        """Find the column of one of these names; `otherwise` is used if none has it.
+    @property
+    def lines(self) -> list[int]:
+        """Line of the file that each row stands on."""
+        return [line for line, _ in self.rows]
 
-        Raises
-        ------
-        PydanticCustomError
-            If there is no such column.
-        """
+    # columns by name
+    def index(self, names: Sequence[str], otherwise: int | None = None) -> int:
+        """Find the column of one of these names; `otherwise` is used if none has it; raises SceneError."""
         for name in names:
             if name.lower() in self.names:
                 return self.names.index(name.lower())
         if otherwise is not None and otherwise < len(self.names):
             return otherwise
         cure = f"name it in the header; {nearest(names[0], [n for n in self.names if n])}"
-        raise self.refuse(self.header_line, f"there is no column '{names[0]}'", cure)
+        self.stop(self.header_line, names[0], None, f"there is no column '{names[0]}'", cure)
 
-    def values(self, column: int, unit: str) -> tuple[float, ...]:
-        """Return a column in SI.
+    def find(self, names: Mapping[str, tuple[str, ...]]) -> dict[tuple[str, ...], tuple[int, str]]:
+        """Column and unit (empty for none) of every meaning, by the words of its header.
 
         Parameters
         ----------
-        column : int
-            Its index.
-        unit : str
-            The SI unit wanted; what stands in the header is converted to it.
+        names : mapping
+            From a header in small letters, its words joined by a space, to what it means.
 
         Raises
         ------
-        PydanticCustomError
-            If a cell is no finite number, or the header's unit is another quantity's.
+        SceneError
+            If two columns mean the same.
         """
-        scale = self._scale(column, unit)
-        values = []
-        for line, row in self.rows:
-            cell = row[column].strip() if column < len(row) else ""
-            try:
-                value = float(cell)
-            except ValueError:
-                value = math.nan
-            if not math.isfinite(value) or "_" in cell:
-                shown = f"'{cell}'" if cell else "an empty cell"
-                raise self.refuse(line, f"{shown} in column {column + 1} is not a finite number", "give a number")
-            values.append(value)
-        factor = scale.si(Fraction(1))
-        if factor != 1.0:
-            values = [value * factor for value in values]
-        if (largest := max(values, key=abs)) and abs(largest) > LARGEST:
-            line, row = self.rows[values.index(largest)]
-            cause, cure = OUTSIDE
-            raise self.refuse(line, f"'{row[column].strip()}' in column {column + 1} {cause}", cure)
-        return tuple(values)
+        found: dict[tuple[str, ...], tuple[int, str]] = {}
+        for place, (title, bracketed) in enumerate(zip(self.names, self.units, strict=True)):
+            name, unit = _name_and_unit(title, bracketed, names)
+            if name is None:
+                continue
+            if names[name] in found:
+                cause = f"columns {found[names[name]][0] + 1} and {place + 1} are both this"
+                self.stop(self.header_line, title, None, cause, "rename the one that is not meant")
+            found[names[name]] = place, unit
+        return found
 
-    def _scale(self, column: int, unit: str) -> Unit:
-        wanted = read_unit(unit) if unit else read_unit("m/m")
-        written = self.units[column]
-        if not written:
-            return wanted
+    # numbers
+    def factor(
+        self, column: tuple[int, str], name: str, wanted: str, asked: str | None = None, default: str | None = None
+    ) -> float:
+        """SI value of a column's unit, which the header gives, or the scene (`asked`), or else `default`.
+
+        What is missing, contradictory or another quantity's is noted.
+        """
+        written = column[1]
+        if written and asked and unit_named(written) != unit_named(asked):
+            cause = f"two units: the header says {written}, and the scene says {asked}"
+            self.add(self.header_line, name, None, cause, "remove the wrong one")
+            return 1.0
+        unit = unit_named(written or asked or default or "")
+        if not unit and wanted and not (written or asked or default):
+            cause = "no unit: degrees and radians would be taken for one another" if wanted == "rad" else "no unit"
+            example = {"rad": "deg", "N": "kN"}.get(wanted, wanted)
+            cure = f"write {name} [{example}] in the header"
+            cure += f", or `units: {{{name}: deg}}` beside the file" if wanted == "rad" else ""
+            self.add(self.header_line, name, None, cause, cure)
+            return 1.0
         try:
-            found = read_unit(written)
-        except UnknownUnit as error:
-            raise self.refuse(
-                self.header_line, str(error), f"write the header as {self.names[column]} [{unit}]"
-            ) from None
-        if found.dimension != wanted.dimension:
-            cause = f"'{written}' in the header of column {column + 1} is not a unit like {unit}"
-            raise self.refuse(self.header_line, cause, f"write the header as {self.names[column]} [{unit}]")
+            found, meant = read_unit(unit), read_unit(wanted or "%")
+            cause = f"'{unit}' is not a unit like {wanted}" if found.dimension != meant.dimension else ""
+            factor = 1.0 if cause else converted(found, meant).si(Fraction(1))
+        except (UnknownUnit, Uncounted) as error:
+            cause = f"'{unit}' {error}" if isinstance(error, Uncounted) else str(error)
+        if cause:
+            self.add(self.header_line, name, None, cause, f"write {name} [{wanted}]")
+            return 1.0
+        return factor
+
+    def numbers(self, place: int, name: str, missing: str = "fill it in, or delete the row") -> np.ndarray:
+        """Cells of a column (rows,); nan for no finite number, which is noted. `missing` cures an empty cell."""
         try:
-            return converted(found, wanted)
-        except Uncounted as error:
-            cause = f"'{written}' in the header of column {column + 1} {error}"
-            raise self.refuse(self.header_line, cause, f"write the header as {self.names[column]} [{unit}]") from None
+            values = np.array([float(row[place]) for _, row in self.rows])
+            if np.isfinite(values).all() and not any("_" in row[place] for _, row in self.rows):
+                return values
+        except (IndexError, ValueError):
+            pass
+        return np.array([self.number(line, name, _cell(row, place), missing) for line, row in self.rows])
+
+    def number(self, line: int, name: str, cell: str, missing: str = "fill it in, or delete the row") -> float:
+        """Number in a cell; nan for anything else, which is noted."""
+        plain = cell.replace(",", ".") if self.separator != "," and cell.count(",") == 1 else cell
+        if not cell:
+            self.add(line, name, "", "the cell is empty", missing)
+        elif cell.lower().lstrip("+-") in ("nan", "inf", "infinity") or (
+            NUMBER.fullmatch(plain) and not math.isfinite(float(plain))
+        ):
+            self.add(line, name, cell[:40], "is not a finite number", "give the value, or delete the row")
+        elif not NUMBER.fullmatch(plain):
+            self.add(line, name, cell[:40], "is not a number", "write plain numbers, without units or thousands' marks")
+        else:
+            return float(plain)
+        return math.nan
+
+    def values(self, place: int, unit: str) -> tuple[float, ...]:
+        """A column in SI, `unit` where the header has none; raises SceneError for what is wrong with it."""
+        name = self.names[place] or f"column {place + 1}"
+        factor = self.factor((place, self.units[place]), name, unit, default=unit or "m/m")
+        values = self.numbers(place, name)
+        self.raise_if_any()
+        if factor != 1.0:
+            values = values * factor
+        if values.size and abs(largest := values[np.abs(values).argmax()]) > LARGEST:
+            line, row = self.rows[int(np.flatnonzero(values == largest)[0])]
+            self.stop(line, name, row[place], *OUTSIDE)
+        return tuple(float(value) for value in values)
+
+
+def _cell(row: list[str], place: int) -> str:
+    return row[place] if place < len(row) else ""
+
+
+def unit_named(text: str) -> str:
+    """A unit as the table of units writes it: ``Degrees`` -> ``deg``."""
+    plain = text.strip()
+    return WORDS.get(plain.lower(), plain)
+
+
+def is_unit(text: str, like: str, known: Callable[[str], bool] = TABLE.__contains__) -> bool:
+    """Whether a word is a unit of the same dimension as another; no library is asked."""
+    name = unit_named(text.lower())
+    return (known(name) or name == "gon") and read_unit(name).dimension == read_unit(like).dimension
 
 
 def _is_number(cell: str) -> bool:
     try:
-        float(cell)
+        float(cell.replace(",", "."))
     except ValueError:
         return False
     return True
+
+
+def _name_and_unit(title: str, bracketed: str, names: Mapping[str, object]) -> tuple[str | None, str]:
+    """Name and unit of a header: ``roll [deg]``, ``roll_deg``, ``roll deg``, ``RollDeg``; None if it is unknown."""
+    words = re.sub(r"[\s_.]+", " ", title).strip()
+    if words in names:
+        return words, bracketed
+    for name in sorted(names, key=len, reverse=True):
+        rest = words.removeprefix(name)
+        unit = rest.strip()
+        spaced = rest.startswith(" ") and all(part in TABLE or part == "hz" for part in unit.split("/"))
+        if words.startswith(name) and not bracketed and (spaced or unit in ("deg", "rad")):
+            return name, unit
+    return None, ""

@@ -52,8 +52,8 @@ def _neighbour(path: Path) -> str:
     return f"did you mean {path.parent / close[0]}?" if close else "check the name"
 
 
-def decode(data: bytes, path: Path) -> str:
-    """Decode a file's bytes.
+def decode(data: bytes, path: Path, legacy: bool = False) -> str:
+    """Decode a file's bytes; `legacy`: what is not UTF-8 and has no zero byte is Windows-1252, as instruments write it.
 
     Raises
     ------
@@ -67,6 +67,8 @@ def decode(data: bytes, path: Path) -> str:
     try:
         text = data.decode(encoding)
     except UnicodeDecodeError as error:
+        if legacy and encoding == "utf-8" and b"\0" not in data:
+            return data.decode("cp1252", errors="replace")
         at, cause = error.start, f"byte {error.start + 1} is not {encoding.upper().removesuffix('-SIG')} text"
     else:
         if encoding == "utf-8" and b"\0" in data:
