@@ -134,8 +134,8 @@ def _survey(scene: DrillstringScene, ready: Prepared) -> Sentences:
     row, length = RANGES["depth"], ready.well.length
     if scene.well.survey is not None and not row.holds(length):
         text = (
-            f"{scene.well.survey.file}: the last station stands at {sized(length, 'm')}, and {in_range(row)} is plausible "
-            "for a depth; check the unit of the column md, or give it as `md:`"
+            f"{scene.well.survey.file}: the last station stands at {sized(length, 'm')}, and {in_range(row)} is "
+            "plausible for a depth; check the unit of the column md, or give it as `md:`"
         )
         yield "well.survey", text
 
