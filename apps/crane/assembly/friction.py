@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.layout import Layout
-from crane.groups.slip import BEARING, CAPSTAN, EFFICIENCY, NONE, TORQUE
+from crane.groups.capstan_friction import BEARING, CAPSTAN, EFFICIENCY, NONE, TORQUE
 from crane.groups.span import STATION, Spans
 from crane.scene.scene import Drum, Efficiency, Sheave
 from tautline.scene.functions import Constant, FunctionOfTime, Ramp

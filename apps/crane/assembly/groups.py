@@ -17,10 +17,10 @@ from crane.geometry.line import POINT
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.arcs import Arcs, new_arcs
 from crane.groups.bends import Bends, new_bends, stencils
+from crane.groups.capstan_friction import SLIP, Slips
 from crane.groups.hydrodynamics import WET, Wet, new_wet
 from crane.groups.masses import BODY, Bodies, Rims, Springs
 from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
-from crane.groups.slip import SLIP, Slips
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
 from crane.groups.span import BETWEEN, SPAN, STATION, Spans, new_spans
 from crane.groups.winch import DRUM, Drums, Supplies

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from crane.assembly.layout import AXES, Layout
-from crane.groups.slip import TORQUE, Slips
+from crane.groups.capstan_friction import TORQUE, Slips
 from crane.groups.span import Spans
 from crane.groups.winch import Drums, Supplies
 from crane.scene.bodies import XYZ

@@ -9,8 +9,8 @@ import numpy as np
 
 from crane.assembly.layout import Layout
 from crane.geometry.quaternion import QUATERNION
+from crane.groups.capstan_friction import BEARING, NONE, Slips
 from crane.groups.layers import Wound
-from crane.groups.slip import BEARING, NONE, Slips
 from crane.groups.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH
 from crane.groups.winch import Drums
 from crane.scene.scene import Drum, Sheave

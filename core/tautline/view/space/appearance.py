@@ -37,7 +37,7 @@ class Look:
         Factor on what lies across a slender thing: sag, offset in a hole. None for what the application finds
         readable, which the picture then says.
     units : str
-        Of legends and scales: ``si``, or ``field`` for the oilfield's, where the application knows them.
+        Of legends and scales: ``si``, ``metric`` or ``field``.
     """
 
     view: str = ""
@@ -215,7 +215,7 @@ class Appearance:
     source : (frames,) array of int or None
         Frames of the result that these are; None for all of them.
     units : str
-        Of what legends say, ``si`` or ``field``; quantities themselves are in SI.
+        Of what legends say: ``si``, ``metric`` or ``field``; quantities themselves are in SI.
 
     Names of lines, solids and arrows differ; those that differ by a number at the end are of one kind.
     """
