@@ -20,6 +20,7 @@ from crane.sea.compensation import Compensation
 from tautline.kernels.time_function import sample
 from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
+from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
 from tautline.system.time_functions import Samples, compile_functions
 
@@ -421,16 +422,18 @@ def figures(scene: CraneScene) -> dict[str, Any]:
         "fleet_angles": [{"sheave": items[i].name, "angle": fleet_angle(found, i)} for i in sheaves],
         "path_length": path.length,
         "damping": {"largest": max(damping_of(scene, path)), "given": scene.rope.damping is not None},
+        "printed_in": scene.units,
     }
 
 
 def describe(found: dict[str, Any]) -> list[tuple[str, str]]:
-    """Rows of a table for people, of what `figures` found."""
-    rows = [(f"{span['from']} to {span['to']}", f"{span['length']:.4g} m") for span in found["spans"]]
+    """Rows of a table for people, of what `figures` found, in the units that the scene asks for."""
+    system = found["printed_in"]
+    rows = [(f"{span['from']} to {span['to']}", shown(span["length"], "m", system)) for span in found["spans"]]
     for wrap, fleet in zip(found["wraps"], found["fleet_angles"], strict=True):
-        angles = math.degrees(wrap["angle"]), math.degrees(fleet["angle"])
-        rows.append((f"around {wrap['sheave']}", f"{angles[0]:.4g} deg, fleet angle {angles[1]:.2g} deg"))
-    rows.append(("length of the path", f"{found['path_length']:.4g} m"))
+        angles = shown(wrap["angle"], "rad", system), shown(fleet["angle"], "rad", system, digits=2)
+        rows.append((f"around {wrap['sheave']}", f"{angles[0]}, fleet angle {angles[1]}"))
+    rows.append(("length of the path", shown(found["path_length"], "m", system)))
     if not found["damping"]["given"]:
         rows.append(("damping of the rope", f"{found['damping']['largest']:.2g} s: rope.damping is not given"))
     return rows

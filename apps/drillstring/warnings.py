@@ -538,7 +538,7 @@ def figures(scene: DrillstringScene) -> dict[str, Any]:
         "well": {
             "length": well.length,
             **{name: unrounded(float(x), well.length) for name, x in zip(("north", "east"), end[:2], strict=True)},
-            "vertical_depth": float(end[2]),
+            "vertical_depth": unrounded(float(end[2]), well.length),
             "largest_inclination": float(well.inclination(stations).max()),
             "largest_curvature": float(np.hypot(k1, k2).max()),
         },

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from crane.application import Crane
 from drillstring.application import Drillstring
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.results.result import Result
-from tautline.scene.values.printed import shown
+from tautline.scene.errors import SceneError
+from tautline.scene.values.printed import in_words, shown
 from tautline.scene.values.systems import SYSTEMS, in_system
 from tautline.scene.values.units import pint_registry
 
@@ -97,6 +99,53 @@ def test_a_figure_is_written_as_a_driller_would(value, unit, text):
 )
 def test_a_figure_in_metric_units_is_written_as_engineers_do(value, unit, text):
     assert shown(value, unit, "metric") == text
+
+
+@pytest.mark.parametrize(
+    ("text", "field"),
+    [
+        ("bending of a metre (20 to 21 m, winch)", "bending of a metre (65.62 to 68.9 ft, winch)"),
+        ("between 0.1 and 0.4 m", "between 0.3281 and 1.312 ft"),
+        ("elements of 2 x 3 m", "elements of 6.562 x 9.843 ft"),
+        ("0.001 to 0.002 m of play", "0.03937 to 0.07874 in of play"),
+        ("for 3 s and 4 m", "for 3 s and 13.12 ft"),
+        ("3 and 4 of 5 m", "3 and 4 of 16.4 ft"),
+        ("0 m, 12 rpm", "0 ft, 12 rpm"),
+    ],
+)
+def test_all_figures_of_a_range_are_converted_in_a_sentence(text, field):
+    assert in_words(text, "field") == field and in_words(text, "si") == text
+
+
+def test_the_table_of_check_of_a_crane_is_in_the_units_of_its_scene(tmp_path):
+    text = (Path(__file__).parents[2] / "data" / "hoist.yaml").read_text(encoding="utf8")
+    (tmp_path / "scene.yaml").write_text(f"units: field\n{text}", encoding="utf8")
+    crane = Crane()
+    rows = dict(crane.describe(crane.check_figures(crane.read(tmp_path / "scene.yaml"))))
+    assert all(value.endswith(" ft") for name, value in rows.items() if " to " in name or "length" in name)
+    assert rows["length of the path"].endswith(" ft")
+
+
+def test_a_refusal_is_in_the_units_of_its_scene(tmp_path):
+    text = (Path(__file__).parents[2] / "data" / "hoist.yaml").read_text(encoding="utf8")
+    (tmp_path / "scene.yaml").write_text(
+        "units: field\n" + text.replace("rope:", "rope:\n  length: 20 m", 1), encoding="utf8"
+    )
+    crane = Crane()
+    with pytest.raises(SceneError, match=r"65\.62 ft of rope are shorter than the path, which is [\d.]+ ft"):
+        crane.build(crane.read(tmp_path / "scene.yaml"))
+
+
+@pytest.mark.parametrize("units", ["metric", "field"])
+def test_a_number_that_has_one_plausible_reading_is_not_warned_of(tmp_path, units):
+    """Steel of 7850 kg/m^3 is no 7850 sg or ppg; 60 m/s as rotary speed in rad/s may be rpm."""
+    text = re.sub(r"(?m)^units: .*\n", "", FIELD_WELL)
+    assert "density" in text
+    (tmp_path / "w.yaml").write_text(f"units: {units}\n" + text.replace("density: 490 pcf", "density: 7850"))
+    for file in (Path(__file__).parents[2] / "data").glob("*.csv"):
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    string = Drillstring()
+    assert not any("density" in one.text for one in string.warnings(string.read(tmp_path / "w.yaml")))
 
 
 def test_without_a_word_about_units_figures_stay_si():

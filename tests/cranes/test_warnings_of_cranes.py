@@ -250,7 +250,7 @@ def test_the_supply_of_a_drum_is_the_integral_of_its_speed():
 
 def test_figures_are_those_that_check_promises_and_read_as_a_table():
     found = figures(falls(2))
-    assert found.keys() == {"spans", "wraps", "fleet_angles", "path_length", "damping"}
+    assert found.keys() == {"spans", "wraps", "fleet_angles", "path_length", "damping", "printed_in"}
     assert [(span["from"], span["to"]) for span in found["spans"]] == [
         ("winch", "head 1"), ("head 1", "block 1"), ("block 1", "dead end"),
     ]  # fmt: skip

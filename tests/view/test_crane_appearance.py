@@ -20,6 +20,7 @@ from crane.view.appearance import VIEWS, appearance
 from tautline.results.errors import ResultError
 from tautline.simulation import simulate
 from tautline.view.space.appearance import Look, placed
+from tautline.view.space.colours import shading
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = [ROOT / "data" / f"{name}.yaml" for name in ("hoist", "hookblock", "landing", "slewing", "sixteen_falls")]
@@ -49,6 +50,11 @@ def run(scene):
 @pytest.fixture(scope="module")
 def hoist():
     return run(crane(FALL, [PAYLOAD], rope=STIFF, solver=SHORT))
+
+
+def test_the_legend_is_in_the_units_that_are_asked_for(hoist):
+    titles = [shading(appearance(hoist, Look(units=units)), "tension").title for units in ("si", "metric", "field")]
+    assert titles == ["tension [kN]", "tension [kN]", "tension [kip]"]
 
 
 @pytest.fixture(scope="module")

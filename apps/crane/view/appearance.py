@@ -90,6 +90,7 @@ def appearance(result: Result, look: Look) -> Appearance:
         notes.append("the winch is where the scene has it: its deck is under water")
     name = result.path.stem if result.path is not None else "result"
     return Appearance(
+        units=look.units,
         title=str(result.attributes.get("title") or name),
         time=np.array(result.time),
         lines=tuple(_line(one, site, f"rope {k + 1}" if k else "rope") for k, one in enumerate(ropes)),

@@ -80,6 +80,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     path = _path(result, hose, extent)
     held, more = _held(scene, hose, extent)
     return Appearance(
+        units=look.units,
         title=str(result.attributes.get("title") or (result.path.stem if result.path else "hose")),
         time=np.asarray(result.time),
         lines=(Line("hose", points, 0.0, shown, nodes=hose.nodes), *path),

@@ -92,7 +92,9 @@ def _asks(system: str) -> Callable[[Quantity, Any, float], None]:
         if row is None:
             return
         bare = not isinstance(written, str)
-        unusual = bare and value != 0.0 and _usual_unit(row, system) is not None
+        usual = _usual_unit(row, system) if bare and value != 0.0 else None
+        other = None if usual is None else _in_unit(str(written), usual, quantity.unit)
+        unusual = other is not None and row.holds(other)
         if row.holds(value) and not unusual:
             return
         context = {"of": quantity.of, "unit": quantity.unit, "typed": str(written), "value": value, "bare": bare}

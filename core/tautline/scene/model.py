@@ -14,6 +14,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 from tautline.scene.errors import LONGEST, Problem, SceneError
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import KIND, nearest, refusal
+from tautline.scene.values.printed import in_words
 from tautline.scene.values.quantity import Quantity, suited
 
 MARK = "|"
@@ -158,7 +159,8 @@ class Scene(Model):
     def problem(self, key: str | tuple[str | int, ...], cause: str, cure: str = "") -> Problem:
         """Build a problem at a key path, for a check that needs more than the scene itself."""
         document = self._document or Document(Path("scene"), "", {}, tree=Document.parse("{}").tree)
-        return document.problem(key, cause, cure)
+        system = getattr(self, "units", "si")
+        return document.problem(key, in_words(cause, system), in_words(cure, system))
 
 
 M = TypeVar("M", bound=Model)

@@ -10,6 +10,9 @@ from tautline.scene.values.systems import SYSTEMS, in_system
 
 PREFIXED = {"N", "J", "W", "Pa", "N m", "N/m", "Hz"}
 """Units that people write with k, M or G in front; a metre or a second stays what it is."""
+FIGURE = r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+BETWEEN = r" (?:to|and|x|×|by) "
+"""A figure in a sentence, and what stands between two that have one unit."""
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "": 1.0}
 
 
@@ -74,15 +77,23 @@ def converted(value: float, word: str, system: str) -> tuple[float, str]:
 
 
 def in_words(text: str, system: str) -> str:
-    """A heading or a sentence with its figures converted: ``drill pipe at 1240 m`` -> ``drill pipe at 4068 ft``."""
+    """A heading or a sentence with its figures converted: ``drill pipe at 1240 m`` -> ``drill pipe at 4068 ft``.
+
+    Of several figures with one unit, ``0.1 to 0.4 m``, all are converted, to the unit of the largest.
+    """
     known = sorted(SYSTEMS[system], key=len, reverse=True)
     if not known:
         return text
     units = "|".join(re.escape(f"{letter}{unit}") for unit in known for letter in PREFIXES)
 
     def put(found: re.Match[str]) -> str:
-        value, unit = converted(float(found[1]), found[2], system)
+        values = [float(number) for number in re.findall(FIGURE, found[1])]
+        largest = max(values, key=abs)
+        converted_to, unit = converted(largest, found[2], system)
+        share = converted_to / largest if largest else 1.0
         # Depths of ten thousand feet and more are written out.
-        return f"{value:.0f} {unit}" if abs(value) >= 1000.0 else f"{value:.4g} {unit}"
+        written = iter(f"{x:.0f}" if abs(x) >= 1000.0 else f"{x:.4g}" for x in (share * value for value in values))
+        return f"{re.sub(FIGURE, lambda _: next(written), found[1])} {unit}"
 
-    return re.sub(rf"(?<![\w.])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?) ({units})(?![\w/²³^])", put, text)
+    pattern = rf"(?<![\w.])({FIGURE}(?:{BETWEEN}{FIGURE})*) ({units})(?![\w/²³^])"
+    return re.sub(pattern, put, text)

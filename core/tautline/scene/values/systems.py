@@ -10,6 +10,8 @@ from tautline.scene.values.units import read_unit
 SYSTEMS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "si": {},
     "metric": {
+        "m": ("m", "mm"),
+        "m^3/s": ("l/min",),
         "rad": ("deg",),
         "rad/s": ("rpm",),
         "1/m": ("deg/30 m",),
@@ -23,7 +25,8 @@ SYSTEMS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "Pa": ("MPa", "kPa"),
     },
     "field": {
-        "m": ("ft",),
+        "m": ("ft", "in"),
+        "m^3/s": ("gal/min",),
         "mm": ("in",),
         "m/s": ("ft/s",),
         "m/h": ("ft/h",),
@@ -39,11 +42,14 @@ SYSTEMS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "N m": ("kft-lbf", "ft-lbf"),
         "N/m": ("kip/ft", "lbf/ft"),
         "J": ("kft-lbf", "ft-lbf"),
+        "W": ("hp",),
         "Pa": ("ksi", "psi"),
     },
 }
 """System -> unit of a figure -> what engineers write, the largest first: a figure takes the first of which it is at
-least one. What a system does not name it leaves as it is."""
+least one (of a length, a tenth). What a system does not name it leaves as it is."""
+SHORT = 0.1
+"""Metres, or feet, below which a length is in mm, or in inches."""
 SMALL_PRESSURE = 10_000.0
 """Pressures up to so many psi are written in psi: a pump's 3500 psi is not 3.5 ksi to anyone."""
 
@@ -67,11 +73,11 @@ def in_system(value: float, unit: str, system: str) -> tuple[float, str]:
     choices = SYSTEMS[system].get(unit)
     if choices is None:
         return value, unit
-    least = SMALL_PRESSURE / 1000.0 if choices[0] == "ksi" else 1.0
+    least = SMALL_PRESSURE / 1000.0 if choices[0] == "ksi" else SHORT if unit == "m" else 1.0
     scale = read_unit(unit).si(Fraction(1))
     for name in choices:
         converted = value * scale / read_unit(name).si(Fraction(1))
-        if abs(converted) >= least or name == choices[-1]:
+        if abs(converted) >= least or name == choices[-1] or value == 0.0:
             return converted, name
     raise AssertionError("a unit without a choice")
 
