@@ -237,8 +237,8 @@ def _undamped(scene: CraneScene) -> Sentences:
     rope = scene.rope
     if rope.damping == 0.0 and rope.compression == "none" and max(scene.elements) > 1:
         text = (
-            "0: when slack rope snaps taut, its nodes ring and nothing damps them; tensions are then up to 1.5 times "
-            "too high with few elements, and so is what is said of the breaking load. Remove `damping:`, for as much "
+            "0: when slack rope snaps taut, its nodes oscillate without damping. Tensions are then up to 1.5 times too "
+            "high with few elements, and the safety factor is as much too low. Remove `damping:`, for as much "
             "as the mesh needs, or give what the rope has"
         )
         yield "rope.damping", text
@@ -355,8 +355,8 @@ def _layers(scene: CraneScene, drum: Drum) -> Sentences:
     if drum.layers is not None and drum.rope_on_drum is None:
         full = "" if drum.layers.count is None else ", and it is full as if it had begun empty"
         text = (
-            "without rope_on_drum nobody knows which layer the rope leaves from: drum_rotation and winch_torque go by "
-            f"the drum's radius{full}; give rope_on_drum, or remove layers"
+            "without rope_on_drum it is not known which layer the rope leaves from: drum_rotation and winch_torque go "
+            f"by the drum's radius{full}; give rope_on_drum, or remove layers"
         )
         yield where(scene, drum, "layers"), text
 

@@ -260,7 +260,7 @@ class Run:
             detail = (
                 f"the equilibrium that was found is unstable: the tangent has {_pivots(negative)}, as where a rope "
                 "without bending stiffness is pressed, a column carries more than Euler's load, or a load stands on "
-                f"its head; draw the scene closer to how it hangs, or take {self._other_start()}"
+                f"its head; give positions closer to those at rest, or take {self._other_start()}"
             )
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, names[worst], detail)
         places = [i for i, name in enumerate(names) if PLACE.search(name)]
@@ -285,8 +285,8 @@ class Run:
             )
         if self._starts_far:
             found.append(
-                f"the static start lies far from the drawing: {self.began['moved_most']} has moved by "
-                f"{self.began['moved']:.3g} m. Look at the first frame, and draw the scene as it hangs"
+                f"the static start lies far from the initial geometry: {self.began['moved_most']} has moved by "
+                f"{self.began['moved']:.3g} m. Look at the first frame, and give positions closer to those at rest"
             )
         return found
 

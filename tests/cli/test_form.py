@@ -128,7 +128,7 @@ def test_a_string_that_does_not_come_to_rest_ends_with_3_and_a_named_error(drill
     ("arguments", "said"),
     [
         (["missing.yaml"], "there is no such file"),
-        (["hanging.yaml", "--by", "magic"], "--by magic: is no way to bring a string to rest"),
+        (["hanging.yaml", "--by", "magic"], "--by magic: is no method of finding rest"),
         (["hanging.yaml", "--most", "100"], "given without --by relaxation"),
         (["hanging.yaml", "--elements", "ten"], "--elements ten: is no list of numbers of elements; write 10,20,50"),
         (["hanging.yaml", "--elements", ""], "is no list of numbers of elements"),

@@ -65,7 +65,7 @@ def test_a_rope_drawn_far_from_its_shape_hangs_as_a_catenary(drawn, linear):
     assert force.min() == pytest.approx(horizontal, rel=0.02) and horizontal == pytest.approx(895.0, abs=1.0)
     assert force.max() < np.hypot(*exact.end_forces[0]) * 1.001
     assert result.attributes["start"]["stable"]
-    assert any("far from the drawing" in warning for warning in result.warnings)
+    assert any("far from the initial geometry" in warning for warning in result.warnings)
 
 
 @pytest.mark.parametrize(("share", "negative"), [(0.98, 0), (1.02, 2)])

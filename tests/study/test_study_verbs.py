@@ -294,7 +294,7 @@ def test_a_variant_that_is_wrong_without_a_word_ends_with_3_and_is_shown(cable, 
     report = only_object(out)
     assert code == 3
     assert [variant["silent"] for variant in report["variants"] if variant["name"] == "step x 10"] == [True]
-    assert "SILENT" in err and "ended wrong and said nothing" in err
+    assert "SILENT" in err and "ended with a wrong result and no warning" in err
     assert any("step x 10: wrong by" in warning for warning in report["warnings"])
 
 

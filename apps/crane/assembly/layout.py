@@ -200,7 +200,7 @@ def _refuse_load_above(scene: CraneScene, wheels: list[Wheel]) -> None:
         highest = max(beside, key=lambda j: float(up @ wheels[j].center))
         if all(up @ wheels[highest].center <= up @ wheels[i].center for i in at):
             cause = f"is above {scene.path[highest].name}, which it hangs from: no taut rope holds it up there"
-            raise SceneError([scene.problem(f"bodies[{k}].position", cause, "draw it below, or start: as drawn")])
+            raise SceneError([scene.problem(f"bodies[{k}].position", cause, "put it below, or write start: as drawn")])
 
 
 def _refuse_floating(scene: CraneScene, path: Path) -> None:
@@ -211,7 +211,7 @@ def _refuse_floating(scene: CraneScene, path: Path) -> None:
         scene.problem(
             f"bodies[{k}]",
             f"{scene.bodies[k].name} does not pull on its rope: buoyancy and force lift it with {lift:.4g} N more than "
-            "it weighs, and no length of rope makes the drawing true",
+            "it weighs, and no length of rope holds it where it is drawn",
             "give it less volume or more mass, or start: as drawn",
         )
         for k, lift in floating(scene, path)

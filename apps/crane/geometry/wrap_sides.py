@@ -66,7 +66,7 @@ def sigma_of(wheels: Sequence[Wheel], up: Sequence[float] | np.ndarray = (0.0, 0
     ------
     ReevingError
         Where a side has no meaning for its axis, where a taut rope cannot pass on the side asked for, or where it can
-        in both senses by ways equally long.
+        in both senses by paths of equal length.
     """
     checked(wheels)
     vertical = np.array(up, dtype=float)
@@ -77,8 +77,8 @@ def sigma_of(wheels: Sequence[Wheel], up: Sequence[float] | np.ndarray = (0.0, 0
     largest = max(wheel.radius for wheel in wheels)
     if others and others[0][0] - length <= max(EQUAL * largest, ROUNDING * length):
         j = next(j for j, (s, t) in enumerate(zip(signs, others[0][1], strict=True)) if s != t)
-        message = f"the rope can pass {wheels[j].wrap} {wheels[j].name!r} in either sense, by ways equally long"
-        raise ReevingError(message, "move one of its neighbours, so that one way is the shorter", j)
+        message = f"the rope can pass {wheels[j].wrap} {wheels[j].name!r} in either sense, by paths of equal length"
+        raise ReevingError(message, "move one of its neighbours, so that one path is shorter", j)
     sigma = np.array(signs, dtype=int)
     for j in range(1, len(wheels) - 1):
         if wheels[j].radius == 0.0:

@@ -92,7 +92,7 @@ def _references(scene: Scene) -> Iterator[Fault]:
 
 
 def _cycles(scene: Scene) -> Iterator[Fault]:
-    """No frame stands on itself."""
+    """No frame is its own parent."""
     parents = {frame.name: frame.parent for frame in scene.frames}
     for i, frame in enumerate(scene.frames):
         below, passed = frame.parent, [frame.name]
@@ -101,7 +101,7 @@ def _cycles(scene: Scene) -> Iterator[Fault]:
             below = parents[below]
         if below == frame.name:
             way = " on ".join([*passed, frame.name])
-            yield ("frames", i, "parent"), f"the frame stands on itself: {way}", "give ground or vessel to one of them"
+            yield ("frames", i, "parent"), f"the frame is its own parent: {way}", "give ground or vessel to one of them"
             return
 
 

@@ -61,7 +61,7 @@ class Rope(Model):
         ``none``: no compression, or ``elastic``.
     length : float or None
         Unstretched, m, from end to end of the path at the start, a drum counting where the rope leaves it; None for the
-        length that makes the drawing true, or `as drawn` the path's own.
+        length with which the load rests where it is drawn, or `as drawn` the path's own.
     """
 
     mass_per_length: Annotated[float, quantity("kg/m", positive=True, of="mass per length")] = Field(
@@ -109,7 +109,7 @@ class CraneScene(Scene):
     gravity : tuple of float
         m/s^2, z up.
     start : str
-        ``static``: at rest, with the length of rope that makes the drawing true; or ``as drawn``.
+        ``static``: at rest, with the length of rope that lets it rest as drawn; or ``as drawn``.
     document : Document or None
         The file it was read from.
     """

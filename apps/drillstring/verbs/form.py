@@ -182,7 +182,7 @@ def _way(by: str, most: int | None) -> str:
     from drillstring.statics.form import WAYS
 
     if by not in WAYS:
-        raise option_error("--by", by, "is no way to bring a string to rest", "write static or relaxation")
+        raise option_error("--by", by, "is no method of finding rest", "write static or relaxation")
     if most is not None and by == "static":
         cause = "is given without --by relaxation: the static solver takes no steps"
         raise option_error("--most", str(most), cause, "leave it out, or add --by relaxation")

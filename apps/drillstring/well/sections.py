@@ -159,7 +159,7 @@ def _drill_turn(turn: Turn, index: int, inclination: float, azimuth: float):
         return [], (inclination, azimuth)
     if math.pi - abs(change) <= SAME_ANGLE:
         raise WellboreError(
-            f"a turn from {_degrees(azimuth)} to {_degrees(turn.to)} is as long either way round",
+            f"a turn from {_degrees(azimuth)} to {_degrees(turn.to)} is as long in both directions",
             "write it as two turns, the first one on the side that is meant",
             index,
         )

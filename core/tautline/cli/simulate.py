@@ -50,7 +50,7 @@ def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None 
     print_warnings(warnings)
     if figure is not None:
         _draw(application, read, figure)
-    # What only the builder can tell, such as a constraint said twice, is refused here too; nothing is run.
+    # What only the builder can tell, such as a repeated constraint, is refused here too; nothing is run.
     if note := version_note():
         say(f"warning: {note}", "yellow")
     model = application.build(read)

@@ -90,7 +90,7 @@ def _count(variants: Sequence[Variant]) -> None:
     unknown = sum(variant.outcome == "unjudged" for variant in variants)
     whole = f"{len(variants)} variants" + (f", {unknown} of them not judged" if unknown else "")
     if silent:
-        say(f"{silent} of {whole} ended wrong and said nothing", "red")
+        say(f"{silent} of {whole} ended with a wrong result and no warning", "red")
     else:
         said = "none ended wrong" if not unknown else "of the others none ended wrong"
         say(f"{whole}: {said} without saying so", "green")

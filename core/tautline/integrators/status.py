@@ -32,7 +32,9 @@ SENTENCES = {
         "the iterations of a step did not converge, even with the step halved as far as solver.max_halvings allows; "
         "try a smaller solver.step, or look at what changes abruptly at that time"
     ),
-    Status.SINGULAR: "the tangent matrix is singular: a part is held by nothing, or two conditions hold the same thing",
+    Status.SINGULAR: (
+        "the tangent matrix is singular: a part is not held, or two conditions hold the same degree of freedom"
+    ),
     Status.NOT_FINITE: "a number overflowed: the motion has become unphysical; try a smaller solver.step",
     Status.UNSTABLE: (
         "the explicit method is unstable at this step: it is longer than the critical step 2.8 / omega_max "

@@ -87,7 +87,9 @@ def check_sound(layout: Layout, made: Sequence[Equation]) -> None:
     for i in found:
         cause = f"{rows[i].name}: follows from the other constraints"
         problems.append(
-            layout.scene.problem(rows[i].tie.place, cause, "remove it: a constraint said twice has no force")
+            layout.scene.problem(
+                rows[i].tie.place, cause, "remove it: the force of a repeated constraint is not determined"
+            )
         )
     problems += _lost(layout)
     problems += _null_motions(layout, rows)

@@ -94,7 +94,7 @@ def shortest(scene: CableScene, factor: float) -> CableScene:
     x = 1.0 - sliver / chart.length(last)
     if not 0.0 < x < 1.0:
         cause = f"nothing is left of its {chart.length(last):.4g} m if {sliver:.4g} m are cut off"
-        raise SceneError([scene.problem(last.place, cause, "cut off less, and not nothing")])
+        raise SceneError([scene.problem(last.place, cause, "cut off less, but more than zero")])
     run = next(run for run in runs_of(chart) if last in run.elements)
     places: list[Place] = [(k, 0.0) for k in range(len(run.nodes))]
     at = run.elements.index(last)

@@ -107,8 +107,8 @@ def _why(system: System, ended: _Ended, spent: int, loose: bool) -> str:
         cause = "nothing holds a part of the scene: it moves without resistance"
         cure = "hold it, or give it stiffness or tension"
     else:
-        cause = "what is drawn is too far from any shape in balance, or there is none"
-        cure = "draw it closer to how it hangs, or take finer elements"
+        cause = "the initial geometry is too far from any equilibrium, or there is none"
+        cure = "give positions closer to those at rest, or take finer elements"
     return f"{amount}; {cause}; {cure}"
 
 

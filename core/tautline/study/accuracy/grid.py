@@ -99,7 +99,7 @@ def _constraints(subject: Subject, asked: Sequence[str]) -> Sequence[str]:
         return known
     for name in asked:
         if name not in known:
-            cause = "the scene has no such way to impose constraints"
+            cause = "the scene cannot impose its constraints so"
             cure = (
                 f"give some of {', '.join(known)}, or all" if known else "leave --constraints out: there is no choice"
             )

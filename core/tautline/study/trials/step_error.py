@@ -249,7 +249,7 @@ def _stated(result: Result, watched: Watched, histories: list[History], steps: l
         both = zip((distances, positions, known), orders, strict=True)
         found = [from_longer(x, ratios, order) if x is not None else None for x, order in both]
     if not np.isfinite([x for x in found if x is not None]).all():
-        return "the runs with other steps differ by more than can be told"
+        return "the runs with other steps differ too much for an estimate"
     place, force_place = _name(result, watched.point), _name(result, watched.force)
     distance, position, force = found
     assert distance is not None and position is not None
