@@ -146,8 +146,8 @@ def _lengthen(layout: Layout, system: System, state: State, weights: dict[int, f
     if abs(off) > TRUE * float(layout.path.chords.max()):
         way = "higher" if off > 0.0 else "lower"
         detail = (
-            f"no length of rope was found with which the load rests where it is drawn: it comes to rest {abs(off):.4g} m "
-            f"{way} than it is drawn; give rope.length"
+            "no length of rope was found with which the load rests where it is drawn: it comes to rest "
+            f"{abs(off):.4g} m {way} than it is drawn; give rope.length"
         )
         raise StoppedEarly(
             Status.NO_EQUILIBRIUM, 0.0, system.places[max(weights, key=lambda place: abs(weights[place]))], detail
