@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from math import pi
 from pathlib import Path
@@ -11,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.stick_slip.severity_map import NOT_RUN, NUMBERS, Cell, Map
-from tautline.results.errors import ResultError
+from tautline.results.rows import heads_of, write_dataset, write_rows
 from tautline.scene.values.printed import quantity, shown, significant
-from tautline.version import __version__
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -53,24 +51,12 @@ def whole_record(found: Map) -> dict[str, Any]:
 def write_csv(found: Map, path: Path) -> Path:
     """Write a row to a cell, with units in the header; raises ResultError if the file cannot be written."""
     fields = ("speed", "weight", *NUMBERS, "status", "sentence", "wall_time")
-    heads = [f"{NAMES.get(f, f)} [{UNITS[f]}]" if f in UNITS else NAMES.get(f, f) for f in fields]
-    try:
-        with path.open("w", newline="", encoding="utf8") as file:
-            writer = csv.writer(file)
-            writer.writerow(heads)
-            for row in found.cells:
-                for cell in row:
-                    values = [getattr(cell, field) for field in fields]
-                    writer.writerow(["" if isinstance(x, float) and np.isnan(x) else x for x in values])
-    except OSError as error:
-        raise ResultError(path, f"cannot be written: {error.strerror}", "name another with -o") from None
-    return path
+    heads = heads_of([NAMES.get(f, f) for f in fields], {NAMES.get(f, f): unit for f, unit in UNITS.items()})
+    return write_rows(heads, ([getattr(cell, f) for f in fields] for row in found.cells for cell in row), path)
 
 
 def write_netcdf(found: Map, attributes: Mapping[str, str], path: Path) -> Path:
     """Write arrays along ``weight`` and ``speed``; raises ResultError if the file cannot be written."""
-    import xarray
-
     shape = ("weight", "speed")
     columns: dict[str, Any] = {
         name: (shape, found.values(field), {"units": UNITS[field]} if field in UNITS else {})
@@ -81,11 +67,7 @@ def write_netcdf(found: Map, attributes: Mapping[str, str], path: Path) -> Path:
         "speed": ("speed", np.array(found.speeds), {"units": "rad/s", "long_name": "rotary speed"}),
         "weight": ("weight", np.array(found.weights), {"units": "N", "long_name": "weight on bit"}),
     }
-    try:
-        xarray.Dataset(columns, axes, {**attributes, "version": __version__}).to_netcdf(path, engine="h5netcdf")
-    except OSError as error:
-        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
-    return path
+    return write_dataset(columns, axes, attributes, path)
 
 
 def table(found: Map, system: str) -> Table | None:

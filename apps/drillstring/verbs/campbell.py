@@ -280,17 +280,9 @@ def _draw(scene: DrillstringScene, path: Path, found: Campbell, figure: Path) ->
 
 
 def _write(found: Campbell, path: Path) -> None:
-    import csv
-
     from drillstring.view.campbell_summary import header, rows
     from tautline.cli.console import say
     from tautline.results.errors import WriteError
+    from tautline.results.rows import write_rows
 
-    try:
-        with path.open("w", encoding="utf8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(header(found))
-            writer.writerows(rows(found))
-    except OSError as error:
-        raise WriteError(path, f"cannot be written: {error.strerror or error}", "name another with --csv") from None
-    say(f"wrote {path}", "green")
+    say(f"wrote {write_rows(header(found), rows(found), path, '--csv', WriteError)}", "green")

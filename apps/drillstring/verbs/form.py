@@ -305,10 +305,9 @@ def _draw(scenes: list[Path], found: list[Finding], path: Path, system: str) -> 
 
 def _write(scenes: list[Path], found: list[Finding], path: Path) -> None:
     """A row for each lump of each mesh of each scene; where there is no rod its cells are empty."""
-    import csv
-
     from tautline.cli.console import say
     from tautline.results.errors import WriteError
+    from tautline.results.rows import write_rows
 
     header = [
         "scene",
@@ -321,16 +320,9 @@ def _write(scenes: list[Path], found: list[Finding], path: Path) -> None:
         "east [m]",
     ]
     header += ["down [m]", "rod north [m]", "rod east [m]", "rod down [m]", "difference [m]", "tension below [N]"]
-    try:
-        with path.open("w", encoding="utf8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(header)
-            for scene, one in zip(scenes, found, strict=True):
-                for form_ in one.forms:
-                    writer.writerows(_rows(scene, one, form_))
-    except OSError as error:
-        raise WriteError(path, f"cannot be written: {error.strerror or error}", "name another with --csv") from None
-    say(f"wrote {path}", "green")
+    pairs = zip(scenes, found, strict=True)
+    rows = (row for scene, one in pairs for form_ in one.forms for row in _rows(scene, one, form_))
+    say(f"wrote {write_rows(header, rows, path, '--csv', WriteError)}", "green")
 
 
 def _rows(scene: Path, found: Finding, one: Form) -> list[list[Any]]:

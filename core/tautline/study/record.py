@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tautline.results.errors import ResultError
-from tautline.version import __version__
+from tautline.results.rows import heads_of, write_dataset, write_rows
 
 if TYPE_CHECKING:
     from tautline.study.accuracy.precision import Row, Study
@@ -84,15 +82,7 @@ def study_record(study: Study) -> dict[str, Any]:
 def write_csv(records: Sequence[Mapping[str, Any]], path: Path) -> Path:
     """Write rows with a header that names the units; raises ResultError if the file cannot be written."""
     names = list(records[0]) if records else []
-    heads = [f"{name} [{UNITS[name]}]" if name in UNITS else name for name in names]
-    try:
-        with path.open("w", newline="", encoding="utf8") as file:
-            writer = csv.writer(file)
-            writer.writerow(heads)
-            writer.writerows([["" if record[name] is None else record[name] for name in names] for record in records])
-    except OSError as error:
-        raise ResultError(path, f"cannot be written: {error.strerror}", "name another with -o") from None
-    return path
+    return write_rows(heads_of(names, UNITS), ([record[name] for name in names] for record in records), path)
 
 
 def write_netcdf(records: Sequence[Mapping[str, Any]], attributes: Mapping[str, Any], path: Path) -> Path:
@@ -103,8 +93,6 @@ def write_netcdf(records: Sequence[Mapping[str, Any]], attributes: Mapping[str, 
     ResultError
         If the file cannot be written.
     """
-    import xarray
-
     columns: dict[str, Any] = {}
     for name in records[0] if records else ():
         values = [record[name] for record in records]
@@ -113,12 +101,7 @@ def write_netcdf(records: Sequence[Mapping[str, Any]], attributes: Mapping[str, 
         else:
             data = np.array([np.nan if value is None else float(value) for value in values])
         columns[name] = ("run", data, {"units": UNITS[name]} if name in UNITS else {})
-    kept = {key: value for key, value in attributes.items() if value is not None} | {"version": __version__}
-    try:
-        xarray.Dataset(columns, attrs=kept).to_netcdf(path, engine="h5netcdf")
-    except OSError as error:
-        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
-    return path
+    return write_dataset(columns, {}, attributes, path)
 
 
 def stability_record(found: Stability) -> dict[str, Any]:

@@ -1,0 +1,67 @@
+"""Rows of findings as files: CSV with units in the header, and NetCDF."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from tautline.results.errors import ResultError
+from tautline.version import __version__
+
+
+def heads_of(names: Sequence[str], units: Mapping[str, str]) -> list[str]:
+    """Names of columns with their units: ``step [s]``."""
+    return [f"{name} [{units[name]}]" if name in units else name for name in names]
+
+
+def write_rows(
+    heads: Sequence[str],
+    rows: Iterable[Sequence[Any]],
+    path: Path,
+    option: str = "-o",
+    error_type: type[ResultError] = ResultError,
+) -> Path:
+    """Write a CSV file; what is None or NaN is an empty cell.
+
+    Parameters
+    ----------
+    heads : sequence of str
+        The first row.
+    option : str
+        By which another file can be named, for the message.
+
+    Raises
+    ------
+    ResultError
+        Of the given type, if the file cannot be written.
+    """
+    try:
+        with path.open("w", newline="", encoding="utf8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(heads)
+            writer.writerows([["" if _lacks(x) else x for x in row] for row in rows])
+    except OSError as error:
+        cause = f"cannot be written: {error.strerror or error}"
+        raise error_type(path, cause, f"name another with {option}") from None
+    return path
+
+
+def _lacks(value: Any) -> bool:
+    return value is None or (isinstance(value, float) and math.isnan(value))
+
+
+def write_dataset(
+    columns: Mapping[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any], path: Path
+) -> Path:
+    """Write columns as an xarray.Dataset into a NetCDF file, with our version; raises ResultError if it cannot be."""
+    import xarray
+
+    kept = {key: value for key, value in attributes.items() if value is not None} | {"version": __version__}
+    try:
+        xarray.Dataset(columns, coordinates, kept).to_netcdf(path, engine="h5netcdf")
+    except OSError as error:
+        raise ResultError(path, f"cannot be written: {error.strerror or error}", "name another with -o") from None
+    return path
