@@ -10,6 +10,7 @@ import numpy as np
 
 from crane.assembly.drum_supply import Supply, capacity_of, check_supply, hoisted_spans, reeled_of, supply_of
 from crane.assembly.estimates import Estimate, estimate, rk4_limit
+from crane.assembly.layout import entries_of
 from crane.assembly.loads import floating
 from crane.assembly.mesh_damping import damping_of
 from crane.assembly.prepared import compensation_of
@@ -17,7 +18,7 @@ from crane.scene.keys import where
 from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.sea.compensation import Compensation
-from tautline.kernels.time_function import sample
+from tautline.kernels.moving_frame import ENTRIES
 from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
 from tautline.scene.values.printed import shown
@@ -264,7 +265,7 @@ def _start(found: Estimate) -> Sentences:
         frame = int(layout.wheels.frame[i])
         if getattr(item, "body", None) is not None or frame == layout.frame[-1]:
             continue
-        rate = np.array([_rate(layout, functions, frame + c) for c in range(12)])
+        rate = entries_of(layout.degrees, functions, range(frame, frame + ENTRIES), np.zeros(1), order=1)[0]
         drawn = np.array(getattr(item, "center", None) or getattr(item, "position", None))
         speed = float(np.linalg.norm(rate[:3] + rate[3:].reshape(3, 3).T @ drawn))
         if speed > fastest:
@@ -276,11 +277,6 @@ def _start(found: Estimate) -> Sentences:
             "the jump alone; let the motion grow with `ramp`, or leave the first waves out of account"
         )
         yield "vessel.motion" if scene.vessel is not None else "frames", text
-
-
-def _rate(layout: Any, functions: Any, place: int) -> float:
-    function = layout.degrees.motion.get(place, -1)
-    return float(sample(functions, function, np.zeros(1))[0, 1]) if function >= 0 else 0.0
 
 
 def _held_back(actuator: Compensation | None) -> Sentences:

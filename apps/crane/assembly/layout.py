@@ -7,6 +7,7 @@ position; the nodes of a span are free, and their material follows that of the m
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -21,7 +22,9 @@ from crane.geometry.sagging import Sag, sagging
 from crane.groups.span import MATERIAL, STATION
 from crane.scene.scene import Anchor, Body, CraneScene, End, Sheave
 from crane.scene.strength import longest_strain
-from crane.sea.frames import ENTRIES, GROUND, Frame, point_of
+from crane.sea.frames import GROUND, Frame, point_of
+from tautline.kernels.moving_frame import ENTRIES
+from tautline.kernels.time_function import TimeFunctions, sample_all
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant
 from tautline.system.system import Degrees
@@ -101,6 +104,19 @@ class Layout:
     def material(self, item: int) -> int:
         """Place of the material coordinate at an item."""
         return self.station[self.item[item]] + MATERIAL
+
+
+def entries_of(
+    degrees: Degrees, functions: TimeFunctions, places: Sequence[int], time: np.ndarray, order: int = 0
+) -> np.ndarray:
+    """Values of held degrees of freedom at times (m,) s, or their rates (order 1): (m, len(places))."""
+    entries = np.zeros((time.size, len(places)))
+    if order == 0:
+        entries[:] = degrees.value[list(places)]
+    driven = [k for k, place in enumerate(places) if degrees.motion.get(place, -1) >= 0]
+    numbers = [degrees.motion[places[k]] for k in driven]
+    entries[:, driven] = sample_all(functions, numbers, time)[:, :, order].T
+    return entries
 
 
 def has_rim(item: Any) -> bool:

@@ -13,9 +13,10 @@ import numpy as np
 
 from crane.scene.scene import Anchor, CraneScene, Drum
 from crane.sea.compensation import Compensation, compensate
-from crane.sea.frames import ENTRIES, Frame, heave_of, requests_of
+from crane.sea.frames import Frame, heave_of, requests_of
 from crane.sea.vessel import frames_of
-from tautline.kernels.time_function import value_at
+from tautline.kernels.moving_frame import ENTRIES
+from tautline.kernels.time_function import sample_all
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.files import stamps
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -64,8 +65,8 @@ def _motion(scene: CraneScene) -> FrameMotion:
         frames, places = frames_of(scene.vessel, scene.frames, scene.folder, end)
         requests = requests_of(frames, end)
         functions = compile_functions(requests)
-        at_first = [value_at(functions, i, 0.0)[0] for i in range(len(requests))]
-        return FrameMotion(frames, places, requests, np.array(at_first).reshape(-1, ENTRIES))
+        at_first = sample_all(functions, range(len(requests)), np.zeros(1))[:, 0, 0]
+        return FrameMotion(frames, places, requests, at_first.reshape(-1, ENTRIES))
     except SceneError as error:
         problems = [
             scene.problem(p.key, p.cause, p.cure) if p.line is None and p.key else p for p in error.problems

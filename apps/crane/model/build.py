@@ -21,7 +21,7 @@ from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
-from tautline.kernels.time_function import value_at
+from tautline.kernels.time_function import sample_all
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
@@ -114,9 +114,9 @@ def assembled(scene: CraneScene) -> Assembly:
     turns = [turn + k for turn in layout.turn.values() for k in range(QUATERNION)]
     at_rest = [*still, *layout.rim.values(), *turns]
     system = assemble(groups, layout.degrees, functions, velocity, *_stencils(layout, contacts), at_rest=at_rest)
-    for k, place in enumerate(system.dofs.held):
-        if system.dofs.motion[k] >= 0:
-            system.q[place] = system.dofs.offset[k] + value_at(functions, system.dofs.motion[k], 0.0)[0]
+    driven = system.dofs.driven
+    at_first = sample_all(functions, system.dofs.motion[driven], np.zeros(1))[:, 0, 0]
+    system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first
     return Assembly(layout, system, compensation, [*layout.path.warnings])
 
 

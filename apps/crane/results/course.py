@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from crane.assembly.layout import Layout, lay_out
+from crane.assembly.layout import Layout, entries_of, lay_out
 from crane.rope_life.bending import Contact, drum_contact
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.surroundings import Motion
-from tautline.kernels.time_function import sample
 from tautline.results.errors import ResultError
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
@@ -127,11 +126,8 @@ def _columns(layout: Layout, time: np.ndarray) -> np.ndarray:
     functions = compile_functions(layout.requests.of)
     made: dict[int, np.ndarray] = {}
     for frame in {int(place) for place in layout.wheels.frame}:
-        entries = np.empty((time.size, AXES * AXES))
-        for k in range(AXES * AXES):
-            place = frame + COLUMN + k
-            number = degrees.motion.get(place, -1)
-            entries[:, k] = degrees.value[place] if number < 0 else sample(functions, number, time)[:, 0]
+        places = range(frame + COLUMN, frame + COLUMN + AXES * AXES)
+        entries = entries_of(degrees, functions, places, time)
         made[frame] = entries.reshape(-1, AXES, AXES)
     return np.stack([made[int(place)] for place in layout.wheels.frame], axis=1)
 

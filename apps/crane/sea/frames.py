@@ -8,22 +8,20 @@ derivatives that are carried through each product: nothing is differenced.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from crane.sea.motion_derivatives import product, rotation
-from tautline.kernels.time_function import TimeFunctions, sample
+from tautline.kernels.moving_frame import ENTRIES, places_of
+from tautline.kernels.time_function import TimeFunctions, sample, sample_all
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Constant
-from tautline.system.time_functions import FunctionRequest, Samples, compile_functions
+from tautline.system.time_functions import FrameEntry, FrameSet, FunctionRequest, Samples, Steering, compile_functions
 
 GROUND = -1
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
-ENTRIES = 12
-"""Numbers that place a frame: the three of O, then the columns of R one after another."""
 
 TOLERANCE = 1.0e-11
 """Error of the quintics between knots, as a share of how far O, or R, moves from where it is at t = 0."""
@@ -93,7 +91,7 @@ def boom(name: str, parent: int, pivot: tuple[float, float, float], slew: Any, l
 
 
 def motion_of(frames: Sequence[Frame], values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Place of every frame while its motions have given values.
+    """Place of every frame while its motions have given values; see `tautline.kernels.moving_frame.places_of`.
 
     Parameters
     ----------
@@ -107,28 +105,14 @@ def motion_of(frames: Sequence[Frame], values: np.ndarray) -> tuple[np.ndarray, 
     value, rate, second : float64 (m, frames, 12)
         O and the three columns of R, and their first and second time derivatives.
     """
-    values = np.asarray(values, dtype=float)
-    m = values.shape[2]
-    placed = np.empty((3, m, len(frames), ENTRIES))
-    origins: list[np.ndarray] = []
-    turns: list[np.ndarray] = []
+    return places_of(_parents(frames), np.array([frame.pivot for frame in frames]), np.asarray(values, dtype=float))
+
+
+def _parents(frames: Sequence[Frame]) -> np.ndarray:
     for k, frame in enumerate(frames):
-        derivatives = np.moveaxis(values[k], 2, 0)
-        pivot = np.array(frame.pivot, dtype=float)
-        turn = rotation(*derivatives[:, 3:].transpose(1, 0, 2))
-        origin = np.ascontiguousarray(derivatives[:, :3].transpose(0, 2, 1)) - turn @ pivot
-        origin[0] += pivot
-        if frame.parent != GROUND:
-            if not 0 <= frame.parent < k:
-                raise ValueError(f"frame {frame.name} stands before its parent")
-            above = turns[frame.parent]
-            origin = origins[frame.parent] + product(above, origin[..., None])[..., 0]
-            turn = product(above, turn)
-        origins.append(origin)
-        turns.append(turn)
-        placed[:, :, k, :3] = origin
-        placed[:, :, k, 3:] = turn.transpose(0, 1, 3, 2).reshape(3, m, 9)
-    return placed[0], placed[1], placed[2]
+        if frame.parent != GROUND and not 0 <= frame.parent < k:
+            raise ValueError(f"frame {frame.name} stands before its parent")
+    return np.array([frame.parent for frame in frames], dtype=np.int64)
 
 
 def point_of(entries: np.ndarray, point: Sequence[float]) -> np.ndarray:
@@ -150,34 +134,93 @@ def point_of(entries: np.ndarray, point: Sequence[float]) -> np.ndarray:
     return entries[..., :3] + x * entries[..., 3:6] + y * entries[..., 6:9] + z * entries[..., 9:]
 
 
-def requests_of(frames: Sequence[Frame], end: float, tolerance: float = TOLERANCE) -> list[FunctionRequest]:
-    """Functions of time that place every frame, for the time loop.
+def requests_of(frames: Sequence[Frame], end: float, live: Collection[str] = ()) -> list[FunctionRequest]:
+    """Functions of time that place every frame, for the time loop; they are made there of the frames' motions.
 
     Parameters
     ----------
     frames : sequence of Frame
         Parents before children.
     end : float
-        Time up to which they are good, s.
-    tolerance : float
-        Error between knots, as a share of how far O, or R, moves.
+        Time to which the run goes, s: up to it no motion may jump.
+    live : collection of str
+        Names of motions (``boom.slew``) that are driven while the run goes on, though they may be at rest now.
 
     Returns
     -------
     list of FunctionRequest
-        Entry j of frame k is request ``12 k + j``: a `Constant` where it does not move, else `Samples`.
+        Entry j of frame k is request ``12 k + j``: a `Constant` where it does not move, else a `FrameEntry`.
 
     Raises
     ------
     SceneError
-        If a motion jumps, or would need more than a million knots.
+        If a motion or its speed jumps.
     """
+    if not frames:
+        return []
     functions = _compiled(frames, end)
-    requests = []
-    for k, frame in enumerate(frames):
-        time, entries = _Path(frames, functions, k, end).knots(tolerance)
-        requests += [FunctionRequest(_model(time, entries[:, :, j]), end=end, key=frame.key) for j in range(ENTRIES)]
-    return requests
+    for k in range(len(frames)):
+        _Path(frames, functions, k, end).check_jumps()
+    moves = np.array(
+        [_moves(frame, i, functions, 6 * k + i, end, live) for k, frame in enumerate(frames) for i in range(6)]
+    )
+    moves = moves.reshape(-1, 6)
+    motions = tuple(
+        tuple(
+            _motion_request(frame, i, end) if moves[k, i] or any(_size(functions, 6 * k + i)) else None
+            for i in range(6)
+        )
+        for k, frame in enumerate(frames)
+    )
+    made = FrameSet(tuple(int(p) for p in _parents(frames)), tuple(frame.pivot for frame in frames), motions)
+    at_first, still = _still_entries(frames, functions, moves)
+    return [
+        FunctionRequest(
+            Constant(value=float(at_first[k, j])) if still[k, j] else FrameEntry(made, k, j), end=end, key=frame.key
+        )
+        for k, frame in enumerate(frames)
+        for j in range(ENTRIES)
+    ]
+
+
+def _motion_request(frame: Frame, i: int, end: float) -> FunctionRequest:
+    unit = "m" if i < 3 else "rad"
+    name = f"{frame.name}.{frame.words[i]}"
+    steered = Steering(name, unit, f"{frame.words[i]} of {frame.name}")
+    # Of a boom only slew and luff are its own.
+    inputs = (steered,) if i >= 4 or frame.words == MOTIONS else ()
+    return FunctionRequest(frame.motion[i], end=end, key=frame.motion_key(i), inputs=inputs)
+
+
+def _size(functions: TimeFunctions, i: int) -> np.ndarray:
+    return sample(functions, i, np.zeros(1))[0]
+
+
+def _moves(frame: Frame, i: int, functions: TimeFunctions, number: int, end: float, live: Collection[str]) -> bool:
+    """Whether a motion has a rate anywhere in the run, or may be given one."""
+    if f"{frame.name}.{frame.words[i]}" in live:
+        return True
+    if isinstance(frame.motion[i], Constant):
+        return False
+    times = np.concatenate((np.zeros(1), end * LOOKS, _breaks_of(functions, number)))
+    return bool(np.any(sample(functions, number, times[times <= end])[:, 1:]))
+
+
+def _still_entries(
+    frames: Sequence[Frame], functions: TimeFunctions, moves: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Entries (frames, 12) at t = 0, and which of them no motion changes, whatever it does.
+
+    Every motion that moves is given rates of its own: an entry that has no rate then depends on none of them.
+    """
+    start = sample_all(functions, range(functions.entry.size), np.zeros(1)).reshape(len(frames), 6, 1, 3)
+    at_first = motion_of(frames, start)[0][0]
+    tried = np.repeat(start, 2, axis=2)
+    tried[..., 1:] = 0.0
+    some = np.random.default_rng(0).uniform(0.3, 0.9, (*moves.shape, 2, 3))
+    tried[moves] = some[moves]
+    _, rate, second = motion_of(frames, tried)
+    return at_first, ~np.any((rate != 0.0) | (second != 0.0), axis=0)
 
 
 def heave_of(frames: Sequence[Frame], vessel: int, k: int, point: Sequence[float], end: float) -> Samples | Constant:
@@ -240,6 +283,15 @@ def _with_grace(time: np.ndarray, derivatives: np.ndarray) -> tuple[np.ndarray, 
     return np.append(time, time[-1] + GRACE), np.concatenate((derivatives, later[:, None]), axis=1)
 
 
+def _breaks_of(functions: TimeFunctions, i: int) -> np.ndarray:
+    """Times at which the formula of a function changes, s."""
+    f = functions
+    first, last = f.track_from[i], f.track_to[i]
+    return np.concatenate(
+        (f.breaks[f.break_from[first] : f.break_from[last]], f.waves[f.wave_from[i] : f.wave_to[i], 4])
+    )
+
+
 class _Path:
     """A frame with all those it rides on: where it is at any time, and knots between which quintics follow it."""
 
@@ -265,6 +317,10 @@ class _Path:
         if still is not None:
             values[self.chain.index(still)] = 0.0
         return np.stack([derivative[:, -1] for derivative in motion_of(self.frames, values)])
+
+    def check_jumps(self) -> None:
+        """Refuse motions that jump; raises SceneError naming the motion and the time."""
+        self._breaks()
 
     def knots(self, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
         """Times and entries (3, m, 12) between which quintics are good, the last after the end."""
@@ -308,12 +364,7 @@ class _Path:
         SceneError
             If a motion or its speed jumps.
         """
-        f = self.functions
-        times = [np.empty(0)]
-        for i in self.indices:
-            times.append(f.breaks[f.break_from[f.track_from[i]] : f.break_from[f.track_from[i + 1]]])
-            times.append(f.waves[f.wave_from[i] : f.wave_from[i + 1], 4])
-        breaks = np.unique(np.concatenate(times))
+        breaks = np.unique(np.concatenate([_breaks_of(self.functions, i) for i in self.indices]))
         breaks = breaks[(breaks > 0.0) & (breaks < np.nextafter(self.end, 0.0))]
         jump = np.abs(self.motions(breaks) - self.motions(np.nextafter(breaks, 0.0)))
         edges = np.concatenate(([0.0], breaks, [self.end]))
@@ -335,7 +386,7 @@ class _Path:
     def _shortest_period(self) -> float:
         """Of all waves, s; infinite without waves."""
         f = self.functions
-        waves = np.concatenate([f.waves[f.wave_from[i] : f.wave_from[i + 1]] for i in self.indices])
+        waves = np.concatenate([f.waves[f.wave_from[i] : f.wave_to[i]] for i in self.indices])
         waves = waves[waves[:, 0] != 0.0]
         frequencies = np.abs(np.concatenate((waves[:, 1], waves[:, 1] + 2.0 * waves[:, 2] * self.end)))
         fastest = float(frequencies.max(initial=0.0))

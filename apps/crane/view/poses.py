@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from crane.assembly.layout import Layout
-from crane.sea.frames import ENTRIES
-from tautline.kernels.time_function import sample
+from crane.assembly.layout import Layout, entries_of
+from tautline.kernels.moving_frame import ENTRIES
 from tautline.system.time_functions import compile_functions
 
 
@@ -28,11 +27,7 @@ def poses_of(layout: Layout, time: np.ndarray) -> dict[str | None, np.ndarray]:
     functions = compile_functions(layout.requests.of)
     poses: dict[str | None, np.ndarray] = {None: np.tile(np.eye(4), (time.size, 1, 1))}
     for k, frame in enumerate(layout.frames):
-        entries = np.empty((time.size, ENTRIES))
-        for j in range(ENTRIES):
-            place = layout.frame[k] + j
-            number = degrees.motion.get(place, -1)
-            entries[:, j] = degrees.value[place] if number < 0 else sample(functions, number, time)[:, 0]
+        entries = entries_of(degrees, functions, range(layout.frame[k], layout.frame[k] + ENTRIES), time)
         pose = np.tile(np.eye(4), (time.size, 1, 1))
         pose[:, :3, 3] = entries[:, :3]
         pose[:, :3, :3] = entries[:, 3:].reshape(-1, 3, 3).transpose(0, 2, 1)

@@ -46,12 +46,12 @@ class Explicit(NamedTuple):
 
     mass: np.ndarray | Factors
     made: np.ndarray
-    constant: bool
+    constant: int
     slopes: np.ndarray
     power: np.ndarray
     at: np.ndarray
-    coupled: bool
-    driven: bool
+    coupled: int
+    driven: int
     projection: Factors
     stabilise: int
     algebraic: np.ndarray
@@ -64,7 +64,7 @@ def new_scratch(kind: type[Explicit], system: System, settings: SolverSettings) 
     """Make the scratch of an explicit method for a system; ``kind`` is its class."""
     projection, stabilise = settings.projection, settings.stabilise
     n, by_mass = system.size, number_by_mass(system)
-    driven = bool(system.dofs.driven.size)
+    driven = int(system.dofs.driven.size > 0)
     diagonal = by_mass.bandwidth == 0 and by_mass.border == 0
     # Fewer diagonals than the narrow kernel takes would only be slower.
     size = n, max(by_mass.bandwidth, NARROW), by_mass.border
@@ -75,8 +75,8 @@ def new_scratch(kind: type[Explicit], system: System, settings: SolverSettings) 
         _write_projection(system.link(("constraint_mass",)), by_mass.dofs, system.q, factors.matrix, algebraic)
         factorise_matrix(factors)
     return kind(
-        np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), has_constant_mass(system.groups),
-        np.zeros((2, n)), np.zeros(2), np.zeros(2, np.int64), bool(system.mass_couples_held and driven), driven,
+        np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), int(has_constant_mass(system.groups)),
+        np.zeros((2, n)), np.zeros(2), np.zeros(2, np.int64), int(system.mass_couples_held and driven), driven,
         factors, int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
         by_mass.dofs, by_mass.order,
     )  # fmt: skip

@@ -72,9 +72,9 @@ class Corrector(NamedTuple):
 
     tolerance: float
     contraction: float
-    full: bool
+    full: int
     unit: float
-    by_energy: bool
+    by_energy: int
     max_iterations: int
     scale: np.ndarray
     smooth: Matrix
@@ -103,7 +103,7 @@ def corrector(
     unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
     rows = rows_of(system, in_parts=not (by_energy or full))
     return Corrector(
-        float(tolerance), float(contraction), bool(full), float(unit), bool(by_energy), int(max_iterations),
+        float(tolerance), float(contraction), int(full), float(unit), int(by_energy), int(max_iterations),
         system.scale,
         new_matrix(n, system.bandwidth, system.border),
         new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL),

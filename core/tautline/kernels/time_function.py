@@ -1,7 +1,9 @@
-"""Functions of time inside compiled code: piecewise polynomials and sines, with two derivatives.
+"""Functions of time inside compiled code: piecewise polynomials, sines, and the places of frames that these move.
 
-Function ``i`` is the sum of its tracks and its waves. A track is a polynomial on each side of every break; a wave is
-``A E(t) sin(w t + c t^2 + phi)``, where E is one, or a quintic that grows from 0 to 1 over the first seconds.
+A function is the sum of its tracks and its waves. A track is a polynomial on each side of every break; a wave is
+``A E(t) sin(w t + c t^2 + phi)``, where E is one, or a quintic that grows from 0 to 1 over the first seconds. Or it is
+one of the twelve numbers that place a frame, made of the frame's motions when it is asked for. An input has one more
+track, which is written while a run goes on and then stands for the whole function.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.kernels.jit import entry, kernel
+from tautline.kernels.moving_frame import ENTRIES, MOTIONS, MovingFrames, clear_place, place_frame, places_of
 
 DEGREES = 8
 """Coefficients kept of a polynomial: up to degree 7, the integral of a ramp's rate."""
@@ -23,8 +26,8 @@ class TimeFunctions(NamedTuple):
 
     Attributes
     ----------
-    track_from : int64 (n + 1,)
-        Tracks of function i are ``track_from[i]`` to ``track_from[i + 1]``.
+    track_from, track_to : int64 (n,)
+        Tracks of function i are ``track_from[i]`` to ``track_to[i]``, the last not counted.
     break_from : int64 (tracks + 1,)
         Breaks of track j likewise; its pieces, one more than breaks, begin at ``break_from[j] + j``.
     breaks : float64 (breaks,)
@@ -33,26 +36,64 @@ class TimeFunctions(NamedTuple):
         Times that the polynomials are written about, s.
     coefficients : float64 (pieces, 8)
         Of rising powers of time since the origin.
-    wave_from : int64 (n + 1,)
+    wave_from, wave_to : int64 (n,)
         Waves of function i.
     waves : float64 (waves, 5)
         Amplitude, w (rad/s), c (rad/s^2), phi (rad), and how long the envelope grows (s, 0: no envelope).
+    entry : int64 (n,)
+        Which number of which frame function i is, ``12 frame + number``, or -1.
+    live : int64 (n,)
+        The track of function i that is written while a run goes on, or -1: it is no input.
+    frames : MovingFrames
+        The frames that functions place.
     """
 
     track_from: np.ndarray
+    track_to: np.ndarray
     break_from: np.ndarray
     breaks: np.ndarray
     origins: np.ndarray
     coefficients: np.ndarray
     wave_from: np.ndarray
+    wave_to: np.ndarray
     waves: np.ndarray
+    entry: np.ndarray
+    live: np.ndarray
+    frames: MovingFrames
 
 
 @kernel
 def evaluate(functions, i, t):
     """Return ``(f, df, ddf)`` of function `i` at time `t`: its value, rate and second rate."""
+    number = functions.entry[i]
+    if number < 0:
+        return _written(functions, i, t)
+    frames = functions.frames
+    if frames.time[0] != t:
+        _place(functions, t)
+    k, j = number // ENTRIES, number % ENTRIES
+    return frames.placed[k, 0, j], frames.placed[k, 1, j], frames.placed[k, 2, j]
+
+
+@kernel
+def _place(functions, t):
+    """Place all frames at a time, parents before children."""
+    frames = functions.frames
+    for k in range(frames.parent.size):
+        clear_place(frames)
+        for c in range(MOTIONS):
+            i = frames.motion[k, c]
+            if i >= 0:
+                frames.moved[c, 0], frames.moved[c, 1], frames.moved[c, 2] = _written(functions, i, t)
+        place_frame(frames, k)
+    frames.time[0] = t
+
+
+@kernel
+def _written(functions, i, t):
+    """Value, rate and second rate of a function that is written as tracks and waves."""
     f, df, ddf = 0.0, 0.0, 0.0
-    for track in range(functions.track_from[i], functions.track_from[i + 1]):
+    for track in range(functions.track_from[i], functions.track_to[i]):
         first, low, high = functions.break_from[track], functions.break_from[track], functions.break_from[track + 1]
         while low < high:
             middle = (low + high) // 2
@@ -70,7 +111,7 @@ def evaluate(functions, i, t):
         f += p
         df += dp
         ddf += 2.0 * half
-    for j in range(functions.wave_from[i], functions.wave_from[i + 1]):
+    for j in range(functions.wave_from[i], functions.wave_to[i]):
         a, w, c = functions.waves[j, 0], functions.waves[j, 1], functions.waves[j, 2]
         angle = functions.waves[j, 3] + t * (w + c * t)
         rate = w + 2.0 * c * t
@@ -94,28 +135,56 @@ def evaluate(functions, i, t):
     return f, df, ddf
 
 
-_interpreted = getattr(evaluate, "py_func", evaluate)
+_interpreted = getattr(_written, "py_func", _written)
 
 
 def value_at(functions, i, t):
     """``(f, df, ddf)`` of function `i` at time `t`, s: what :func:`evaluate` computes, for callers in Python."""
+    if functions.entry[i] >= 0:
+        return tuple(float(x) for x in sample(functions, i, np.array([float(t)]))[0])
     f, df, ddf = _interpreted(functions, i, t)
     return float(f), float(df), float(ddf)
 
 
 def sample(functions, i, times):
     """Value, rate and second rate of function `i` at many times (m,) s, as an array (m, 3)."""
-    out = np.empty((times.size, 3))
-    terms = functions.track_from[i + 1] - functions.track_from[i] + functions.wave_from[i + 1] - functions.wave_from[i]
+    return sample_all(functions, [i], times)[0]
+
+
+def sample_all(functions, numbers, times):
+    """The same of several functions, (len(numbers), m, 3); frames are placed once for all of them."""
+    out = np.empty((len(numbers), times.size, 3))
+    placed = None
+    for row, i in zip(out, numbers, strict=True):
+        entry_ = int(functions.entry[i])
+        if entry_ < 0:
+            _sample_written(functions, int(i), times, row)
+            continue
+        if placed is None:
+            placed = _sample_frames(functions, times)
+        row[:] = placed[:, :, entry_ // ENTRIES, entry_ % ENTRIES].T
+    return out
+
+
+def _sample_written(functions, i, times, out):
+    terms = functions.track_to[i] - functions.track_from[i] + functions.wave_to[i] - functions.wave_from[i]
     if times.size * terms < MANY:
         for k, t in enumerate(times.tolist()):
             out[k] = _interpreted(functions, i, t)
     else:
         _sample(functions, i, times, out)
-    return out
+
+
+def _sample_frames(functions, times):
+    """Places of all frames at many times, (3, m, frames, 12)."""
+    frames = functions.frames
+    moved = np.zeros((frames.parent.size, MOTIONS, times.size, 3))
+    for k, c in np.argwhere(frames.motion >= 0):
+        _sample_written(functions, int(frames.motion[k, c]), times, moved[k, c])
+    return np.stack(places_of(frames.parent, frames.pivot, moved))
 
 
 @entry
 def _sample(functions, i, times, out):
     for k in range(times.size):
-        out[k, 0], out[k, 1], out[k, 2] = evaluate(functions, i, times[k])
+        out[k, 0], out[k, 1], out[k, 2] = _written(functions, i, times[k])

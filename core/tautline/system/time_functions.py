@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.kernels.moving_frame import new_frames
 from tautline.kernels.time_function import DEGREES, TimeFunctions
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Chirp, Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity
@@ -43,6 +44,8 @@ class FunctionRequest:
         Where it stands in the scene, for messages.
     factor : float
         What the function, or its integral, is multiplied by.
+    inputs : tuple of Steering
+        By which names it can be driven while a run goes on; empty where it cannot.
     """
 
     model: Any
@@ -50,6 +53,58 @@ class FunctionRequest:
     end: float = 0.0
     key: str = ""
     factor: float = 1.0
+    inputs: tuple[Steering, ...] = ()
+
+
+@dataclass(frozen=True)
+class Steering:
+    """A name by which a function of time is driven while a run goes on.
+
+    Attributes
+    ----------
+    name : str
+        ``winch.pay_out``.
+    unit, text : str
+        What it is.
+    order : int
+        0: what is given is the function's value; 1: its rate.
+    factor : float
+        What it is multiplied by to be that.
+    """
+
+    name: str
+    unit: str
+    text: str
+    order: int = 0
+    factor: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class FrameSet:
+    """Frames that move, parents before children.
+
+    Attributes
+    ----------
+    parent : tuple of int
+        Number of the frame that each stands in, -1 for the ground.
+    pivot : tuple of 3 float tuples
+        What each turns about, m.
+    motion : tuple of tuples of 6
+        A `FunctionRequest` for each of the motions, None where there is none.
+    """
+
+    parent: tuple[int, ...]
+    pivot: tuple[tuple[float, float, float], ...]
+    motion: tuple[tuple[FunctionRequest | None, ...], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameEntry:
+    """One of the twelve numbers that place a frame; it stands in a request in the place of a model."""
+
+    frames: FrameSet
+    frame: int
+    number: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,23 +224,65 @@ class Parts:
 def compile_functions(requests: Sequence[FunctionRequest]) -> TimeFunctions:
     """Compile functions of time; the i-th request is function i of the result.
 
+    The motions of frames come after all requests; see `all_requests`.
+
     Raises
     ------
     SceneError
         If a numerical integral would need too many pieces.
     """
-    parts = [_parts(request) for request in requests]
-    tracks = [track for part in parts for track in part.tracks]
-    waves = [wave for part in parts for wave in part.waves]
+    wanted, frames, motion = _with_motions(requests)
+    written = [Parts() if isinstance(request.model, FrameEntry) else _parts(request) for request in wanted]
+    tracks = [track for part in written for track in part.tracks]
+    waves = [wave for part in written for wave in part.waves]
+    steered = [i for i, request in enumerate(wanted) if request.inputs]
+    live = np.full(len(wanted), -1, np.int64)
+    live[steered] = len(tracks) + np.arange(len(steered))
+    tracks += [Track.of([0.0, 0.0], [0.0, 0.0, 0.0], [[0.0]] * 3) for _ in steered]
+    track_at, wave_at = (
+        _offsets([len(part.tracks) for part in written]),
+        _offsets([len(part.waves) for part in written]),
+    )
     return TimeFunctions(
-        track_from=_offsets([len(part.tracks) for part in parts]),
+        track_from=track_at[:-1].copy(),
+        track_to=track_at[1:].copy(),
         break_from=_offsets([len(track.breaks) for track in tracks]),
         breaks=np.concatenate([np.empty(0), *(track.breaks for track in tracks)]),
         origins=np.concatenate([np.empty(0), *(track.origins for track in tracks)]),
         coefficients=np.concatenate([np.empty((0, DEGREES)), *(track.coefficients for track in tracks)]),
-        wave_from=_offsets([len(part.waves) for part in parts]),
+        wave_from=wave_at[:-1].copy(),
+        wave_to=wave_at[1:].copy(),
         waves=np.array(waves, dtype=float).reshape(-1, WAVE_COLUMNS),
+        entry=np.array([_entry(request.model) for request in wanted], dtype=np.int64),
+        live=live,
+        frames=new_frames(*((frames.parent, frames.pivot) if frames else ((), ())), motion),
     )
+
+
+def all_requests(requests: Sequence[FunctionRequest]) -> list[FunctionRequest]:
+    """The requests, and after them those of the motions of the frames that they ask for: in the order of functions."""
+    return _with_motions(requests)[0]
+
+
+def _with_motions(requests: Sequence[FunctionRequest]) -> tuple[list[FunctionRequest], FrameSet | None, Any]:
+    """All requests with those of the frames' motions, the frames, and the functions (k, 6) of their motions."""
+    sets = {id(r.model.frames): r.model.frames for r in requests if isinstance(r.model, FrameEntry)}
+    if len(sets) > 1:
+        raise ValueError("the frames of two scenes cannot be compiled together")
+    wanted, frames = list(requests), next(iter(sets.values()), None)
+    if frames is None:
+        return wanted, None, ()
+    motion = np.full((len(frames.parent), 6), -1)
+    for k, six in enumerate(frames.motion):
+        for c, request in enumerate(six):
+            if request is not None:
+                motion[k, c] = len(wanted)
+                wanted.append(request)
+    return wanted, frames, motion
+
+
+def _entry(model: Any) -> int:
+    return 12 * model.frame + model.number if isinstance(model, FrameEntry) else -1
 
 
 def _offsets(counts: list[int]) -> np.ndarray:

@@ -6,7 +6,8 @@ import time as clock
 import numpy as np
 import pytest
 
-from crane.sea.frames import ENTRIES, GROUND, Frame, boom, heave_of, motion_of, point_of, requests_of
+from crane.sea.frames import GROUND, Frame, boom, heave_of, motion_of, point_of, requests_of
+from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity

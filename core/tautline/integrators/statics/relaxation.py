@@ -164,7 +164,7 @@ def _settle(system: System, state: State) -> None:
 
 def _frozen(system: System) -> TimeFunctions:
     """Functions of time that stay what they are at t = 0; those of steady flow go on at their rate."""
-    count = system.functions.track_from.size - 1
+    count = system.functions.track_from.size
     dofs, flowing = system.dofs, set(system.dofs.flowing.tolist())
     for i in system.dofs.flowing:
         masters = dofs.unknown[dofs.start[i] : dofs.start[i + 1]]
@@ -174,5 +174,8 @@ def _frozen(system: System) -> TimeFunctions:
     for k in range(count):
         value, rate, _ = value_at(system.functions, k, 0.0)
         rows[k, :2] = value, rate if k in goes_on else 0.0
-    each, none = np.arange(count + 1), np.zeros(count + 1, np.int64)
-    return TimeFunctions(each, none, np.empty(0), np.zeros(count), rows, none, np.empty((0, 5)))
+    each, none = np.arange(count), np.zeros(count, np.int64)
+    return TimeFunctions(
+        each, each + 1, np.zeros(count + 1, np.int64), np.empty(0), np.zeros(count), rows, none, none.copy(),
+        np.empty((0, 5)), np.full(count, -1), np.full(count, -1), system.functions.frames,
+    )  # fmt: skip
