@@ -9,7 +9,7 @@ smoothly, and one that is given once is come to rest at.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -66,11 +66,11 @@ class Inputs(Mapping[str, Any]):
         k = self._number(name)
         if self.memory[k, STATE] == GIVEN:
             return float(self.memory[k, TARGET])
-        steering = self._list[k].steering
-        return self._now(k)[steering.order] / steering.factor
+        steering, function = self._list[k].members[0]
+        return self._now(function)[steering.order] / steering.factor
 
-    def _now(self, k: int) -> tuple[float, float, float]:
-        return value_at(self._functions, self._list[k].function, self._clock())
+    def _now(self, function: int) -> tuple[float, float, float]:
+        return value_at(self._functions, function, self._clock())
 
     def __setitem__(self, name: str, value: Any) -> None:
         """Give a value, or (value, rate) or (value, rate, second rate), to be reached at the end of the next advance.
@@ -82,6 +82,9 @@ class Inputs(Mapping[str, Any]):
         SimulationError
             For what is no finite number.
         """
+        if name not in self._numbers and f"{name}[0]" in self._numbers:
+            self._set_vector(name, value)
+            return
         k = self._number(name)
         try:
             if type(value) is float:
@@ -100,6 +103,19 @@ class Inputs(Mapping[str, Any]):
         row[SECOND] = given[2] if len(given) > 2 else 0.0
         row[STATE] = GIVEN
         self._active.add(k)
+
+    def _set_vector(self, name: str, value: Any) -> None:
+        """Give all components of a vector."""
+        parts = [part for part in self._numbers if part.startswith(f"{name}[")]
+        if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != len(parts):
+            raise SimulationError(f"{name} = {value!r} is no vector", f"give {len(parts)} numbers")
+        before = self.memory.copy(), set(self._active)
+        try:
+            for part, x in zip(parts, value, strict=True):
+                self[part] = x
+        except SimulationError:
+            self.memory[:], self._active = before
+            raise
 
     def describe(self) -> dict[str, dict[str, Any]]:
         """Unit, shape and meaning of every input."""
@@ -124,19 +140,19 @@ class Inputs(Mapping[str, Any]):
         self._functions.frames.time[0] = np.nan
 
     def _write(self, k: int, row: np.ndarray, begin: float, end: float) -> None:
-        steering, h = self._list[k].steering, end - begin
-        f = self._now(k)
-        target = steering.factor * row[TARGET]
-        slope = (target - f[steering.order]) / h
-        # A rate that is integrated has one order less to be smooth in.
-        given = np.isfinite(row[RATE])
-        rate = steering.factor * row[RATE] if given else _between(row[SLOPE], slope)
-        second = steering.factor * row[SECOND]
-        at_end = (target, rate, second)
-        way = _quintic(h, f, at_end) if steering.order == 0 else _integrated_cubic(h, f, at_end)
-        self._lay(self._list[k].function, begin, end, way)
+        """Write the ways of all functions that an input drives."""
+        h, members = end - begin, self._list[k].members
+        steering, function = members[0]
+        slope = (row[TARGET] - self._now(function)[steering.order] / steering.factor) / h
+        rate = row[RATE] if np.isfinite(row[RATE]) else _between(row[SLOPE], slope)
+        at_end = row[TARGET], rate, row[SECOND]
+        for steering, function in members:
+            f, g = self._now(function), [steering.factor * x for x in at_end]
+            # A rate that is integrated has one order less to be smooth in.
+            way = _quintic(h, f, g) if steering.order == 0 else _integrated_cubic(h, f, g)
+            self._lay(function, begin, end, way)
         row[SLOPE] = slope
-        moving = rate != 0.0 or second != 0.0
+        moving = rate != 0.0 or row[SECOND] != 0.0
         row[STATE] = MOVING if moving else AT_REST
         if not moving:
             self._active.discard(k)
@@ -179,7 +195,7 @@ def _between(before: float, after: float) -> float:
     return 2.0 * before * after / (before + after) if before * after > 0.0 else 0.0
 
 
-def _quintic(h: float, f: tuple[float, float, float], g: tuple[float, float, float]) -> np.ndarray:
+def _quintic(h: float, f: Sequence[float], g: Sequence[float]) -> np.ndarray:
     """Coefficients (8,) of the quintic with value, rate and second rate ``f`` at 0 and ``g`` at h."""
     d = g[0] - f[0] - h * (f[1] + 0.5 * h * f[2])
     e = h * (g[1] - f[1] - h * f[2])
@@ -192,7 +208,7 @@ def _quintic(h: float, f: tuple[float, float, float], g: tuple[float, float, flo
     return way
 
 
-def _integrated_cubic(h: float, f: tuple[float, float, float], g: tuple[float, float, float]) -> np.ndarray:
+def _integrated_cubic(h: float, f: Sequence[float], g: Sequence[float]) -> np.ndarray:
     """The same of a function whose rate is given: its rate is the cubic from f[1], f[2] to g[0], g[1]."""
     change = g[0] - f[1]
     b = (3.0 * change / h - 2.0 * f[2] - g[1]) / h

@@ -96,7 +96,9 @@ class Simulation:
         self._ends, self._steps, self._pause = np.zeros(1), np.zeros(1, np.int64), new_pause()
         self._time, self._stopped = 0.0, ""
         self._step, self._watched = model.solver.step, run.explicit and model.solver.guarded
-        self._mark = f"{model.attributes.get('application', '')} {model.attributes.get('model_hash', '')} {model.solver.method}"
+        self._mark = (
+            f"{model.attributes.get('application', '')} {model.attributes.get('model_hash', '')} {model.solver.method}"
+        )
         self._grid, _ = frame_times(model.solver.end, model.solver.interval, model.solver.step)
         self._tolerance = CLOSE * model.solver.interval
         self._clock, self._unchecked = np.zeros(2), 0.0
@@ -188,9 +190,13 @@ class Simulation:
             ahead = False
         if not ahead:
             told = f"{time:g} s" if isinstance(time, (int, float)) else repr(time)
-            raise SimulationError(f"cannot advance to {told} from {begin:g} s", "give a later time; restore() goes back")
+            raise SimulationError(
+                f"cannot advance to {told} from {begin:g} s", "give a later time; restore() goes back"
+            )
         if self._stopped:
-            raise SimulationError(f"the simulation has stopped: {self._stopped}", "restore a state that was saved before")
+            raise SimulationError(
+                f"the simulation has stopped: {self._stopped}", "restore a state that was saved before"
+            )
         if abs(time - self._next) <= self._tolerance:
             time = self._next
         self.inputs.write(begin, time)

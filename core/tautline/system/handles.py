@@ -13,18 +13,20 @@ from tautline.system.time_functions import FunctionRequest, Steering, all_reques
 
 @dataclass(frozen=True)
 class Input:
-    """A function of time that can be driven while a run goes on.
+    """What can be driven while a run goes on.
 
     Attributes
     ----------
-    steering : Steering
-        Its name, unit and meaning.
-    function : int
-        Which of the scene's functions it drives.
+    members : tuple of (Steering, int)
+        The scene's functions that it drives, by their numbers, and how. Name, unit and meaning are those of the first.
     """
 
-    steering: Steering
-    function: int
+    members: tuple[tuple[Steering, int], ...]
+
+    @property
+    def steering(self) -> Steering:
+        """Of the first function."""
+        return self.members[0][0]
 
 
 @dataclass(frozen=True)
@@ -92,11 +94,12 @@ class Handles:
 
 def inputs_of(requests: Sequence[FunctionRequest]) -> dict[str, Input]:
     """Inputs by name, of the requests that the scene's functions were compiled from."""
-    return {
-        steering.name: Input(steering, i)
-        for i, request in enumerate(all_requests(requests))
-        for steering in request.inputs
-    }
+    made: dict[str, Input] = {}
+    for i, request in enumerate(all_requests(requests)):
+        for steering in request.inputs:
+            known = made[steering.name].members if steering.name in made else ()
+            made[steering.name] = Input((*known, (steering, i)))
+    return made
 
 
 def outputs_of(
@@ -153,9 +156,7 @@ def same_as(output: Output, name: str) -> Output:
     return Output(name, output.unit, output.text, output.shape, output.value, output.places)
 
 
-def extreme_of(
-    variable: Any, name: str, text: str, choose: Callable[[np.ndarray], Any]
-) -> Output:
+def extreme_of(variable: Any, name: str, text: str, choose: Callable[[np.ndarray], Any]) -> Output:
     """An output that is the largest, or the smallest, of a variable."""
     source = variable.name
     return Output(name, variable.units, text, (), lambda frame: choose(frame[source][0]))
