@@ -14,11 +14,24 @@ from typing import TYPE_CHECKING, Any
 from tautline.version import __version__
 
 if TYPE_CHECKING:
+    from tautline.live.rollout import rollout
+    from tautline.live.simulation import Simulation
     from tautline.results.result import Result
     from tautline.study.accuracy.precision import Study
     from tautline.study.robustness.stability import Stability
 
-__all__ = ["__version__", "read", "simulate", "study_errors", "study_stability"]
+__all__ = ["Simulation", "__version__", "read", "rollout", "simulate", "study_errors", "study_stability"]
+
+_LATER = {"Simulation": "tautline.live.simulation", "rollout": "tautline.live.rollout"}
+"""Names that are loaded when they are first used."""
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LATER:
+        from importlib import import_module
+
+        return getattr(import_module(_LATER[name]), name)
+    raise AttributeError(f"module 'tautline' has no attribute '{name}'")
 
 
 def read(path: str | Path) -> Any:
