@@ -13,6 +13,9 @@ from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, s
 from tautline.live.errors import SimulationError
 from tautline.system.model import Model
 
+INSTANT = 1.0e-6
+"""Length of the step that groups begin where they are evaluated, over that of the scene."""
+
 
 class Equations:
     """What `Simulation.equations` gives: they belong to a copy, so that the simulation is not touched.
@@ -35,7 +38,8 @@ class Equations:
         system = model.system
         self._system, self._state, self._time = system, new_state(system), time
         self._groups = system.link(SUMS)
-        self._h = model.solver.step
+        # Groups begin a step there; what acts for a whole step of ours acts at its time alone.
+        self._h = INSTANT * model.solver.step
         self._q, self._v = q.copy(), v.copy()
         self.names, self.algebraic, self.scale = list(system.names), system.algebraic.copy(), system.scale.copy()
         self._residual = np.zeros(system.size)
