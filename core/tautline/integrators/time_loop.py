@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import typeof
 
 from tautline.integrators.explicit import accelerate, account
 from tautline.integrators.linearise import SUMS, evaluate_scene
@@ -25,6 +24,7 @@ from tautline.kernels.dofs import expand, expand_held
 from tautline.kernels.groups import hook_jobs
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix
+from tautline.kernels.memory import kind_of
 from tautline.kernels.parallel_compile import compile_all
 
 ENERGIES = 5
@@ -219,7 +219,7 @@ def compile_for(method, system, state, announce=None):
         (solve_matrix, (factors, none)),
         (factorise_matrix, (factors,)),
     ]
-    heavy, common, *parts = ((function, tuple(typeof(x) for x in given)) for function, given in calls)
+    heavy, common, *parts = ((function, tuple(kind_of(x) for x in given)) for function, given in calls)
     hooks = hook_jobs(system.groups, *dict.fromkeys((*sums, *SUMS)))
     # The loop, which is heaviest, takes in the last two: it is begun when others have made them.
     compile_all([*hooks[:1], heavy, common, *hooks[1:], *parts], announce)

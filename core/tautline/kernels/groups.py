@@ -44,7 +44,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import config, typeof
+from numba import config
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
@@ -53,7 +53,7 @@ from tautline.kernels.compiling.caching import KERNELS_OF
 from tautline.kernels.dofs import DOFS
 from tautline.kernels.jit import address_of, addressed, stands_for
 from tautline.kernels.matrix import MATRIX
-from tautline.kernels.memory import words_of
+from tautline.kernels.memory import kind_of, words_of
 from tautline.kernels.parallel_compile import Job
 
 Kernel = Callable[..., None]
@@ -204,8 +204,8 @@ def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
 
 
 def _kinds_of(groups: tuple[Any, ...]) -> list[types.TypeRef]:
-    """Types of the groups. Numba looks through all arrays of a group for it, which takes a millisecond or two."""
-    return [types.TypeRef(typeof(g)) for g in groups]
+    """Types of the groups."""
+    return [types.TypeRef(kind_of(g)) for g in groups]
 
 
 def _signature(row: int, kind: types.TypeRef) -> tuple[types.Type, ...]:
