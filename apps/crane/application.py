@@ -18,6 +18,7 @@ class Crane(Packaged):
         {
             "scene": "scene.scene",
             "build": "model.build",
+            "handles": "model.handles",
             "figures": "view.figures",
             "appearance": "view.appearance",
             "variations": "model.variations",
@@ -27,3 +28,7 @@ class Crane(Packaged):
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with the path of a rope is ours."""
         return "path" in root
+
+    def driven(self, scene: Any, names: Any) -> Any:
+        """The scene with what is named free to be driven; a vessel comes under it where its motion is named."""
+        return self._module("handles").driven(scene, tuple(names))

@@ -19,6 +19,7 @@ class Drillstring(Packaged):
         {
             "scene": "scene.scene",
             "build": "model.build",
+            "handles": "model.handles",
             "figures": "view.figures",
             "appearance": "view.appearance",
             "variations": "model.variations",
@@ -39,3 +40,7 @@ class Drillstring(Packaged):
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with a well or a string is a drill string."""
         return "well" in root or "string" in root
+
+    def driven(self, scene: Any, names: Sequence[str]) -> Any:
+        """The scene with what is named free to be driven; `top.torque` takes the place of the drive's controller."""
+        return self._module("handles").driven(scene, tuple(names))

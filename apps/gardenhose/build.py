@@ -16,10 +16,12 @@ from gardenhose.summary import headline
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.model.build import Assembly, assemble_cables
 from tautline.cable.model.elements import records
+from tautline.cable.model.handles import stiffnesses
 from tautline.cable.model.layout import Layout
 from tautline.elements.nodal.jet import JET, Jets
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.scene.solver import error_of_steps, unused_alphas
+from tautline.system.handles import Handles, inputs_of, outputs_of, same_as
 from tautline.system.model import Model
 
 TOLERANCE = 1.0e-4
@@ -77,8 +79,20 @@ def build(scene: HoseScene) -> Model:
         start=STARTS[scene.start],
         step_limit=0.5 * float(np.diff(arc_lengths(scene)).min()),
         notes=notes,
+        handles=lambda: _handles(made, model),
     )  # fmt: skip
     return within_rounding(model)
+
+
+def _handles(made: Assembly, model: Model) -> Handles:
+    """What can be driven, read and changed of a hose while it runs."""
+    outputs = outputs_of(model.variables, model.coordinates)
+    outputs["tip.position"] = same_as(outputs["tip"], "tip.position")
+    outputs["tip.velocity"] = same_as(outputs["tip_velocity"], "tip.velocity")
+    if "flow_speed" in outputs:
+        outputs["water.speed"] = same_as(outputs["flow_speed"], "water.speed")
+    parameters = {one.name: one for one in stiffnesses(made.system.groups, "hose")}
+    return Handles(inputs_of(made.layout.requests), outputs, parameters)
 
 
 def assembled(scene: HoseScene, fused: bool = True) -> Assembly:

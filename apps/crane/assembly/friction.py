@@ -11,7 +11,7 @@ from crane.groups.capstan_friction import BEARING, CAPSTAN, EFFICIENCY, NONE, TO
 from crane.groups.span import STATION, Spans
 from crane.scene.scene import Drum, Efficiency, Sheave
 from tautline.scene.functions import Constant, FunctionOfTime, Ramp
-from tautline.system.time_functions import FunctionRequest
+from tautline.system.time_functions import FunctionRequest, Steering
 
 CLOSES = 1.0e-3
 """Time that a brake takes to close or open, s."""
@@ -62,9 +62,13 @@ def _of_drum(layout: Layout, i: int, drum: Drum) -> list[Row]:
         always = layout.requests.add(FunctionRequest(Constant(value=1.0)))
         rows.append({**common, "coefficient": drum.friction_torque / drum.radius, "function": always})
     if drum.brake is not None and drum.brake.torque > 0.0:
-        closed = layout.requests.add(FunctionRequest(_closed(drum), key=f"path[{i}].drum.brake"))
+        closed = layout.requests.add(FunctionRequest(_closed(drum), key=f"path[{i}].drum.brake", inputs=_brake(drum)))
         rows.append({**common, "coefficient": drum.brake.torque / drum.radius, "function": closed})
     return rows
+
+
+def _brake(drum: Drum) -> tuple[Steering, ...]:
+    return (Steering(f"{drum.name}.brake", "", "how far the brake is closed, from 0 to 1"),)
 
 
 def _closed(drum: Drum) -> FunctionOfTime:

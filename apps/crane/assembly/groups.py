@@ -26,7 +26,8 @@ from crane.groups.span import BETWEEN, SPAN, STATION, Spans, new_spans
 from crane.groups.winch import DRUM, Drums, Supplies
 from crane.scene.scene import Drum, End, Sheave
 from tautline.kernels.time_function import TimeFunctions
-from tautline.system.time_functions import FunctionRequest
+from tautline.scene.functions import Constant
+from tautline.system.time_functions import FunctionRequest, Steering
 
 SMOOTHING = 0.01
 """Curvature below which the damping of bending fades, over that of an element bent to its own length."""
@@ -142,7 +143,9 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
                 "rope": scene.rope.mass_per_length,
                 "stored": np.inf if item.rope_on_drum is None else item.rope_on_drum,
                 "begin": layout.degrees.value[layout.material(i)],
-                "function": layout.requests.add(FunctionRequest(drive, key=f"path[{i}].drum.{item.drive}")),
+                "function": layout.requests.add(
+                    FunctionRequest(drive, key=f"path[{i}].drum.{item.drive}", inputs=_of_drum(item))
+                ),
                 "holds": int(item.drive == "tension"),
                 "proportional": item.gains.proportional if item.gains else 0.0,
                 "integral": item.gains.integral if item.gains else 0.0,
@@ -156,13 +159,21 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
     return lambda functions: Drums(_records(DRUM, rows), spans.found, np.zeros(n), np.zeros(n), functions)
 
 
+def _of_drum(drum: Drum) -> tuple[Steering, ...]:
+    text = "torque of the drive" if drum.drive == "torque" else "tension that the drive holds"
+    return (Steering(f"{drum.name}.{drum.drive}", "N m" if drum.drive == "torque" else "N", text),)
+
+
 def _bodies(layout: Layout) -> Maker | None:
     scene, rows = layout.scene, []
     gravity, ground = np.array(scene.gravity, dtype=float), scene.ground
     for k, body in enumerate(scene.bodies):
         functions = [-1, -1, -1]
-        for c, force in enumerate(body.force or ()):
-            functions[c] = layout.requests.add(FunctionRequest(force, key=f"bodies[{k}].force[{c}]"))
+        driven = [f"{body.name}.force[{c}]" for c in range(AXES)]
+        forces = body.force or ((Constant(value=0.0),) * AXES if scene.driven.intersection(driven) else ())
+        for c, force in enumerate(forces):
+            steered = (Steering(driven[c], "N", f"force on {body.name} along {'xyz'[c]}"),)
+            functions[c] = layout.requests.add(FunctionRequest(force, key=f"bodies[{k}].force[{c}]", inputs=steered))
         rows.append(
             {
                 "place": layout.body[body.name],

@@ -45,7 +45,7 @@ class FrameMotion:
 
 def _of_frames(scene: CraneScene) -> tuple[Any, ...]:
     """What the motion of the frames depends on."""
-    return scene.vessel, scene.frames, scene.solver.end, stamps(scene.vessel, scene.folder)
+    return scene.vessel, scene.frames, scene.solver.end, stamps(scene.vessel, scene.folder), scene.driven
 
 
 def motion_of(scene: CraneScene) -> FrameMotion:
@@ -63,7 +63,7 @@ def _motion(scene: CraneScene) -> FrameMotion:
     end = scene.solver.end
     try:
         frames, places = frames_of(scene.vessel, scene.frames, scene.folder, end)
-        requests = requests_of(frames, end)
+        requests = requests_of(frames, end, scene.driven)
         functions = compile_functions(requests)
         at_first = sample_all(functions, range(len(requests)), np.zeros(1))[:, 0, 0]
         return FrameMotion(frames, places, requests, at_first.reshape(-1, ENTRIES))

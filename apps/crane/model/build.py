@@ -13,6 +13,7 @@ from crane.assembly.prepared import compensation_of
 from crane.assembly.static_start import draw_true, stretch_of
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.span import MATERIAL, STATION
+from crane.model.handles import handles
 from crane.results.course import Course, course_of, laid_out
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
@@ -25,7 +26,7 @@ from tautline.kernels.time_function import sample_all
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
-from tautline.system.time_functions import FunctionRequest, compile_functions
+from tautline.system.time_functions import FunctionRequest, Steering, compile_functions
 
 STEP_ERROR = 3.0e-5
 """Error of a step, m, where the scene gives none."""
@@ -68,6 +69,7 @@ def build(scene: CraneScene) -> Model:
         own=observer.own,
         notes=notes,
         settle=lambda state: draw_true(layout, system, state),
+        handles=lambda: handles(made, model),
     )  # fmt: skip
     return within_rounding(model)
 
@@ -169,7 +171,13 @@ def _drive(layout: Layout) -> Compensation | None:
         way = -1.0 if i == 0 else 1.0
         key = f"path[{i}].drum.{item.drive}"
         drive, factor = (item.pay_out, 1.0) if item.drive == "pay_out" else (item.speed, item.radius)
-        request = FunctionRequest(drive, integrate=True, end=scene.solver.end, key=key, factor=way * factor)
+        steered = (
+            Steering(f"{item.name}.pay_out", "m", "unstretched rope paid out since the start", 0, way),
+            Steering(f"{item.name}.pay_out_speed", "m/s", "speed of unstretched rope, positive out", 1, way),
+        )
+        request = FunctionRequest(
+            drive, integrate=True, end=scene.solver.end, key=key, factor=way * factor, inputs=steered
+        )
         laid = _further(layout, f"{item.name}: laid out", float(degrees.value[layout.material(i)]), None)
         masters = [(laid, 1.0), (_further(layout, f"{item.name}: operator", 0.0, request), 1.0)]
         if compensation is not None:

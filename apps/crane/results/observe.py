@@ -166,10 +166,12 @@ class Observer:
         e_on, e_off = on[..., RECORDED:], off[..., RECORDED:]
         wheels = rows[self.sheaves]
         columns = frames.q[:, wheels.frame[:, None] + 3 + np.arange(9)].reshape(len(frames.q), -1, 3, 3)
-        axis = np.einsum("tsjc,sj->tsc", columns, wheels.axis)
+        axis = sum(columns[:, :, j] * wheels.axis[:, j, None] for j in range(AXES))
         place = np.array([layout.material(i) for i in self.sheaves])
         load = off[..., [FIRST]] * e_off - on[..., [LAST]] * e_on
-        fleet = [np.arcsin(np.clip(np.einsum("tsc,tsc->ts", e, axis), -1.0, 1.0)) for e in (e_on, e_off)]
+        # Written out: a sum by einsum is rounded otherwise in batches of another length.
+        across = [sum(e[..., c] * axis[..., c] for c in range(AXES)) for e in (e_on, e_off)]
+        fleet = [np.arcsin(np.clip(x, -1.0, 1.0)) for x in across]
         return {
             "wrap_angle": np.abs(off[..., FIRST_PSI] - on[..., LAST_PSI]),
             "fleet_angle": np.stack(fleet, axis=-1),

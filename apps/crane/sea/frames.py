@@ -161,15 +161,16 @@ def requests_of(frames: Sequence[Frame], end: float, live: Collection[str] = ())
     functions = _compiled(frames, end)
     for k in range(len(frames)):
         _Path(frames, functions, k, end).check_jumps()
+    numbers = np.arange(len(MOTIONS) * len(frames)).reshape(len(frames), len(MOTIONS))
     moves = np.array(
-        [_moves(frame, i, functions, 6 * k + i, end, live) for k, frame in enumerate(frames) for i in range(6)]
+        [
+            [_moves(frame, i, functions, n, end, live) for i, n in enumerate(row)]
+            for frame, row in zip(frames, numbers, strict=True)
+        ]
     )
-    moves = moves.reshape(-1, 6)
+    there = moves | sample_all(functions, numbers.ravel(), np.zeros(1))[:, 0].any(axis=1).reshape(moves.shape)
     motions = tuple(
-        tuple(
-            _motion_request(frame, i, end) if moves[k, i] or any(_size(functions, 6 * k + i)) else None
-            for i in range(6)
-        )
+        tuple(_motion_request(frame, i, end) if there[k, i] else None for i in range(len(MOTIONS)))
         for k, frame in enumerate(frames)
     )
     made = FrameSet(tuple(int(p) for p in _parents(frames)), tuple(frame.pivot for frame in frames), motions)
@@ -190,10 +191,6 @@ def _motion_request(frame: Frame, i: int, end: float) -> FunctionRequest:
     # Of a boom only slew and luff are its own.
     inputs = (steered,) if i >= 4 or frame.words == MOTIONS else ()
     return FunctionRequest(frame.motion[i], end=end, key=frame.motion_key(i), inputs=inputs)
-
-
-def _size(functions: TimeFunctions, i: int) -> np.ndarray:
-    return sample(functions, i, np.zeros(1))[0]
 
 
 def _moves(frame: Frame, i: int, functions: TimeFunctions, number: int, end: float, live: Collection[str]) -> bool:

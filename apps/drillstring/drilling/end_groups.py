@@ -20,8 +20,10 @@ from tautline.kernels.time_function import TimeFunctions, value_at
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
 
-BLOCK, ROTATION = 0, 1
-"""Functions of time of a scene: the block's position m, and the angle of the rotary rad."""
+BLOCK, ROTATION, TORQUE = 0, 1, 2
+"""Functions of time of a scene: the block's position m, the angle of the rotary rad, and the torque of a drive that is
+given it from outside, N m."""
+TORQUE_INPUT = "top.torque"
 RING = 1024
 """Angles at which the bottom of the hole under a bit with blades is remembered."""
 
@@ -76,7 +78,8 @@ def groups_at_ends(
         group.row[0].torque = wound
         groups.append(group)
     if is_driven(scene):
-        groups.append(_drive(scene.top.rotation, functions, drive, tubes, wound))
+        given = TORQUE_INPUT in scene.driven
+        groups.append(_drive(scene.top.rotation, functions, drive, tubes, wound, given))
     return groups
 
 
@@ -88,15 +91,20 @@ def _bit(scene: DrillstringScene, bit: Along, turn: int, tubes: Sequence[Tube], 
     return RockBit(*shared)
 
 
-def _drive(rotation: Controller, functions: TimeFunctions, place: int, tubes: Sequence[Tube], wound: float) -> TopDrive:
-    """The drive, whose integral already gives the torque that the string is wound up by."""
+def _drive(
+    rotation: Controller, functions: TimeFunctions, place: int, tubes: Sequence[Tube], wound: float, given: bool
+) -> TopDrive:
+    """The drive, whose integral already gives the torque that the string is wound up by.
+
+    ``given``: its torque comes from outside.
+    """
     assert rotation.inertia is not None
     limit = rotation.torque_limit if rotation.torque_limit is not None else np.inf
-    proportional, integral = gains(rotation, tubes)
+    proportional, integral = (0.0, 0.0) if given else gains(rotation, tubes)
     lead = wound / integral if integral > 0.0 else 0.0
     return TopDrive(
-        functions, ROTATION, place, rotation.inertia, proportional, integral, limit, np.zeros(1),
-        np.array([lead, 0.0]),
+        functions, ROTATION, place, rotation.inertia, proportional, integral, limit, TORQUE if given else -1,
+        np.zeros(1), np.array([lead, 0.0]),
     )  # fmt: skip
 
 

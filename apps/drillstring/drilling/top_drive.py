@@ -16,9 +16,10 @@ class TopDrive(NamedTuple):
     """PI speed control at full degree of freedom ``place``: torque, limited, on the drive's own inertia kg m^2.
 
     T = proportional (Omega - phi') + integral (int Omega dt - phi + lead), |T| <= limit; the reference angle is
-    function ``angle`` of the scene. At its limit the drive does not wind up: while it is too slow for the torque that
-    it gives (too fast, the other way) the angle ``lead`` takes back what the integral would grow by. ``torque`` (1,) is
-    that of the last accepted step, ``lead`` (2,) that angle and by how much the reference was ahead then, rad.
+    function ``angle`` of the scene. Where ``asked`` is not -1, T is what that function says, and there are no gains. At
+    its limit the drive does not wind up: while it is too slow for the torque that it gives (too fast, the other way)
+    the angle ``lead`` takes back what the integral would grow by. ``torque`` (1,) is that of the last accepted step,
+    ``lead`` (2,) that angle and by how much the reference was ahead then, rad.
     """
 
     functions: TimeFunctions
@@ -28,6 +29,7 @@ class TopDrive(NamedTuple):
     proportional: float
     integral: float
     limit: float
+    asked: int
     torque: np.ndarray
     lead: np.ndarray
 
@@ -37,6 +39,8 @@ def _torque(g, t, q, v):
     """Torque asked for, N m, and whether it is within the limit."""
     angle, speed, _ = evaluate(g.functions, g.angle, t)
     asked = g.proportional * (speed - v[g.place]) + g.integral * (angle - q[g.place] + g.lead[0])
+    if g.asked >= 0:
+        asked, _, _ = evaluate(g.functions, g.asked, t)
     if abs(asked) > g.limit:
         return np.copysign(g.limit, asked), False
     return asked, True

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from drillstring.drilling.end_groups import notes_of_ends
+from drillstring.model.handles import handles, requests
 from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
 from drillstring.results.drilling import variables_of_ends
 from drillstring.results.limits import limits
 from drillstring.results.observe import COORDINATE_UNITS, headline, variables
-from drillstring.scene.ends import Controller
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
 from tautline.application.modelling import attributes_of, settings_of
@@ -18,7 +18,7 @@ from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.groups import offers
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
-from tautline.system.time_functions import FunctionRequest, compile_functions
+from tautline.system.time_functions import compile_functions
 
 TOLERANCE = 1.0e-9
 """Largest residual over the string's weight that counts as solved: a millinewton on a meganewton."""
@@ -65,6 +65,7 @@ def build(scene: DrillstringScene) -> Model:
         confined=True,
         own=observer.own,
         notes=notes,
+        handles=lambda: handles(scene, model),
     )  # fmt: skip
     return within_rounding(model)
 
@@ -77,17 +78,6 @@ def _assembler(kind: str) -> Any:
 
         return assemble_beam
     return assemble_lumps
-
-
-def requests(scene: DrillstringScene) -> list[FunctionRequest]:
-    """Block position, and the rotary's angle from where it is at t = 0."""
-    rotation = scene.top.rotation
-    speed = rotation.speed if isinstance(rotation, Controller) else rotation
-    key = "top.rotation.controller.speed" if isinstance(rotation, Controller) else "top.rotation"
-    return [
-        FunctionRequest(scene.top.block, end=scene.solver.end, key="top.block"),
-        FunctionRequest(speed, integrate=True, end=scene.solver.end, key=key),
-    ]
 
 
 def _law(scene: DrillstringScene) -> tuple[str, list[str]]:

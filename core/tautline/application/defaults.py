@@ -108,6 +108,10 @@ class Defaults:
 
         raise ResultError("--figure", f"scenes of {self.name} are not drawn", "leave it out, and `plot` the result")
 
+    def driven(self, scene: Any, names: Sequence[str]) -> Any:
+        """The scene, made so that what is named can be driven while it runs, also what it holds still."""
+        return scene
+
     def build(self, scene: Any) -> Any:
         """Compile a scene into a Model; raises SceneError. Every application has its own."""
         raise NotImplementedError(f"{type(self).__name__} has no build")

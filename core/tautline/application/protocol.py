@@ -71,6 +71,15 @@ class Application(Protocol):
     def check_figures(self, scene: Any) -> dict[str, Any]:
         """Extra keys of ``check --json``."""
 
+    def driven(self, scene: Any, names: Sequence[str]) -> Any:
+        """The scene, made so that what is named can be driven while it runs, also what it holds still.
+
+        Raises
+        ------
+        tautline.scene.errors.SceneError
+            For what cannot be.
+        """
+
     def build(self, scene: Any) -> Any:
         """Compile a scene into a Model; raises SceneError."""
 

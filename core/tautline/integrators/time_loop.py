@@ -98,6 +98,16 @@ def record_frame(groups, state, t, row, at):
     over.record(groups, row, at)
 
 
+@entry
+def _record_now(groups, state, t, row, at):
+    record_frame(groups, state, t, row, at)
+
+
+def record_now(method, system, state, t, row):
+    """Write the frame of a state as it is into a row, between two calls of the loop."""
+    _record_now(system.link(loop_of(method)[1]), state, t, row, np.zeros(2, np.int64))
+
+
 @kernel(forceinline=True)
 def open_run(groups, state, t, power):
     """Settle the laws at the start and open the ledger."""

@@ -8,6 +8,7 @@ track, which is written while a run goes on and then stands for the whole functi
 
 from __future__ import annotations
 
+from types import FunctionType
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,36 @@ DEGREES = 8
 """Coefficients kept of a polynomial: up to degree 7, the integral of a ramp's rate."""
 MANY = 5_000
 """Polynomials and sines from which sampling is compiled, which may take a second; so many take Python 50 ms at most."""
+
+
+TERMS = 14
+"""Terms of the Taylor series that stands for many waves: of what turns by half a radian the next is 1e-15."""
+
+
+class LongSums(NamedTuple):
+    """Functions that are sums of many plain waves, each as its Taylor series about the middle of a short span of time.
+
+    The spans follow one another from t = 0, so that what a function is depends on the time alone.
+
+    Attributes
+    ----------
+    row : int64 (n,)
+        Of function i in the following, or -1.
+    span : float64 (k,)
+        Length of a span, s: the fastest wave turns by one radian.
+    begin : float64 (k,)
+        Time from which all waves have their full size, s.
+    number : float64 (k,)
+        Which span the series is for.
+    series : float64 (k, 14)
+        Coefficients of rising powers of time since the middle of the span.
+    """
+
+    row: np.ndarray
+    span: np.ndarray
+    begin: np.ndarray
+    number: np.ndarray
+    series: np.ndarray
 
 
 class TimeFunctions(NamedTuple):
@@ -46,6 +77,8 @@ class TimeFunctions(NamedTuple):
         The track of function i that is written while a run goes on, or -1: it is no input.
     frames : MovingFrames
         The frames that functions place.
+    sums : LongSums
+        Those of many waves.
     """
 
     track_from: np.ndarray
@@ -60,6 +93,7 @@ class TimeFunctions(NamedTuple):
     entry: np.ndarray
     live: np.ndarray
     frames: MovingFrames
+    sums: LongSums
 
 
 @kernel
@@ -67,7 +101,7 @@ def evaluate(functions, i, t):
     """Return ``(f, df, ddf)`` of function `i` at time `t`: its value, rate and second rate."""
     number = functions.entry[i]
     if number < 0:
-        return _written(functions, i, t)
+        return _summed(functions, i, t)
     frames = functions.frames
     if frames.time[0] != t:
         _place(functions, t)
@@ -84,14 +118,51 @@ def _place(functions, t):
         for c in range(MOTIONS):
             i = frames.motion[k, c]
             if i >= 0:
-                frames.moved[c, 0], frames.moved[c, 1], frames.moved[c, 2] = _written(functions, i, t)
+                frames.moved[c, 0], frames.moved[c, 1], frames.moved[c, 2] = _summed(functions, i, t)
         place_frame(frames, k)
     frames.time[0] = t
 
 
 @kernel
-def _written(functions, i, t):
-    """Value, rate and second rate of a function that is written as tracks and waves."""
+def _summed(functions, i, t):
+    """What `_written` gives; of many waves by their series."""
+    sums, row = functions.sums, functions.sums.row[i]
+    if row < 0 or functions.wave_to[i] == functions.wave_from[i] or t < sums.begin[row]:
+        return _written(functions, i, t)
+    number = np.floor(t / sums.span[row])
+    if number != sums.number[row]:
+        _expand(functions, i, row, number)
+    f, df, ddf = _tracks(functions, i, t)
+    x = t - (number + 0.5) * sums.span[row]
+    p, dp, half = 0.0, 0.0, 0.0
+    for k in range(TERMS - 1, -1, -1):
+        half = half * x + dp
+        dp = dp * x + p
+        p = p * x + sums.series[row, k]
+    return f + p, df + dp, ddf + 2.0 * half
+
+
+@kernel
+def _expand(functions, i, row, number):
+    """Make the series of a sum of waves for a span of time."""
+    sums = functions.sums
+    middle = (number + 0.5) * sums.span[row]
+    for k in range(TERMS):
+        sums.series[row, k] = 0.0
+    for j in range(functions.wave_from[i], functions.wave_to[i]):
+        a, w = functions.waves[j, 0], functions.waves[j, 1]
+        angle = functions.waves[j, 3] + w * middle
+        sine, cosine = a * np.sin(angle), a * np.cos(angle)
+        for k in range(TERMS):
+            sums.series[row, k] += sine
+            # The next derivative by time, over one factor more of the factorial.
+            sine, cosine = w * cosine / (k + 1.0), -w * sine / (k + 1.0)
+    sums.number[row] = number
+
+
+@kernel
+def _tracks(functions, i, t):
+    """The part of a function that is written as tracks."""
     f, df, ddf = 0.0, 0.0, 0.0
     for track in range(functions.track_from[i], functions.track_to[i]):
         first, low, high = functions.break_from[track], functions.break_from[track], functions.break_from[track + 1]
@@ -111,6 +182,13 @@ def _written(functions, i, t):
         f += p
         df += dp
         ddf += 2.0 * half
+    return f, df, ddf
+
+
+@kernel
+def _written(functions, i, t):
+    """Value, rate and second rate of a function that is written as tracks and waves."""
+    f, df, ddf = _tracks(functions, i, t)
     for j in range(functions.wave_from[i], functions.wave_to[i]):
         a, w, c = functions.waves[j, 0], functions.waves[j, 1], functions.waves[j, 2]
         angle = functions.waves[j, 3] + t * (w + c * t)
@@ -135,7 +213,13 @@ def _written(functions, i, t):
     return f, df, ddf
 
 
-_interpreted = getattr(_written, "py_func", _written)
+def _in_python(function, **others):
+    """A kernel as Python runs it, and with it those that it calls."""
+    plain = getattr(function, "py_func", function)
+    return FunctionType(plain.__code__, {**plain.__globals__, **others}, plain.__name__)
+
+
+_interpreted = _in_python(_written, _tracks=_in_python(_tracks))
 
 
 def value_at(functions, i, t):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
 
@@ -105,6 +105,18 @@ class Scene(Model):
     """A whole scene: a model that remembers the file it was read from."""
 
     _document: Document | None = PrivateAttr(None)
+    _driven: frozenset[str] = PrivateAttr(frozenset())
+
+    @property
+    def driven(self) -> frozenset[str]:
+        """Names of what is driven from outside while it runs, though the scene may hold it still."""
+        return self._driven
+
+    def driven_by(self, names: Iterable[str]) -> Self:
+        """A copy in which more is driven from outside."""
+        copy = self.model_copy()
+        copy._driven = self._driven | frozenset(names)
+        return copy
 
     @property
     def document(self) -> Document | None:

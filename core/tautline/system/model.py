@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.system.handles import Handles
 from tautline.system.system import System
 
 
@@ -79,6 +80,8 @@ class Model:
         rope of the length that makes its drawing true.
     limits : callable or None
         Result -> records of what it is judged by (`tautline.results.limits`).
+    handles : callable or None
+        -> what can be driven, read and changed while it runs; None where an application does not say.
     """
 
     system: System
@@ -95,3 +98,4 @@ class Model:
     confined: bool = False
     settle: Callable[[Any], None] | None = None
     limits: Callable[[Any], list[dict[str, Any]]] | None = None
+    handles: Callable[[], Handles] | None = None

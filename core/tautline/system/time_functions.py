@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tautline.kernels.moving_frame import new_frames
-from tautline.kernels.time_function import DEGREES, TimeFunctions
+from tautline.kernels.time_function import DEGREES, TERMS, LongSums, TimeFunctions
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Chirp, Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity
 
@@ -25,6 +25,8 @@ PIECES_PER_ENVELOPE = 100
 MOST_PIECES = 2_000_000
 GAUSS = np.polynomial.legendre.leggauss(5)
 WAVE_COLUMNS = 5
+MANY_WAVES = 8
+"""Waves of one function from which their Taylor series is shorter."""
 
 
 @dataclass(frozen=True)
@@ -256,7 +258,21 @@ def compile_functions(requests: Sequence[FunctionRequest]) -> TimeFunctions:
         entry=np.array([_entry(request.model) for request in wanted], dtype=np.int64),
         live=live,
         frames=new_frames(*((frames.parent, frames.pivot) if frames else ((), ())), motion),
+        sums=_long_sums([part.waves for part in written]),
     )
+
+
+def _long_sums(waves: Sequence[Sequence[tuple[float, ...]]]) -> LongSums:
+    """Which functions are sums of many plain waves, and room for their series."""
+    row, spans, begins = np.full(len(waves), -1, np.int64), [], []
+    for i, each in enumerate(waves):
+        fastest = max((abs(w) for _, w, *_ in each), default=0.0)
+        if len(each) >= MANY_WAVES and fastest > 0.0 and all(c == 0.0 for _, _, c, *_ in each):
+            row[i] = len(spans)
+            spans.append(1.0 / fastest)
+            begins.append(max(grows for *_, grows in each))
+    k = len(spans)
+    return LongSums(row, np.array(spans), np.array(begins), np.full(k, np.nan), np.zeros((k, TERMS)))
 
 
 def all_requests(requests: Sequence[FunctionRequest]) -> list[FunctionRequest]:

@@ -13,6 +13,7 @@ from tautline.cable.input.nodal import NODAL, item_of
 from tautline.cable.input.parts import BESIDES_MODEL, CableScene
 from tautline.cable.model.elements import element_groups, steady_flow, stencils
 from tautline.cable.model.eyelets import eyelets
+from tautline.cable.model.handles import handles
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.limits import limits
 from tautline.cable.model.observe import Observer, headline, variables
@@ -96,7 +97,7 @@ def build(scene: CableScene) -> Model:
     SceneError
         As :func:`assemble_cables` does.
     """
-    _, system, observer, lengths, notes = assemble_cables(scene)
+    layout, system, observer, lengths, notes = assemble_cables(scene)
     notes += unused_alphas(scene.solver)
     solver = scene.solver
     error = error_of_steps(solver, ERROR * sum(lengths))
@@ -120,6 +121,7 @@ def build(scene: CableScene) -> Model:
         start=solver.start,
         step_limit=max(0.5 * min(lengths), 1e-9),
         notes=notes,
+        handles=lambda: handles(layout, system.groups, model),
     )  # fmt: skip
     return within_rounding(model, "eps_energy")
 

@@ -9,7 +9,7 @@ from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.scene.functions import Table
 from tautline.scene.reading.document import join_key
 from tautline.system.system import Degrees
-from tautline.system.time_functions import FunctionRequest, compile_functions
+from tautline.system.time_functions import FunctionRequest, Steering, compile_functions
 
 DIRECTIONS = {7: ("rx", "ry", "rz", "r'x", "r'y", "r'z", "p"), 4: ("rx", "ry", "rz", "p")}
 
@@ -88,7 +88,8 @@ class Layout:
     def _follow(self) -> TimeFunctions:
         """Hold and prescribe as the nodes say; returns the scene's functions of time."""
         index = {motion.id: k for k, motion in enumerate(self.scene.motions)}
-        functions = compile_functions([_request(motion, self.scene.solver.end) for motion in self.scene.motions])
+        self.requests = [_request(motion, self.scene.solver.end) for motion in self.scene.motions]
+        functions = compile_functions(self.requests)
         for node in self.scene.nodes:
             for k, (held, function) in enumerate(zip(node.held, node.functions, strict=True)):
                 place = self.start[node.id] + k
@@ -123,12 +124,17 @@ class Layout:
 
 
 def _request(motion, end: float) -> FunctionRequest:
+    name = f"function {motion.id}"
+    place = Steering(name, "m", f"what follows {name}, since the start"), Steering(f"{name}.rate", "m/s", "its rate", 1)
     if motion.function is not None:
-        return FunctionRequest(motion.function, end=end, key=f"function {motion.id}")
+        value = Steering(name, "m", f"what follows {name}"), place[1]
+        return FunctionRequest(motion.function, end=end, key=name, inputs=value)
     if motion.rate is not None:
-        return FunctionRequest(motion.rate, integrate=True, end=end, key=join_key(motion.place), factor=motion.factor)
+        key = join_key(motion.place)
+        speed = (Steering(key, "m/s", "its speed", 1, motion.factor),)
+        return FunctionRequest(motion.rate, integrate=True, end=end, key=key, factor=motion.factor, inputs=speed)
     rate = Table(time=motion.times, value=motion.velocities, interpolation="linear")
-    return FunctionRequest(rate, integrate=True, end=end, key=f"function {motion.id}")
+    return FunctionRequest(rate, integrate=True, end=end, key=name, inputs=place)
 
 
 def _values(node: Node, p: float) -> np.ndarray:

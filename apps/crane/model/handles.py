@@ -1,0 +1,157 @@
+"""What can be driven, read and changed of a crane while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from crane.assembly.layout import AXES, Layout
+from crane.groups.capstan_friction import BEARING, CAPSTAN, EFFICIENCY, Slips
+from crane.groups.masses import Bodies
+from crane.groups.span import Spans
+from crane.groups.winch import Drums
+from crane.scene.scene import CraneScene, Drum, Sheave
+from crane.scene.surroundings import Motion, Vessel
+from tautline.scene.errors import SceneError
+from tautline.system.handles import Handles, Output, Parameter, extreme_of, inputs_of, number, outputs_of
+
+THINGS = {
+    "body_position": "position", "body_velocity": "velocity", "body_turn": "turn", "sheave_load": "force",
+    "wrap_angle": "wrap_angle", "fleet_angle": "fleet_angle", "sheave_rotation": "rotation", "slipping": "slipping",
+    "drum_tension": "tension", "paid_out": "pay_out", "pay_out_speed": "pay_out_speed", "drum_rotation": "rotation",
+    "winch_torque": "torque", "winch_power": "power",
+}  # fmt: skip
+"""Variables of bodies, sheaves and drums, and what each is of one of them."""
+VESSEL = "vessel."
+PLACES = {"position": ("q", "m"), "velocity": ("v", "m/s")}
+
+
+def driven(scene: CraneScene, names: tuple[str, ...]) -> CraneScene:
+    """The scene with what is named free to be driven: a vessel comes under it where its motion is named.
+
+    Raises
+    ------
+    SceneError
+        Where heave compensation answers a motion that is driven.
+    """
+    moved = [name for name in names if name.startswith(VESSEL) or name.rpartition(".")[2] in ("slew", "luff")]
+    if moved and scene.heave_compensation is not None:
+        cause = f"answers the motion that the scene prescribes, and {moved[0]} is driven from outside"
+        cure = "remove it, and drive the winch by what is measured"
+        raise SceneError([scene.problem("heave_compensation", cause, cure)])
+    if scene.vessel is None and any(name.startswith(VESSEL) for name in names):
+        scene = scene.model_copy(update={"vessel": Vessel(reference=(0.0, 0.0, 0.0), motion=Motion())})
+    forces = [f"{name}[{c}]" for name in names if name.endswith(".force") for c in range(AXES)]
+    return scene.driven_by((*names, *forces)) if names else scene
+
+
+def handles(made: Any, model: Any) -> Handles:
+    """All handles of a crane; ``made`` is its assembly."""
+    layout: Layout = made.layout
+    inputs = inputs_of(layout.requests.of)
+    if layout.scene.heave_compensation is not None:
+        # It was computed for the motion that the scene prescribes.
+        moved = {f"{frame.name}.{word}" for frame in layout.frames for word in frame.words}
+        inputs = {name: one for name, one in inputs.items() if name not in moved}
+    parameters = {one.name: one for one in _parameters(layout, made.system.groups)}
+    return Handles(inputs, _outputs(layout, model), parameters)
+
+
+def _outputs(layout: Layout, model: Any) -> dict[str, Output]:
+    made = outputs_of(model.variables, model.coordinates, THINGS)
+    scene = layout.scene
+    tension = next(variable for variable in model.variables if variable.name == "tension")
+    for name, text, choose in (("max_tension", "largest", np.max), ("min_tension", "smallest", np.min)):
+        made[name] = extreme_of(tension, name, f"{text} tension at the ends of spans", choose)
+    places = {body.name: layout.body[body.name] for body in scene.bodies}
+    places |= {
+        item.name: layout.station[layout.item[i]] for i, item in enumerate(scene.path) if item.name not in places
+    }
+    for thing, place in places.items():
+        for what, (vector, unit) in PLACES.items():
+            name, at = f"{thing}.{what}", (vector, place + np.arange(AXES))
+            made[name] = Output(name, unit, f"{what} of {thing}", (AXES,), _never, at)
+    return made
+
+
+def _never(frame: Any) -> Any:
+    raise AssertionError("is read by its places")
+
+
+def _parameters(layout: Layout, groups: tuple[Any, ...]) -> Iterator[Parameter]:
+    kinds = {type(group): group for group in groups}
+    if Bodies in kinds:
+        yield from _of_bodies(layout, kinds[Bodies])
+    yield from _of_rope(layout, kinds[Spans])
+    if Slips in kinds:
+        yield from _of_contacts(layout, kinds[Slips])
+    if Drums in kinds:
+        yield from _of_drums(layout, kinds[Drums])
+
+
+def _of_bodies(layout: Layout, bodies: Bodies) -> Iterator[Parameter]:
+    rows = bodies.rows
+    for k, body in enumerate(layout.scene.bodies):
+        one = slice(k, k + 1)
+        places = [rows["mass"][one], bodies.mass[one], bodies.kept[one]]
+        if body.release is None:
+            places.append(rows["remaining"][one])
+        yield number(f"{body.name}.mass", "kg", f"mass of {body.name}", places)
+        for c, axis in enumerate("xyz"):
+            for field, what, unit in (
+                ("added", "added_mass", "kg"), ("linear", "linear_drag", "N s/m"),
+                ("quadratic", "quadratic_drag", "N s^2/m^2"),
+            ):  # fmt: skip
+                text = f"{what.replace('_', ' ')} of {body.name} along {axis}"
+                yield number(f"{body.name}.{what}[{c}]", unit, text, [rows[field][one, c]], positive=False)
+
+
+def _of_rope(layout: Layout, spans: Spans) -> Iterator[Parameter]:
+    rows = spans.rows
+    yield number("rope.axial_stiffness", "N", "EA of the rope", [rows["stiffness"]])
+    if np.ptp(rows["damping"]) == 0.0:
+        yield number("rope.damping", "s", "damping of the rope's stretching", [rows["damping"]], positive=False)
+
+
+def _of_contacts(layout: Layout, slips: Slips) -> Iterator[Parameter]:
+    """Friction on sheaves and in their bearings."""
+    after = {layout.item[i]: item for i, item in enumerate(layout.scene.path) if isinstance(item, Sheave)}
+    for k, row in enumerate(slips.rows):
+        sheave = after.get(int(row.after))
+        place = slips.rows["coefficient"][k : k + 1]
+        if sheave is None:
+            continue
+        if row.kind == EFFICIENCY:
+            name, text = f"{sheave.name}.efficiency", f"efficiency of {sheave.name}"
+            yield Parameter(name, "", text, _efficiency(place), _set_efficiency(place), 0.0, True, 1.0)
+        elif row.kind == CAPSTAN:
+            text = f"friction of the rope in the groove of {sheave.name}"
+            yield number(f"{sheave.name}.groove_friction", "", text, [place], positive=False)
+        elif row.kind == BEARING and sheave.bearing is not None:
+            text = f"friction in the bearing of {sheave.name}"
+            factor = [sheave.bearing.radius / sheave.radius]
+            yield number(f"{sheave.name}.bearing_friction", "", text, [place], positive=False, factor=factor)
+
+
+def _efficiency(place: np.ndarray) -> Callable[[], float]:
+    return lambda: 1.0 / (1.0 + float(place[0]))
+
+
+def _set_efficiency(place: np.ndarray) -> Callable[[float], None]:
+    def change(value: float) -> None:
+        place[0] = 1.0 / value - 1.0
+
+    return change
+
+
+def _of_drums(layout: Layout, drums: Drums) -> Iterator[Parameter]:
+    motors = [item for item in layout.scene.path if isinstance(item, Drum) and not item.prescribed]
+    for k, drum in enumerate(motors):
+        one = slice(k, k + 1)
+        yield number(f"{drum.name}.inertia", "kg m^2", f"inertia of {drum.name}", [drums.rows["inertia"][one]])
+        if drum.drive == "tension":
+            for gain, unit in (("proportional", ""), ("integral", "1/s")):
+                text = f"{gain} gain of {drum.name}"
+                yield number(f"{drum.name}.{gain}", unit, text, [drums.rows[gain][one]], positive=False)

@@ -1,0 +1,141 @@
+"""What can be driven, read and changed of a drill string while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from drillstring.drilling.end_groups import TORQUE_INPUT, is_driven
+from drillstring.scene.ends import Controller
+from drillstring.scene.scene import DrillstringScene
+from drillstring.string.factors import factors_of
+from tautline.scene.errors import SceneError
+from tautline.scene.functions import Constant
+from tautline.system.handles import Handles, Output, Parameter, inputs_of, outputs_of, part_of, same_as
+from tautline.system.time_functions import FunctionRequest, Steering
+
+AT_BIT = {
+    "position": "position", "velocity": "velocity", "rotation_rate": "rotary_speed", "rotation": "rotation",
+    "tension": "tension", "torque": "string_torque",
+}  # fmt: skip
+"""Variables along the string, and what their last is of the bit."""
+NAMES = {
+    "bit_speed": "bit.speed", "bit_depth": "bit.depth", "weight_on_bit": "bit.weight", "torque_on_bit": "bit.torque",
+    "rate_of_penetration": "bit.rate_of_penetration", "hook_load": "top.hook_load", "block_position": "top.block",
+    "surface_torque": "top.string_torque", "drive_torque": "top.torque", "drive_speed": "top.rotary_speed",
+}  # fmt: skip
+"""Variables that belong to an end, and their names there."""
+
+
+def driven(scene: DrillstringScene, names: tuple[str, ...]) -> DrillstringScene:
+    """The scene with what is named free to be driven; `top.torque` takes the place of the drive's controller.
+
+    Raises
+    ------
+    SceneError
+        For a torque where the scene has no drive with an inertia.
+    """
+    if TORQUE_INPUT in names and not is_driven(scene):
+        cause = "prescribes the rotary speed: a drive that turns by a torque needs an inertia"
+        cure = "write controller: {kind: pi, speed: ..., inertia: ...} here, or drive top.rotary_speed"
+        raise SceneError([scene.problem("top.rotation", cause, cure)])
+    return scene.driven_by(names) if names else scene
+
+
+def requests(scene: DrillstringScene) -> list[FunctionRequest]:
+    """Block position, the rotary's angle from where it is at t = 0, and the torque of a drive that is given it."""
+    rotation = scene.top.rotation
+    speed = rotation.speed if isinstance(rotation, Controller) else rotation
+    key = "top.rotation.controller.speed" if isinstance(rotation, Controller) else "top.rotation"
+    block = (
+        Steering("top.block", "m", "block position, positive down"),
+        Steering("top.block_speed", "m/s", "block speed, positive down", 1),
+    )
+    rotary = (
+        Steering("top.rotary_speed", "rad/s", "rotary speed, clockwise looking downhole", 1),
+        Steering("top.rotary_angle", "rad", "angle of the rotary since the start"),
+    )
+    made = [
+        FunctionRequest(scene.top.block, end=scene.solver.end, key="top.block", inputs=block),
+        FunctionRequest(speed, integrate=True, end=scene.solver.end, key=key, inputs=rotary),
+    ]
+    if TORQUE_INPUT in scene.driven:
+        torque = Steering(TORQUE_INPUT, "N m", "torque of the top drive, in place of its controller's")
+        made.append(FunctionRequest(Constant(value=0.0), key="top.rotation", inputs=(torque,)))
+    return made
+
+
+def handles(scene: DrillstringScene, model: Any) -> Handles:
+    """All handles of a drill string."""
+    inputs = inputs_of(requests(scene))
+    if TORQUE_INPUT in scene.driven:
+        inputs = {name: one for name, one in inputs.items() if not name.startswith("top.rotary")}
+    parameters = {one.name: one for one in _friction(scene, model.system.groups)}
+    return Handles(inputs, _outputs(model), parameters)
+
+
+def _outputs(model: Any) -> dict[str, Output]:
+    made = outputs_of(model.variables, model.coordinates)
+    known = {variable.name: variable for variable in model.variables}
+    for name, what in AT_BIT.items():
+        whole = made[name]
+        made[f"bit.{what}"] = part_of(
+            known[name], f"bit.{what}", -1, whole.shape[1:], f"{known[name].long_name}, at the bit"
+        )
+    for name, other in NAMES.items():
+        if name in made:
+            made[other] = same_as(made[name], other)
+    if "top.rotary_speed" not in made:
+        made["top.rotary_speed"] = part_of(known["rotation_rate"], "top.rotary_speed", 0)
+    return made
+
+
+def _friction(scene: DrillstringScene, groups: tuple[Any, ...]) -> Iterator[Parameter]:
+    """Friction factors of the open and of the cased hole, static and kinetic."""
+    law = next((group.law for group in groups if hasattr(group, "law")), None)
+    wall = scene.well.wall
+    if law is None or wall is None:
+        return
+    rows = getattr(law, "rows", law)
+    arrays = {kind: np.asarray(getattr(rows, kind)) for kind in ("static", "kinetic")}
+    share = _cased(scene, arrays)
+    for kind, array in arrays.items():
+        now = factors_of(wall, kind)
+        factors = _Factors(array, share, now.open, now.cased)
+        yield factors.parameter(f"wall.friction.{kind}", f"{kind} friction factor of the open hole", cased=False)
+        if now.several and share.any():
+            yield factors.parameter(f"casing.friction.{kind}", f"{kind} friction factor of the cased hole", cased=True)
+
+
+def _cased(scene: DrillstringScene, arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """How much of each contact's reach is cased (n,); all counts as open where that cannot be told from its factors."""
+    for kind, array in arrays.items():
+        now = factors_of(scene.well.wall, kind)
+        if now.several and now.cased != now.open:
+            return (array - now.open) / (now.cased - now.open)
+    return np.zeros(arrays["static"].shape)
+
+
+class _Factors:
+    """Friction factors of contacts (n,), of which ``share`` (n,) is cased; they stand in the array alone."""
+
+    def __init__(self, array: np.ndarray, share: np.ndarray, below: float, cased: float) -> None:
+        self.array, self.share, self.drawn = array, share, (below, cased)
+
+    def both(self) -> list[float]:
+        """Of the open and of the cased hole."""
+        found = []
+        for drawn, end in zip(self.drawn, (0.0, 1.0), strict=True):
+            wholly = np.abs(self.share - end) < 1e-12
+            found.append(float(self.array[wholly][0]) if wholly.any() else drawn)
+        return found
+
+    def parameter(self, name: str, text: str, cased: bool) -> Parameter:
+        def change(value: float) -> None:
+            both = self.both()
+            both[cased] = value
+            self.array[...] = both[0] + (both[1] - both[0]) * self.share
+
+        return Parameter(name, "", text, lambda: self.both()[cased], change, 0.0)

@@ -1,0 +1,34 @@
+"""What can be asked of a running simulation that it cannot do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from tautline.scene.refusal import nearest
+
+
+class SimulationError(Exception):
+    """A request that a simulation refuses; it is left where it was.
+
+    Attributes
+    ----------
+    cause, cure : str
+        What is wrong and what to do. ``str()`` is both.
+    """
+
+    def __init__(self, cause: str, cure: str = "") -> None:
+        self.cause, self.cure = cause, cure
+        super().__init__(f"{cause}; {cure}" if cure else cause)
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class UnknownName(SimulationError, KeyError):
+    """A name that an input, output or parameter does not have."""
+
+
+def unknown(kind: str, name: object, known: Iterable[str], cure: str = "") -> UnknownName:
+    """Refuse a name, with the nearest that there is."""
+    told = nearest(str(name), sorted(known))
+    return UnknownName(f"there is no {kind} '{name}'", f"{told}{'; ' if cure else ''}{cure}")

@@ -1,0 +1,218 @@
+"""Inputs: functions of time that are written while a simulation goes on.
+
+What is given is reached at the end of the next advance. The way there is a polynomial with the value, the rate and the
+second rate that the function has now, so that nothing jumps. The rate at its end is that given beside the value; else
+it is the harmonic mean of the slopes of this advance and of the last, and zero where these differ in sign (F. N.
+Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984): a value that is given in every advance is followed
+smoothly, and one that is given once is come to rest at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tautline.kernels.time_function import DEGREES, TimeFunctions, value_at
+from tautline.live.errors import SimulationError, unknown
+from tautline.system.handles import Input
+
+TARGET, RATE, SECOND, SLOPE, STATE = range(5)
+"""Columns of the memory of an input: value, rate and second rate to be reached (NaN: to be chosen), slope of the last
+advance, and one of the following."""
+AS_WRITTEN, AT_REST, MOVING, GIVEN = 0.0, 1.0, 2.0, 3.0
+"""As the scene has it; at its value, at rest; at its value, moving; given anew, to be reached in the next advance."""
+PIECES = 3
+
+
+class Inputs(Mapping[str, Any]):
+    """The inputs of a simulation: ``sim.inputs["winch.pay_out"] = 0.12``, or ``= (value, rate)``.
+
+    Parameters
+    ----------
+    inputs : dict of str to Input
+    functions : TimeFunctions
+        Of the scene; the tracks of inputs are written in place.
+    clock : callable
+        -> the simulation's time, s.
+    """
+
+    def __init__(self, inputs: dict[str, Input], functions: TimeFunctions, clock: Any) -> None:
+        self._inputs, self._functions, self._clock = inputs, functions, clock
+        self._numbers = {name: k for k, name in enumerate(inputs)}
+        self._list = list(inputs.values())
+        self.memory = np.zeros((len(inputs), 5))
+        self._active: set[int] = set()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._inputs)
+
+    def __len__(self) -> int:
+        return len(self._inputs)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._inputs
+
+    def _number(self, name: str) -> int:
+        try:
+            return self._numbers[name]
+        except KeyError:
+            cure = "what the scene holds still has to be named in Simulation(..., inputs=[...])"
+            raise unknown("input", name, self._inputs, cure) from None
+
+    def __getitem__(self, name: str) -> float:
+        """What the input is now, or is to be at the end of the next advance."""
+        k = self._number(name)
+        if self.memory[k, STATE] == GIVEN:
+            return float(self.memory[k, TARGET])
+        steering, function = self._list[k].members[0]
+        return self._now(function)[steering.order] / steering.factor
+
+    def _now(self, function: int) -> tuple[float, float, float]:
+        return value_at(self._functions, function, self._clock())
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        """Give a value, or (value, rate) or (value, rate, second rate), to be reached at the end of the next advance.
+
+        Raises
+        ------
+        UnknownName
+            For a name that is none of the inputs.
+        SimulationError
+            For what is no finite number.
+        """
+        if name not in self._numbers and f"{name}[0]" in self._numbers:
+            self._set_vector(name, value)
+            return
+        k = self._number(name)
+        try:
+            if type(value) is float:
+                given = (value,)
+            else:
+                given = tuple(float(x) for x in (value if isinstance(value, (tuple, list, np.ndarray)) else (value,)))
+        except (TypeError, ValueError):
+            given = ()
+        if not 1 <= len(given) <= 3 or not np.isfinite(sum(given)):
+            unit = self._list[k].steering.unit
+            cause = f"{name} = {value!r} is neither a finite number nor two or three of them"
+            raise SimulationError(cause, f"give a value in {unit or 'SI'}, or (value, rate) or (value, rate, second)")
+        row = self.memory[k]
+        row[TARGET] = given[0]
+        row[RATE] = given[1] if len(given) > 1 else np.nan
+        row[SECOND] = given[2] if len(given) > 2 else 0.0
+        row[STATE] = GIVEN
+        self._active.add(k)
+
+    def _set_vector(self, name: str, value: Any) -> None:
+        """Give all components of a vector."""
+        parts = [part for part in self._numbers if part.startswith(f"{name}[")]
+        if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != len(parts):
+            raise SimulationError(f"{name} = {value!r} is no vector", f"give {len(parts)} numbers")
+        before = self.memory.copy(), set(self._active)
+        try:
+            for part, x in zip(parts, value, strict=True):
+                self[part] = x
+        except SimulationError:
+            self.memory[:], self._active = before
+            raise
+
+    def describe(self) -> dict[str, dict[str, Any]]:
+        """Unit, shape and meaning of every input."""
+        return {
+            name: {"unit": one.steering.unit, "shape": (), "text": one.steering.text}
+            for name, one in self._inputs.items()
+        }
+
+    def recalled(self) -> None:
+        """Take notice that the memory was written from outside."""
+        self._active = {k for k in range(len(self._list)) if self.memory[k, STATE] in (GIVEN, MOVING)}
+
+    def write(self, begin: float, end: float) -> None:
+        """Write the way of every input that has one from one time, s, to another."""
+        if not self._active:
+            return
+        for k in tuple(self._active):
+            row = self.memory[k]
+            if row[STATE] != GIVEN:  # it stays at what was given before, and comes to rest there
+                row[RATE], row[SECOND], row[STATE] = 0.0, 0.0, GIVEN
+            self._write(k, row, begin, end)
+        self._functions.frames.time[0] = np.nan
+
+    def _write(self, k: int, row: np.ndarray, begin: float, end: float) -> None:
+        """Write the ways of all functions that an input drives."""
+        h, members = end - begin, self._list[k].members
+        steering, function = members[0]
+        slope = (row[TARGET] - self._now(function)[steering.order] / steering.factor) / h
+        rate = row[RATE] if np.isfinite(row[RATE]) else _between(row[SLOPE], slope)
+        at_end = row[TARGET], rate, row[SECOND]
+        for steering, function in members:
+            f, g = self._now(function), [steering.factor * x for x in at_end]
+            # A rate that is integrated has one order less to be smooth in.
+            way = _quintic(h, f, g) if steering.order == 0 else _integrated_cubic(h, f, g)
+            self._lay(function, begin, end, way)
+        row[SLOPE] = slope
+        moving = rate != 0.0 or row[SECOND] != 0.0
+        row[STATE] = MOVING if moving else AT_REST
+        if not moving:
+            self._active.discard(k)
+
+    def _lay(self, function: int, begin: float, end: float, way: np.ndarray) -> None:
+        """Write a polynomial into the function's own track, and what it goes on with after its end."""
+        f = self._functions
+        track = int(f.live[function])
+        first = int(f.break_from[track])
+        piece = first + track
+        f.breaks[first], f.breaks[first + 1] = begin, end
+        f.origins[piece : piece + PIECES] = begin, begin, end
+        rows = f.coefficients[piece : piece + PIECES]
+        rows[:] = 0.0
+        rows[0, 0], rows[1] = way[0], way
+        # The rate at the end goes on, so that what looks beyond it by rounding sees no jump.
+        h, k = end - begin, np.arange(DEGREES)
+        powers = h**k
+        rows[2, 0] = way @ powers
+        rows[2, 1] = way[1:] @ (k[1:] * powers[:-1])
+        rows[2, 2] = 0.5 * (way[2:] @ (k[2:] * k[1:-1] * powers[:-2]))
+        f.track_from[function], f.track_to[function] = track, track + 1
+        f.wave_to[function] = f.wave_from[function]
+
+    def arrays(self) -> list[np.ndarray]:
+        """All that an input writes, to be saved with the simulation's state."""
+        f = self._functions
+        tracks = f.live[f.live >= 0]
+        if not tracks.size:
+            return [self.memory]
+        # The tracks of inputs stand one after another behind all others.
+        first, last = int(f.break_from[tracks[0]]), int(f.break_from[tracks[-1] + 1])
+        piece = slice(first + int(tracks[0]), last + int(tracks[-1]) + 1)
+        parts = [f.track_from, f.track_to, f.wave_to, f.breaks[first:last], f.origins[piece], f.coefficients[piece]]
+        return [self.memory, *parts]
+
+
+def _between(before: float, after: float) -> float:
+    """Slope at a value between two slopes: their harmonic mean, zero where they differ in sign."""
+    return 2.0 * before * after / (before + after) if before * after > 0.0 else 0.0
+
+
+def _quintic(h: float, f: Sequence[float], g: Sequence[float]) -> np.ndarray:
+    """Coefficients (8,) of the quintic with value, rate and second rate ``f`` at 0 and ``g`` at h."""
+    d = g[0] - f[0] - h * (f[1] + 0.5 * h * f[2])
+    e = h * (g[1] - f[1] - h * f[2])
+    s = 0.5 * h * h * (g[2] - f[2])
+    way = np.zeros(DEGREES)
+    way[:6] = (
+        f[0], f[1], 0.5 * f[2], (10.0 * d - 4.0 * e + s) / h**3, (-15.0 * d + 7.0 * e - 2.0 * s) / h**4,
+        (6.0 * d - 3.0 * e + s) / h**5,
+    )  # fmt: skip
+    return way
+
+
+def _integrated_cubic(h: float, f: Sequence[float], g: Sequence[float]) -> np.ndarray:
+    """The same of a function whose rate is given: its rate is the cubic from f[1], f[2] to g[0], g[1]."""
+    change = g[0] - f[1]
+    b = (3.0 * change / h - 2.0 * f[2] - g[1]) / h
+    c = (f[2] + g[1] - 2.0 * change / h) / h**2
+    way = np.zeros(DEGREES)
+    way[:5] = f[0], f[1], 0.5 * f[2], b / 3.0, c / 4.0
+    return way

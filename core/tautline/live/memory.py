@@ -1,0 +1,83 @@
+"""The state of a simulation as one block of bytes: saved, restored, sent to another process."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tautline.live.errors import SimulationError
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A simulation at an instant. It can be pickled, and restored in any process by a simulation of the same scene.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    scene : str
+        What the scene is, as `model_hash` of a result.
+    layout : str
+        What the block holds.
+    block : uint8 (n,)
+        The bytes of all arrays of the state.
+    frames : int
+        Frames that were kept until then.
+    """
+
+    time: float
+    scene: str
+    layout: str
+    block: np.ndarray
+    frames: int
+
+
+class Memory:
+    """Arrays that together are a state; they are written in place."""
+
+    def __init__(self, arrays: Iterable[tuple[str, np.ndarray]]) -> None:
+        self._views, seen, described = [], set(), []
+        for name, array in arrays:
+            place = (array.ctypes.data, array.nbytes)
+            if array.nbytes == 0 or place in seen:  # an array that two groups share is kept once
+                continue
+            seen.add(place)
+            self._views.append(_bytes_of(array))
+            described.append(f"{name} {array.dtype.itemsize} {array.shape}")
+        ends = np.cumsum([view.size for view in self._views])
+        self._parts = [(int(end) - view.size, int(end), view) for end, view in zip(ends, self._views, strict=True)]
+        self.size = int(ends[-1]) if len(ends) else 0
+        self.layout = hashlib.sha256("\n".join(described).encode()).hexdigest()
+
+    def read(self) -> np.ndarray:
+        """A copy of all bytes."""
+        return np.concatenate(self._views)
+
+    def write(self, block: np.ndarray) -> None:
+        """Put bytes back."""
+        for first, last, view in self._parts:
+            view[:] = block[first:last]
+
+
+def _bytes_of(array: np.ndarray) -> np.ndarray:
+    """The bytes of an array, not a copy."""
+    plain = array.view(np.ndarray)
+    return plain.reshape(-1).view(np.uint8)
+
+
+def check(state: Any, scene: str, layout: str, size: int) -> None:
+    """Refuse what is no state of this simulation; raises SimulationError."""
+    cure = "restore what save() of a simulation of the same scene gave"
+    if not isinstance(state, State):
+        raise SimulationError(f"{type(state).__name__} is no saved state", cure)
+    if state.scene != scene:
+        raise SimulationError("the state belongs to another scene", cure)
+    if state.layout != layout or state.block.dtype != np.uint8 or state.block.shape != (size,):
+        raise SimulationError("the state belongs to a simulation with other inputs, forces or another method", cure)
+    if not np.isfinite(state.time):
+        raise SimulationError("the state is damaged: it has no time", cure)

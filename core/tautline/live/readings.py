@@ -1,0 +1,123 @@
+"""Outputs and parameters of a simulation by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from tautline.live.errors import SimulationError, unknown
+from tautline.system.handles import Output, Parameter
+
+
+class Outputs(Mapping[str, Any]):
+    """What can be read of a simulation: ``sim.outputs["payload.position"]``, or ``sim["payload.position"]``.
+
+    Parameters
+    ----------
+    outputs : dict of str to Output
+    observe : callable
+        -> the variables of the frame that the simulation stands at.
+    vectors : dict of str to array
+        The state's full vectors ``q`` and ``v``.
+    """
+
+    def __init__(
+        self,
+        outputs: dict[str, Output],
+        observe: Callable[[], Mapping[str, np.ndarray]],
+        vectors: Mapping[str, np.ndarray],
+    ) -> None:
+        self._outputs, self._observe, self._vectors = outputs, observe, vectors
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._outputs)
+
+    def __len__(self) -> int:
+        return len(self._outputs)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._outputs
+
+    def handle(self, name: str) -> Output:
+        """What is known of an output; raises UnknownName."""
+        try:
+            return self._outputs[name]
+        except KeyError:
+            raise unknown("output", name, self._outputs) from None
+
+    def __getitem__(self, name: str) -> Any:
+        """A float, or a copy of an array; raises UnknownName."""
+        output = self.handle(name)
+        if output.places is not None:
+            vector, places = output.places
+            return self._vectors[vector][places]
+        value = output.value(self._observe())
+        return np.array(value) if np.ndim(value) else float(value)
+
+    def describe(self) -> dict[str, dict[str, Any]]:
+        """Unit, shape and meaning of every output."""
+        return {name: {"unit": o.unit, "shape": o.shape, "text": o.text} for name, o in self._outputs.items()}
+
+
+class Parameters(Mapping[str, Any]):
+    """Numbers of the scene that can be changed: ``sim.parameters["payload.mass"] = 5200.0``.
+
+    Parameters
+    ----------
+    parameters : dict of str to Parameter
+    changed : callable
+        Called after one has changed.
+    """
+
+    def __init__(self, parameters: dict[str, Parameter], changed: Callable[[], None]) -> None:
+        self._parameters, self._changed = parameters, changed
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._parameters)
+
+    def __len__(self) -> int:
+        return len(self._parameters)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._parameters
+
+    def _parameter(self, name: str) -> Parameter:
+        try:
+            return self._parameters[name]
+        except KeyError:
+            raise unknown("parameter", name, self._parameters) from None
+
+    def __getitem__(self, name: str) -> Any:
+        """Its value; raises UnknownName."""
+        return self._parameter(name).get()
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        """Change it, from the next step on.
+
+        Raises
+        ------
+        UnknownName
+            For a name that is none of the parameters.
+        SimulationError
+            For what is no number that it may have.
+        """
+        parameter = self._parameter(name)
+        unit = parameter.unit or "no unit"
+        try:
+            given = float(value)
+        except (TypeError, ValueError):
+            raise SimulationError(f"{name} = {value!r} is no number", f"give one in SI ({unit})") from None
+        low = given < parameter.least or (parameter.positive and given == parameter.least)
+        if not np.isfinite(given) or low or given > parameter.most:
+            bounds = f"more than {parameter.least:g}" if parameter.positive else f"at least {parameter.least:g}"
+            upper = f", at most {parameter.most:g}" if np.isfinite(parameter.most) else ""
+            told = f"{bounds}{upper} ({unit})" if np.isfinite(parameter.least) else f"a finite number ({unit})"
+            raise SimulationError(f"{name} = {given:g} cannot be", f"give {told}")
+        parameter.set(given)
+        self._changed()
+
+    def describe(self) -> dict[str, dict[str, Any]]:
+        """Unit, shape and meaning of every parameter."""
+        return {name: {"unit": p.unit, "shape": (), "text": p.text} for name, p in self._parameters.items()}

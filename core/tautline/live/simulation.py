@@ -1,0 +1,365 @@
+"""A simulation that is stepped by whoever made it."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tautline.application.installed import Installed
+from tautline.integrators.schedule import frame_times
+from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, WORST
+from tautline.integrators.status import Interrupted, Status, StoppedEarly
+from tautline.integrators.time_loop import (
+    PART,
+    STEP,
+    WORK_LIMIT,
+    compile_for,
+    frames_of,
+    loop_of,
+    new_frames,
+    new_pause,
+    record_now,
+)
+from tautline.kernels.bound import Bound
+from tautline.live.errors import SimulationError
+from tautline.live.inputs import Inputs
+from tautline.live.kept import Kept
+from tautline.live.memory import Memory, State, check
+from tautline.live.readings import Outputs, Parameters
+from tautline.results.balance import ENERGIES, Balance
+from tautline.results.result import Result
+from tautline.results.store import Store
+from tautline.simulation import FAR, FRAMES_SAFE, FRAMES_UNCHECKED, SAFE, Run
+from tautline.system.handles import Handles, outputs_of
+from tautline.system.memory import arrays_of, remember
+from tautline.system.model import Model
+from tautline.version import __version__
+
+WALL, CPU = range(2)
+BEGIN = 7
+"""Place of the time of the last frame among the arguments of a loop."""
+CLOSE = 1.0e-9
+"""Share of the output interval within which an advance ends at a frame."""
+LONG = 200_000
+"""Steps, iterations and factorisations after which Ctrl-C is heard in the middle of an advance."""
+
+
+class Simulation:
+    """A scene that runs in the hands of whoever made it.
+
+    Parameters
+    ----------
+    scene : path, YAML text, dict or scene
+    inputs : sequence of str, optional
+        Names of what is to be driven: ``["winch.pay_out", "vessel.heave"]``. What moves in the scene can be driven
+        without being named here; what it holds still has to be named.
+    keep : bool or float
+        Frames that are kept for `result`: all, none, or those of the last so many seconds.
+
+    Raises
+    ------
+    SceneError
+        For bad input.
+    UnknownName
+        For an input that the scene cannot have.
+    StoppedEarly
+        Where no start is found.
+    """
+
+    def __init__(self, scene: Any, inputs: Sequence[str] | None = None, *, keep: bool | float = True) -> None:
+        from tautline import read
+
+        self.scene = scene if hasattr(scene, "document") else read(scene)
+        self._application = Installed().of(self.scene)
+        self._named = tuple(inputs or ())
+        self._keep = keep
+        model = self._application.build(self._application.driven(self.scene, self._named))
+        self._prepare(model)
+        self._start()
+
+    def _prepare(self, model: Model) -> None:
+        """Lay out all that the loop needs of a model."""
+        self.model = model
+        handles = handles_of(model)
+        for name in self._named:
+            if name not in handles.inputs:
+                from tautline.live.errors import unknown
+
+                raise unknown("input", name, handles.inputs)
+        run = self._run = Run(model)
+        system, self._state = model.system, run.state
+        self._frames = new_frames(1, system.q.size, model.own)
+        self._ends, self._steps, self._pause = np.zeros(1), np.zeros(1, np.int64), new_pause()
+        self._time, self._stopped = 0.0, ""
+        self._step, self._watched = model.solver.step, run.explicit and model.solver.guarded
+        self._mark = (
+            f"{model.attributes.get('application', '')} {model.attributes.get('model_hash', '')} {model.solver.method}"
+        )
+        self._grid, _ = frame_times(model.solver.end, model.solver.interval, model.solver.step)
+        self._tolerance = CLOSE * model.solver.interval
+        self._clock, self._unchecked = np.zeros(2), 0.0
+        self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time)
+        vectors = {"q": self._state.full_q, "v": self._state.full_v}
+        self.outputs = Outputs(handles.outputs, self._observe, vectors)
+        self.parameters = Parameters(handles.parameters, self._parameter_changed)
+        self._observed: Mapping[str, np.ndarray] | None = None
+        span = math.inf if self._keep is True else float(self._keep)
+        self._kept = Kept(self._frames.rows.shape[1], span)
+
+    def _start(self) -> None:
+        """Compile what is missing, find the start, and keep the first frame."""
+        run = self._run
+        compile_for(run.method, self.model.system, run.state)
+        run.start()
+        self._bind()
+        self._steps[0], self._ends[0] = 0, 0.0
+        self._call(0.0)
+        if not np.isfinite(self._frames.rows[0]).all():
+            raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
+        self._frame, self._next = 0, self._frame_time(0)
+        self._kept.add(self._frames.rows[0])
+
+    def _bind(self) -> None:
+        """Bind the loop to its arguments, and list what a state is made of."""
+        run, system = self._run, self.model.system
+        loop, sums = loop_of(run.method)
+        self._loop = Bound(
+            loop, run.method, system.link(sums), system.dofs, system.functions, run.state, self._ends, self._steps,
+            0.0, self._frames.rows, self._pause,
+        )  # fmt: skip
+        arrays = [
+            *(pair for name, thing in self._memorable() for pair in arrays_of(thing, name)),
+            *((f"input.{k}", array) for k, array in enumerate(self.inputs.arrays())),
+            ("frame", self._frames.rows), ("clock", self._clock),
+        ]  # fmt: skip
+        self._memory = Memory(arrays)
+
+    def _memorable(self) -> list[tuple[str, Any]]:
+        return [("state", self._state), ("groups", self.model.system.groups), ("method", self._run.method)]
+
+    # -- time ----------------------------------------------------------------------------------------------------------
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self._time
+
+    @property
+    def stopped(self) -> str:
+        """Why the simulation cannot go on; empty where it can."""
+        return self._stopped
+
+    def advance(self, duration: float) -> None:
+        """Go on by so many seconds; see `advance_to`."""
+        try:
+            end = self._time + duration
+        except TypeError:
+            raise SimulationError(f"{duration!r} is no time", "give seconds") from None
+        if not duration > 0.0:
+            raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")
+        self.advance_to(end)
+
+    def advance_to(self, time: float) -> None:
+        """Go on to a time, in steps as the scene's solver takes them.
+
+        Inputs that were given since the last advance are reached at its end. At the times of the scene's output a frame
+        is kept for `result`.
+
+        Parameters
+        ----------
+        time : float
+            s.
+
+        Raises
+        ------
+        SimulationError
+            For a time that is not ahead, and where the simulation has stopped before.
+        StoppedEarly
+            Where a step fails. Time and outputs are then those of the last step that did not, and frames are kept.
+        Interrupted
+            On Ctrl-C, after the step under way.
+        """
+        begin = self._time
+        try:
+            ahead = time > begin and time < math.inf
+        except TypeError:
+            ahead = False
+        if not ahead:
+            told = f"{time:g} s" if isinstance(time, (int, float)) else repr(time)
+            raise SimulationError(
+                f"cannot advance to {told} from {begin:g} s", "give a later time; restore() goes back"
+            )
+        if self._stopped:
+            raise SimulationError(
+                f"the simulation has stopped: {self._stopped}", "restore a state that was saved before"
+            )
+        if abs(time - self._next) <= self._tolerance:
+            time = self._next
+        self.inputs.write(begin, time)
+        self._observed = None
+        while True:
+            frame = self._next
+            end = frame if frame <= time else time
+            self._go(begin, end)
+            if end == frame:
+                self._kept.add(self._frames.rows[0])
+                self._frame += 1
+                self._next = self._frame_time(self._frame)
+            if end == time:
+                return
+            begin = end
+
+    def _frame_time(self, k: int) -> float:
+        """Time of the k-th frame after the first; they go on after the scene's end."""
+        last = self._grid.size - 1
+        return float(self._grid[k] if k <= last else self._grid[last] + (k - last) * self.model.solver.interval)
+
+    def _go(self, begin: float, end: float) -> None:
+        """Take the steps from one time to the next."""
+        if self._watched:
+            self._check_step(end - begin)
+        self._steps[0] = max(1, math.ceil((end - begin) / self._step - CLOSE))
+        self._ends[0] = end
+        counters = self._state.counters
+        try:
+            while True:
+                done = counters[STEPS] + counters[ITERATIONS] + counters[FACTORISATIONS]
+                self._pause[WORK_LIMIT] = done + LONG
+                status, filled, reached = self._call(begin)
+                if status != 0:
+                    self._stop(begin, reached, Status(status))
+                if filled:
+                    break
+        except KeyboardInterrupt:
+            self._leave(begin, end)
+            raise Interrupted(self._time, self.result) from None
+        self._time = end
+
+    def _call(self, begin: float) -> tuple[int, int, float]:
+        """Run the compiled loop, and keep the time it took."""
+        self._loop.set_float(BEGIN, begin)
+        before, used = clock.perf_counter(), clock.thread_time()
+        found = self._loop()
+        self._clock[WALL] += clock.perf_counter() - before
+        self._clock[CPU] += clock.thread_time() - used
+        return found
+
+    def _check_step(self, ahead: float) -> None:
+        """Refuse an explicit step that is longer than the critical one, looked for again every so many frames."""
+        self._unchecked -= ahead
+        if self._unchecked > 0.0:
+            return
+        run, solver = self._run, self.model.solver
+        critical, worst = run.critical.search(self._state, self._time)
+        if solver.automatic:
+            self._step = min(solver.step, SAFE * critical)
+        frames = FRAMES_SAFE if self._step < FAR * critical else FRAMES_UNCHECKED
+        self._unchecked = frames * solver.interval
+        if self._step > critical:
+            detail = f"step {self._step:g} s, critical step {critical:.4g} s"
+            self._stopped = "the explicit method is unstable at this step"
+            raise StoppedEarly(Status.UNSTABLE, self._time, self.model.system.names[worst], detail, self.result)
+
+    def _leave(self, begin: float, end: float) -> None:
+        """Stand where an advance was left in its middle."""
+        h = (end - begin) / self._steps[0]
+        part = self._pause[PART] / 2**self._run.method.max_halvings if self._pause[PART] else 0.0
+        self._stand_at(begin + h * (self._pause[STEP] + part))
+
+    def _stop(self, begin: float, reached: float, status: Status) -> None:
+        """Take notice of a step that failed; raises StoppedEarly."""
+        self._stand_at(reached)
+        part = self.model.system.name_of(int(self._state.counters[WORST]))
+        self._stopped = f"{status.name} at {reached:.6g} s"
+        raise StoppedEarly(status, reached, part, "", self.result)
+
+    def _stand_at(self, time: float) -> None:
+        """Make the outputs those of the state as it is, at a time that is no end of an advance."""
+        self._pause[STEP] = self._pause[PART] = 0
+        self._time = float(time)
+        record_now(self._run.method, self.model.system, self._state, self._time, self._frames.rows[0])
+        self._observed = None
+
+    # -- what there is to read -----------------------------------------------------------------------------------------
+
+    def _observe(self) -> Mapping[str, np.ndarray]:
+        if self._observed is None:
+            self._observed = self.model.observe(self._frames)
+        return self._observed
+
+    def _parameter_changed(self) -> None:
+        self._observed = None
+
+    def __getitem__(self, name: str) -> Any:
+        """An output by its name; raises UnknownName."""
+        return self.outputs[name]
+
+    @property
+    def result(self) -> Result:
+        """The frames kept so far, as `tautline.simulate` gives them."""
+        run, rows = self._run, self._kept.rows
+        if not rows.size:
+            raise SimulationError("no frame was kept", "make the simulation with keep=True")
+        model = self.model
+        stored = Store(None, model.variables, model.coordinates, {**model.attributes, "version": __version__})
+        frames = frames_of(rows.copy(), model.system.q.size)
+        found = {"time": frames.time.copy(), **model.observe(frames)}
+        run.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
+        run.balance.add(np.column_stack([found[name] for name in ENERGIES]))
+        stored.append(found)
+        run.time = run.reached = self._time
+        run.wall, run.cpu, run.remembered = float(self._clock[WALL]), float(self._clock[CPU]), self._time
+        run.memory = remember(*(thing for _, thing in self._memorable()))
+        status = "done" if not self._stopped else self._stopped.split(" at ")[0].lower().replace("_", " ")
+        made = run.finish(stored, status, {"end": self._time})
+        assert made is not None
+        return made
+
+    # -- to and fro ----------------------------------------------------------------------------------------------------
+
+    def save(self) -> State:
+        """The simulation as it stands. It can be pickled, and restored in another process."""
+        return State(self._time, self._mark, self._memory.layout, self._memory.read(), self._kept.count)
+
+    def restore(self, state: State) -> None:
+        """Stand where a state was saved: everything goes on from there to the bit. Frames after it are dropped.
+
+        Raises
+        ------
+        SimulationError
+            For a state of another scene, or of a simulation with other inputs or forces; nothing is changed then.
+        """
+        check(state, self._mark, self._memory.layout, self._memory.size)
+        self._memory.write(state.block)
+        self._time, self._stopped, self._observed = state.time, "", None
+        self.model.system.functions.frames.time[0] = np.nan
+        self.inputs.recalled()
+        self._kept.go_back(state.time, self._tolerance)
+        k = int(np.searchsorted(self._grid, state.time + self._tolerance, side="right"))
+        while self._frame_time(k) <= state.time + self._tolerance:
+            k += 1
+        self._frame, self._next = k, self._frame_time(k)
+        self._unchecked = 0.0
+
+    def copy(self) -> Simulation:
+        """Another simulation that stands at the same place and goes on by itself."""
+        other = Simulation.__new__(Simulation)
+        other.scene, other._application = self.scene, self._application
+        other._named, other._keep = self._named, self._keep
+        other._prepare(self._application.build(self._application.driven(self.scene, self._named)))
+        other._run.began, other._run._starts_far = self._run.began, self._run._starts_far
+        other._bind()
+        other.restore(self.save())
+        other._kept = self._kept.copy()
+        return other
+
+
+def handles_of(model: Model) -> Handles:
+    """What can be driven, read and changed of a model: what its application says, or its variables."""
+    if model.handles is not None:
+        return model.handles()
+    return Handles(outputs=outputs_of(model.variables, model.coordinates))

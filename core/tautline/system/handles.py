@@ -1,0 +1,179 @@
+"""What can be driven, read and changed of a model while it runs, by names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tautline.system.time_functions import FunctionRequest, Steering, all_requests
+
+
+@dataclass(frozen=True)
+class Input:
+    """What can be driven while a run goes on.
+
+    Attributes
+    ----------
+    members : tuple of (Steering, int)
+        The scene's functions that it drives, by their numbers, and how. Name, unit and meaning are those of the first.
+    """
+
+    members: tuple[tuple[Steering, int], ...]
+
+    @property
+    def steering(self) -> Steering:
+        """Of the first function."""
+        return self.members[0][0]
+
+
+@dataclass(frozen=True)
+class Output:
+    """Something that can be read while a run goes on.
+
+    Attributes
+    ----------
+    name, unit, text : str
+        What it is.
+    shape : tuple of int
+        Of its value; ``()`` is a number.
+    value : callable
+        Variables of one frame, name -> array with time as the leading axis, -> the value.
+    places : tuple of str and int array, or None
+        ``q`` or ``v`` and full degrees of freedom, where it is nothing else than these: it is read in a microsecond.
+    """
+
+    name: str
+    unit: str
+    text: str
+    shape: tuple[int, ...]
+    value: Callable[[Mapping[str, np.ndarray]], Any]
+    places: tuple[str, np.ndarray] | None = None
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the scene that can be changed while a run goes on.
+
+    Attributes
+    ----------
+    name, unit, text : str
+        What it is.
+    get : callable
+        -> its value.
+    set : callable
+        Takes a new value into the groups' arrays.
+    least : float
+        The smallest value that it may have.
+    positive : bool
+        Whether it must be more than that.
+    most : float
+        The largest.
+    """
+
+    name: str
+    unit: str
+    text: str
+    get: Callable[[], Any]
+    set: Callable[[Any], None]
+    least: float = -np.inf
+    positive: bool = False
+    most: float = np.inf
+
+
+@dataclass
+class Handles:
+    """All of a model's, by name."""
+
+    inputs: dict[str, Input] = field(default_factory=dict)
+    outputs: dict[str, Output] = field(default_factory=dict)
+    parameters: dict[str, Parameter] = field(default_factory=dict)
+
+
+def inputs_of(requests: Sequence[FunctionRequest]) -> dict[str, Input]:
+    """Inputs by name, of the requests that the scene's functions were compiled from."""
+    made: dict[str, Input] = {}
+    for i, request in enumerate(all_requests(requests)):
+        for steering in request.inputs:
+            known = made[steering.name].members if steering.name in made else ()
+            made[steering.name] = Input((*known, (steering, i)))
+    return made
+
+
+def outputs_of(
+    variables: Sequence[Any],
+    coordinates: Mapping[str, Any],
+    things: Mapping[str, str] | None = None,
+    names: Mapping[str, Sequence[str]] | None = None,
+) -> dict[str, Output]:
+    """Outputs by name: every variable as a whole, and parts of some by the names of things.
+
+    Parameters
+    ----------
+    variables : sequence of tautline.results.variable.Variable
+        What a frame holds; the second dimension of those in `things` has names.
+    coordinates : mapping
+        name -> (dimension, values, unit, text), of which the names of a dimension are taken.
+    things : mapping
+        Variable -> what it is of a thing: ``{"body_position": "position"}`` makes ``payload.position``.
+    names : mapping
+        Names of a dimension's things where they are not its coordinate's values.
+    """
+    sizes = {dim: len(values) for dim, values, *_ in coordinates.values() if isinstance(dim, str)}
+    made = {}
+    for variable in variables:
+        shape = tuple(sizes.get(dim, 0) for dim in variable.dims[1:])
+        made[variable.name] = Output(variable.name, variable.units, variable.long_name, shape, _whole(variable.name))
+    for variable in variables:
+        what = (things or {}).get(variable.name)
+        if what is None:
+            continue
+        dim = variable.dims[1]
+        shape = tuple(sizes.get(dim, 0) for dim in variable.dims[2:])
+        for k, thing in enumerate((names or {}).get(dim) or coordinates[dim][1]):
+            name = f"{thing}.{what}"
+            made[name] = Output(name, variable.units, variable.long_name, shape, _part(variable.name, k))
+    return made
+
+
+def _whole(name: str) -> Callable[[Mapping[str, np.ndarray]], Any]:
+    return lambda frame: frame[name][0]
+
+
+def _part(name: str, k: int) -> Callable[[Mapping[str, np.ndarray]], Any]:
+    return lambda frame: frame[name][0, k]
+
+
+def part_of(variable: Any, name: str, k: int, shape: tuple[int, ...] = (), text: str = "") -> Output:
+    """An output that is the k-th of a variable."""
+    return Output(name, variable.units, text or variable.long_name, shape, _part(variable.name, k))
+
+
+def same_as(output: Output, name: str) -> Output:
+    """An output under another name."""
+    return Output(name, output.unit, output.text, output.shape, output.value, output.places)
+
+
+def extreme_of(variable: Any, name: str, text: str, choose: Callable[[np.ndarray], Any]) -> Output:
+    """An output that is the largest, or the smallest, of a variable."""
+    source = variable.name
+    return Output(name, variable.units, text, (), lambda frame: choose(frame[source][0]))
+
+
+def number(
+    name: str, unit: str, text: str, places: Sequence[np.ndarray], *, least: float = 0.0, positive: bool = True,
+    factor: Sequence[float] | None = None,
+) -> Parameter:  # fmt: skip
+    """A parameter that stands as it is, or times factors, in some places: views of the groups' arrays."""
+    factors = [1.0] * len(places) if factor is None else list(factor)
+
+    def get() -> float:
+        return float(places[0].flat[0] / factors[0])
+
+    def change(value: float) -> None:
+        for place, times in zip(places, factors, strict=True):
+            place[...] = value * times
+
+    return Parameter(name, unit, text, get, change, least, positive)
