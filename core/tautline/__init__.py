@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from tautline.application.installed import Installed
     from tautline.errors import TautlineError
     from tautline.integrators.status import Interrupted, Status, StoppedEarly
+    from tautline.live.errors import SimulationError, UnknownName
     from tautline.results.errors import ResultError, WriteError
     from tautline.results.result import Result
     from tautline.scene.errors import Problem, SceneError, SceneWarning
@@ -33,11 +34,13 @@ __all__ = [
     "ResultError",
     "SceneError",
     "SceneWarning",
+    "SimulationError",
     "Stability",
     "Status",
     "StoppedEarly",
     "Study",
     "TautlineError",
+    "UnknownName",
     "WriteError",
     "__version__",
     "read",
@@ -54,11 +57,13 @@ _PLACES = {
     "ResultError": "tautline.results.errors",
     "SceneError": "tautline.scene.errors",
     "SceneWarning": "tautline.scene.errors",
+    "SimulationError": "tautline.live.errors",
     "Stability": "tautline.study.robustness.stability",
     "Status": "tautline.integrators.status",
     "StoppedEarly": "tautline.integrators.status",
     "Study": "tautline.study.accuracy.precision",
     "TautlineError": "tautline.errors",
+    "UnknownName": "tautline.live.errors",
     "WriteError": "tautline.results.errors",
 }
 """Where a public name stands that is imported when it is asked for: nothing heavy is loaded before."""

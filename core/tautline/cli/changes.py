@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from typing import Any, TypeVar
 
@@ -38,6 +39,11 @@ def changed(scene: S, given: Sequence[str] | None) -> S:
         values[key.strip()] = _value(value, text)
     scene_of: Any = scene
     return scene_of.replace(values, origin=OPTION)
+
+
+def as_given(given: Sequence[str] | None) -> str:
+    """The options as a shell takes them, for the next command."""
+    return "".join(f" {OPTION} {shlex.quote(text)}" for text in given or ())
 
 
 def _value(text: str, whole: str) -> Any:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
-from tautline.cli.changes import changed
+from tautline.cli.changes import as_given, changed
 from tautline.cli.console import console, print_json, say
 from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
@@ -73,7 +73,7 @@ def check(
         console().print(two_columns(rows))
     count = len(warnings)
     warned = f", {count} warning{'s' * (count > 1)}" if count else ""
-    say(f"{scene} can be run{warned}. Next: {catalogue.name} simulate {scene}", "green")
+    say(f"{scene} can be run{warned}. Next: {catalogue.name} simulate {scene}{as_given(changes)}", "green")
     if as_json:
         warnings = [{"where": warning.where, "text": warning.text} for warning in warnings]
         drawn = {} if figure is None else {"figure": str(figure)}

@@ -182,6 +182,7 @@ class Scene(Model):
             raise SceneError([self.problem("", *WITHOUT_TEXT)])
         changed = validate(type(self), change(self._document))
         changed.share(self)
+        changed._driven = self._driven
         return changed
 
     def once(self, what: str, depends_on: tuple[Any, ...], make: Callable[[], T]) -> T:
