@@ -12,7 +12,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from typing import Any
-from weakref import WeakKeyDictionary
 
 from numba import config, njit, types
 from numba.core.registry import CPUDispatcher
@@ -96,10 +95,6 @@ def is_compiled(function: Any, signature: tuple[types.Type, ...]) -> bool:
     return bool(function._cache.holds(signature, function.targetctx))
 
 
-_addresses: WeakKeyDictionary[Any, dict[str, int]] = WeakKeyDictionary()
-"""Where the functions of a compiled library are: asking LLVM takes as long as some steps of a scene."""
-
-
 def address_of(function: Any, signature: tuple[types.Type, ...]) -> int:
     """Address of a kernel's machine code for the types of its arguments, compiled or loaded now if it was not yet.
 
@@ -108,7 +103,4 @@ def address_of(function: Any, signature: tuple[types.Type, ...]) -> int:
     if signature not in function.overloads:
         function.compile(signature)
     compiled = function.overloads[signature]
-    known, name = _addresses.setdefault(compiled.library, {}), compiled.fndesc.llvm_func_name
-    if name not in known:
-        known[name] = int(compiled.library.get_pointer_to_function(name))
-    return known[name]
+    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))

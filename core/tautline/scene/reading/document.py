@@ -178,7 +178,7 @@ class Document:
                 if i == len(path) - 1:
                     place[part] = plain(value, path, origin)
                 elif isinstance(place, dict) and place.get(part) is None:
-                    place[part], origins[path[: i + 1]] = {}, origin
+                    place[part] = {}
                 place = place[part]
             origins[path] = origin
         return replace(self, root=root, origins=origins)

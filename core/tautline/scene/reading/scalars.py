@@ -12,6 +12,8 @@ BOOLEAN = re.compile(r"true|True|TRUE|false|False|FALSE")
 INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
 FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+NO_TEXT = re.compile("|".join(f"(?:{kind.pattern})" for kind in (NULL, BOOLEAN, INTEGER, FLOAT, NOT_FINITE)))
+"""What a plain scalar is that is read as something else than a text."""
 LONGEST_INTEGER = 300
 WIDEST = 110
 """Letters of a line, about."""
@@ -33,9 +35,7 @@ class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[mi
 
 
 def _text(dumper: Any, text: str) -> Any:
-    kinds = NULL, BOOLEAN, INTEGER, FLOAT, NOT_FINITE
-    style = '"' if any(kind.fullmatch(text) for kind in kinds) else None
-    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style='"' if NO_TEXT.fullmatch(text) else None)
 
 
 _Dumper.add_representer(str, _text)
