@@ -46,9 +46,9 @@ def measure(quick: bool) -> Section:
             headline.append((what, number(ratio, 3), f"at most {AT_MOST:g}"))
     header = ("simulated, s", "time loop, ms", "all else, ms", "whole over loops")
     text = (
-        f"`data/jwell.yaml` with {count} friction factors: `tautline.simulate(scene.replace({{...}}), end=...)`, "
-        f"results in memory, medians of {rounds} rounds. All else is the changed scene, its model, its static start, and the "
-        "frames; the hole, the lumps, the types and addresses of compiled code, and the list of applications are "
+        f"`data/jwell.yaml` with {count} friction factors by `tautline.simulate(scene.replace({{...}}), end=...)`, "
+        f"in memory; medians of {rounds} rounds. All else is the changed scene, its model, its static start and "
+        "the frames. The hole, the lumps, the types and addresses of compiled code, and the list of applications are "
         "made once.\n\n" + table(header, rows)
     )
     return Section("Variants in a loop", text, headline)
