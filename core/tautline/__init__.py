@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from tautline.errors import TautlineError
     from tautline.integrators.status import Interrupted, Status, StoppedEarly
     from tautline.live.errors import SimulationError, UnknownName
+    from tautline.live.rollout import rollout
+    from tautline.live.simulation import Simulation
     from tautline.results.errors import ResultError, WriteError
     from tautline.results.result import Result
     from tautline.scene.errors import Problem, SceneError, SceneWarning
@@ -34,6 +36,7 @@ __all__ = [
     "ResultError",
     "SceneError",
     "SceneWarning",
+    "Simulation",
     "SimulationError",
     "Stability",
     "Status",
@@ -44,6 +47,7 @@ __all__ = [
     "WriteError",
     "__version__",
     "read",
+    "rollout",
     "simulate",
     "study_errors",
     "study_stability",
@@ -57,6 +61,7 @@ _PLACES = {
     "ResultError": "tautline.results.errors",
     "SceneError": "tautline.scene.errors",
     "SceneWarning": "tautline.scene.errors",
+    "Simulation": "tautline.live.simulation",
     "SimulationError": "tautline.live.errors",
     "Stability": "tautline.study.robustness.stability",
     "Status": "tautline.integrators.status",
@@ -65,6 +70,7 @@ _PLACES = {
     "TautlineError": "tautline.errors",
     "UnknownName": "tautline.live.errors",
     "WriteError": "tautline.results.errors",
+    "rollout": "tautline.live.rollout",
 }
 """Where a public name stands that is imported when it is asked for: nothing heavy is loaded before."""
 

@@ -199,8 +199,11 @@ def _moves(frame: Frame, i: int, functions: TimeFunctions, number: int, end: flo
         return True
     if isinstance(frame.motion[i], Constant):
         return False
-    times = np.concatenate((np.zeros(1), end * LOOKS, _breaks_of(functions, number)))
-    return bool(np.any(sample(functions, number, times[times <= end])[:, 1:]))
+    breaks = np.unique(_breaks_of(functions, number))
+    edges = np.concatenate(([0.0], breaks[(breaks > 0.0) & (breaks < end)], [end]))
+    # A move may be short, and at rest at both its ends.
+    times = np.concatenate((edges, end * LOOKS, edges[:-1] + GOLDEN * np.diff(edges)))
+    return bool(np.any(sample(functions, number, times)[:, 1:]))
 
 
 def _still_entries(

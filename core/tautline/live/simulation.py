@@ -185,10 +185,10 @@ class Simulation:
         """
         begin = self._time
         try:
-            ahead = time > begin and time < math.inf
+            later = time > begin and time < math.inf
         except TypeError:
-            ahead = False
-        if not ahead:
+            later = False
+        if not later:
             told = f"{time:g} s" if isinstance(time, (int, float)) else repr(time)
             raise SimulationError(
                 f"cannot advance to {told} from {begin:g} s", "give a later time; restore() goes back"
@@ -197,8 +197,9 @@ class Simulation:
             raise SimulationError(
                 f"the simulation has stopped: {self._stopped}", "restore a state that was saved before"
             )
-        if abs(time - self._next) <= self._tolerance:
-            time = self._next
+        ahead = self._frame_time(self._frame + max(0, round((time - self._next) / self.model.solver.interval)))
+        if abs(time - ahead) <= self._tolerance:
+            time = ahead
         self.inputs.write(begin, time)
         self._observed = None
         while True:

@@ -1,0 +1,32 @@
+"""Several simulations at a time, on several cores."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+from tautline.live.simulation import Simulation
+
+
+def rollout(simulations: Sequence[Simulation], until: float, workers: int | None = None) -> None:
+    """Advance simulations to a time, each on a thread of its own: the compiled loop leaves the interpreter to others.
+
+    Parameters
+    ----------
+    simulations : sequence of Simulation
+        Each once; those that have come to that time stay where they are.
+    until : float
+        s.
+    workers : int, optional
+        Threads at a time; by default as many as there are processors.
+
+    Raises
+    ------
+    StoppedEarly
+        That of the first simulation which failed; the others have come to their end.
+    """
+    different = list({id(one): one for one in simulations}.values())
+    with ThreadPoolExecutor(workers) as pool:
+        done = [pool.submit(one.advance_to, until) for one in different if one.time < until]
+    for one in done:
+        one.result()
