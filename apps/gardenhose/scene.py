@@ -15,6 +15,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.functions import Constant, FunctionOfTime, time_function
 from tautline.scene.model import Model, Scene, UnitSystem, Whole, validate, word
+from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault, raise_all
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.magnitude import LARGEST, OUTSIDE, is_outside
@@ -249,8 +250,8 @@ class HoseScene(Scene):
         return self
 
 
-def read(path: str | Path) -> HoseScene:
-    """Read and validate a scene file.
+def read(path: str | Path | Document) -> HoseScene:
+    """Read and validate a scene file, or a document that was read already.
 
     Raises
     ------

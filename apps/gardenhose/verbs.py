@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tautline.cli.run import searched
-from tautline.cli.verbs import Json, Scene
+from tautline.cli.verbs import Changes, Json, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
@@ -40,13 +40,20 @@ Picture = Annotated[
 ]
 
 
-def static(scene: Scene, speed: StaticSpeeds = None, output: Picture = None, as_json: Json = False) -> None:
+def static(
+    scene: Scene,
+    speed: StaticSpeeds = None,
+    output: Picture = None,
+    changes: Changes = None,
+    as_json: Json = False,
+) -> None:
     """Find the shape at rest at each flow speed, and draw them."""
     from gardenhose.scene import read
     from gardenhose.static import forms
+    from tautline.cli.changes import changed
     from tautline.results.target import check_figure
 
-    hose = read(scene)
+    hose = changed(read(scene), changes)
     speeds = parse_speeds(speed) if speed is not None else _up_to_fastest(hose)
     figure = check_figure(output or Path(f"{scene.stem}_static.png"))
     found = searched(scene, as_json, lambda: forms(hose, speeds))
@@ -64,14 +71,20 @@ def static(scene: Scene, speed: StaticSpeeds = None, output: Picture = None, as_
 
 
 def flutter(
-    scene: Scene, speed: FlutterSpeeds = None, modes: Modes = 8, output: Picture = None, as_json: Json = False
+    scene: Scene,
+    speed: FlutterSpeeds = None,
+    modes: Modes = 8,
+    output: Picture = None,
+    changes: Changes = None,
+    as_json: Json = False,
 ) -> None:
     """Find where the hose becomes unstable: eigenvalues against flow speed, critical speed and frequency."""
     from gardenhose.flutter import stability
     from gardenhose.scene import read
+    from tautline.cli.changes import changed
     from tautline.results.target import check_figure
 
-    hose = read(scene)
+    hose = changed(read(scene), changes)
     speeds = parse_speeds(speed) if speed is not None else None
     figure = check_figure(output or Path(f"{scene.stem}_flutter.png"))
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))

@@ -1,12 +1,14 @@
 """Tautline: slender things under tension, faster than real time.
 
-``tautline.read(path)`` reads a scene of any installed application; ``tautline.simulate(scene)`` runs it and returns a
-``Result`` whose ``data`` is an ``xarray.Dataset``. ``tautline.study_errors`` and ``tautline.study_stability`` are the
-verbs ``study`` and ``stability``.
+``tautline.read(scene)`` reads a scene of any installed application, from a file, a YAML text or a dict;
+``scene.replace(...)`` changes it; ``tautline.simulate(scene)`` runs it and returns a ``Result`` whose ``data`` is an
+``xarray.Dataset``. ``tautline.study_errors`` and ``tautline.study_stability`` are the verbs ``study`` and
+``stability``. All that is raised on purpose is a ``TautlineError``.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,37 +16,104 @@ from typing import TYPE_CHECKING, Any
 from tautline.version import __version__
 
 if TYPE_CHECKING:
+    from tautline.application.installed import Installed
+    from tautline.errors import TautlineError
+    from tautline.integrators.status import Interrupted, Status, StoppedEarly
+    from tautline.live.errors import SimulationError, UnknownName
     from tautline.live.rollout import rollout
     from tautline.live.simulation import Simulation
+    from tautline.results.errors import ResultError, WriteError
     from tautline.results.result import Result
-    from tautline.study.accuracy.precision import Study
+    from tautline.scene.errors import Problem, SceneError, SceneWarning
+    from tautline.study.accuracy.precision import Grid, Study
     from tautline.study.robustness.stability import Stability
 
-__all__ = ["Simulation", "__version__", "read", "rollout", "simulate", "study_errors", "study_stability"]
+__all__ = [
+    "Grid",
+    "Interrupted",
+    "Problem",
+    "Result",
+    "ResultError",
+    "SceneError",
+    "SceneWarning",
+    "Simulation",
+    "SimulationError",
+    "Stability",
+    "Status",
+    "StoppedEarly",
+    "Study",
+    "TautlineError",
+    "UnknownName",
+    "WriteError",
+    "__version__",
+    "read",
+    "rollout",
+    "simulate",
+    "study_errors",
+    "study_stability",
+]
 
-_LATER = {"Simulation": "tautline.live.simulation", "rollout": "tautline.live.rollout"}
-"""Names that are loaded when they are first used."""
+_PLACES = {
+    "Grid": "tautline.study.accuracy.precision",
+    "Interrupted": "tautline.integrators.status",
+    "Problem": "tautline.scene.errors",
+    "Result": "tautline.results.result",
+    "ResultError": "tautline.results.errors",
+    "SceneError": "tautline.scene.errors",
+    "SceneWarning": "tautline.scene.errors",
+    "Simulation": "tautline.live.simulation",
+    "SimulationError": "tautline.live.errors",
+    "Stability": "tautline.study.robustness.stability",
+    "Status": "tautline.integrators.status",
+    "StoppedEarly": "tautline.integrators.status",
+    "Study": "tautline.study.accuracy.precision",
+    "TautlineError": "tautline.errors",
+    "UnknownName": "tautline.live.errors",
+    "WriteError": "tautline.results.errors",
+    "rollout": "tautline.live.rollout",
+}
+"""Where a public name stands that is imported when it is asked for: nothing heavy is loaded before."""
 
 
 def __getattr__(name: str) -> Any:
-    if name in _LATER:
-        from importlib import import_module
+    if name not in _PLACES:
+        raise AttributeError(f"module 'tautline' has no attribute {name!r}")
+    from importlib import import_module
 
-        return getattr(import_module(_LATER[name]), name)
-    raise AttributeError(f"module 'tautline' has no attribute '{name}'")
+    globals()[name] = value = getattr(import_module(_PLACES[name]), name)
+    return value
 
 
-def read(path: str | Path) -> Any:
-    """Read and validate a scene file.
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+def read(source: Any, folder: str | Path | None = None) -> Any:
+    """Read and validate a scene.
+
+    Parameters
+    ----------
+    source : path, str or dict
+        A file, a YAML text, or what such a text says as a dict: ``{"solver": {"step": "2 ms", ...}, ...}``. A str is a
+        text if it has more than one line, or reads as a mapping of keys to values.
+    folder : path or None
+        What the files that a text or a dict names are relative to; None for the current folder. Those of a file are
+        relative to its own.
+
+    Returns
+    -------
+    scene
+        Frozen; ``scene.replace({"bodies[0].mass": "6 t"})`` gives another.
 
     Raises
     ------
     SceneError
         Listing every fault with its line, key, value and cure.
     """
-    from tautline.application.installed import Installed
+    from tautline.scene.reading.source import document_of
 
-    return Installed().for_scene(Path(path)).read(Path(path))
+    document = document_of(source, folder)
+    return _installed().for_scene(document).read(document)
 
 
 def simulate(
@@ -52,19 +121,27 @@ def simulate(
     path: str | Path | None = None,
     progress: Callable[[float, float], None] | None = None,
     resume: Result | None = None,
+    *,
+    step: float | str | None = None,
+    end: float | str | None = None,
+    method: str | None = None,
 ) -> Result:
-    """Run a scene, or the scene in a file.
+    """Run a scene.
 
     Parameters
     ----------
-    scene : scene or path
-        What :func:`read` returns, or the file.
+    scene : scene, path, str or dict
+        What :func:`read` returns, or what it takes.
     path : path or None
         Where the result is stored; None keeps it in memory.
     progress : callable or None
         Called with simulated and wall time, s.
     resume : Result or None
         An earlier result of the same scene, to go on from where it ended.
+    step, end : float, str or None
+        Time step and simulated time, s or with a unit (``"2 ms"``), in place of the scene's; a step may be ``"auto"``.
+    method : str or None
+        Integrator, in place of the scene's.
 
     Raises
     ------
@@ -73,32 +150,38 @@ def simulate(
     StoppedEarly, Interrupted
         With the result so far.
     """
-    from tautline.application.installed import Installed
     from tautline.simulation import simulate as run
 
     scene = _scene(scene)
-    return run(Installed().of(scene).build(scene), path, progress, resume)
+    application = _installed().of(scene)
+    scene = application.with_overrides(scene, step=step, end=end, method=method)
+    return run(application.build(scene), path, progress, resume)
+
+
+@functools.cache
+def _installed() -> Installed:
+    """The applications, looked for once."""
+    from tautline.application.installed import Installed
+
+    return Installed()
 
 
 def _scene(scene: Any) -> Any:
-    """What was read, or is read now; TypeError for what is neither a scene nor the name of a file."""
-    if isinstance(scene, (str, Path)):
-        return read(scene)
-    if not hasattr(scene, "document"):
-        raise TypeError(f"a scene or the path of its file is wanted, not {type(scene).__name__}")
-    return scene
+    """What was read, or is read now; TypeError for what is neither a scene nor what one can be read from."""
+    return scene if hasattr(scene, "document") else read(scene)
 
 
-def study_errors(scene: Any, end: float | None = None, grid: Any = None, **options: Any) -> Study:
-    """Error against run time of a scene, or of the scene in a file, as the verb ``study`` finds it.
+def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, **options: Any) -> Study:
+    """Error against run time of a scene, as the verb ``study`` finds it.
 
     Parameters
     ----------
-    scene : scene or path
-    end : float or None
-        Simulated time, s, in place of the scene's.
-    grid : tautline.study.accuracy.precision.Grid or None
-        Methods, steps, meshes and constraints, such as ``Grid(steps=[1e-3, 5e-4])``; None for the usual.
+    scene : scene, path, str or dict
+        What :func:`read` returns, or what it takes.
+    end : float, str or None
+        Simulated time, s or with a unit, in place of the scene's.
+    grid : Grid or None
+        Methods, steps, meshes and constraints, such as ``tautline.Grid(steps=[1e-3, 5e-4])``; None for the usual.
     **options
         Of `tautline.study.accuracy.precision.study`: tolerance, repetitions, budget, point, reference.
 
@@ -114,14 +197,15 @@ def study_errors(scene: Any, end: float | None = None, grid: Any = None, **optio
     return study(_subject(scene, end), grid or Grid(), **options)
 
 
-def study_stability(scene: Any, end: float | None = None, **options: Any) -> Stability:
-    """What limits the step of a scene, or of the scene in a file, and what breaks it: the verb ``stability``.
+def study_stability(scene: Any, end: float | str | None = None, **options: Any) -> Stability:
+    """What limits the step of a scene, and what breaks it: the verb ``stability``.
 
     Parameters
     ----------
-    scene : scene or path
-    end : float or None
-        Simulated time, s, in place of the scene's.
+    scene : scene, path, str or dict
+        What :func:`read` returns, or what it takes.
+    end : float, str or None
+        Simulated time, s or with a unit, in place of the scene's.
     **options
         Of `tautline.study.robustness.stability.stability`: tolerance, budget, point, quick.
 
@@ -137,9 +221,11 @@ def study_stability(scene: Any, end: float | None = None, **options: Any) -> Sta
     return stability(_subject(scene, end), **options)
 
 
-def _subject(scene: Any, end: float | None) -> Any:
-    from tautline.application.installed import Installed
+def _subject(scene: Any, end: float | str | None) -> Any:
     from tautline.study.trials.trial import Subject
 
     read_scene = _scene(scene)
-    return Subject(Installed().of(read_scene), read_scene, end=end)
+    application = _installed().of(read_scene)
+    if end is not None:
+        end = float(application.with_overrides(read_scene, end=end).solver.end)
+    return Subject(application, read_scene, end=end)

@@ -42,7 +42,7 @@ from tautline.results.result import Result
 from tautline.results.rounding import without_rounding
 from tautline.results.store import Store
 from tautline.scene.methods import explicit_like, method_of
-from tautline.system.memory import recall, remember
+from tautline.system.memory import copied, places_of, recall, remember
 from tautline.system.model import Model
 from tautline.version import __version__
 
@@ -170,9 +170,10 @@ class Run:
         self.step = float(self.ends[0] / self.steps[0])
         self.time, self.wall, self.cpu, self.done, self.batch = 0.0, 0.0, 0.0, 0, 1
         self.reached, self.waiting, self.spent = 0.0, 0, 0.0
-        self.pause, self.work = new_pause(), FIRST_WORK
+        self.pause, self.work, self.at_first, self.since = new_pause(), FIRST_WORK, 0, 0.0
         self.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
         self.memory: dict[str, np.ndarray] = {}
+        self.places: tuple[Any, dict[str, np.ndarray]] = (None, {})
         self.remembered = 0.0
         self.began: dict[str, Any] = {}
         self._starts_far = False
@@ -312,8 +313,9 @@ class Run:
         if not under_way:
             self._check_step()
         checked = time.perf_counter() - before
-        at_first = self._work()
-        self.pause[WORK_LIMIT] = at_first + self.work
+        if not under_way:
+            self.at_first, self.since = self._work(), 0.0
+        self.pause[WORK_LIMIT] = self._work() + self.work
         status, filled, reached = run_steps(
             self.method, system, self.state,
             self.ends[some], self.steps[some], self.time, self._from(self.waiting), self.pause,
@@ -324,7 +326,8 @@ class Run:
         self.reached, self.waiting = reached, self.waiting + filled
         if filled:
             self.time = float(self.ends[first + filled - 1])
-        self._allow(self._work() - at_first, spent - checked)
+        self.since += spent - checked
+        self._allow(self._work() - self.at_first, self.since)
         self.spent += spent - checked
         stopped = status != Status.DONE
         if self.waiting and (stopped or not self._under_way()):
@@ -347,7 +350,10 @@ class Run:
         return Frames(*(array[row:] for array in self.frames))
 
     def _allow(self, work: int, spent: float) -> None:
-        """Set the work that the next batch may do from that of the last one and its wall time, s."""
+        """Set the work that the next batch may do from that of the last one and its wall time, s.
+
+        What is left of a batch that was paused counts with what came before: it alone may be next to nothing.
+        """
         if work > 0:
             self.work = max(1, int(min(MORE_WORK * work, PATIENCE * BATCH * work / max(spent, 1e-9))))
 
@@ -390,7 +396,9 @@ class Run:
         stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
         if not stopped:
-            self.memory, self.remembered = remember(*self._parts()), self.time
+            if self.places[0] is not self.method:
+                self.places = self.method, places_of(*self._parts())
+            self.memory, self.remembered = copied(self.places[1]), self.time
         store.append(stored, self.memory, self.progress())
         if self.look is not None:
             self.look(self.state, self.time, self.method)

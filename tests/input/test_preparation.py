@@ -1,10 +1,15 @@
 """What a scene needs before it runs is made once, and again only where what it depends on has changed."""
 
+import importlib.metadata
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numba import typeof
+from numba.core.registry import CPUDispatcher
 
+import tautline
 from crane.application import Crane
 from crane.assembly import prepared as prepared_crane
 from crane.assembly.prepared import motion_of
@@ -13,8 +18,10 @@ from drillstring.application import Drillstring
 from drillstring.model import prepared as prepared_string
 from drillstring.model.prepared import prepared, well_of
 from drillstring.scene.scene import DrillstringScene
+from tautline.application.installed import Installed
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
+from tautline.kernels import memory
 from tautline.scene.identity import model_hash
 
 DATA = Path(__file__).parents[2] / "data"
@@ -127,3 +134,38 @@ def test_what_was_prepared_does_not_make_scenes_differ():
     prepared(scene)
     assert scene == same
     assert (scene.model_dump(), repr(scene), model_hash(scene)) == before
+
+
+def test_variants_of_a_string_in_a_loop_make_the_hole_and_the_lumps_once_and_look_for_applications_once(
+    counted, monkeypatch
+):
+    scene = tautline.read(DATA / "jwell.yaml")
+    tautline.simulate(scene, end="50 ms")
+    well, lumps = counted(prepared_string, "_drilled"), counted(prepared_string, "cut")
+    points = counted(importlib.metadata, "entry_points")
+    for factor in (0.10, 0.15, 0.20):
+        variant = scene.replace({"well.wall.friction.kinetic": factor})
+        result = tautline.simulate(variant, end="50 ms")
+        assert tautline.read(result.attributes["scene"]).well.wall.friction.kinetic == factor
+    assert (well, lumps, points) == ([], [], [])
+
+
+def test_variants_of_a_string_in_a_loop_find_no_type_anew_and_compile_and_load_nothing(counted, monkeypatch):
+    scene = tautline.read(DATA / "jwell.yaml")
+    tautline.simulate(scene.replace({"well.wall.friction.kinetic": 0.1}), end="50 ms")
+    types, compiled = counted(memory, "typeof"), counted(CPUDispatcher, "compile")
+    for factor in (0.12, 0.15, 0.20):
+        tautline.simulate(scene.replace({"well.wall.friction.kinetic": factor}), end="50 ms")
+    assert (types, compiled) == ([], [])
+
+
+@pytest.mark.parametrize("name", ["jwell", "whirl", "hoist", "hose", "reeled_span"])
+def test_the_types_that_are_found_once_are_those_that_numba_finds(name):
+    scene = tautline.read(DATA / f"{name}.yaml")
+    system = Installed().of(scene).build(scene).system
+    things = [*system.groups, system.dofs, system.functions, 3, 2**62, True, 1.5, np.float64(1), np.int64(2), None]
+    things += [np.zeros((2, 3))[:, ::2], np.zeros((2, 3), order="F"), np.zeros(3, np.int32), np.zeros(0)]
+    still = np.zeros(3)
+    still.flags.writeable = False
+    for thing in [*things, still, 2**63, (1, 2.0), (), np.zeros(3)]:
+        assert memory.kind_of(thing) == typeof(thing) == memory.kind_of(thing)

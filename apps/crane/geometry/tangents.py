@@ -13,6 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tautline.errors import TautlineError
+
 SETTLED, MOST_ITERATIONS = 1e-15, 200
 """Change of a span's direction at which it is found. Parallel axes take one or two iterations, sheaves of a crane a
 dozen; only sheaves that nearly touch under axes far from parallel take more than 30."""
@@ -22,7 +24,7 @@ PARALLEL = 1e-12
 Names = tuple[str, str]
 
 
-class ReevingError(ValueError):
+class ReevingError(TautlineError, ValueError):
     """A path that no taut rope can take.
 
     Parameters

@@ -29,6 +29,7 @@ from crane.scene.surroundings import Motion as Motion
 from crane.scene.surroundings import MotionFile as MotionFile
 from crane.scene.surroundings import SeaMotion as SeaMotion
 from tautline.scene.model import MARK, Model, Scene, UnitSystem, Whole, word
+from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.quantity import quantity
@@ -204,8 +205,8 @@ def _named(things: tuple[Any, ...], name: str) -> Any:
         raise KeyError(name) from None
 
 
-def read(path: str | Path) -> CraneScene:
-    """Read and validate a scene file.
+def read(path: str | Path | Document) -> CraneScene:
+    """Read and validate a scene file, or a document that was read already.
 
     Raises
     ------

@@ -17,6 +17,7 @@ from drillstring.scene.hole import MOST_ELEMENTS, Well
 from drillstring.scene.tubulars import EXAMPLE, NoSuchTubular, find
 from tautline.scene.errors import SceneError
 from tautline.scene.model import Model, Scene, Switch, UnitSystem, Whole, word
+from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
 from tautline.scene.solver import Output, Solver, check_output
 from tautline.scene.values.quantity import quantity
@@ -229,8 +230,8 @@ class DrillstringScene(Scene):
         return self
 
 
-def read(path: str | Path) -> DrillstringScene:
-    """Read and validate a scene file.
+def read(path: str | Path | Document) -> DrillstringScene:
+    """Read and validate a scene file, or a document that was read already.
 
     Raises
     ------

@@ -15,6 +15,8 @@ from importlib import resources
 from math import pi
 from typing import Any
 
+from tautline.errors import TautlineError
+
 INCH = 0.0254
 POUND_PER_FOOT = 0.45359237 / 0.3048
 KSI = 4.4482216152605e6 / INCH**2 / 1e3
@@ -44,7 +46,7 @@ CONNECTION = rf"\b(?:nc\s*-?\s*(\d\d)|({NUMBER})\s*(?:in\s*|\"\s*)?(fh|reg|if|xh
 GRADE = r"\b(?:grade\s*)?([a-z])\s*-?\s*(\d{2,3})\b(?![./\d])|\bgrade\s*([a-z])\b|(?<=\s)([egs])\b"
 
 
-class NoSuchTubular(ValueError):
+class NoSuchTubular(TautlineError, ValueError):
     """Words that name no tubular of the catalogue, or several; `cause` and `cure` say which."""
 
     def __init__(self, cause: str, cure: str) -> None:

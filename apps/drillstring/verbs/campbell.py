@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tautline.cli.run import searched
-from tautline.cli.verbs import Json, Scene
+from tautline.cli.verbs import Changes, Json, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
@@ -88,16 +88,18 @@ def campbell(
     model: Model = None,
     output: Picture = None,
     csv: Csv = None,
+    changes: Changes = None,
     as_json: Json = False,
 ) -> None:
     """Find natural frequencies of the assembly between its contact points, and the rotary speeds that excite them."""
     from drillstring.modes.campbell import campbell as compute
     from drillstring.modes.natural_modes import KINDS
     from drillstring.scene.scene import of_kind, read
+    from tautline.cli.changes import changed
     from tautline.cli.lists import number, one_of, words
     from tautline.results.target import check_figure, check_table
 
-    drillstring = read(scene)
+    drillstring = changed(read(scene), changes)
     drillstring = of_kind(drillstring, parse_model(model) or drillstring.model.kind)
     speeds = parse_speeds(speed)
     kinds = tuple(words(modes, "--modes", one_of(KINDS))) or ("lateral",)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tautline.cli.run import searched
-from tautline.cli.verbs import Json
+from tautline.cli.verbs import Changes, Json
 from tautline.scene.errors import option_error
 from tautline.scene.values.systems import length_unit
 
@@ -59,16 +59,18 @@ def form(
     most: Most = None,
     output: Picture = None,
     csv: Csv = None,
+    changes: Changes = None,
     as_json: Json = False,
 ) -> None:
     """Find the string's shape at rest, and set the exact extensible rod beside it where there is one."""
     from drillstring.scene.scene import read
     from drillstring.statics.form import find_form
+    from tautline.cli.changes import changed
     from tautline.integrators.statics.relaxation import MOST_STEPS
     from tautline.results.target import check_figure, check_table
 
     way, meshes, kinds = _way(by, most), parse_elements(elements), parse_models(model)
-    read_scenes = [read(path) for path in scenes]
+    read_scenes = [changed(read(path), changes) for path in scenes]
     name = f"{scenes[0].stem}_form.png" if len(scenes) == 1 else "forms.png"
     figure, table = check_figure(output or Path(name)), check_table(csv)
     found = []

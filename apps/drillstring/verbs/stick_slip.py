@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tautline.cli.verbs import Json, Scene
+from tautline.cli.verbs import Changes, Json, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
@@ -58,11 +58,13 @@ def stick_slip(
     end: End = None,
     jobs: Jobs = None,
     output: Stem = None,
+    changes: Changes = None,
     as_json: Json = False,
 ) -> None:
     """Map stick-slip of the bit over rotary speed and weight on bit, one run to each, on all cores."""
     from drillstring.scene.scene import read
     from drillstring.stick_slip.severity_map import require_bit, stick_slip_map
+    from tautline.cli.changes import changed
     from tautline.cli.console import say
     from tautline.cli.lists import number
     from tautline.cli.progress import Counter
@@ -70,7 +72,7 @@ def stick_slip(
     from tautline.cli.simulate import FIRST_RUN
     from tautline.cli.study import stem_of
 
-    drillstring = read(scene)
+    drillstring = changed(read(scene), changes)
     require_bit(drillstring)
     speeds = parse_range(speed, "--speed", "rad/s", RPM)
     weights = _weights(drillstring, weight)

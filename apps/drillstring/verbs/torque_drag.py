@@ -10,7 +10,7 @@ import typer
 
 from drillstring.verbs.form import Models, parse_models
 from tautline.cli.run import searched
-from tautline.cli.verbs import Json, Scene
+from tautline.cli.verbs import Changes, Json, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
@@ -82,17 +82,19 @@ def torque_drag(
     rotary: Rotary = None,
     model: Models = None,
     output: Picture = None,
+    changes: Changes = None,
     as_json: Json = False,
 ) -> None:
     """Find hook loads, surface torque, side force and buckling, at one depth or many, for several friction factors."""
     from drillstring.scene.scene import of_kind, read
     from drillstring.statics.torque_drag import own_friction
     from drillstring.statics.torque_drag import torque_drag as compute
+    from tautline.cli.changes import changed
     from tautline.cli.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
     from tautline.results.target import check_figure
 
-    drillstring = read(scene)
+    drillstring = changed(read(scene), changes)
     # The first of several models is the one that measured loads are fitted by.
     kinds = parse_models(model) or [drillstring.model.kind]
     drillstring = of_kind(drillstring, kinds[0])

@@ -12,6 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from tautline.errors import TautlineError
+
 NORTH, EAST, DOWN = np.eye(3)
 
 VERTICAL = 1e-9
@@ -24,7 +26,7 @@ TURN_STEP = math.radians(0.25)
 """Largest change of azimuth [rad] in one arc of a turn; its dogleg is smaller still."""
 
 
-class WellboreError(ValueError):
+class WellboreError(TautlineError, ValueError):
     """A well that cannot be drilled as written.
 
     Parameters

@@ -11,6 +11,7 @@ from tautline.study.trials.overrides import SETTINGS, Place, overrides
 if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import SceneWarning
+    from tautline.scene.reading.document import Document
     from tautline.view.space.appearance import Appearance, Look
 
 PLACES: dict[str, Place] = {key: ("solver", key) for key in (*SETTINGS, "alpha_m", "alpha_f")}
@@ -50,20 +51,14 @@ class Defaults:
         own = {key for key, field in self.scene_type.model_fields.items() if field.is_required()} - common
         return bool(own) and own <= root.keys()
 
-    def read(self, path: Path) -> Any:
-        """Read and validate a scene; raises SceneError."""
+    def read(self, path: Path | Document) -> Any:
+        """Read and validate a scene, of which the document may have been read already; raises SceneError."""
         return self.scene_type.read(path)
 
     def with_overrides(self, scene: Any, **given: Any) -> Any:
         """Copy of a scene with other solver settings; raises SceneError naming the option."""
-        from tautline.scene.model import validate
-
         values = overrides(given, PLACES)
-        if not values:
-            return scene
-        changed = validate(type(scene), scene.document.replaced(values))
-        changed.share(scene)
-        return changed
+        return scene.with_values(values) if values else scene
 
     def vary(self, scene: Any, what: str, *value: Any) -> Any:
         """Copy of a scene that is varied for a study; None, for nothing is known of its mesh or stiffness."""

@@ -11,6 +11,7 @@ from tautline.scene.errors import Problem, SceneError
 if TYPE_CHECKING:
     from tautline.application.protocol import Application
     from tautline.results.result import Result
+    from tautline.scene.reading.document import Document
 
 GROUP = "tautline.applications"
 """Entry points of this group name the classes of applications."""
@@ -40,8 +41,8 @@ class Catalogue(Protocol):
     def all(self) -> list[Application]:
         """All of them, loaded."""
 
-    def for_scene(self, path: Path) -> Application:
-        """Find the one that a scene file belongs to; raises SceneError if there is none."""
+    def for_scene(self, source: Path | Document) -> Application:
+        """Find the one that a scene file, or a document, belongs to; raises SceneError if there is none."""
 
     def for_result(self, result: Result) -> Application:
         """Find the one that a result belongs to; raises SceneError if there is none."""
@@ -58,7 +59,7 @@ class Single:
         """List the one application."""
         return [self.application]
 
-    def for_scene(self, path: Path) -> Application:
+    def for_scene(self, source: Path | Document) -> Application:
         """Return the one application, whose own messages about a foreign scene say more than ours could."""
         return self.application
 
@@ -96,11 +97,12 @@ class Installed:
                 broken[point.name] = f"{type(error).__name__}: {error}"
         return found, broken
 
-    def for_scene(self, path: Path) -> Application:
+    def for_scene(self, source: Path | Document) -> Application:
         """Ask each whether the scene is its own."""
         from tautline.scene.reading.document import Document
 
-        return self._recognising(Document.read(path).root, str(path))
+        document = Document.read(source)
+        return self._recognising(document.root, str(document.path))
 
     def of(self, scene: Any) -> Application:
         """Find the one that a scene, already read, belongs to."""

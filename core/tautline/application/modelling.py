@@ -58,7 +58,7 @@ def attributes_of(scene: Any, application: str, conventions: str, besides: Any =
     document = scene.document
     folder: Path | None = getattr(scene, "folder", None)
     return {
-        "scene": document.text if document is not None else "",
+        "scene": document.told if document is not None else "",
         "title": scene.title or "",
         "application": application,
         "model_hash": model_hash(scene, besides, folder),

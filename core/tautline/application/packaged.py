@@ -14,6 +14,7 @@ from tautline.study.trials.variations import varied
 if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import SceneWarning
+    from tautline.scene.reading.document import Document
     from tautline.system.model import Model
     from tautline.view.space.appearance import Appearance, Look
 
@@ -53,8 +54,8 @@ class Packaged(Defaults):
         folder = resources.files(self.package or self.name) / "templates"
         return {name: (folder / f"{name}.yaml").read_text(encoding="utf8") for name in self.starters}
 
-    def read(self, path: Path) -> Any:
-        """Read and validate a scene; raises SceneError."""
+    def read(self, path: Path | Document) -> Any:
+        """Read and validate a scene, of which the document may have been read already; raises SceneError."""
         return self._module("scene").read(path)
 
     def vary(self, scene: Any, what: str, *value: Any) -> Any:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import SceneWarning
+    from tautline.scene.reading.document import Document
     from tautline.view.space.appearance import Appearance, Look
 
 
@@ -37,8 +38,8 @@ class Application(Protocol):
     def recognises(self, root: dict[str, Any]) -> bool:
         """Whether a scene's mapping is of this kind."""
 
-    def read(self, path: Path) -> Any:
-        """Read and validate a scene; raises SceneError."""
+    def read(self, path: Path | Document) -> Any:
+        """Read and validate a scene, of which the document may have been read already; raises SceneError."""
 
     def with_overrides(self, scene: Any, **given: Any) -> Any:
         """Copy of a scene with other solver settings; raises SceneError naming the option.

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
+from tautline.cli.changes import as_given, changed
 from tautline.cli.console import console, print_json, say
 from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
@@ -35,8 +36,19 @@ SHARES = {
 """Other runs by the step of the last of them, over the run's own."""
 
 
-def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None = None) -> None:
+def check(
+    catalogue: Catalogue,
+    scene: Path,
+    as_json: bool,
+    figure: Path | None = None,
+    changes: Sequence[str] | None = None,
+) -> None:
     """Validate a scene, print its warnings and what it comes to, and draw it if a `figure` is asked for.
+
+    Parameters
+    ----------
+    changes : sequence of str or None
+        Values in place of the scene's, ``key=value`` each.
 
     Raises
     ------
@@ -44,7 +56,7 @@ def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None 
         For a scene that cannot be run, and a figure that cannot be drawn.
     """
     application = catalogue.for_scene(scene)
-    read = application.read(scene)
+    read = changed(application.read(scene), changes)
     warnings = application.warnings(read)
     figures = application.check_figures(read)
     print_warnings(warnings)
@@ -61,7 +73,7 @@ def check(catalogue: Catalogue, scene: Path, as_json: bool, figure: Path | None 
         console().print(two_columns(rows))
     count = len(warnings)
     warned = f", {count} warning{'s' * (count > 1)}" if count else ""
-    say(f"{scene} can be run{warned}. Next: {catalogue.name} simulate {scene}", "green")
+    say(f"{scene} can be run{warned}. Next: {catalogue.name} simulate {scene}{as_given(changes)}", "green")
     if as_json:
         warnings = [{"where": warning.where, "text": warning.text} for warning in warnings]
         drawn = {} if figure is None else {"figure": str(figure)}
@@ -93,6 +105,7 @@ def simulate(
     verify: bool | None,
     as_json: bool,
     quiet: bool,
+    changes: Sequence[str] | None = None,
 ) -> None:
     """Run a scene and report.
 
@@ -107,6 +120,8 @@ def simulate(
     verify : bool or None
         Whether to estimate the error from runs with shorter steps; None does so where friction acts between fixed
         steps of an implicit method, and from longer steps without friction.
+    changes : sequence of str or None
+        Values in place of the scene's, ``key=value`` each.
 
     Raises
     ------
@@ -118,7 +133,7 @@ def simulate(
     from tautline.results.target import check_target
 
     application = catalogue.for_scene(scene)
-    read = application.with_overrides(application.read(scene), **overrides)
+    read = application.with_overrides(changed(application.read(scene), changes), **overrides)
     target = check_target(output or Path(scene.name).with_suffix(".nc"))
     earlier = _earlier(resume)
     warnings = application.warnings(read)

@@ -31,7 +31,7 @@ def stability(catalogue: Catalogue, path: Path, output: Path | None, asked: dict
     output : Path or None
         Beginning of the names of the files that are written; by default the scene's with ``_stability``.
     asked : dict
-        What the command line gave: tolerance, end, point, budget, quick.
+        What the command line gave: tolerance, end, point, budget, quick, changes.
 
     Raises
     ------

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
+from tautline.cli.changes import changed
 from tautline.cli.console import console, print_json, say
 from tautline.cli.lists import number, numbers, one_of, words
 from tautline.cli.run import Ended, ExitCode
@@ -44,7 +45,7 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
         Beginning of the names of the files that are written; by default the scene's with ``_study``.
     asked : dict
         What the command line gave: methods, steps, elements, constraints, newton, tolerance, end, point, reference,
-        reference_step, repeat, budget, quick.
+        reference_step, repeat, budget, quick, changes.
 
     Raises
     ------
@@ -84,7 +85,7 @@ def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject
     from tautline.study.trials.trial import Subject
 
     application = catalogue.for_scene(path)
-    scene = application.read(path)
+    scene = changed(application.read(path), asked["changes"])
     print_warnings(application.warnings(scene))
     end, whole = asked["end"], None
     if end is None and asked["quick"]:

@@ -38,6 +38,14 @@ Verify = Annotated[
         "[dim]\\[default: with friction; without, from longer steps][/]",
     ),
 ]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="A value in place of the scene's, as bodies\\[0].mass='6 t'; repeatable.",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors and warnings only.")]
 Results = Annotated[
     list[Path], typer.Argument(metavar="RESULT...", help="Results; several are compared.", show_default=False)
@@ -147,17 +155,20 @@ Stem = Annotated[
 ]
 
 
-def check(context: typer.Context, scene: Scene, figure: Drawing = None, as_json: Json = False) -> None:
+def check(
+    context: typer.Context, scene: Scene, changes: Changes = None, figure: Drawing = None, as_json: Json = False
+) -> None:
     """Validate a scene and warn, with cause and cure; runs nothing."""
     from tautline.cli import simulate as verb
 
-    verb.check(context.obj, scene, as_json, figure)
+    verb.check(context.obj, scene, as_json, figure, changes)
 
 
 def simulate(
     context: typer.Context,
     scene: Scene,
     output: ResultFile = None,
+    changes: Changes = None,
     method: Method = None,
     step: Step = None,
     end: End = None,
@@ -176,13 +187,14 @@ def simulate(
 
     times = {"step": seconds(step, "--step", ("auto",)), "end": seconds(end, "--end")}
     overrides: dict[str, Any] = {"method": method, **times, "rho_inf": rho_inf}
-    verb.simulate(context.obj, scene, output, overrides, resume, verify, as_json, quiet)
+    verb.simulate(context.obj, scene, output, overrides, resume, verify, as_json, quiet, changes)
 
 
 def study(
     context: typer.Context,
     scene: Scene,
     output: Stem = None,
+    changes: Changes = None,
     methods: Methods = None,
     steps: Steps = None,
     elements: Meshes = None,
@@ -206,6 +218,7 @@ def study(
         "methods": methods, "steps": steps, "elements": elements, "constraints": constraints, "newton": newton,
         "tolerance": tolerance, "end": seconds(end, "--end"), "point": point, "reference": reference,
         "reference_step": reference_step, "repeat": repeat, "budget": budget, "quick": quick,
+        "changes": changes,
     }  # fmt: skip
     verb.study(context.obj, scene, output, asked, as_json)
 
@@ -214,6 +227,7 @@ def stability(
     context: typer.Context,
     scene: Scene,
     output: Stem = None,
+    changes: Changes = None,
     tolerance: Tolerance = "1 %",
     end: End = None,
     point: Point = None,
@@ -225,7 +239,10 @@ def stability(
     from tautline.cli import stability as verb
     from tautline.cli.lists import seconds
 
-    asked = {"tolerance": tolerance, "end": seconds(end, "--end"), "point": point, "budget": budget, "quick": quick}
+    asked = {
+        "tolerance": tolerance, "end": seconds(end, "--end"), "point": point, "budget": budget, "quick": quick,
+        "changes": changes,
+    }  # fmt: skip
     verb.stability(context.obj, scene, output, asked, as_json)
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any
 
+from tautline.errors import TautlineError
+
 
 class Status(IntEnum):
     """What the compiled loop reports."""
@@ -78,7 +80,7 @@ SENTENCES = {
 }
 
 
-class StoppedEarly(Exception):
+class StoppedEarly(TautlineError):
     """A run that ended before its time; what it had is kept.
 
     Attributes
@@ -102,7 +104,7 @@ class StoppedEarly(Exception):
         super().__init__(f"{status.name} at t = {time:.6g} s, {part}: {self.sentence}")
 
 
-class Interrupted(Exception):
+class Interrupted(TautlineError):
     """A run that the user interrupted; ``result`` is what was stored until then, ``time`` how far it came."""
 
     def __init__(self, time: float, result: Any = None) -> None:

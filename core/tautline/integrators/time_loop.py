@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import typeof
 
 from tautline.integrators.explicit import accelerate, account
 from tautline.integrators.linearise import SUMS, evaluate_scene
@@ -25,6 +24,7 @@ from tautline.kernels.dofs import expand, expand_held
 from tautline.kernels.groups import hook_jobs
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix
+from tautline.kernels.memory import form_of, kind_of
 from tautline.kernels.parallel_compile import compile_all
 
 ENERGIES = 5
@@ -217,9 +217,16 @@ def loop_of(method):
     return run_explicit if stepping.explicit else run_implicit, (*_ALWAYS, *stepping.sums(method))
 
 
+_ready: set[Any] = set()
+"""What runs were made of that were compiled for in this process: sums over groups, and forms."""
+
+
 def compile_for(method, system, state, announce=None):
     """Compile what a run will need, or load it, with the processors there are; see :func:`compile_all`."""
     loop, sums = loop_of(method)
+    made_of = sums, form_of((method, system.groups, system.dofs, system.functions, state))
+    if made_of in _ready:
+        return
     groups, scene = np.zeros(0, np.int64), (system.dofs, system.functions, state)
     none, rows = np.zeros(0), np.zeros((0, 0))
     factors = new_factors(0, 0)
@@ -229,10 +236,11 @@ def compile_for(method, system, state, announce=None):
         (solve_matrix, (factors, none)),
         (factorise_matrix, (factors,)),
     ]
-    heavy, common, *parts = ((function, tuple(typeof(x) for x in given)) for function, given in calls)
+    heavy, common, *parts = ((function, tuple(kind_of(x) for x in given)) for function, given in calls)
     hooks = hook_jobs(system.groups, *dict.fromkeys((*sums, *SUMS)))
     # The loop, which is heaviest, takes in the last two: it is begun when others have made them.
     compile_all([*hooks[:1], heavy, common, *hooks[1:], *parts], announce)
+    _ready.add(made_of)
 
 
 def run_steps(method, system, state, ends, steps, begin, frames, pause=None):

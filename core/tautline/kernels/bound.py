@@ -10,12 +10,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import config, typeof
+from numba import config
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
 from tautline.kernels.jit import address_of, addressed, entry
-from tautline.kernels.memory import words_of
+from tautline.kernels.memory import kind_of, words_of
 
 HEAD = 4
 """Words before the arguments: the address of the function, and room for three numbers that it gives back."""
@@ -37,7 +37,7 @@ class Bound:
         self.function, self.arguments = function, list(arguments)
         if config.DISABLE_JIT:
             return
-        signature = tuple(typeof(x) for x in arguments)
+        signature = tuple(kind_of(x) for x in arguments)
         if signature not in function.overloads:
             function.compile(signature)
         returned = function.overloads[signature].signature.return_type

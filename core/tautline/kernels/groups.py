@@ -44,7 +44,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import config, typeof
+from numba import config
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
@@ -53,7 +53,7 @@ from tautline.kernels.compiling.caching import KERNELS_OF
 from tautline.kernels.dofs import DOFS
 from tautline.kernels.jit import address_of, addressed, stands_for
 from tautline.kernels.matrix import MATRIX
-from tautline.kernels.memory import words_of
+from tautline.kernels.memory import form_of, kind_of, words_of
 from tautline.kernels.parallel_compile import Job
 
 Kernel = Callable[..., None]
@@ -158,8 +158,13 @@ def register(kind: type, *, constant_mass: bool = False, friction: bool = False,
         FRICTION.add(kind)
 
 
+_addresses: dict[Any, int] = {}
+"""Where the code is that a kind of group runs for a sum, by the sum and the form of the group."""
+
+
 def _forget(kind: type) -> None:
     """Forget what is compiled with the kernels that a kind had before: it may be registered anew, as in a notebook."""
+    _addresses.clear()
     for signature in [s for s in getattr(run_hook, "overloads", ()) if s[1].instance_type.instance_class is kind]:
         del run_hook.overloads[signature]
 
@@ -204,8 +209,8 @@ def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
 
 
 def _kinds_of(groups: tuple[Any, ...]) -> list[types.TypeRef]:
-    """Types of the groups. Numba looks through all arrays of a group for it, which takes a millisecond or two."""
-    return [types.TypeRef(typeof(g)) for g in groups]
+    """Types of the groups."""
+    return [types.TypeRef(kind_of(g)) for g in groups]
 
 
 def _signature(row: int, kind: types.TypeRef) -> tuple[types.Type, ...]:
@@ -226,13 +231,13 @@ def link(groups: tuple[Any, ...], *sums: str) -> Any:
     """
     if config.DISABLE_JIT:
         return groups
-    words, kinds = [words_of(g) for g in groups], _kinds_of(groups)
+    words, forms = [words_of(g) for g in groups], [form_of(g) for g in groups]
     calls: list[list[tuple[int, int]]] = [[] for _ in SUMS]
     for name in sums:
         for i, g in enumerate(groups):
             code = _code_for(name, type(g))
             if code is not None:
-                calls[ROWS[name]].append((address_of(run_hook, _signature(ROWS[code], kinds[i])), i))
+                calls[ROWS[name]].append((_address_for(code, g, forms[i]), i))
     table = np.zeros(len(SUMS) + sum(1 + 2 * len(c) for c in calls) + sum(map(len, words)), dtype=np.int64)
     places = table.size - np.cumsum([len(w) for w in reversed(words)], dtype=np.int64)[::-1]
     for place, word in zip(places, words, strict=True):
@@ -244,6 +249,14 @@ def link(groups: tuple[Any, ...], *sums: str) -> Any:
             table[at + 1 + 2 * k : at + 3 + 2 * k] = address, table.ctypes.data + 8 * places[i]
         at += 1 + 2 * len(members)
     return table
+
+
+def _address_for(code: str, group: Any, form: Any) -> int:
+    """Where the code of a sum is for groups of a form, compiled or loaded now if it was not yet."""
+    if (code, form) not in _addresses:
+        (kind,) = _kinds_of((group,))
+        _addresses[code, form] = address_of(run_hook, _signature(ROWS[code], kind))
+    return _addresses[code, form]
 
 
 @intrinsic(prefer_literal=True)

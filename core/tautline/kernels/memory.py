@@ -1,4 +1,4 @@
-"""Groups in memory: how compiled code that does not know a group's type hands it to code that does.
+"""Groups in memory: their types, and how compiled code that does not know a group's type hands it to code that does.
 
 A named tuple of arrays, numbers and further such tuples is laid out in 8-byte words exactly as numba holds it; code
 compiled for its type loads it from there as a value. The words refer to the arrays, so these must live on.
@@ -9,6 +9,41 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numba import typeof, types
+
+PLAIN = (int, float, bool, type(None), np.float64, np.int64)
+"""Classes whose values are all of one type to numba."""
+ARRAYS = (np.ndarray, np.recarray)
+
+_kinds: dict[Any, types.Type] = {}
+
+
+def kind_of(value: Any) -> types.Type:
+    """Numba's type of a value, found once for all values that are made alike.
+
+    Numba looks through all arrays of a group each time, and makes a type for every record in them: that takes a
+    millisecond or two. What is looked at here is all that such a type depends on.
+    """
+    form = form_of(value)
+    if form not in _kinds:
+        _kinds[form] = typeof(value)
+    return _kinds[form]
+
+
+def form_of(value: Any) -> Any:
+    """What the type of a value depends on: classes, and of arrays the kind of their entries and how they lie.
+
+    It is made and compared much faster than a type of numba's, which is hashed part by part each time.
+    """
+    kind = type(value)
+    if kind in ARRAYS:
+        flags, entries = value.flags, value.dtype
+        lies = flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned, entries.isalignedstruct
+        return entries, value.ndim, lies
+    if isinstance(value, tuple):
+        return kind, *map(form_of, value)
+    # A whole number that needs all of 64 bits has no sign.
+    return kind if kind in PLAIN and not (kind is int and value.bit_length() > 63) else typeof(value)
 
 
 def words_of(value: Any) -> list[int]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from tautline.errors import TautlineError
 from tautline.scene.refusal import nearest
 
 
-class SimulationError(Exception):
+class SimulationError(TautlineError):
     """A request that a simulation refuses; it is left where it was.
 
     Attributes

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tautline.errors import TautlineError
 
-class ResultError(Exception):
+
+class ResultError(TautlineError):
     """A result that cannot be read or written.
 
     Attributes

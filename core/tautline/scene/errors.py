@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from tautline.errors import TautlineError
+
 SHOWN = 20
 """Problems printed; a file of one error repeated thousands of times must not fill the screen."""
 
@@ -43,7 +45,7 @@ class Problem:
         return f"{text}; {self.cure}" if self.cure else text
 
 
-class SceneError(Exception):
+class SceneError(TautlineError):
     """A scene that cannot be run.
 
     Attributes

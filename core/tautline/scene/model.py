@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateA
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
 from tautline.scene.errors import LONGEST, Problem, SceneError
-from tautline.scene.reading.document import Document
+from tautline.scene.reading.document import Document, Path_
 from tautline.scene.refusal import KIND, nearest, refusal
 from tautline.scene.values.printed import in_words
 from tautline.scene.values.quantity import Quantity, suited
@@ -24,6 +24,11 @@ DOUBT = "doubt"
 """The error type of a number that is sound and doubtful: see `tautline.scene.doubts`."""
 MADE = "made once"
 """Where a scene keeps what was prepared of it: no name of a field."""
+WITHOUT_TEXT = (
+    "a scene that was put together in Python cannot be changed by keys",
+    "read it from a file, a text or a dict: tautline.read",
+)
+"""Why a scene without a document has no copy with other values, and the cure."""
 MOST_FAULTS = 100
 """Faults of one mapping that are told; a table of words for numbers has as many as rows."""
 
@@ -124,8 +129,8 @@ class Scene(Model):
         return Path() if self._document is None else self._document.folder
 
     @classmethod
-    def read(cls, path: str | Path) -> Self:
-        """Read and validate a file.
+    def read(cls, path: str | Path | Document) -> Self:
+        """Read and validate a file, or validate a document that was read already.
 
         Raises
         ------
@@ -144,6 +149,41 @@ class Scene(Model):
             Listing every fault with its line, key and cure.
         """
         return validate(cls, Document.parse(text, path))
+
+    def replace(self, changes: Mapping[str, Any], origin: str = "replace") -> Self:
+        """The scene as it would be read with other values in its file; this one stays as it is.
+
+        Parameters
+        ----------
+        changes : mapping
+            Key -> value: ``{"bodies[0].mass": "6 t", "solver.step": "2 ms"}``. Keys are those of the file, indices of
+            lists in brackets; values are as in YAML: texts with units, numbers, lists, mappings.
+        origin : str
+            What the values came from, for messages.
+
+        Returns
+        -------
+        Scene
+            It shares what was prepared of this one as far as that does not depend on what is changed.
+
+        Raises
+        ------
+        SceneError
+            For an unknown key, with the nearest, and for a scene that is not sound with the new values.
+        """
+        return self._remade(lambda document: document.changed(changes, origin))
+
+    def with_values(self, values: Mapping[Path_, tuple[Any, str]]) -> Self:
+        """The same by key paths: key path -> (value, the option it came from, named in messages)."""
+        return self._remade(lambda document: document.replaced(values))
+
+    def _remade(self, change: Callable[[Document], Document]) -> Self:
+        if self._document is None:
+            raise SceneError([self.problem("", *WITHOUT_TEXT)])
+        changed = validate(type(self), change(self._document))
+        changed.share(self)
+        changed._driven = self._driven
+        return changed
 
     def once(self, what: str, depends_on: tuple[Any, ...], make: Callable[[], T]) -> T:
         """What `make` gives; it is called again only where what it depends on has changed.
@@ -353,7 +393,9 @@ class OneOf:
             raise refusal(f"gives both {chosen[0]} and {chosen[1]}", f"keep one: {cure}")
         if chosen:
             odd = next(key for key in value if key not in self.keyed)
-            raise refusal(f"'{odd}' stands beside {chosen[0]}", f"indent it below {chosen[0]}, or remove it")
+            meant = nearest(str(odd), chosen) if str(odd).lower() != chosen[0] else ""
+            cure = meant if meant.startswith("did") else f"indent it below {chosen[0]}, or remove it"
+            raise refusal(f"'{odd}' stands beside {chosen[0]}", cure)
         if not value:
             raise refusal("is an empty mapping", cure)
         odd = next(iter(value))

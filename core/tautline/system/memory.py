@@ -23,17 +23,23 @@ def arrays_of(thing: Any, name: str) -> Iterator[tuple[str, np.ndarray]]:
             yield from arrays_of(part, f"{name}.{key}")
 
 
-def _all(state: Any, groups: tuple[Any, ...], method: Any) -> Iterator[tuple[str, np.ndarray]]:
-    for name, thing in (("state", state), ("groups", groups), ("method", method)):
-        yield from arrays_of(thing, name)
+def places_of(state: Any, groups: tuple[Any, ...], method: Any) -> dict[str, np.ndarray]:
+    """The arrays of state, groups and method themselves: they stay where they are for the whole run."""
+    things = ("state", state), ("groups", groups), ("method", method)
+    return {name: array for start, thing in things for name, array in arrays_of(thing, start)}
+
+
+def copied(places: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Copies of arrays; records are kept as their bytes."""
+    return {
+        name: np.frombuffer(array.tobytes(), np.uint8).copy() if array.dtype.names else array.copy()
+        for name, array in places.items()
+    }
 
 
 def remember(state: Any, groups: tuple[Any, ...], method: Any) -> dict[str, np.ndarray]:
     """Copy the arrays of state, groups and method; records are kept as their bytes."""
-    memory = {}
-    for name, array in _all(state, groups, method):
-        memory[name] = np.frombuffer(array.tobytes(), np.uint8).copy() if array.dtype.names else array.copy()
-    return memory
+    return copied(places_of(state, groups, method))
 
 
 def recall(memory: Mapping[str, np.ndarray], state: Any, groups: tuple[Any, ...], method: Any) -> list[str]:
@@ -44,7 +50,7 @@ def recall(memory: Mapping[str, np.ndarray], state: Any, groups: tuple[Any, ...]
     list of str
         Names of arrays that do not fit, because they belong to another scene; nothing is written then.
     """
-    places = dict(_all(state, groups, method))
+    places = places_of(state, groups, method)
     wrong = sorted(set(places) ^ set(memory))
     wrong += [name for name, place in places.items() if name in memory and place.nbytes != memory[name].nbytes]
     if not wrong:

@@ -7,13 +7,15 @@ r (1-3), p (4).
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from tautline.cable.input.nodal import NodalPart, item_of
 from tautline.cable.input.solver import CableSolver
-from tautline.scene.errors import Problem, SceneWarning
+from tautline.scene.errors import Problem, SceneError, SceneWarning
+from tautline.scene.model import WITHOUT_TEXT
 from tautline.scene.reading.document import Document
 
 Vector = tuple[float, float, float]
@@ -155,7 +157,9 @@ class CableScene:
     warnings : tuple of SceneWarning
         Liberties that the reader took; `tautline.cable.warnings` has more to say.
     document : Document
-        For messages.
+        For messages, and for a scene with other values.
+    made_by : callable or None
+        What made the scene of its document; None for one that was put together in Python.
     """
 
     title: str | None
@@ -170,6 +174,7 @@ class CableScene:
     solver: CableSolver
     warnings: tuple[SceneWarning, ...]
     document: Document = field(repr=False, compare=False)
+    made_by: Callable[[Document], CableScene] | None = field(default=None, repr=False, compare=False)
 
     @property
     def text(self) -> str:
@@ -210,6 +215,18 @@ class CableScene:
         """Ids of the nodes that an item gives a mass, once for each such item."""
         return tuple(node for part in self.nodal if item_of(part).mass(part) > 0.0 for node in part.nodes)
 
+    def replace(self, changes: Mapping[str, Any], origin: str = "replace") -> CableScene:
+        """The scene as it would be read with other values in its file: see `tautline.scene.model.Scene.replace`.
+
+        Raises
+        ------
+        SceneError
+            For an unknown key, with the nearest, and for a scene that is not sound with the new values.
+        """
+        if self.made_by is None:
+            raise SceneError([self.problem((), *WITHOUT_TEXT)])
+        return self.made_by(self.document.changed(changes, origin))
+
     def problem(self, place: Place, cause: str, cure: str = "") -> Problem:
         """Build a problem at a key path, such as ``(*node.place, "BC")``, for a check that the builder makes."""
         return self.document.problem(place, cause, cure)
@@ -222,7 +239,7 @@ HOW_SOLVED = (
 """Fields of ``GeneralizedAlpha`` that say how a scene is solved, and what is kept."""
 PARTS = ("nodes", "elements", "ties", "couplings", "nodal", "motions")
 BESIDES_MODEL = frozenset(
-    {"title", "plots", "warnings", "document", *(f"solver.{name}" for name in HOW_SOLVED)}
+    {"title", "plots", "warnings", "document", "made_by", *(f"solver.{name}" for name in HOW_SOLVED)}
     | {f"{part}.{where}" for part in PARTS for where in ("line", "place")}
 )
 """What does not count in a cable's model (`tautline.scene.identity`): where things stand in the file, too."""

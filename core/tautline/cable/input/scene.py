@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +23,8 @@ from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
 
 
-def read(path: str | Path) -> CableScene:
-    """Read and validate a scene file.
+def read(path: str | Path | Document) -> CableScene:
+    """Read and validate a scene file, or a document that was read already.
 
     Raises
     ------
@@ -68,7 +69,7 @@ def _scene(document: Document) -> CableScene:
     except SceneError as error:
         # An unknown key may be one of an extension that could not be loaded.
         raise SceneError([*error.problems, *problems_of_extensions(str(document.path))]) from None
-    scene = resolve(written, meant, document, warnings)
+    scene = replace(resolve(written, meant, document, warnings), made_by=_scene)
     # A scene whose lengths or couplings contradict each other is refused here, not when it is built.
     check_couplings(scene, material_coordinates(scene))
     return scene

@@ -6,16 +6,19 @@ takes duplicate keys, expands aliases without limit and can build arbitrary obje
 
 from __future__ import annotations
 
+import functools
 import math
+import os
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from tautline.scene.errors import Problem, SceneError
+from tautline.scene.errors import Problem, SceneError, shorten
+from tautline.scene.reading.scalars import BOOLEAN, FLOAT, INTEGER, LONGEST_INTEGER, NOT_FINITE, NULL, written_out
 from tautline.scene.reading.text import read_text
 
 DEEPEST = 50
@@ -24,13 +27,8 @@ MOST_VALUES = 1_000_000
 Key = str | int
 Path_ = tuple[Key, ...]
 
-NULL = re.compile(r"|~|null|Null|NULL")
-BOOLEAN = re.compile(r"true|True|TRUE|false|False|FALSE")
-INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
-FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-LONGEST_INTEGER = 300
+KEY = re.compile(r"[^.\[\]\s][^.\[\]]*(\[[0-9]{1,9}\])*(\.[^.\[\]\s][^.\[\]]*(\[[0-9]{1,9}\])*)*")
 REPEATABLE = frozenset({"plotpoints"})
 """Keys that may stand twice, the last one counting, since the example in the thesis' Appendix A does it: told in
 `Document.repeats`, for the reader to warn of. Any other duplicate key is an error."""
@@ -70,13 +68,15 @@ class Document:
     path, folder : Path
         The file, as it was named, and the folder that file names in it are relative to.
     text : str
-        The whole text.
+        The whole text, as it was read; see `told`.
     root : dict
         Plain values: dict, list, str, int, float, bool, None.
     origins : dict
         Where values came from that are not in the text: key path -> option such as ``--step``.
     repeats : tuple
         Keys of `REPEATABLE` that stand more than once: key path, line of the one that was passed over.
+    home : Path or None
+        The folder, where that is not the one of ``path``: of a text that stands in no file.
     """
 
     path: Path
@@ -85,26 +85,35 @@ class Document:
     tree: Node = field(repr=False)
     origins: dict[Path_, str] = field(default_factory=dict)
     repeats: tuple[tuple[Path_, int], ...] = ()
+    home: Path | None = None
 
     @property
     def folder(self) -> Path:
         """Folder that file names in the scene are relative to."""
-        return self.path.parent
+        return self.path.parent if self.home is None else self.home
+
+    @functools.cached_property
+    def told(self) -> str:
+        """A text that says what the document holds: its own, or one written anew where values were replaced."""
+        if not self.origins:
+            return self.text
+        changed = "".join(f"# {shorten(join_key(path))}, by {origin}\n" for path, origin in self.origins.items())
+        return f"# {self.path.name}, changed:\n{changed}{written_out(self.root)}"
 
     @classmethod
-    def read(cls, path: str | Path) -> Document:
-        """Read a file.
+    def read(cls, source: str | Path | Document) -> Document:
+        """Read a file; a document, which was read already, is given back.
 
         Raises
         ------
         SceneError
             If there is no such file, if it is no text or too large, or if it is not YAML.
         """
-        return cls.parse(read_text(Path(path)), path)
+        return source if isinstance(source, Document) else cls.parse(read_text(Path(source)), source)
 
     @classmethod
-    def parse(cls, text: str, path: str | Path = "scene.yaml") -> Document:
-        """Read a text; `path` names it in messages.
+    def parse(cls, text: str, path: str | Path = "scene.yaml", home: Path | None = None) -> Document:
+        """Read a text; `path` names it in messages, `home` is its folder where that is not the one of the path.
 
         Raises
         ------
@@ -114,7 +123,7 @@ class Document:
         path = Path(path)
         composer = _Composer(text, path)
         tree = composer.compose()
-        return cls(path, text, tree.value, tree, repeats=tuple(composer.repeats))
+        return cls(path, text, tree.value, tree, repeats=tuple(composer.repeats), home=home)
 
     def line(self, key: str | Path_) -> int | None:
         """Line of a key path such as ``("string", 1, "od")`` or ``"string[1].od"``, or of the nearest above it."""
@@ -141,9 +150,14 @@ class Document:
         return node.scalar
 
     def origin(self, path: Path_) -> str | None:
-        """Option that a value came from, such as ``--step``; None for what is in the text."""
+        """Option that a value, or the last of those that were changed in it, came from, such as ``--step``.
+
+        None for what is in the text, and for the whole scene.
+        """
         ends = range(len(path), 0, -1)
-        return next((self.origins[path[:end]] for end in ends if path[:end] in self.origins), None)
+        outside = (self.origins[path[:end]] for end in ends if path[:end] in self.origins)
+        inside = (origin for at, origin in reversed(self.origins.items()) if path and at[: len(path)] == path)
+        return next(outside, None) or next(inside, None)
 
     def replaced(self, values: Mapping[Path_, tuple[Any, str]]) -> Document:
         """Copy with other values: key path -> (value, the option it came from, named in messages).
@@ -155,21 +169,34 @@ class Document:
         SceneError
             If a path leads through something that has no keys.
         """
-        root = _copied(self.root)
+        root, origins = _copied(self.root), dict(self.origins)
         for path, (value, origin) in values.items():
             place: Any = root
             for i, part in enumerate(path):
-                known = isinstance(place, dict) or (isinstance(place, list) and part in range(len(place)))
-                if not known:
-                    cause = "there is no such key"
-                    raise SceneError([Problem(origin, None, join_key(path[: i + 1]), None, cause, "check the name")])
+                if (wrong := _no_place(place, part)) is not None:
+                    raise SceneError([Problem(origin, None, join_key(path[: i + 1]), None, *wrong)])
                 if i == len(path) - 1:
-                    place[part] = value
+                    place[part] = plain(value, path, origin)
                 elif isinstance(place, dict) and place.get(part) is None:
                     place[part] = {}
                 place = place[part]
-        origins = self.origins | {path: origin for path, (_, origin) in values.items()}
-        return Document(self.path, self.text, root, self.tree, origins, self.repeats)
+            origins[path] = origin
+        return replace(self, root=root, origins=origins)
+
+    def changed(self, values: Mapping[str, Any], origin: str) -> Document:
+        """Copy with other values: key such as ``bodies[0].mass`` -> value as it would stand in the file.
+
+        Parameters
+        ----------
+        origin : str
+            What the values came from, for messages: ``--set``.
+
+        Raises
+        ------
+        SceneError
+            For what is no name of a key, a value that no file could hold, and as `replaced` does.
+        """
+        return self.replaced({key_named(key, origin): (value, origin) for key, value in values.items()})
 
     def problem(self, key: str | Path_, cause: str, cure: str = "", value: str | None = None) -> Problem:
         """Build a problem at a key path; the value is shown as written."""
@@ -187,6 +214,29 @@ def _copied(value: Any) -> Any:
     return [_copied(item) for item in value] if isinstance(value, list) else value
 
 
+def _no_place(place: Any, part: Key) -> tuple[str, str] | None:
+    """Why a value has nothing of some key or index, and what to do; None where it has, or can be given it."""
+    if isinstance(place, dict) and isinstance(part, str):
+        return None
+    if isinstance(place, list):
+        if isinstance(part, int) and part < len(place):
+            return None
+        if isinstance(part, str):
+            return "this is a list, not a mapping", "name one of its entries by a number in brackets, the first by [0]"
+        return "there is no such entry", f"{len(place)} in all, counted from 0: to add one, give the whole list"
+    if isinstance(place, dict):
+        return "is a mapping, not a list", f"known: {', '.join(map(shorten, place))}"
+    return "there is no such key: what it should be in is a single value", "check the name, or give a whole mapping"
+
+
+def key_named(name: str, origin: str) -> Path_:
+    """``bodies[0].mass`` -> ``("bodies", 0, "mass")``; raises SceneError for what is no name of a key."""
+    if isinstance(name, str) and KEY.fullmatch(name):
+        return split_key(name)
+    cure = "write it with a point before each key and a list's index in brackets, as string[0].od"
+    raise SceneError([Problem(origin, None, "", str(name), "is no name of a key", cure)])
+
+
 def split_key(key: str | Path_) -> Path_:
     """``string[1].od`` -> ``("string", 1, "od")``."""
     if not isinstance(key, str):
@@ -201,6 +251,29 @@ def join_key(path: Path_) -> str:
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
     return text
+
+
+def plain(value: Any, path: Path_ = (), origin: str = "") -> Any:
+    """A copy of a Python value as a file would give it: dict, list, str, int, float, bool, None.
+
+    Numbers and arrays of NumPy, tuples and paths become what they stand for.
+
+    Raises
+    ------
+    SceneError
+        For a value that no file can hold, with its key, and with its `origin` in place of the file.
+    """
+    value = (
+        value.tolist() if hasattr(value, "tolist") else os.fspath(value) if isinstance(value, os.PathLike) else value
+    )
+    if isinstance(value, dict):
+        return {str(key): plain(each, (*path, str(key)), origin) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(each, (*path, i), origin) for i, each in enumerate(value)]
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    cause, cure = f"a {type(value).__name__} cannot stand in a scene", "give a number, a text, a list or a dict"
+    raise SceneError([Problem(origin, None, join_key(path), None, cause, cure)])
 
 
 class _Composer:

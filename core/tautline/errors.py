@@ -1,0 +1,7 @@
+"""The base of all that this package raises on purpose."""
+
+from __future__ import annotations
+
+
+class TautlineError(Exception):
+    """What a scene, a result or a run can be refused by; every exception of the public interface is one."""
