@@ -141,7 +141,7 @@ class _Linearisation:
                     held[:, :, j] += steering.factor * np.eye(3)
                 elif entry >= 0 and function in self.functions.frames.motion:
                     held[:, :, j] += steering.factor * self._of_frames(function)[:, :, entry // 12, entry % 12]
-        return _Drive(held, self._direct(one))
+        return _Drive(held, self._direct(one, held))
 
     def _of_frames(self, function: int) -> np.ndarray:
         """Derivatives of all frames' places by a motion: (derivative of place, derivative of motion, frame, entry)."""
@@ -157,23 +157,34 @@ class _Linearisation:
         placed = places_of(frames.parent, frames.pivot, now)
         return np.stack([derivative.imag / COMPLEX_STEP for derivative in placed])
 
-    def _direct(self, one: Input) -> np.ndarray:
-        """Changes of the residual by u, u. and u.. through groups that take in the function themselves, (3, n).
+    def _direct(self, one: Input, held: np.ndarray) -> np.ndarray:
+        """Changes of the residual by u, u. and u.. while the unknowns stay, (3, n), by differences of fourth order.
 
-        A force, a torque or a set value stands in the equations once: a difference over any step is exact.
+        The groups' own tangents know nothing of what is held: how the wheels of a boom turn with it, for one.
         """
-        found = np.zeros((3, self.n))
-        for steering, function in one.members:
-            f = sample_all(self.functions, [function], np.array([self.t]))[0, 0]
-            for order in range(3):
-                size = max(1.0, abs(f[order]))
-                both = []
+        found, state = np.zeros((3, self.n)), self.state
+        at = [(s, f, sample_all(self.functions, [f], np.array([self.t]))[0, 0]) for s, f in one.members]
+        vectors = state.full_q, state.full_v, state.full_a
+        kept = [array.copy() for array in (*vectors, state.residual)]
+        still = np.zeros(self.n)
+        for order in range(3):
+            moved = [self._full(still, held[d, order]) for d in range(3)]
+            largest = max(float(np.abs(each).max(initial=0.0)) for each in moved)
+            # A force or a set value stands in the equations once: any step will do.
+            step = SMALL / largest if largest > 0.0 else 1.0e-3 * max(1.0, *(abs(f[order]) for _, _, f in at))
+            for times, weight in STENCIL:
                 for sign in (1.0, -1.0):
-                    changed = f.copy()
-                    changed[order] += sign * 1.0e-3 * size
-                    self.sim.inputs.hold(function, self.t, changed)
-                    both.append(self._residual())
-                found[order] += steering.factor * (both[0] - both[1]) / (2.0e-3 * size)
+                    h = sign * times * step
+                    for array, before, change in zip(vectors, kept, moved, strict=False):
+                        array[:] = before + h * change
+                    for steering, function, f in at:
+                        changed = f.copy()
+                        changed[order] += h * steering.factor
+                        self.sim.inputs.hold(function, self.t, changed)
+                    found[order] += sign * weight / step * self._residual()
+        for array, before in zip((*vectors, state.residual), kept, strict=True):
+            array[:] = before
+        for _, function, f in at:
             self.sim.inputs.hold(function, self.t, f)
         return found
 
@@ -212,8 +223,8 @@ class _Linearisation:
         self.z, self.p = z, p = _within_constraints(mass, stiffness, algebraic, free, n)
         self.count = z.shape[1]
         m, c, k = (z.T @ part[np.ix_(free, free)] @ z for part in (mass, damping, stiffness))
-        # What a prescribed degree of freedom does: by itself, and by what the constraints move with it.
-        by_held = [z.T @ (part[np.ix_(free, free)] @ p + part[free, n:]) for part in (stiffness, damping, mass)]
+        # What a prescribed degree of freedom moves with it by the constraints.
+        carried = [z.T @ part[np.ix_(free, free)] @ p for part in (stiffness, damping, mass)]
         self.stiff, self.damped = np.linalg.solve(m, k), np.linalg.solve(m, c)
         self.drives = [self._drive(one) for one in self.inputs]
         self.forces: list[list[np.ndarray]] = []
@@ -222,7 +233,7 @@ class _Linearisation:
             for order in range(3):
                 force = z.T @ drive.direct[order][free]
                 # K multiplies h, C its rate and M its second rate.
-                force = force + sum(by_held[d] @ drive.held[d, order] for d in range(3))
+                force = force + sum(carried[d] @ drive.held[d, order] for d in range(3))
                 orders.append(np.linalg.solve(m, force))
             self.forces.append(orders)
         self.speeds = [i for i, one in enumerate(self.inputs) if one.steering.order == 1]
@@ -246,7 +257,8 @@ class _Linearisation:
         c = [self._along(*self._motion(x, *nothing[1:])) for x in states]
         d = [self._along(*self._motion(nothing[0], u, nothing[2])) for u in inputs]
         e = [self._along(*self._motion(*nothing[:2], rate)) for rate in inputs]
-        read = [np.array(rows).reshape(len(rows), -1).T for rows in (c, d, e)]
+        count = sum(int(np.prod(one.shape, dtype=int)) for one in self.outputs)
+        read = [np.array(rows).reshape(len(rows), count).T for rows in (c, d, e)]
         self._refuse_rates(*read)
         return read[0], read[1], read[2]
 

@@ -1,0 +1,193 @@
+"""Our mechanics under integrators of SciPy, and forces that a user adds."""
+
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import tautline
+from tautline.live.errors import SimulationError
+
+DATA = Path(__file__).parents[2] / "data"
+HANGING = """
+title: A rope that is let go
+rope: {mass_per_length: 2.0, axial_stiffness: 2.0e4, damping: 2.0e-3, diameter: 22 mm, breaking_load: 0.4 MN}
+path:
+  - anchor: {name: left, position: [0, 0, 0]}
+  - anchor: {name: right, position: [10, 0, 0]}
+mesh: {elements_per_span: 8}
+start: as drawn
+solver: {method: generalized-alpha, rho_inf: 1, step: 0.2 ms, end: 1 s}
+output: {interval: 10 ms}
+"""
+
+
+def driven_by(method, scene, end, relative, absolute, **more):
+    equations = tautline.Simulation(scene, keep=False).equations
+    t, q, v = equations.state()
+    start = np.concatenate((q, v))
+    found = solve_ivp(equations.first_order, (t, end), start, method=method, rtol=relative, atol=absolute, **more)
+    assert found.success, found.message
+    return found.y[: equations.size, -1], equations
+
+
+def ours(scene, end, step=None):
+    read = tautline.read(scene)
+    sim = tautline.Simulation(read, keep=False)
+    if step is not None:
+        sim._step = step
+    sim.advance_to(end)
+    return sim._state.q.copy()
+
+
+@pytest.mark.parametrize("method", ["DOP853", "Radau", "BDF"])
+def test_scipy_drives_the_hammer_bar_to_where_our_rk4_does(method):
+    tolerance = {"DOP853": 1e-10, "Radau": 1e-8, "BDF": 1e-7}[method]
+    q, _ = driven_by(method, DATA / "cantilever_bar.yaml", 0.9, tolerance, 1e-3 * tolerance)
+    assert np.abs(q - ours(DATA / "cantilever_bar.yaml", 0.9, 1e-3)).max() < max(1e-9, 50.0 * tolerance)
+
+
+@pytest.mark.parametrize("method", ["DOP853", "Radau", "BDF"])
+def test_scipy_drives_a_hanging_rope_to_where_ours_does(method):
+    tolerance = {"DOP853": 1e-8, "Radau": 1e-6, "BDF": 1e-6}[method]
+    q, _ = driven_by(method, HANGING, 0.5, tolerance, 1e-2 * tolerance)
+    fine = ours(HANGING, 0.5, 5e-5)
+    assert np.abs(q - fine).max() < max(2e-5, 100.0 * tolerance)
+
+
+@pytest.mark.parametrize("method", ["Radau", "BDF"])
+def test_scipy_drives_a_hose_with_its_tangent_to_where_ours_does(method):
+    scene, end = DATA / "hose.yaml", 0.05
+    equations = tautline.Simulation(scene, keep=False).equations
+    q, _ = driven_by(method, scene, end, 1e-7, 1e-10, jac=equations.first_order_tangent)
+    assert np.abs(q - ours(scene, end, 2e-5)).max() < 2e-6
+
+
+def test_mass_tangent_and_residual_are_of_one_piece():
+    equations = tautline.Simulation(HANGING, keep=False).equations
+    t, q, v = equations.state()
+    rng = np.random.default_rng(1)
+    q, v, a = q + 1e-3 * rng.normal(size=q.size), rng.normal(size=q.size), rng.normal(size=q.size)
+    r = equations.residual(t, q, v, a)
+    mass = equations.mass(q, t)
+    assert np.allclose(equations.residual(t, q, v, 0 * a) + mass @ a, r, rtol=1e-12, atol=1e-9 * np.abs(r).max())
+    wanted = mass.toarray()
+    tangent = equations.tangent(t, q, v, a, 1.0, 0.0, 0.0).toarray()
+    assert np.abs(tangent - wanted).max() < 1e-12 * np.abs(wanted).max()
+    for part, x in (((0.0, 1.0, 0.0), v), ((0.0, 0.0, 1.0), q)):
+        d = rng.normal(size=q.size)
+        h = 1e-6
+        moved = [x + s * h * d for s in (1.0, -1.0)]
+        pairs = [(q, y) if part[1] else (y, v) for y in moved]
+        difference = (equations.residual(t, *pairs[0], a) - equations.residual(t, *pairs[1], a)) / (2.0 * h)
+        exact = equations.tangent(t, q, v, a, *part) @ d
+        assert np.abs(difference - exact).max() < 1e-6 * np.abs(exact).max()
+    assert np.allclose(equations.residual(t, q, v, equations.acceleration(t, q, v)), 0.0, atol=1e-8 * np.abs(r).max())
+
+
+def test_equations_refuse_vectors_of_another_size_and_do_not_touch_the_simulation():
+    sim = tautline.Simulation(HANGING)
+    sim.advance(0.1)
+    before = sim.save()
+    equations = sim.equations
+    with pytest.raises(SimulationError, match="unknowns"):
+        equations.residual(0.0, np.zeros(3), np.zeros(3), np.zeros(3))
+    equations.acceleration(0.3, *equations.state()[1:])
+    assert np.array_equal(before.block, sim.save().block)
+
+
+PLACE = np.array([12.4, 0.0, 5.0])
+
+
+def spring(t, q, v):
+    force = -1.0e4 * (q - PLACE) - 200.0 * v
+    force[2] = 0.0
+    return force
+
+
+@numba.njit
+def compiled_spring(t, q, v, force):
+    force[0] = -1.0e4 * (q[0] - 12.4) - 200.0 * v[0]
+    force[1] = -1.0e4 * q[1] - 200.0 * v[1]
+    force[2] = 0.0
+
+
+def rolling():
+    return tautline.read(DATA / "hoist.yaml").replace(
+        {"vessel.motion": {"roll": {"harmonic": {"amplitude": "3 deg", "period": 7, "ramp": 3}}}}
+    )
+
+
+def test_a_force_in_python_and_the_same_compiled_do_what_the_springs_of_the_scene_do():
+    held = rolling().replace(
+        {
+            "bodies[0].spring": {"stiffness": [1.0e4, 1.0e4, 0], "damping": [200, 200, 0], "rest": [12.4, 0, 5]},
+            "start": "as drawn",
+        }
+    )
+    free = rolling().replace({"start": "as drawn"})
+    built_in = tautline.Simulation(held)
+    built_in.advance_to(5.0)
+    for force in (spring, compiled_spring):
+        sim = tautline.Simulation(free)
+        sim.add_force(force, on="payload.position")
+        sim.advance_to(5.0)
+        assert np.abs(sim["payload.position"] - built_in["payload.position"]).max() < 1e-7
+        other = sim.copy()
+        other.advance(0.5)
+        sim.advance(0.5)
+        assert np.array_equal(other["payload.position"], sim["payload.position"])
+
+
+def test_work_of_an_added_force_is_in_the_books():
+    sim = tautline.Simulation(rolling())
+    sim.add_force(compiled_spring, on="payload.position")
+    sim.advance_to(6.0)
+    assert abs(sim.result.attributes["energy_error"]) < 1e-3
+
+
+def test_a_force_on_everything_is_a_function_of_all_places():
+    sim = tautline.Simulation(rolling())
+    n = sim.model.system.q.size
+    sim.add_force(lambda t, q, v: np.zeros(n))
+    other = tautline.Simulation(rolling())
+    sim.advance_to(1.0)
+    other.advance_to(1.0)
+    assert np.allclose(sim["payload.position"], other["payload.position"], atol=1e-12)
+
+
+def test_what_a_force_raises_comes_out_and_the_simulation_can_be_restored():
+    def broken(t, q, v):
+        if t > 0.5:
+            raise ZeroDivisionError("no such thing")
+        return 0.0 * q
+
+    sim = tautline.Simulation(rolling())
+    sim.add_force(broken, on="payload.position")
+    sim.advance_to(0.4)
+    state = sim.save()
+    with pytest.raises(ZeroDivisionError, match="no such thing"):
+        sim.advance_to(1.0)
+    sim.restore(state)
+    assert sim.time == pytest.approx(0.4)
+    with pytest.raises(SimulationError, match="return 3 numbers"):
+        sim.add_force(lambda t, q, v: np.zeros(2), on="payload.position")
+        sim.advance(0.1)
+
+
+@pytest.mark.parametrize(
+    ("force", "on", "words"),
+    [
+        (3.0, None, "neither a function nor a registered group"),
+        (spring, [10_000], "degrees of freedom"),
+        (spring, "winch.tension", "is not the position of a thing"),
+    ],
+)
+def test_what_is_no_force_or_no_place_is_refused(force, on, words):
+    sim = tautline.Simulation(rolling())
+    before = sim.save()
+    with pytest.raises(SimulationError, match=words):
+        sim.add_force(force, on=on)
+    assert np.array_equal(before.block, sim.save().block)

@@ -1,0 +1,193 @@
+"""Linearised simulations, against differences, other eigenvalues and runs."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tautline
+from tautline.integrators.vibration.modes import modes
+from tautline.integrators.vibration.vibrations import vibrations
+from tautline.live.errors import SimulationError, UnknownName
+
+DATA = Path(__file__).parents[2] / "data"
+
+ROPE = """
+title: Load on a rope
+rope: {mass_per_length: 2.0, axial_stiffness: 4.0e7, damping: 1.0e-3, diameter: 22 mm, breaking_load: 0.4 MN}
+bodies: [{name: payload, mass: 2 t, position: [8.2, 0, -9]}]
+path:
+  - drum:   {name: winch, center: [0.5, 0, 0], radius: 0.3, axis: [0, 1, 0], wrap: over, frame: boom, pay_out: 0}
+  - sheave: {name: tip, center: [8, 0, 6], radius: 0.2, axis: [0, 1, 0], wrap: over, frame: boom, inertia: 1.5,
+             law: no_slip}
+  - end:    {name: hook, body: payload}
+frames: [{name: boom, pivot: [0, 0, 0], slew: {constant: 0}, luff: {constant: 0}}]
+mesh: {elements_per_span: 3}
+start: static
+solver: {method: generalized-alpha, rho_inf: 1, step: 1 ms, end: 20 s}
+output: {interval: 50 ms}
+"""
+
+
+def turning(values, tolerance=1e-6):
+    """Imaginary parts above zero, sorted."""
+    values = np.asarray(values)
+    return np.sort(values.imag[values.imag > tolerance])
+
+
+def test_a_is_what_differences_of_the_equations_give_of_a_moving_hose():
+    sim = tautline.Simulation(DATA / "hose.yaml")
+    sim.advance_to(0.05)
+    plant = sim.linearise(["water.speed"], ["tip.position"])
+    equations = sim.equations
+    t, q, v = equations.state()
+    y, n = np.concatenate((q, v)), equations.size
+    differences = np.zeros((2 * n, 2 * n))
+    for j in range(2 * n):
+        d = np.zeros(2 * n)
+        d[j] = 1e-6
+        differences[:, j] = (equations.first_order(t, y + d) - equations.first_order(t, y - d)) / 2e-6
+    a = plant.A[: 2 * n, : 2 * n]
+    assert np.abs(a - differences).max() < 1e-6 * np.abs(differences).max()
+    for rows in range(2 * n):  # and row by row, as accelerations of slopes are far larger than those of places
+        assert np.abs(a[rows] - differences[rows]).max() < 1e-6 * np.abs(differences[rows]).max()
+
+
+@pytest.mark.parametrize("name", ["winch.pay_out_speed", "boom.slew", "boom.luff", "payload.force[0]"])
+def test_b_c_and_d_are_what_a_small_step_of_the_input_does_in_a_run(name):
+    """The answer to a smooth small change, run and linear, at a hundred times."""
+    from scipy.signal import lsim
+
+    inputs = ["boom.slew", "boom.luff", "payload.force"]
+    sim = tautline.Simulation(ROPE, inputs=inputs, keep=False)
+    outputs = ["payload.position", "payload.velocity"] if "speed" in name or "force" in name else ["payload.position"]
+    plant = sim.linearise([name], outputs)
+    size = {"N": 10.0, "m": 1e-3, "rad": 1e-4, "m/s": 1e-3}[plant.units[name]]
+    h, end = 0.005, 4.0
+    times = np.arange(0.0, end + 0.5 * h, h)
+    x = np.minimum(times / 2.0, 1.0)
+    given, rate = size * x**3 * (10 - 15 * x + 6 * x * x), size * 15.0 * (x * (1 - x)) ** 2
+    begin = np.concatenate([sim[one] for one in outputs])
+    found = [np.zeros_like(begin)]
+    for value, slope in zip(given[1:], rate[1:], strict=True):
+        sim.inputs[name] = value, slope
+        sim.advance(h)
+        found.append(np.concatenate([sim[one] for one in outputs]) - begin)
+    _, linear, _ = lsim(plant.to_scipy(), given, times)
+    found = np.array(found)
+    assert np.abs(found - linear).max() < 2e-3 * np.abs(found).max()
+
+
+def test_eigenvalues_about_rest_are_those_of_the_modes_and_vibrations():
+    sim = tautline.Simulation(ROPE)
+    plant = sim.linearise(["winch.pay_out_speed"], ["payload.position"])
+    system, state = sim.copy().model.system, sim.copy()._state
+    other = turning(vibrations(system, state).value)
+    assert np.allclose(turning(plant.eigenvalues), other, rtol=1e-6)
+    undamped = modes(system, state).omega
+    pendulum = turning(plant.eigenvalues)[0]
+    assert pendulum == pytest.approx(undamped[undamped > 1e-3].min(), rel=1e-5)
+
+
+def test_eigenvalues_of_a_scene_with_multipliers_are_those_within_its_constraints():
+    sim = tautline.Simulation(DATA / "reeled_span.yaml")
+    assert sim.model.system.algebraic.size > 0
+    plant = sim.linearise([], [])
+    # What flows at a steady speed counts in both.
+    other = sim.copy()
+    found = vibrations(other.model.system, other._state)
+    assert np.allclose(turning(plant.eigenvalues, 1.0)[:6], turning(found.value, 1.0)[:6], rtol=1e-6)
+
+
+def test_torsion_of_a_string_has_the_frequencies_that_campbell_finds():
+    """The string of the drilling scene off bottom, held by its prescribed rotation at the top."""
+    from drillstring.modes.campbell import campbell
+
+    scene = tautline.read(DATA / "drilling.yaml").replace(
+        {"bit": {"on_bottom": False}, "top": {"block": {"constant": 0}, "rotation": {"constant": 0}}}
+    )
+    found = campbell(scene, (1.0, 12.0), kinds=("torsional",), up_to=2.0)
+    wanted = sorted(mode.frequency for mode in found.modes)[:3]
+    plant = tautline.Simulation(scene.replace({"model.elements": 100})).linearise([], [])
+    turns = [k for k, name in enumerate(plant.states[: len(plant.A) // 2]) if name.endswith("rotation")]
+    n = len(plant.A) // 2
+    a = np.block(
+        [
+            [np.zeros((len(turns),) * 2), np.eye(len(turns))],
+            [plant.A[np.ix_([n + k for k in turns], turns + [n + k for k in turns])]],
+        ]
+    )
+    got = turning(np.linalg.eigvals(a), 0.1)[:3] / (2.0 * np.pi)
+    assert np.allclose(got, wanted, rtol=5e-3)
+
+
+def test_the_frequency_response_is_that_of_a_run():
+    sim = tautline.Simulation(ROPE, keep=False)
+    frequency, size, h = 0.7, 1e-3, 0.01
+    outputs = ["payload.position", "winch.tension", "payload.velocity"]
+    wanted = sim.linearise(["winch.pay_out_speed"], outputs).response(frequency)[0, :, 0]
+    begin = np.concatenate([np.atleast_1d(sim[one]) for one in outputs])
+    w, times, found = 2.0 * np.pi * frequency, [], []
+    while sim.time < 30.0 - 1e-9:
+        t = sim.time + h
+        grown = min(t / 10.0, 1.0)
+        rate = size * (grown * w * np.cos(w * t) + (0.1 * np.sin(w * t) if t < 10.0 else 0.0))
+        sim.inputs["winch.pay_out_speed"] = grown * size * np.sin(w * t), rate
+        sim.advance(h)
+        if sim.time > 30.0 - 7.0 / frequency:
+            times.append(sim.time)
+            found.append(np.concatenate([np.atleast_1d(sim[one]) for one in outputs]) - begin)
+    t = np.array(times)
+    parts = np.linalg.lstsq(np.column_stack((np.sin(w * t), np.cos(w * t), np.ones_like(t), t)), np.array(found))[0]
+    got = (parts[0] + 1j * parts[1]) / size
+    for k in (2, 3, 6):  # height, tension, speed upwards
+        assert abs(got[k] - wanted[k]) < 1e-3 * abs(wanted[k]), k
+
+
+def test_about_a_moving_state_a_small_disturbance_runs_as_the_linear_system_says():
+    """Two runs from a fluttering hose that differ by a little, and what A makes of their difference."""
+    from scipy.linalg import expm
+
+    sim = tautline.Simulation(DATA / "hose.yaml", keep=False)
+    sim.advance_to(0.6)
+    other = sim.copy()
+    plant = sim.linearise([], [])
+    n = sim.model.system.size
+    change = 1e-7 * np.sin(np.arange(n))
+    other._state.v[:] += change
+    other._state.full_v[other.model.system.dofs.free] += change
+    ahead = 2e-4
+    for one in (sim, other):
+        one._step = 1e-5
+        one.advance(ahead)
+    got = other._state.q - sim._state.q
+    wanted = (expm(plant.A * ahead) @ np.concatenate((np.zeros(n), change)))[:n]
+    assert np.linalg.norm(got - wanted) < 0.05 * np.linalg.norm(wanted)
+
+
+def test_a_stuck_sheave_holds_and_a_slack_rope_pulls_nothing_as_they_are():
+    hoist = tautline.Simulation(DATA / "hoist.yaml")
+    stuck = hoist.linearise(["winch.pay_out_speed"], ["payload.velocity"]).response(0.05)[0, 2, 0]
+    free = tautline.Simulation(tautline.read(DATA / "hoist.yaml").replace({"path[1].sheave.bearing": None}))
+    assert (
+        abs(stuck)
+        < 0.1
+        < 0.9
+        < abs(free.linearise(["winch.pay_out_speed"], ["payload.velocity"]).response(0.05)[0, 2, 0])
+    )
+
+
+def test_an_output_that_follows_the_rate_of_an_input_is_refused_with_the_input_to_take():
+    sim = tautline.Simulation(ROPE)
+    with pytest.raises(SimulationError, match="take winch.pay_out_speed"):
+        sim.linearise(["winch.pay_out"], ["winch.tension"])
+    with pytest.raises(UnknownName, match="winch.tension"):
+        sim.linearise(["winch.pay_out_speed"], ["winch.tensio"])
+
+
+def test_linearising_leaves_the_simulation_where_it_was():
+    sim = tautline.Simulation(ROPE)
+    sim.advance(0.5)
+    before = sim.save()
+    sim.linearise(["winch.pay_out_speed"], ["winch.tension"])
+    assert np.array_equal(before.block, sim.save().block)
