@@ -154,7 +154,7 @@ def about(axis: int, angle: np.ndarray) -> np.ndarray:
     cosine = np.stack((c, -s * dq, -c * dq * dq - s * ddq))
     sine = np.stack((s, c * dq, -s * dq * dq + c * ddq))
     i, j = (axis + 1) % 3, (axis + 2) % 3
-    turn = np.zeros((3, q.size, 3, 3))
+    turn = np.zeros((3, q.size, 3, 3), q.dtype)
     turn[0, :, axis, axis] = 1.0
     turn[..., i, i] = turn[..., j, j] = cosine
     turn[..., j, i], turn[..., i, j] = sine, -sine
@@ -183,7 +183,7 @@ def places_of(parent: np.ndarray, pivot: np.ndarray, values: np.ndarray) -> tupl
     value, rate, second : float64 (m, k, 12)
     """
     m = values.shape[2]
-    placed = np.empty((3, m, len(parent), ENTRIES))
+    placed = np.empty((3, m, len(parent), ENTRIES), values.dtype)
     origins: list[np.ndarray] = []
     turns: list[np.ndarray] = []
     for k, above in enumerate(parent):

@@ -124,6 +124,17 @@ class Inputs(Mapping[str, Any]):
             for name, one in self._inputs.items()
         }
 
+    def handle(self, name: str) -> Input:
+        """What is known of an input; raises UnknownName."""
+        return self._list[self._number(name)]
+
+    def hold(self, function: int, time: float, values: np.ndarray) -> None:
+        """Give a function a value, a rate and a second rate at a time, s."""
+        way = np.zeros(DEGREES)
+        way[:3] = values[0], values[1], 0.5 * values[2]
+        self._lay(function, time, time + 1.0, way)
+        self._functions.frames.time[0] = np.nan
+
     def recalled(self) -> None:
         """Take notice that the memory was written from outside."""
         self._active = {k for k in range(len(self._list)) if self.memory[k, STATE] in (GIVEN, MOVING)}

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tautline.application.installed import Installed
+from tautline.integrators.method import method_for
 from tautline.integrators.schedule import frame_times
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
@@ -24,8 +26,11 @@ from tautline.integrators.time_loop import (
     new_pause,
     record_now,
 )
+from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.kernels.bound import Bound
-from tautline.live.errors import SimulationError
+from tautline.live.equations import Equations
+from tautline.live.errors import SimulationError, unknown
+from tautline.live.forces import Force, Group, force_of
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
 from tautline.live.memory import Memory, State, check
@@ -33,11 +38,15 @@ from tautline.live.readings import Outputs, Parameters
 from tautline.results.balance import ENERGIES, Balance
 from tautline.results.result import Result
 from tautline.results.store import Store
+from tautline.scene.methods import explicit_like, method_of
 from tautline.simulation import FAR, FRAMES_SAFE, FRAMES_UNCHECKED, SAFE, Run
 from tautline.system.handles import Handles, outputs_of
-from tautline.system.memory import arrays_of, remember
+from tautline.system.memory import arrays_of, recall, remember
 from tautline.system.model import Model
 from tautline.version import __version__
+
+if TYPE_CHECKING:
+    from tautline.live.plant import Plant
 
 WALL, CPU = range(2)
 BEGIN = 7
@@ -86,9 +95,7 @@ class Simulation:
         self.model = model
         handles = handles_of(model)
         for name in self._named:
-            if name not in handles.inputs:
-                from tautline.live.errors import unknown
-
+            if name not in handles.inputs and f"{name}[0]" not in handles.inputs:
                 raise unknown("input", name, handles.inputs)
         run = self._run = Run(model)
         system, self._state = model.system, run.state
@@ -106,6 +113,7 @@ class Simulation:
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
         self.outputs = Outputs(handles.outputs, self._observe, vectors)
         self.parameters = Parameters(handles.parameters, self._parameter_changed)
+        self._forces: list[Force | Group] = []
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
         self._kept = Kept(self._frames.rows.shape[1], span)
@@ -272,7 +280,13 @@ class Simulation:
         self._stand_at(begin + h * (self._pause[STEP] + part))
 
     def _stop(self, begin: float, reached: float, status: Status) -> None:
-        """Take notice of a step that failed; raises StoppedEarly."""
+        """Take notice of a step that failed; raises StoppedEarly, or what a force of the user's raised."""
+        for force in self._forces:
+            if force.failed is not None:
+                error, force.failed = force.failed, None
+                self._stopped = f"a force raised {type(error).__name__} at {reached:.6g} s"
+                self._time = float(reached)
+                raise error
         self._stand_at(reached)
         part = self.model.system.name_of(int(self._state.counters[WORST]))
         self._stopped = f"{status.name} at {reached:.6g} s"
@@ -354,9 +368,83 @@ class Simulation:
         other._prepare(self._application.build(self._application.driven(self.scene, self._named)))
         other._run.began, other._run._starts_far = self._run.began, self._run._starts_far
         other._bind()
+        for force in self._forces:
+            other._add(force)
         other.restore(self.save())
         other._kept = self._kept.copy()
         return other
+
+    # -- for others --------------------------------------------------------------------------------------------------
+
+    @property
+    def equations(self) -> Equations:
+        """The equations of motion, at the state as it is, for integrators of others."""
+        other = self.copy()
+        return Equations(other.model, self._time, other._state.q, other._state.v)
+
+    def add_force(self, force: Any, on: str | Sequence[int] | None = None) -> None:
+        """Add a force to the scene, from now on.
+
+        Parameters
+        ----------
+        force : function or group
+            A Python function of (t, q, v) that returns the force; a function compiled by numba of (t, q, v, force) that
+            writes it; or a group of a registered kind.
+        on : str or sequence of int, optional
+            What it acts on: an output that is a position (``"payload.position"``), or numbers of full degrees of
+            freedom; q, v and the force are vectors of these. By default of all of them; then its derivatives are not
+            in the tangent, and a stiff force takes small steps.
+
+        Raises
+        ------
+        UnknownName, SimulationError
+            For what is no force, and places that there are not.
+        """
+        places = None
+        if isinstance(on, str):
+            found = self.outputs.handle(on).places
+            if found is None or found[0] != "q":
+                raise SimulationError(f"{on} is not the position of a thing", "give one, such as payload.position")
+            places = found[1]
+        elif on is not None:
+            places = np.asarray(on)
+        self._add(force_of(force, places, self.model.system))
+
+    def _add(self, force: Force | Group) -> None:
+        """Take a further group into the system, with the state as it is."""
+        run, old = self._run, self._run.method
+        system = replace(self.model.system, groups=(*self.model.system.groups, force.group), linked={})
+        self.model = run.model = replace(self.model, system=system)
+        method = method_for(system, self.model.solver)
+        recall(remember((), (), old), (), (), method)
+        run.method = method
+        run.critical = CriticalStep(system, method_of(explicit_like(self.model.solver.method)))
+        self._forces.append(force)
+        compile_for(method, system, run.state)
+        self._bind()
+
+    def linearise(self, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
+        """Linearise about the state as it is: ``x. = A x + B u``, ``y = C x + D u``.
+
+        A and B are made of exact tangents, also where the state moves; contacts and friction hold as they do now. In C
+        and D positions and velocities of points are exact, and all other outputs by central differences of fourth
+        order.
+
+        Parameters
+        ----------
+        inputs, outputs : sequence of str
+            Names.
+
+        Raises
+        ------
+        UnknownName
+            For a name that there is not.
+        SimulationError
+            Where an output follows the rate of an input at once: then its speed has to be the input.
+        """
+        from tautline.live.plant import linearise
+
+        return linearise(self, inputs, outputs)
 
 
 def handles_of(model: Model) -> Handles:

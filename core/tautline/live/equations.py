@@ -1,0 +1,152 @@
+"""The equations of motion of a simulation, for integrators of others: ``M(q) a = F(t, q, v)``, r = M a - F."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse.linalg import splu
+
+from tautline.integrators.equations import SUMS, evaluate_at, evaluate_mass
+from tautline.integrators.state import new_state
+from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
+from tautline.live.errors import SimulationError
+from tautline.system.model import Model
+
+INSTANT = 1.0e-6
+"""Length of the step that groups begin where they are evaluated, over that of the scene."""
+
+
+class Equations:
+    """What `Simulation.equations` gives: they belong to a copy, so that the simulation is not touched.
+
+    The unknowns are those that are free; what is tied, prescribed or held follows from them. A multiplier is an unknown
+    of which only the acceleration counts. Laws with a memory (friction that sticks) stay as they are at the instant the
+    equations are asked for.
+
+    Attributes
+    ----------
+    names : list of str
+        What each unknown is.
+    algebraic : int (k,)
+        Which of them are multipliers.
+    scale : float (n,)
+        Force or moment that counts as large in each row, N or N m.
+    """
+
+    def __init__(self, model: Model, time: float, q: np.ndarray, v: np.ndarray) -> None:
+        system = model.system
+        self._system, self._state, self._time = system, new_state(system), time
+        self._groups = system.link(SUMS)
+        # Groups begin a step there; what acts for a whole step of ours acts at its time alone.
+        self._h = INSTANT * model.solver.step
+        self._q, self._v = q.copy(), v.copy()
+        self.names, self.algebraic, self.scale = list(system.names), system.algebraic.copy(), system.scale.copy()
+        self._residual = np.zeros(system.size)
+        self._matrix = new_matrix(system.size, system.bandwidth, system.border)
+        self._factors = new_factors(system.size, system.bandwidth, system.border)
+        self._none = np.zeros(system.size)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self._system.size
+
+    def state(self) -> tuple[float, np.ndarray, np.ndarray]:
+        """Time s, positions and velocities (n,) at which the simulation stood: m or rad, and per s."""
+        return self._time, self._q.copy(), self._v.copy()
+
+    def residual(self, t: float, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        """``M(q) a - F(t, q, v)`` (n,), N or N m.
+
+        Parameters
+        ----------
+        t : float
+            s.
+        q, v, a : float (n,)
+            Positions, velocities and accelerations of the unknowns.
+
+        Raises
+        ------
+        SimulationError
+            For vectors of another size, and numbers that are not finite.
+        """
+        self._evaluate(t, q, v, a, 0.0, 0.0, 0.0, self._matrix)
+        return self._residual.copy()
+
+    def mass(self, q: np.ndarray, t: float | None = None) -> Any:
+        """Mass matrix (n, n) as `scipy.sparse.csc_array`; rows and columns of multipliers are those of the constraints.
+
+        ``t`` says where what is prescribed stands; by default where the simulation stood.
+        """
+        (q,) = self._checked(q)
+        time = self._time if t is None else float(t)
+        evaluate_mass(
+            self._groups, self._system.dofs, self._system.functions, self._state, time, q, self._matrix
+        )  # fmt: skip
+        return sparse(self._matrix)
+
+    def tangent(
+        self, t: float, q: np.ndarray, v: np.ndarray, a: np.ndarray, cm: float = 0.0, cc: float = 0.0, ck: float = 1.0
+    ) -> Any:
+        """``cm dr/da + cc dr/dv + ck dr/dq`` (n, n) as `scipy.sparse.csc_array`."""
+        self._evaluate(t, q, v, a, float(cm), float(cc), float(ck), self._matrix)
+        return sparse(self._matrix)
+
+    def acceleration(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Accelerations (n,) that follow from positions and velocities; those of multipliers are their forces.
+
+        Raises
+        ------
+        SimulationError
+            Where the mass matrix is singular, naming the unknown.
+        """
+        self._evaluate(t, q, v, self._none, 1.0, 0.0, 0.0, self._factors.matrix)
+        row = factorise_matrix(self._factors)
+        if row:
+            raise SimulationError(f"the mass matrix is singular at {self.names[row - 1]}", "give it a mass")
+        solve_matrix(self._factors, self._residual)
+        return -self._residual
+
+    def first_order(self, t: float, y: np.ndarray) -> np.ndarray:
+        """dy/dt of ``y = (q, v)`` (2 n,): what `scipy.integrate.solve_ivp` takes."""
+        n = self.size
+        q, v = y[:n], y[n:]
+        rate = np.concatenate((v, self.acceleration(t, q, v)))
+        rate[self.algebraic] = rate[n + self.algebraic] = 0.0
+        return rate
+
+    def first_order_tangent(self, t: float, y: np.ndarray) -> np.ndarray:
+        """d(first_order)/dy (2 n, 2 n), for methods that ask for it: ``(0, 1; -M^-1 K, -M^-1 C)``."""
+        n = self.size
+        q, v = y[:n], y[n:]
+        a = self.acceleration(t, q, v)
+        mass = splu(sparse_csc(self.tangent(t, q, v, a, 1.0, 0.0, 0.0)))
+        jacobian = np.zeros((2 * n, 2 * n))
+        jacobian[:n, n:] = np.eye(n)
+        jacobian[n:, :n] = -mass.solve(self.tangent(t, q, v, a, 0.0, 0.0, 1.0).toarray())
+        jacobian[n:, n:] = -mass.solve(self.tangent(t, q, v, a, 0.0, 1.0, 0.0).toarray())
+        for k in self.algebraic:
+            jacobian[[k, n + k]] = 0.0
+        return jacobian
+
+    def _evaluate(self, t: float, q: Any, v: Any, a: Any, cm: float, cc: float, ck: float, matrix: Any) -> None:
+        q, v, a = self._checked(q, v, a)
+        system = self._system
+        evaluate_at(
+            self._groups, system.dofs, system.functions, self._state, float(t), self._h, q, v, a, cm, cc, ck, matrix,
+            self._residual,
+        )  # fmt: skip
+
+    def _checked(self, *vectors: Any) -> list[np.ndarray]:
+        found = [np.ascontiguousarray(vector, dtype=float) for vector in vectors]
+        for vector in found:
+            if vector.shape != (self.size,):
+                cause = f"a vector of shape {vector.shape} is given, and there are {self.size} unknowns"
+                raise SimulationError(cause, "give one number for each of `names`")
+        return found
+
+
+def sparse_csc(matrix: Any) -> Any:
+    """A sparse matrix in the form that factorising asks for."""
+    return matrix.tocsc()

@@ -1,0 +1,117 @@
+"""Forces that a user adds to a simulation: a Python function, a compiled one, or a group of his own."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numba import carray, cfunc, types
+from numba.extending import is_jitted
+
+from tautline.elements.outside import OutsideForces
+from tautline.kernels.groups import KINDS
+from tautline.live.errors import SimulationError
+from tautline.system.system import System
+
+DOUBLES = ctypes.POINTER(ctypes.c_double)
+C_KIND = ctypes.CFUNCTYPE(None, ctypes.c_double, DOUBLES, DOUBLES, DOUBLES, ctypes.c_int64)
+SIGNATURE = types.void(
+    types.float64, types.CPointer(types.float64), types.CPointer(types.float64), types.CPointer(types.float64),
+    types.int64,
+)  # fmt: skip
+
+
+class Force:
+    """A force that was added: its group, and what must live as long as that does.
+
+    Attributes
+    ----------
+    group : NamedTuple
+    failed : exception or None
+        What the Python function raised.
+    """
+
+    def __init__(self, function: Any, places: np.ndarray, known: np.ndarray) -> None:
+        self.failed: BaseException | None = None
+        n = places.size
+        if is_jitted(function):
+            self._code = compiled(function)
+            address = int(self._code.address)
+        else:
+            self._code = C_KIND(self._wrapped(function, n))
+            address = int(ctypes.cast(self._code, ctypes.c_void_p).value or 0)
+        vectors = [np.zeros(n) for _ in range(4)]
+        self.group = OutsideForces(places, np.array([address]), known, *vectors)
+
+    def _wrapped(self, function: Callable[..., Any], n: int) -> Callable[..., None]:
+        """The function as C calls it; what it raises is kept, and the force is no number then."""
+
+        def call(t: float, q: Any, v: Any, f: Any, k: int) -> None:
+            force = np.ctypeslib.as_array(f, (n,))
+            try:
+                x, rate = np.ctypeslib.as_array(q, (n,)).copy(), np.ctypeslib.as_array(v, (n,)).copy()
+                found = np.asarray(function(t, x, rate), dtype=float)
+                if found.shape != (n,):
+                    cause = f"the force has the shape {found.shape}, and acts on {n} degrees of freedom"
+                    raise SimulationError(cause, f"return {n} numbers")
+                force[:] = found
+            except BaseException as error:  # there is no way for it through compiled code
+                self.failed = self.failed or error
+                force[:] = np.nan
+
+        return call
+
+
+class Group:
+    """A group of a registered kind that was added as it is."""
+
+    def __init__(self, group: Any) -> None:
+        self.group, self.failed = group, None
+
+
+def compiled(function: Any) -> Any:
+    """A compiled function (t, q, v, force) as one for C."""
+
+    def outer(t, q, v, f, n):
+        function(t, carray(q, (n,)), carray(v, (n,)), carray(f, (n,)))
+
+    return cfunc(SIGNATURE)(outer)
+
+
+def force_of(function: Any, places: np.ndarray | None, system: System) -> Force | Group:
+    """What adds a function, or a group, to a system.
+
+    Raises
+    ------
+    SimulationError
+        For what is neither a function nor a group, and for places that there are not.
+    """
+    if type(function) in KINDS:
+        return Group(function)
+    if not callable(function):
+        cause = f"{type(function).__name__} is neither a function nor a registered group"
+        raise SimulationError(cause, "give a function of (t, q, v)")
+    everywhere = np.arange(system.q.size)
+    at = everywhere if places is None else np.asarray(places, dtype=np.int64)
+    if at.ndim != 1 or at.size == 0 or at.min() < 0 or at.max() >= system.q.size:
+        raise SimulationError(
+            "a force has to act on some degrees of freedom", f"give numbers from 0 to {system.q.size - 1}"
+        )
+    known = np.zeros((at.size, at.size), np.int64) if places is None else room_for(at, system)
+    return Force(function, at, known)
+
+
+def room_for(places: np.ndarray, system: System) -> np.ndarray:
+    """Where the tangent has room for a derivative of the force at one place by another (k, k)."""
+    dofs, banded = system.dofs, system.size - system.border
+    unknowns: list[Sequence[int]] = []
+    for i in places:
+        part = dofs.unknown[dofs.start[i] : dofs.start[i + 1]]
+        unknowns.append([int(k) for k in part if k >= 0])
+    near = [
+        [all(abs(a - b) <= system.bandwidth or max(a, b) >= banded for a in one for b in other) for other in unknowns]
+        for one in unknowns
+    ]
+    return np.array(near, dtype=np.int64)

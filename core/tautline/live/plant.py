@@ -1,0 +1,408 @@
+"""A simulation linearised about where it stands: ``x. = A x + B u``, ``y = C x + D u``.
+
+Positions of what is free and of what is tied to it follow from coordinates y in which the constraints hold,
+dq = Z y + P h, with h the prescribed degrees of freedom. The tangents give
+
+    My y.. + Cy y. + Ky y + N2 u.. + N1 u. + N0 u = 0.
+
+Derivatives of an input are taken out of the right-hand side by shifted states, x1 = y + b2 u and x2 = y. + b2 u. + b1 u
+with b2 = My^-1 N2 and b1 = My^-1 (N1 - Cy b2); where the input is a speed w = u., u is a state, and only b2 is needed.
+Motions of a vessel or boom move the points that ride on them by their products, which are differentiated by complex
+steps, to rounding (W. Squire and G. Trapp, SIAM Review 40, 1998).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import null_space
+
+from tautline.integrators.equations import SUMS, evaluate_full
+from tautline.integrators.time_loop import record_now
+from tautline.kernels.dofs import HELD, TIED, Dofs
+from tautline.kernels.matrix import dense, new_matrix
+from tautline.kernels.moving_frame import places_of
+from tautline.kernels.time_function import sample_all
+from tautline.live.errors import SimulationError
+from tautline.system.handles import Input, Output
+
+COMPLEX_STEP = 1.0e-30
+STENCIL = ((1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0))
+"""Central differences of fourth order: steps, and the weight of the difference over each."""
+SMALL = 1.0e-5
+"""Step of differences, m or rad, and the same times a frequency for speeds."""
+NOTHING = 1.0e-9
+"""Share of an output's largest derivative below which one is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """A linear system with the names of its parts, in SI.
+
+    Attributes
+    ----------
+    A, B, C, D : float arrays
+        ``x. = A x + B u``, ``y = C x + D u``; x, u and y are changes from where the simulation stood.
+    E : float array
+        Of inputs that are speeds: what their rates add to the outputs at once, by the inertia of what is moved. It is
+        small, and no part of A, B, C, D: ``y = C x + D u + E u.``.
+    states, inputs, outputs : tuple of str
+    units : dict of str to str
+        Of inputs and outputs.
+    time : float
+        When, s.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    E: np.ndarray
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    units: dict[str, str]
+    time: float
+
+    def to_scipy(self) -> Any:
+        """A, B, C and D as `scipy.signal.StateSpace`; E has no place there."""
+        from scipy.signal import StateSpace
+
+        return StateSpace(self.A, self.B, self.C, self.D)
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """Of A, 1/s."""
+        return np.linalg.eigvals(self.A)
+
+    def response(self, frequency: np.ndarray) -> np.ndarray:
+        """Frequency response ``C (i w - A)^-1 B + D + i w E``, (frequencies, outputs, inputs); frequency in Hz."""
+        w = 2.0j * np.pi * np.atleast_1d(np.asarray(frequency, float))
+        one = np.eye(len(self.A))
+        return np.array([self.C @ np.linalg.solve(s * one - self.A, self.B) + self.D + s * self.E for s in w])
+
+
+class _Drive(NamedTuple):
+    """What an input does: changes of h, h. and h.. by u, u. and u.. (3, 3, held), and of the residual itself (n,)."""
+
+    held: np.ndarray
+    direct: np.ndarray
+
+
+def linearise(sim: Any, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
+    """Linearise a simulation about where it stands; see `tautline.Simulation.linearise`."""
+    return _Linearisation(sim, list(inputs), list(outputs)).plant()
+
+
+class _Linearisation:
+    """The work, on a copy of the simulation whose state is changed and evaluated."""
+
+    def __init__(self, sim: Any, inputs: list[str], outputs: list[str]) -> None:
+        self.names, self.told = inputs, outputs
+        self.inputs: list[Input] = [sim.inputs.handle(name) for name in inputs]
+        self.outputs: list[Output] = [sim.outputs.handle(name) for name in outputs]
+        self.sim = sim.copy()
+        self.system, self.state, self.t = self.sim.model.system, self.sim._state, sim.time
+        self.groups = self.system.link(SUMS)
+        dofs, functions = self.system.dofs, self.system.functions
+        held = [int(dofs.held[k]) for k in dofs.driven]
+        self.held, self.motion = held, [int(dofs.motion[k]) for k in dofs.driven]
+        self.extended = _with_held_free(dofs, held)
+        self.n = self.system.size
+        self.functions = functions
+        self.a = self.b = np.zeros((0, 0))
+
+    # -- the matrices --------------------------------------------------------------------------------------------------
+
+    def _matrix(self, cm: float, cc: float, ck: float) -> np.ndarray:
+        """One of M, C and K with rows of the unknowns and columns of these and of what is held, (n, n + held)."""
+        m = len(self.held)
+        matrix = new_matrix(self.n + m, self.system.bandwidth, self.system.border + m)
+        residual = np.zeros(self.n + m)
+        evaluate_full(self.groups, self.extended, self.state, self.t, cm, cc, ck, matrix, residual)
+        return dense(matrix)[: self.n]
+
+    def _residual(self) -> np.ndarray:
+        residual, none = np.zeros(self.n), new_matrix(0, 0)
+        evaluate_full(self.groups, self.system.dofs, self.state, self.t, 0.0, 0.0, 0.0, none, residual)
+        return residual
+
+    # -- the inputs ----------------------------------------------------------------------------------------------------
+
+    def _drive(self, one: Input) -> _Drive:
+        held = np.zeros((3, 3, len(self.held)))
+        for steering, function in one.members:
+            for j, number in enumerate(self.motion):
+                entry = int(self.functions.entry[number])
+                if number == function:
+                    held[:, :, j] += steering.factor * np.eye(3)
+                elif entry >= 0 and function in self.functions.frames.motion:
+                    held[:, :, j] += steering.factor * self._of_frames(function)[:, :, entry // 12, entry % 12]
+        return _Drive(held, self._direct(one))
+
+    def _of_frames(self, function: int) -> np.ndarray:
+        """Derivatives of all frames' places by a motion: (derivative of place, derivative of motion, frame, entry)."""
+        frames = self.functions.frames
+        k, c = (int(x) for x in np.argwhere(frames.motion == function)[0])
+        now = np.zeros((frames.parent.size, 6, 3, 3), complex)
+        places = np.argwhere(frames.motion >= 0)
+        sampled = sample_all(self.functions, [int(frames.motion[i, j]) for i, j in places], np.array([self.t]))
+        for (i, j), value in zip(places, sampled, strict=True):
+            now[i, j] = value[0]
+        for order in range(3):
+            now[k, c, order, order] += 1.0j * COMPLEX_STEP
+        placed = places_of(frames.parent, frames.pivot, now)
+        return np.stack([derivative.imag / COMPLEX_STEP for derivative in placed])
+
+    def _direct(self, one: Input) -> np.ndarray:
+        """Changes of the residual by u, u. and u.. through groups that take in the function themselves, (3, n).
+
+        A force, a torque or a set value stands in the equations once: a difference over any step is exact.
+        """
+        found = np.zeros((3, self.n))
+        for steering, function in one.members:
+            f = sample_all(self.functions, [function], np.array([self.t]))[0, 0]
+            for order in range(3):
+                size = max(1.0, abs(f[order]))
+                both = []
+                for sign in (1.0, -1.0):
+                    changed = f.copy()
+                    changed[order] += sign * 1.0e-3 * size
+                    self.sim.inputs.hold(function, self.t, changed)
+                    both.append(self._residual())
+                found[order] += steering.factor * (both[0] - both[1]) / (2.0e-3 * size)
+            self.sim.inputs.hold(function, self.t, f)
+        return found
+
+    # -- the plant -----------------------------------------------------------------------------------------------------
+
+    def plant(self) -> Plant:
+        """All of it."""
+        self._project()
+        speeds = self.speeds
+        count, size = self.count, 2 * self.count + len(speeds)
+        a, b = np.zeros((size, size)), np.zeros((size, len(self.inputs)))
+        first, second = slice(0, count), slice(count, 2 * count)
+        a[first, second] = np.eye(count)
+        a[second, first], a[second, second] = -self.stiff, -self.damped
+        for i, (n0, n1, n2) in enumerate(self.forces):
+            if i in speeds:
+                own = 2 * count + speeds.index(i)
+                a[second, own], b[own, i] = -n0, 1.0
+                b[first, i], b[second, i] = -n2, self.damped @ n2 - n1
+            else:
+                b1 = self.shifts[i][1]
+                b[first, i] = -b1
+                b[second, i] = self.damped @ b1 + self.stiff @ n2 - n0
+        self.a, self.b = a, b
+        c, d, e = self._read()
+        units = {name: one.steering.unit for name, one in zip(self.names, self.inputs, strict=True)}
+        units |= {part: one.unit for one in self.outputs for part in _parts(one)}
+        told = tuple(part for one in self.outputs for part in _parts(one))
+        return Plant(a, b, c, d, e, self._state_names(), tuple(self.names), told, units, self.t)
+
+    def _project(self) -> None:
+        """Coordinates within the constraints, and the equations in them, divided by the mass."""
+        n, algebraic = self.n, self.system.algebraic
+        mass, damping, stiffness = (self._matrix(*part) for part in np.eye(3))
+        self.free = free = np.setdiff1d(np.arange(n), algebraic)
+        self.z, self.p = z, p = _within_constraints(mass, stiffness, algebraic, free, n)
+        self.count = z.shape[1]
+        m, c, k = (z.T @ part[np.ix_(free, free)] @ z for part in (mass, damping, stiffness))
+        # What a prescribed degree of freedom does: by itself, and by what the constraints move with it.
+        by_held = [z.T @ (part[np.ix_(free, free)] @ p + part[free, n:]) for part in (stiffness, damping, mass)]
+        self.stiff, self.damped = np.linalg.solve(m, k), np.linalg.solve(m, c)
+        self.drives = [self._drive(one) for one in self.inputs]
+        self.forces: list[list[np.ndarray]] = []
+        for drive in self.drives:
+            orders = []
+            for order in range(3):
+                force = z.T @ drive.direct[order][free]
+                # K multiplies h, C its rate and M its second rate.
+                force = force + sum(by_held[d] @ drive.held[d, order] for d in range(3))
+                orders.append(np.linalg.solve(m, force))
+            self.forces.append(orders)
+        self.speeds = [i for i, one in enumerate(self.inputs) if one.steering.order == 1]
+        self.shifts = [
+            (n2, np.zeros(self.count) if i in self.speeds else n1 - self.damped @ n2)
+            for i, (_, n1, n2) in enumerate(self.forces)
+        ]
+
+    def _state_names(self) -> tuple[str, ...]:
+        whole = self.count == self.free.size
+        names = [self.system.names[self.free[i]] if whole else f"coordinate {i + 1}" for i in range(self.count)]
+        values = [self.names[i].removesuffix("_speed") for i in self.speeds]
+        return (*names, *(f"d/dt {name}" for name in names), *values)
+
+    # -- the outputs ---------------------------------------------------------------------------------------------------
+
+    def _read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """C, D and E: derivatives of the outputs along every state, every input and the rate of every input."""
+        states, inputs = np.eye(len(self.a)), np.eye(len(self.inputs))
+        nothing = np.zeros(len(self.a)), np.zeros(len(self.inputs)), np.zeros(len(self.inputs))
+        c = [self._along(*self._motion(x, *nothing[1:])) for x in states]
+        d = [self._along(*self._motion(nothing[0], u, nothing[2])) for u in inputs]
+        e = [self._along(*self._motion(*nothing[:2], rate)) for rate in inputs]
+        read = [np.array(rows).reshape(len(rows), -1).T for rows in (c, d, e)]
+        self._refuse_rates(*read)
+        return read[0], read[1], read[2]
+
+    def _refuse_rates(self, c: np.ndarray, d: np.ndarray, e: np.ndarray) -> None:
+        """Refuse an input that is a position and an output that follows its rate at once."""
+        parts = [part for one in self.outputs for part in _parts(one)]
+        for i, one in enumerate(self.inputs):
+            if one.steering.order == 1 or not parts:
+                continue
+            most = np.maximum(np.abs(c).max(axis=1, initial=0.0), np.abs(d[:, i]))
+            wrong = np.abs(e[:, i]) > NOTHING * most
+            if wrong.any():
+                cause = f"{parts[int(np.argmax(wrong))]} follows the rate of {self.names[i]} at once"
+                cure = f"take {self._speed_of(self.names[i])} in its place"
+                raise SimulationError(f"{cause}: no A, B, C, D can say that", cure)
+            e[:, i] = 0.0
+
+    def _speed_of(self, name: str) -> str:
+        """The input that gives the rate of the same function, if there is one."""
+        function = self.sim.inputs.handle(name).members[0][1]
+        for other in self.sim.inputs:
+            (steering, number), *_ = self.sim.inputs.handle(other).members
+            if number == function and steering.order == 1:
+                return other
+        return "an output that is a position"
+
+    def _motion(
+        self, x: np.ndarray, u: np.ndarray, rate: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Changes of full q, v and a that states, inputs and their rates stand for; and of functions (3, inputs)."""
+        count, change = self.count, self.a @ x + self.b @ u
+        values = np.zeros((3, u.size))
+        y, y_d, y_dd = x[:count].copy(), x[count : 2 * count].copy(), change[count : 2 * count].copy()
+        for i, (b2, b1) in enumerate(self.shifts):
+            if i in self.speeds:
+                values[:, i] = x[2 * count + self.speeds.index(i)], u[i], rate[i]
+                # The first states are y itself; the second ones are y. + b2 u., of which u. is the input.
+                y_d -= b2 * values[1, i]
+                y_dd -= b2 * values[2, i]
+            else:
+                values[:2, i] = u[i], rate[i]
+                y -= b2 * values[0, i]
+                y_d -= b1 * values[0, i] + b2 * values[1, i]
+                y_dd -= b1 * values[1, i]
+        held = sum((np.einsum("doh,o->dh", drive.held, values[:, i]) for i, drive in enumerate(self.drives)),
+                   np.zeros((3, len(self.held))))  # fmt: skip
+        found = []
+        for motion, moved in zip((y, y_d, y_dd), held, strict=True):
+            reduced = np.zeros(self.n)
+            reduced[self.free] = self.z @ motion + self.p @ moved
+            found.append(self._full(reduced, moved))
+        return found[0], found[1], found[2], values
+
+    def _full(self, reduced: np.ndarray, moved: np.ndarray) -> np.ndarray:
+        """Full vector of a change of the unknowns and of what is held."""
+        dofs = self.extended
+        x = np.concatenate((reduced, moved))
+        full = np.zeros(dofs.number.size)
+        for i in range(full.size):
+            part = slice(dofs.start[i], dofs.start[i + 1])
+            known = dofs.unknown[part] >= 0
+            full[i] = dofs.factor[part][known] @ x[dofs.unknown[part][known]]
+        return full
+
+    def _along(self, dq: np.ndarray, dv: np.ndarray, da: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Derivative of all outputs along a direction: exact of positions and velocities, else by differences."""
+        parts = []
+        compiled = any(one.places is None for one in self.outputs)
+        differences = self._differences(dq, dv, da, values) if compiled else {}
+        for one in self.outputs:
+            if one.places is not None:
+                vector, places = one.places
+                parts.append((dq if vector == "q" else dv)[places])
+            else:
+                parts.append(np.ravel(differences[one.name]))
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def _differences(self, dq, dv, da, values) -> dict[str, np.ndarray]:
+        largest = max(float(np.abs(dq).max(initial=0.0)), float(np.abs(dv).max(initial=0.0)) / self._rate)
+        largest = largest or float(np.abs(da).max(initial=0.0)) / self._rate**2 or 1.0
+        step = SMALL / largest
+        state = self.state
+        kept = [array.copy() for array in (state.full_q, state.full_v, state.full_a, state.residual)]
+        found: dict[str, np.ndarray] = {one.name: 0.0 for one in self.outputs if one.places is None}
+        steered = [(f, s, i) for i, one in enumerate(self.inputs) for s, f in one.members]
+        at = {f: sample_all(self.functions, [f], np.array([self.t]))[0, 0] for f, _, _ in steered}
+        for times, weight in STENCIL:
+            for sign in (1.0, -1.0):
+                h = sign * times * step
+                for array, before, change in zip(
+                    (state.full_q, state.full_v, state.full_a), kept, (dq, dv, da), strict=False
+                ):
+                    array[:] = before + h * change
+                for function, steering, i in steered:
+                    self.sim.inputs.hold(function, self.t, at[function] + h * steering.factor * values[:, i])
+                self._residual()
+                record_now(self.sim._run.method, self.system, state, self.t, self.sim._frames.rows[0])
+                frame = self.sim.model.observe(self.sim._frames)
+                for one in self.outputs:
+                    if one.places is None:
+                        value = np.array(one.value(frame), dtype=float)
+                        found[one.name] = found[one.name] + sign * weight / step * value
+        for array, before in zip((state.full_q, state.full_v, state.full_a, state.residual), kept, strict=True):
+            array[:] = before
+        for function in at:
+            self.sim.inputs.hold(function, self.t, at[function])
+        return found
+
+    @property
+    def _rate(self) -> float:
+        """A frequency by which speeds are compared with positions, 1/s."""
+        return 10.0
+
+
+def _parts(output: Output) -> list[str]:
+    """Names of the parts of an output: one, or one for each number of an array."""
+    if output.shape == ():
+        return [output.name]
+    return [f"{output.name}[{','.join(map(str, place))}]" for place in np.ndindex(*output.shape)]
+
+
+def _with_held_free(dofs: Dofs, held: list[int]) -> Dofs:
+    """The map with what follows functions of time as further unknowns, numbered last."""
+    number_of = {place: int(dofs.free.size) + j for j, place in enumerate(held)}
+    masters: list[list[tuple[int, float]]] = []
+    for i in range(dofs.number.size):
+        if i in number_of:
+            masters.append([(number_of[i], 1.0)])
+            continue
+        part = range(dofs.start[i], dofs.start[i + 1])
+        own = [(int(dofs.unknown[k]), float(dofs.factor[k])) for k in part]
+        masters.append([(number_of.get(-1 - k, k) if k < 0 else k, factor) for k, factor in own])
+    numbers = []
+    for own in masters:
+        known = [(k, factor) for k, factor in own if k >= 0]
+        single = len(known) == 1 and known[0][1] == 1.0
+        numbers.append(HELD if not known else known[0][0] if single else TIED)
+    start = np.cumsum([0] + [len(own) for own in masters])
+    return dofs._replace(
+        start=start.astype(np.int64),
+        unknown=np.array([k for own in masters for k, _ in own], dtype=np.int64),
+        factor=np.array([factor for own in masters for _, factor in own], dtype=float),
+        number=np.array(numbers, dtype=np.int64),
+        free=np.concatenate((dofs.free, np.array(held, dtype=np.int64))),
+    )
+
+
+def _within_constraints(
+    mass: np.ndarray, stiffness: np.ndarray, algebraic: np.ndarray, free: np.ndarray, n: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates in which the constraints hold: dq = Z y + P h of free unknowns and what is held."""
+    held = mass.shape[1] - n
+    if not algebraic.size:
+        return np.eye(free.size), np.zeros((free.size, held))
+    # The rows of multipliers hold the constraints' factors: beside positions where steps are implicit, else beside
+    # accelerations.
+    rows = stiffness[algebraic] if np.any(stiffness[algebraic]) else mass[algebraic]
+    g, by_held = rows[:, free], rows[:, n:]
+    return null_space(g), -np.linalg.pinv(g) @ by_held
