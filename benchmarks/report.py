@@ -12,6 +12,7 @@ import jwell
 import real_time
 import scaling
 import table_2_5
+import variants
 from page import Section, between, load, machine, quick_asked, table
 
 PAGE = jwell.ROOT / "docs" / "performance.md"
@@ -37,7 +38,9 @@ def headline(sections: list[Section], measured: str) -> str:
 def main() -> None:
     quick = quick_asked(__doc__)
     before = load()
-    modules = (real_time, cold_start, scaling, cable_speed, hose, cranes, accuracy, error_estimates, table_2_5)
+    modules = (
+        real_time, variants, cold_start, scaling, cable_speed, hose, cranes, accuracy, error_estimates, table_2_5,
+    )  # fmt: skip
     sections = [module.measure(quick) for module in modules]
     measured = machine(before)
     text, part = page(sections, measured), headline(sections, measured)

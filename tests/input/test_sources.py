@@ -127,6 +127,13 @@ def test_what_no_file_could_hold_is_refused_with_its_key():
         tautline.read({"solver": {"step": object()}})
 
 
+def test_a_dict_that_holds_itself_is_refused():
+    endless = {"title": "round"}
+    endless["bodies"] = [endless]
+    with pytest.raises(tautline.SceneError, match="nested more than 50 deep"):
+        tautline.read(endless)
+
+
 def test_files_that_a_text_names_are_looked_for_in_the_current_folder_or_in_the_one_given(tmp_path, monkeypatch):
     (tmp_path / "survey.csv").write_text("md [m],inc [deg],azi [deg]\n0,0,0\n60,0,0\n90,6,0\n", encoding="utf8")
     root = Document.read(DATA / "jwell.yaml").root

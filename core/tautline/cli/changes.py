@@ -49,7 +49,10 @@ def as_given(given: Sequence[str] | None) -> str:
 def _value(text: str, whole: str) -> Any:
     """What a text stands for after a key and a colon."""
     try:
-        return Document.parse(f"value: {text}").root["value"]
+        root = Document.parse(f"value: {text}").root
     except SceneError as error:
         problem = error.problems[0]
         raise option_error(OPTION, whole, problem.cause, problem.cure) from None
+    if len(root) > 1:
+        raise option_error(OPTION, whole, "is more than one key with its value", f"{EXAMPLE}, and --set again")
+    return root["value"]

@@ -263,9 +263,13 @@ def plain(value: Any, path: Path_ = (), origin: str = "") -> Any:
     SceneError
         For a value that no file can hold, with its key, and with its `origin` in place of the file.
     """
-    value = (
-        value.tolist() if hasattr(value, "tolist") else os.fspath(value) if isinstance(value, os.PathLike) else value
-    )
+    if len(path) > DEEPEST:
+        cause, cure = f"is nested more than {DEEPEST} deep", "check whether something stands inside of itself"
+        raise SceneError([Problem(origin, None, join_key(path), None, cause, cure)])
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    elif isinstance(value, os.PathLike):
+        value = os.fspath(value)
     if isinstance(value, dict):
         return {str(key): plain(each, (*path, str(key)), origin) for key, each in value.items()}
     if isinstance(value, (list, tuple)):
