@@ -61,6 +61,5 @@ if __name__ == "__main__":
     found = run()
     for what in ("drive", "bit"):
         mine, other = found[what], found[f"built-in {what}"]
-        print(
-            f"{what}: the two differ by {np.sqrt(np.mean((mine - other) ** 2)) / np.abs(other).max():.2%} of the largest speed"
-        )
+        difference = np.sqrt(np.mean((mine - other) ** 2)) / np.abs(other).max()
+        print(f"{what}: the two differ by {difference:.2%} of the largest speed")

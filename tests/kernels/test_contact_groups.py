@@ -304,7 +304,7 @@ def test_the_top_drives_tangent_is_the_difference_of_its_residual_within_its_lim
     rng = np.random.default_rng(8)
     state = string.random_state(rng)
     speed = compile_functions([FunctionRequest(Ramp(to=3.0, over=2.0), integrate=True)])
-    groups = (TopDrive(speed, 0, 3, 1.7, 0.8, 0.4, limit, np.zeros(1), np.zeros(2)),)
+    groups = (TopDrive(speed, 0, 3, 1.7, 0.8, 0.4, limit, -1, np.zeros(1), np.zeros(2)),)
     r, e, parts = string.evaluate(groups, state, t=1.1)
     for field, name in (("q", "stiffness"), ("v", "damping"), ("a", "mass")):
         slope = string.derivative(

@@ -104,7 +104,11 @@ def test_torsion_of_a_string_has_the_frequencies_that_campbell_finds():
     from drillstring.modes.campbell import campbell
 
     scene = tautline.read(DATA / "drilling.yaml").replace(
-        {"bit": {"on_bottom": False}, "top": {"block": {"constant": 0}, "rotation": {"constant": 0}}}
+        {
+            "bit": {"on_bottom": False},
+            "top": {"block": {"constant": 0}, "rotation": {"constant": 0}},
+            "damping": {"rotation": 0, "translation": 100},
+        }
     )
     found = campbell(scene, (1.0, 12.0), kinds=("torsional",), up_to=2.0)
     wanted = sorted(mode.frequency for mode in found.modes)[:3]
@@ -179,9 +183,9 @@ def test_a_stuck_sheave_holds_and_a_slack_rope_pulls_nothing_as_they_are():
 
 def test_an_output_that_follows_the_rate_of_an_input_is_refused_with_the_input_to_take():
     sim = tautline.Simulation(ROPE)
-    with pytest.raises(SimulationError, match="take winch.pay_out_speed"):
+    with pytest.raises(SimulationError, match=r"take winch[.]pay_out_speed"):
         sim.linearise(["winch.pay_out"], ["winch.tension"])
-    with pytest.raises(UnknownName, match="winch.tension"):
+    with pytest.raises(UnknownName, match=r"winch[.]tension"):
         sim.linearise(["winch.pay_out_speed"], ["winch.tensio"])
 
 
