@@ -157,6 +157,11 @@ class Simulation:
         return self._time
 
     @property
+    def wall_time(self) -> float:
+        """What the compiled steps have taken, s."""
+        return float(self._clock[WALL])
+
+    @property
     def stopped(self) -> str:
         """Why the simulation cannot go on; empty where it can."""
         return self._stopped
