@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tautline.cli.findings import figure_place, write_figure
 from tautline.cli.run import searched
-from tautline.cli.verbs import Changes, Json, Scene
+from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
@@ -32,12 +33,6 @@ FlutterSpeeds = Annotated[
     ),
 ]
 Modes = Annotated[int, typer.Option("--modes", min=1, max=100, help="Modes to follow.")]
-Picture = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
-    ),
-]
 
 
 def static(
@@ -51,11 +46,10 @@ def static(
     from gardenhose.scene import read
     from gardenhose.static import forms
     from tautline.cli.changes import changed
-    from tautline.results.target import check_figure
 
     hose = changed(read(scene), changes)
     speeds = parse_speeds(speed) if speed is not None else _up_to_fastest(hose)
-    figure = check_figure(output or Path(f"{scene.stem}_static.png"))
+    figure = figure_place(output, f"{scene.stem}_static")
     found = searched(scene, as_json, lambda: forms(hose, speeds))
     negative = [one.negative for one in found]
     _print_forms(found)
@@ -82,11 +76,10 @@ def flutter(
     from gardenhose.flutter import stability
     from gardenhose.scene import read
     from tautline.cli.changes import changed
-    from tautline.results.target import check_figure
 
     hose = changed(read(scene), changes)
     speeds = parse_speeds(speed) if speed is not None else None
-    figure = check_figure(output or Path(f"{scene.stem}_flutter.png"))
+    figure = figure_place(output, f"{scene.stem}_flutter")
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found)
     _draw_stability(hose, found, figure)
@@ -122,6 +115,8 @@ def parse_speeds(text: str) -> list[float]:
     """
     import math
 
+    from tautline.cli.lists import stepped, three_of
+
     refuse = partial(option_error, "--speed", text)
 
     example = "write 0:12:3, or 0,3,6,9,12"
@@ -133,15 +128,11 @@ def parse_speeds(text: str) -> list[float]:
         raise refuse("holds what is not a finite number", example)
     if ":" not in text:
         return numbers
-    if len(numbers) != 3:
-        raise refuse("needs three numbers: from, to and step", example)
+    three_of(text, "--speed", example)
     first, last, step = numbers
     if step == 0.0 or (last - first) * step < 0.0:
         raise refuse("never gets to its end by such a step", example)
-    count = math.floor((last - first) / step * (1.0 + 1e-12) + 1e-9) + 1
-    if count > MOST_SPEEDS:
-        raise refuse(f"makes {count} speeds, more than {MOST_SPEEDS}", "take a larger step")
-    return [first + k * step for k in range(count)]
+    return stepped((first, last, step), text, "--speed", MOST_SPEEDS, "speeds")
 
 
 def _up_to_fastest(hose: HoseScene) -> list[float]:
@@ -182,13 +173,11 @@ def _draw_forms(hose: HoseScene, found: list[Form], path: Path) -> None:
 
     from gardenhose.cables import arc_lengths
     from gardenhose.view.figures import static_figure
-    from tautline.cli.console import say
-    from tautline.view.figures.figure import save
 
     s = arc_lengths(hose)
     curves, tips = [one.curve(s) for one in found], np.array([one.tip for one in found])
     title = f"{hose.title or path.stem}: shapes at rest"
-    say(f"wrote {save(static_figure(np.array([one.speed for one in found]), curves, tips, title), path)}", "green")
+    write_figure(static_figure(np.array([one.speed for one in found]), curves, tips, title), path)
 
 
 def words_of(critical: Critical) -> str:
@@ -212,11 +201,9 @@ def _print_stability(found: Stability) -> None:
 
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
     from gardenhose.view.figures import flutter_figure
-    from tautline.cli.console import say
-    from tautline.view.figures.figure import save
 
     first = found.critical[0] if found.critical else None
     marked = (first.speed, first.frequency) if first else (None, None)
     title = f"{hose.title or path.stem}: stability"
     figure = flutter_figure(found.speed, found.eigenvalues, found.out_of_plane, *marked, title)
-    say(f"wrote {save(figure, path)}", "green")
+    write_figure(figure, path)

@@ -13,7 +13,7 @@ from crane.scene.scene import Body, Drum, End, Sheave
 from crane.view import machinery
 from crane.view.rope_line import RopeLine, cut, rope_line
 from crane.view.structure import Site, structure
-from tautline.results.errors import ResultError
+from tautline.results.naming import title_of
 from tautline.results.result import Result
 from tautline.view.space.appearance import (
     GROUND,
@@ -29,6 +29,7 @@ from tautline.view.space.appearance import (
     Quantity,
     Solid,
     axes_of,
+    chosen,
     ranged,
     stored,
 )  # fmt: skip
@@ -66,9 +67,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     ResultError
         For a view that there is not, and where the scene that the result carries cannot be read.
     """
-    if look.view and look.view not in VIEWS:
-        known = "; ".join(f"{name} ({text})" for name, text in VIEWS.items())
-        raise ResultError("--view", f"there is no view '{look.view}'", f"known: {known}")
+    look = chosen(VIEWS, look)
     scene = scene_of(result)
     course = course_of(result, laid_out(scene))
     factor = 1.0 if look.exaggerate is None else look.exaggerate
@@ -88,10 +87,9 @@ def appearance(result: Result, look: Look) -> Appearance:
     deck = next((solid for solid in solids if solid.name == "deck"), None)
     if deck is not None and scene.water is not None and deck.points[:, 2].max() < scene.water.surface:
         notes.append("the winch is where the scene has it: its deck is under water")
-    name = result.path.stem if result.path is not None else "result"
     return Appearance(
         units=look.units,
-        title=str(result.attributes.get("title") or name),
+        title=title_of(result),
         time=np.array(result.time),
         lines=tuple(_line(one, site, f"rope {k + 1}" if k else "rope") for k, one in enumerate(ropes)),
         solids=tuple(solids),

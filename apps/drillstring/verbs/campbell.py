@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tautline.cli.findings import figure_place, say_sentences, write_figure, write_table
 from tautline.cli.run import searched
-from tautline.cli.verbs import Changes, Json, Scene
+from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
@@ -67,12 +68,6 @@ Model = Annotated[
         "--model", metavar="KIND", help="Model of the string: lumped or ale-ancf. [dim]\\[default: the scene's][/]"
     ),
 ]
-Picture = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
-    ),
-]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write all modes as a table.")]
 
 
@@ -97,7 +92,7 @@ def campbell(
     from drillstring.scene.scene import of_kind, read
     from tautline.cli.changes import changed
     from tautline.cli.lists import number, one_of, words
-    from tautline.results.target import check_figure, check_table
+    from tautline.results.target import check_table
 
     drillstring = changed(read(scene), changes)
     drillstring = of_kind(drillstring, parse_model(model) or drillstring.model.kind)
@@ -108,7 +103,7 @@ def campbell(
     highest = number(up_to, "--up-to", "Hz", HIGHEST, "ask for what the string is shaken at") if up_to else None
     upper = parse_depth(drillstring, top)
     held = parse_held(drillstring, hold)
-    figure, table = check_figure(output or Path(f"{scene.stem}_campbell.png")), check_table(csv)
+    figure, table = figure_place(output, f"{scene.stem}_campbell"), check_table(csv)
     found = searched(scene, as_json, lambda: compute(drillstring, speeds, lines, kinds, highest, upper, held))
     _print(drillstring, found)
     _draw(drillstring, scene, found, figure)
@@ -264,27 +259,21 @@ def report(found: Campbell) -> dict[str, Any]:
 
 def _print(scene: DrillstringScene, found: Campbell) -> None:
     from drillstring.view.campbell_summary import sentences, table
-    from tautline.cli.console import console, say
+    from tautline.cli.console import console
 
     if found.modes:
         console().print(table(found, scene.units))
-    for text, style in sentences(found, scene.units):
-        say(text, style)
+    say_sentences(sentences(found, scene.units))
 
 
 def _draw(scene: DrillstringScene, path: Path, found: Campbell, figure: Path) -> None:
     from drillstring.view.campbell_figures import campbell_figure
-    from tautline.cli.console import say
-    from tautline.view.figures.figure import save
 
     title = f"{scene.title or path.stem}: Campbell diagram"
-    say(f"wrote {save(campbell_figure(found, title, scene.units), figure)}", "green")
+    write_figure(campbell_figure(found, title, scene.units), figure)
 
 
 def _write(found: Campbell, path: Path) -> None:
     from drillstring.view.campbell_summary import header, rows
-    from tautline.cli.console import say
-    from tautline.results.errors import WriteError
-    from tautline.results.rows import write_rows
 
-    say(f"wrote {write_rows(header(found), rows(found), path, '--csv', WriteError)}", "green")
+    write_table(header(found), rows(found), path)

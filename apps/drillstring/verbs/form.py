@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tautline.cli.findings import figure_place, write_figure, write_table
 from tautline.cli.run import searched
-from tautline.cli.verbs import Changes, Json
+from tautline.cli.verbs import Changes, Json, Picture
 from tautline.scene.errors import option_error
 from tautline.scene.values.systems import length_unit
 
@@ -42,12 +43,6 @@ Most = Annotated[
     int | None,
     typer.Option("--most", min=1, help="Steps of the relaxation after which to give up.", show_default=False),
 ]
-Picture = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
-    ),
-]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write every lump of every mesh as a table.")]
 
 
@@ -67,12 +62,12 @@ def form(
     from drillstring.statics.form import find_form
     from tautline.cli.changes import changed
     from tautline.integrators.statics.relaxation import MOST_STEPS
-    from tautline.results.target import check_figure, check_table
+    from tautline.results.target import check_table
 
     way, meshes, kinds = _way(by, most), parse_elements(elements), parse_models(model)
     read_scenes = [changed(read(path), changes) for path in scenes]
-    name = f"{scenes[0].stem}_form.png" if len(scenes) == 1 else "forms.png"
-    figure, table = check_figure(output or Path(name)), check_table(csv)
+    name = f"{scenes[0].stem}_form" if len(scenes) == 1 else "forms"
+    figure, table = figure_place(output, name), check_table(csv)
     found = []
     for path, scene in zip(scenes, read_scenes, strict=True):
         search = partial(find_form, scene, meshes, way, most or MOST_STEPS, kinds)
@@ -295,22 +290,16 @@ def _exact_row(found: Finding, system: str) -> list[str]:
 
 def _draw(scenes: list[Path], found: list[Finding], path: Path, system: str) -> None:
     from drillstring.view.form_figures import form_figure
-    from tautline.cli.console import say
-    from tautline.view.figures.figure import save
     from tautline.view.figures.unit_axes import use_units
 
     titles = [one.title or scene.stem for scene, one in zip(scenes, found, strict=True)]
     figure = form_figure(titles, found)
     use_units(figure, system)
-    say(f"wrote {save(figure, path)}", "green")
+    write_figure(figure, path)
 
 
 def _write(scenes: list[Path], found: list[Finding], path: Path) -> None:
     """A row for each lump of each mesh of each scene; where there is no rod its cells are empty."""
-    from tautline.cli.console import say
-    from tautline.results.errors import WriteError
-    from tautline.results.rows import write_rows
-
     header = [
         "scene",
         "model",
@@ -324,7 +313,7 @@ def _write(scenes: list[Path], found: list[Finding], path: Path) -> None:
     header += ["down [m]", "rod north [m]", "rod east [m]", "rod down [m]", "difference [m]", "tension below [N]"]
     pairs = zip(scenes, found, strict=True)
     rows = (row for scene, one in pairs for form_ in one.forms for row in _rows(scene, one, form_))
-    say(f"wrote {write_rows(header, rows, path, '--csv', WriteError)}", "green")
+    write_table(header, rows, path)
 
 
 def _rows(scene: Path, found: Finding, one: Form) -> list[list[Any]]:

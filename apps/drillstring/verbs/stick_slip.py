@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tautline.cli.verbs import Changes, Json, Scene
+from tautline.cli.findings import say_sentences
+from tautline.cli.verbs import Changes, Json, Scene, Stem
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
@@ -44,10 +45,6 @@ End = Annotated[
 Jobs = Annotated[
     int | None,
     typer.Option("--jobs", min=1, max=MOST_JOBS, show_default=False, help="Processes. [dim]\\[default: all cores][/]"),
-]
-Stem = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", metavar="STEM", help="Beginning of the names of the files that are written."),
 ]
 
 
@@ -101,7 +98,7 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
     SceneError
         Naming the option and what is wrong.
     """
-    from tautline.cli.lists import numbers
+    from tautline.cli.lists import numbers, stepped, three_of
 
     def one(word: str) -> float:
         value = numbers(word, option, unit)[0]
@@ -113,16 +110,10 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
 
     if ":" not in text:
         return [one(word) for word in text.split(",")]
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise option_error(option, text, "needs three numbers: from, to and step", "write 40:160:20, or 60,90,120")
-    first, last, step = (one(part) for part in parts)
+    first, last, step = (one(part) for part in three_of(text, option, "write 40:160:20, or 60,90,120"))
     if last < first:
         raise option_error(option, text, "ends below where it begins", "write the smaller first, such as 40:160:20")
-    count = math.floor((last - first) / step * (1.0 + 1e-12) + 1e-9) + 1
-    if count > MOST_CELLS:
-        raise option_error(option, text, f"makes {count} values, more than {MOST_CELLS}", "take a larger step")
-    return [first + k * step for k in range(count)]
+    return stepped((first, last, step), text, option, MOST_CELLS, "values")
 
 
 def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
@@ -151,8 +142,7 @@ def _report(path: Path, scene: DrillstringScene, found: Map, stem: Path, as_json
         write_netcdf(found, {"scene": str(path), "title": title}, named(stem, ".nc")),
         stick_slip_figure(found, title, named(stem, ".png"), scene.units),
     ]
-    for text, style in sentences(found, scene.units):
-        say(text, style)
+    say_sentences(sentences(found, scene.units))
     for file in files:
         say(f"wrote {file}", "green")
     if as_json:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drillstring.verbs.form import Models, parse_models
+from tautline.cli.findings import figure_place, say_sentences, write_figure
 from tautline.cli.run import searched
-from tautline.cli.verbs import Changes, Json, Scene
+from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
@@ -64,12 +65,6 @@ Rotary = Annotated[
     str | None,
     typer.Option("--rotary", metavar="SPEED", help="Rotary speed of reaming. [dim]\\[default: 60 rpm][/]"),
 ]
-Picture = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
-    ),
-]
 
 
 def torque_drag(
@@ -92,14 +87,13 @@ def torque_drag(
     from tautline.cli.changes import changed
     from tautline.cli.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
-    from tautline.results.target import check_figure
 
     drillstring = changed(read(scene), changes)
     # The first of several models is the one that measured loads are fitted by.
     kinds = parse_models(model) or [drillstring.model.kind]
     drillstring = of_kind(drillstring, kinds[0])
     own = own_friction(drillstring)
-    figure = check_figure(output or Path(f"{scene.stem}_torque_drag.png"))
+    figure = figure_place(output, f"{scene.stem}_torque_drag")
     factors = parse_frictions(friction, own.shoe) if friction is not None else None
     reamed = parse_reaming(reaming, rotary)
     depths = parse_depths(depth) if depth is not None else None
@@ -175,9 +169,7 @@ def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | 
 
 def parse_depths(text: str) -> list[float]:
     """Depths of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``, m or with units; raises SceneError with the cure."""
-    import math
-
-    from tautline.cli.lists import number, numbers
+    from tautline.cli.lists import number, numbers, stepped, three_of
 
     refuse = partial(option_error, "--depth", text)
 
@@ -186,16 +178,11 @@ def parse_depths(text: str) -> list[float]:
         if len(found) > MOST_DEPTHS:
             raise refuse(f"makes {len(found)} depths, more than {MOST_DEPTHS}", "give fewer")
         return found
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise refuse("needs three numbers: from, to and step", "write 500:3500:250, or 500,1000,2000")
+    parts = three_of(text, "--depth", "write 500:3500:250, or 500,1000,2000")
     first, last, step = (number(part, "--depth", "m") for part in parts)
     if last < first:
         raise refuse("ends above where it begins", "write the shallow depth first, such as 500:3500:250")
-    count = math.floor((last - first) / step * (1.0 + 1e-12) + 1e-9) + 1
-    if count > MOST_DEPTHS:
-        raise refuse(f"makes {count} depths, more than {MOST_DEPTHS}", "take a larger step")
-    return [first + k * step for k in range(count)]
+    return stepped((first, last, step), text, "--depth", MOST_DEPTHS, "depths")
 
 
 def _check_elements(scene: DrillstringScene, elements: int | None) -> None:
@@ -285,14 +272,11 @@ def _print(scene: DrillstringScene, cases: list[Case], fitted: Fit | None) -> No
         weight = shown(scene.bit.weight, "N", scene.units)
         text = f"the bit is on bottom: all of this is with {weight} on it, and without its torque"
         say(f"{text}; `bit: {{on_bottom: false}}` tells the loads off bottom", "yellow")
-    for text, style in sentences(cases, fitted, scene.units, scene.top.weight):
-        say(text, style)
+    say_sentences(sentences(cases, fitted, scene.units, scene.top.weight))
 
 
 def _draw(scene: DrillstringScene, cases: list[Case], path: Path, loads: Measured | None) -> None:
     from drillstring.view.torque_figures import torque_drag_figure
-    from tautline.cli.console import say
-    from tautline.view.figures.figure import save
 
     title = f"{scene.title or path.stem}: torque and drag"
-    say(f"wrote {save(torque_drag_figure(cases, title, scene.units, loads), path)}", "green")
+    write_figure(torque_drag_figure(cases, title, scene.units, loads), path)

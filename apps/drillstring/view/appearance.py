@@ -17,6 +17,7 @@ from drillstring.view.drawn import Blend, Drawn
 from drillstring.view.lettering import ARROW, depth_scale, words
 from drillstring.view.rig import bit, block, derrick
 from tautline.results.errors import ResultError
+from tautline.results.naming import title_of
 from tautline.results.result import Result
 from tautline.view.space.appearance import (
     DECK,
@@ -83,7 +84,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     drawn = Drawn(course, factor, unrolled)
     low = _low_sides(drawn, size)
     return Appearance(
-        title=str(result.attributes.get("title") or (result.path.stem if result.path is not None else "drill string")),
+        title=title_of(result, "drill string"),
         time=result.time,
         lines=(_string(result, drawn), *_hole(drawn), *low),
         solids=_solids(result, drawn, size),

@@ -11,11 +11,11 @@ import numpy as np
 from gardenhose.cables import streams
 from gardenhose.motion.curves import Trace
 from gardenhose.scene import HoseScene
+from tautline.cable.input.embedded_scene import embedded
 from tautline.cable.view.appearance import extent_of, factor_of, note_of, quantities, sampled
 from tautline.cable.view.symbols import mass, pin, plate, supports
-from tautline.results.errors import ResultError
+from tautline.results.naming import title_of
 from tautline.results.result import Result
-from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
 from tautline.view.space.appearance import (
@@ -81,7 +81,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     held, more = _held(scene, hose, extent)
     return Appearance(
         units=look.units,
-        title=str(result.attributes.get("title") or (result.path.stem if result.path else "hose")),
+        title=title_of(result, "hose"),
         time=np.asarray(result.time),
         lines=(Line("hose", points, 0.0, shown, nodes=hose.nodes), *path),
         solids=(*held, *marks),
@@ -92,14 +92,9 @@ def appearance(result: Result, look: Look) -> Appearance:
 
 def _scene_of(result: Result) -> HoseScene | None:
     """The scene that a result carries; None for one made in Python without a text, which tells of no supports."""
-    text, name = str(result.attributes.get("scene", "")), str(result.path or "result")
-    if not text:
+    if not result.attributes.get("scene"):
         return None
-    try:
-        return validate(HoseScene, Document.parse(text, name))
-    except SceneError as error:
-        cause = f"carries a scene that cannot be read: {error.problems[0].cause}"
-        raise ResultError(name, cause, "run the scene again") from None
+    return embedded(result, lambda text, name: validate(HoseScene, Document.parse(text, name)))
 
 
 def _chain(result: Result, factor: float) -> Chain:

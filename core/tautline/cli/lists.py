@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -67,6 +68,46 @@ def number(text: str, option: str, unit: str, most: float | None = None, cure: s
     if most is not None and value > most:
         raise option_error(option, text, f"is more than {most:g}", cure)
     return value
+
+
+def three_of(text: str, option: str, example: str) -> list[str]:
+    """The words of ``FROM:TO:STEP``.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, for more words or fewer; its cure is the example.
+    """
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise option_error(option, text, "needs three numbers: from, to and step", example)
+    return parts
+
+
+def stepped(bounds: tuple[float, float, float], text: str, option: str, most: int, things: str) -> list[float]:
+    """Values from the first to the last by a step, with both ends where the step meets the last but for rounding.
+
+    Parameters
+    ----------
+    bounds : tuple of float
+        First, last, and a step that leads from one towards the other.
+    text : str
+        What was given, for the message.
+    most : int
+        How many there may be.
+    things : str
+        What the values are, for the message.
+
+    Raises
+    ------
+    SceneError
+        Naming the option, for more than `most`.
+    """
+    first, last, step = bounds
+    count = math.floor((last - first) / step * (1.0 + 1e-12) + 1e-9) + 1
+    if count > most:
+        raise option_error(option, text, f"makes {count} {things}, more than {most}", "take a larger step")
+    return [first + k * step for k in range(count)]
 
 
 def _annotated(mark: Any) -> Any:

@@ -54,6 +54,12 @@ FigurePlace = Annotated[
     Path | None,
     typer.Option("-o", "--output", metavar="FILE_OR_FOLDER", help="Where to. [dim]\\[default: the current folder][/]"),
 ]
+Picture = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="FIGURE", help="Figure: png, svg or pdf. [dim]\\[default: the scene's name][/]"
+    ),
+]
 What = Annotated[
     list[str] | None,
     typer.Option(

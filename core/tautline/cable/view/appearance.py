@@ -12,6 +12,7 @@ from tautline.cable.input.embedded_scene import scene_of
 from tautline.cable.input.parts import CableScene, Node
 from tautline.cable.view.symbols import coil, mass, pin, plate, supports
 from tautline.results.errors import ResultError
+from tautline.results.naming import stem
 from tautline.results.result import Result
 from tautline.view.space.appearance import (
     STEEL,
@@ -76,7 +77,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     signs = [text for text, some in (("supports", held), ("springs", springs), ("masses", masses)) if some]
     notes = [f"{_listed(signs)} are signs, not to scale"] if signs else []
     return Appearance(
-        title=str(result.attributes.get("title") or scene.title or (result.path.stem if result.path else "cables")),
+        title=str(result.attributes.get("title") or scene.title or stem(result, "cables")),
         time=np.asarray(result.time),
         lines=(*lines, *springs),
         solids=(*held, *masses),

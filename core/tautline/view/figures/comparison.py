@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tautline.results.errors import ResultError
+from tautline.results.naming import stem, title_of
 from tautline.results.result import Result
 from tautline.view.figures.figure import Axes, Figure, label
 
@@ -47,11 +48,6 @@ def listed(words: Sequence[str] | Mapping[str, Any]) -> str:
     return ", ".join(words[:MOST_LISTED]) + more
 
 
-def stem(result: Result) -> str:
-    """Name of a result's file without its ending."""
-    return result.path.stem if result.path is not None else "result"
-
-
 def names(results: Sequence[Result]) -> list[str]:
     """Names for a legend: the titles if they tell the results apart, else files, folders and files, or numbers too."""
     stems = [stem(result) for result in results]
@@ -70,7 +66,7 @@ def title(results: Sequence[Result]) -> str:
     """Heading of a figure."""
     if len(results) > 1:
         return "Comparison of results"
-    return str(results[0].attributes.get("title") or stem(results[0]))
+    return title_of(results[0])
 
 
 def marker(time: np.ndarray) -> dict[str, Any]:

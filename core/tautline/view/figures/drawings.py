@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from tautline.results.errors import ResultError
+from tautline.results.naming import stem
 from tautline.results.result import Result
 from tautline.view.figures.choice import split
-from tautline.view.figures.comparison import listed, names, nearest, one_kind, stem, title
+from tautline.view.figures.comparison import listed, names, nearest, one_kind, title
 from tautline.view.figures.curves import variable_figure
 from tautline.view.figures.figure import Figure, save_all
 from tautline.view.figures.unit_axes import use_units
