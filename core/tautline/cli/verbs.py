@@ -161,6 +161,20 @@ Stem = Annotated[
 ]
 
 
+Unit = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="FILE.fmu", help="Where to. [dim]\\[default: the scene's name with .fmu][/]"
+    ),
+]
+Driven = Annotated[
+    str, typer.Option("--inputs", metavar="NAMES", help="What is driven, as winch.pay_out,vessel.heave.")
+]
+Read = Annotated[
+    str, typer.Option("--outputs", metavar="NAMES", help="What is read, as payload.position,winch.tension.")
+]
+
+
 def check(
     context: typer.Context, scene: Scene, changes: Changes = None, figure: Drawing = None, as_json: Json = False
 ) -> None:
@@ -313,6 +327,21 @@ def export(
     verb.export(context.obj, result, output, vtk, csv, what or (), look_of(view, exaggerate), as_json, every)
 
 
+def fmu(
+    context: typer.Context,
+    scene: Scene,
+    output: Unit = None,
+    changes: Changes = None,
+    inputs: Driven = "",
+    outputs: Read = "",
+    as_json: Json = False,
+) -> None:
+    """Write a scene as an FMU for co-simulation: what is driven goes in, what is read comes out."""
+    from tautline.cli import fmu as verb
+
+    verb.fmu(context.obj, scene, output, changes, inputs, outputs, as_json)
+
+
 def new(
     context: typer.Context,
     template: Template = None,
@@ -371,6 +400,7 @@ def make_app(application: Application | Catalogue) -> typer.Typer:
         plot,
         render,
         export,
+        fmu,
         study,
         stability,
         new,

@@ -69,6 +69,9 @@ class Simulation:
     keep : bool or float
         Frames that are kept for `result`: all, none, or those of the last so many seconds.
 
+    parameters : mapping, optional
+        Values of parameters by name, with which the start is found.
+
     Raises
     ------
     SceneError
@@ -79,7 +82,14 @@ class Simulation:
         Where no start is found.
     """
 
-    def __init__(self, scene: Any, inputs: Sequence[str] | None = None, *, keep: bool | float = True) -> None:
+    def __init__(
+        self,
+        scene: Any,
+        inputs: Sequence[str] | None = None,
+        *,
+        keep: bool | float = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> None:
         from tautline import read
 
         self.scene = scene if hasattr(scene, "document") else read(scene)
@@ -88,6 +98,8 @@ class Simulation:
         self._keep = keep
         model = self._application.build(self._application.driven(self.scene, self._named))
         self._prepare(model)
+        for name, value in (parameters or {}).items():
+            self.parameters[name] = value
         self._start()
 
     def _prepare(self, model: Model) -> None:

@@ -1,0 +1,131 @@
+"""What runs inside an FMU, whatever the version of the standard: a simulation that waits for its parameters."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tautline.live.memory import State
+from tautline.live.simulation import Simulation
+from tautline.system.handles import Output
+
+SCENE, DESCRIPTION = "scene.yaml", "unit.json"
+"""Names of the scene, and of what goes in and out, among the resources."""
+NEAR = 1.0e-9
+"""Difference of the host's time and ours that is rounding, s."""
+
+
+def parts_of(output: Output) -> list[tuple[str, tuple[int, ...]]]:
+    """Names of the numbers of an output, and their places in it: one, or one for each of an array."""
+    if output.shape == ():
+        return [(output.name, ())]
+    return [(f"{output.name}[{','.join(map(str, at))}]", at) for at in np.ndindex(*output.shape)]
+
+
+class Core:
+    """The simulation of an FMU.
+
+    Parameters
+    ----------
+    resources : path
+        Folder of the scene and of the description.
+    """
+
+    def __init__(self, resources: str | Path) -> None:
+        folder = Path(resources)
+        self.told: dict[str, Any] = json.loads((folder / DESCRIPTION).read_text(encoding="utf8"))
+        self.scene = folder / SCENE
+        self.changed: dict[str, float] = {}
+        self.given: dict[str, float] = {}
+        self.begin, self.stale, self.stepped = 0.0, False, False
+        self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False)
+        self.inputs = {
+            name: float(self.sim.inputs[name])
+            for asked in self.told["inputs"]
+            for name in (
+                [asked] if asked in self.sim.inputs else [n for n in self.sim.inputs if n.startswith(f"{asked}[")]
+            )
+        }
+        self.outputs = {
+            part: (name, at) for name in self.told["outputs"] for part, at in parts_of(self.sim.outputs.handle(name))
+        }
+
+    @property
+    def ready(self) -> Simulation:
+        """The simulation with the parameters that were set before it began."""
+        if self.stale:
+            self.sim = Simulation(self.scene, inputs=self.told["inputs"], keep=False, parameters=self.changed)
+            self.stale = False
+        return self.sim
+
+    def get(self, name: str) -> float:
+        """An input, an output or a parameter."""
+        if name in self.inputs:
+            return self.given.get(name, self.inputs[name])
+        if name in self.outputs:
+            output, at = self.outputs[name]
+            value = self.ready[output]
+            return float(value[at]) if at else float(value)
+        return float(self.changed.get(name, self.sim.parameters[name]))
+
+    def set(self, name: str, value: float) -> None:
+        """An input, reached at the end of the next communication step; or a parameter."""
+        if name in self.inputs:
+            self.given[name] = float(value)
+            return
+        self.changed[name] = float(value)
+        if self.stepped:
+            self.sim.parameters[name] = float(value)
+        else:
+            self.stale = True
+
+    def step(self, time: float, length: float) -> None:
+        """One communication step; raises what the simulation raises."""
+        sim = self.ready
+        if abs(time - self.begin - sim.time) > NEAR * max(1.0, abs(time)):
+            from tautline.live.errors import SimulationError
+
+            cause = f"the host steps from {time:g} s, and the unit stands at {self.begin + sim.time:g} s"
+            raise SimulationError(cause, "set the state that was saved there")
+        self.stepped = True
+        for name, value in self.given.items():
+            # What stays as it is needs no way to it.
+            if value != self.inputs[name]:
+                sim.inputs[name] = self.inputs[name] = value
+        self.given.clear()
+        sim.advance_to(time - self.begin + length)
+
+    # -- state ---------------------------------------------------------------------------------------------------------
+
+    def save(self) -> dict[str, Any]:
+        """All that a state of the FMU is."""
+        return {
+            "state": self.ready.save(), "inputs": dict(self.inputs), "given": dict(self.given),
+            "changed": dict(self.changed), "stepped": self.stepped, "begin": self.begin,
+        }  # fmt: skip
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Stand where a state was saved."""
+        self.stale = False
+        self.sim.restore(saved["state"])
+        self.inputs, self.given = dict(saved["inputs"]), dict(saved["given"])
+        self.changed, self.stepped, self.begin = dict(saved["changed"]), saved["stepped"], saved["begin"]
+
+
+def to_bytes(saved: dict[str, Any]) -> bytes:
+    """A state as bytes: numbers as JSON, then the block."""
+    state: State = saved["state"]
+    head = {**saved, "state": [state.time, state.scene, state.layout, state.frames]}
+    return json.dumps(head).encode("utf8") + b"\0" + state.block.tobytes()
+
+
+def from_bytes(data: bytes) -> dict[str, Any]:
+    """What `to_bytes` wrote."""
+    head, _, block = bytes(data).partition(b"\0")
+    saved = json.loads(head)
+    time, scene, layout, frames = saved["state"]
+    saved["state"] = State(time, scene, layout, np.frombuffer(block, np.uint8), frames)
+    return saved

@@ -1,0 +1,123 @@
+"""Writing a scene as an FMU: the scene and the files that it names, what goes in and out, and the small slave script."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from tautline.live.errors import SimulationError
+from tautline.live.fmu.unit import DESCRIPTION, SCENE, parts_of
+from tautline.live.simulation import Simulation
+from tautline.results.errors import ResultError
+from tautline.scene.reading.files import files_of
+from tautline.version import __version__
+
+SCRIPT = '''"""Written by Tautline: the class that the host makes."""
+
+from tautline.live.fmu.fmi2 import Unit
+
+
+class {name}(Unit):
+    """A Tautline scene."""
+'''
+NEEDS = """Tautline {version} as an FMU for co-simulation, FMI 2.0
+======================================================
+
+The scene, and the files that it names, lie in resources/. The host needs, on Linux or Windows, 64 bits:
+
+- Python {python} or another version for which Tautline is installed, found by the host (the `python` of its path);
+- `pip install "tautline[fmi]=={version}"` in that Python.
+
+A communication step is one advance: it is divided into equal steps that are no longer than solver.step. An input is
+reached at the end of the next communication step by a smooth curve. Parameters may be set before the initialisation
+and at any communication point. Get, set and serialise of the FMU state are there, also in another process.
+"""
+
+
+def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequence[str]) -> list[str]:
+    """Write a scene as an FMU.
+
+    Parameters
+    ----------
+    scene : path, YAML text, dict or scene
+    path : path
+        The ``.fmu``.
+    inputs, outputs : sequence of str
+        Names, as `tautline.Simulation` has them.
+
+    Returns
+    -------
+    list of str
+        What the host needs, a line each.
+
+    Raises
+    ------
+    SceneError, StoppedEarly
+        As `tautline.Simulation` does.
+    UnknownName
+        For a name that there is not.
+    ResultError
+        Where the file cannot be written, or PythonFMU is missing.
+    """
+    path = Path(path)
+    try:
+        from pythonfmu import FmuBuilder
+    except ModuleNotFoundError:
+        raise ResultError(path, "needs PythonFMU, which is not installed", "pip install 'tautline[fmi]'") from None
+    if path.suffix != ".fmu":
+        raise ResultError(path, "is no name of an FMU", "let it end with .fmu")
+    if not path.parent.is_dir():
+        raise ResultError(path, "its folder does not exist", "make the folder first")
+    if not outputs:
+        raise SimulationError("an FMU without an output says nothing", "give --outputs")
+    sim = Simulation(scene, inputs=inputs, keep=False)
+    for name in outputs:
+        parts_of(sim.outputs.handle(name))
+    named = re.sub(r"\W", "_", path.stem)
+    name = named if named[:1].isalpha() else f"fmu_{named}"
+    with tempfile.TemporaryDirectory() as work:
+        folder = Path(work)
+        files = _files(sim.scene, folder)
+        script = folder / f"{name}_unit.py"
+        script.write_text(SCRIPT.format(name=name), encoding="utf8")
+        told = {"inputs": list(inputs), "outputs": list(outputs), "name": name, "version": __version__}
+        (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
+        notes = folder / "documentation"
+        notes.mkdir()
+        needs = NEEDS.format(version=__version__, python=".".join(map(str, sys.version_info[:2])))
+        (notes / "index.txt").write_text(needs, encoding="utf8")
+        known = sys.path.copy()
+        try:
+            FmuBuilder.build_FMU(
+                script, path, [folder / DESCRIPTION, *files], notes,
+                canGetAndSetFMUstate=True, canSerializeFMUstate=True, canBeInstantiatedOnlyOncePerProcess=False,
+                needsExecutionTool=True,
+            )  # fmt: skip
+        except OSError as error:
+            raise ResultError(path, f"cannot be written: {error.strerror or error}", "choose another place") from None
+        finally:
+            # PythonFMU leaves the folder of the script among those of modules, and the script among the modules.
+            sys.path[:] = known
+            sys.modules.pop(script.stem, None)
+    return [line for line in needs.splitlines()[5:7] if line]
+
+
+def _files(scene: Any, folder: Path) -> list[Path]:
+    """The scene as a file, and copies of those that it names beside it."""
+    (folder / SCENE).write_text(scene.document.told, encoding="utf8")
+    made = [folder / SCENE]
+    for name in files_of(scene):
+        source = Path(name)
+        if source.is_absolute() or ".." in source.parts:
+            cause = f"names the file {source}, which lies outside of its own folder"
+            raise SimulationError(f"the scene {cause}", "copy the file beside the scene")
+        target = folder / source
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes((scene.folder / source).read_bytes())
+        made.append(folder / source.parts[0])
+    return list(dict.fromkeys(made))
