@@ -75,9 +75,9 @@ def measure(quick: bool) -> Section:
         "scene", "advance beside its steps", "one step", "input given", "position read", "force read", "save", "restore"
     )  # fmt: skip
     text = (
-        "Microseconds, medians. An advance is one step of the scene; what it costs beside its steps is the same for many. "
-        "A position or velocity is read from the state; a force is computed with all variables of a frame, once an "
-        "advance, however many are read.\n\n" + table(header, rows)
+        "Microseconds, medians. An advance is one step of the scene; what it costs beside its steps is the same for "
+        "many. A position or velocity is read from the state; a force is computed with all variables of a frame, once "
+        "an advance, however many are read.\n\n" + table(header, rows)
     )
     headline = [
         ("an advance beside its steps, worst of five scenes", f"{number(worst)} us", f"at most {AT_MOST:g} us"),

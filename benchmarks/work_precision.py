@@ -1,4 +1,4 @@
-"""Error against time: our integrators, and those of SciPy that drive the same equations through `Simulation.equations`."""
+"""Error against time: our integrators, and those of SciPy, which drive the same equations (`Simulation.equations`)."""
 
 from __future__ import annotations
 
@@ -155,9 +155,9 @@ def measure(quick: bool) -> Section:
         draw(found)
     header = ("scene", "method", "1e-4 m", "1e-6 m", "1e-8 m")
     text = (
-        "CPU time, ms, until the largest error of a position at the end is below so much; a dash where none of the runs "
-        "came there. SciPy's methods call our equations once for each evaluation, from Python; Radau and BDF are given "
-        "our tangent.\n\n" + table(header, rows)
+        "CPU time, ms, until the largest error of a position at the end is below so much; a dash where none of the "
+        "runs came there. SciPy's methods call our equations once for each evaluation, from Python; Radau and BDF are "
+        "given our tangent.\n\n" + table(header, rows)
     )
     return Section("Integrators of others", text, [])
 
