@@ -94,6 +94,41 @@ def test_fmpy_finds_nothing_to_complain_of_in_any_application(name, inputs, outp
         assert "resources/scene.yaml" in file.namelist() and "documentation/index.txt" in file.namelist()
 
 
+def _fed3(path, table):
+    """The same in FMI 3.0, with a state that is taken and set on the way."""
+    folder = fmpy.extract(path)
+    told = fmpy.read_model_description(folder)
+    from fmpy.fmi3 import FMU3Slave
+
+    unit = FMU3Slave(
+        guid=told.guid, unzipDirectory=folder, modelIdentifier=told.coSimulation.modelIdentifier, instanceName="three"
+    )
+    unit.instantiate()
+    unit.enterInitializationMode(startTime=0.0)
+    unit.exitInitializationMode()
+    reference = {variable.name: variable.valueReference for variable in told.modelVariables}
+    keys, found = [reference[f"payload.position[{c}]"] for c in range(3)] + [reference["winch.tension"]], []
+    for t, value in table[1:]:
+        state = unit.getFMUState()
+        for _ in range(2):
+            unit.setFMUState(state)
+            unit.setFloat64([reference["winch.pay_out_speed"]], [value])
+            unit.doStep(currentCommunicationPoint=t - H, communicationStepSize=H)
+        found.append(list(unit.getFloat64(keys)))
+    return found
+
+
+def test_fmi_3_validates_and_gives_what_fmi_2_gives(hoist, tmp_path):
+    pytest.importorskip("pythonfmu3", reason="PythonFMU3 is not installed")
+    from fmpy.validation import validate_fmu
+
+    path = tmp_path / "three.fmu"
+    write_fmu(DATA / "hoist.yaml", path, INPUTS, OUTPUTS, fmi=3)
+    assert validate_fmu(str(path)) == []
+    table = [(float(t), speed(t)) for t in np.arange(0.0, 1.0 + 0.5 * H, H)]
+    assert hosted(_fed3, str(path), table) == hosted(_fed, str(hoist), table)
+
+
 def _fed(path, table):
     unit, reference = unit_of(path)
     unit.exitInitializationMode()

@@ -13,7 +13,7 @@ from tautline.scene.errors import option_error
 
 def fmu(
     catalogue: Catalogue, path: Path, output: Path | None, changes: Sequence[str] | None, inputs: str, outputs: str,
-    as_json: bool,
+    fmi: int, as_json: bool,
 ) -> None:  # fmt: skip
     """Write a scene as an FMU for co-simulation, and say what its host needs.
 
@@ -29,12 +29,13 @@ def fmu(
     target = output or Path(f"{path.stem}.fmu")
     named = {"--inputs": _names(inputs), "--outputs": _names(outputs)}
     try:
-        needs = write_fmu(scene, target, named["--inputs"], named["--outputs"])
+        needs = write_fmu(scene, target, named["--inputs"], named["--outputs"], fmi)
     except SimulationError as error:
-        option = "--outputs" if "output" in error.cause else "--inputs"
+        kinds = {"output": "--outputs", "FMI": "--fmi"}
+        option = next((one for word, one in kinds.items() if word in error.cause), "--inputs")
         raise option_error(option, "", error.cause, error.cure) from None
     say(f"wrote {target}")
-    say("the host needs, beside an FMI 2.0 master:")
+    say(f"the host needs, beside a master of FMI {fmi}.0:")
     for line in needs:
         say(f"  {line.removeprefix('- ').rstrip(';.')}")
     if as_json:

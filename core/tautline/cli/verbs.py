@@ -173,6 +173,7 @@ Driven = Annotated[
 Read = Annotated[
     str, typer.Option("--outputs", metavar="NAMES", help="What is read, as payload.position,winch.tension.")
 ]
+Fmi = Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of the standard.")]
 
 
 def check(
@@ -334,12 +335,13 @@ def fmu(
     changes: Changes = None,
     inputs: Driven = "",
     outputs: Read = "",
+    fmi: Fmi = 2,
     as_json: Json = False,
 ) -> None:
     """Write a scene as an FMU for co-simulation: what is driven goes in, what is read comes out."""
     from tautline.cli import fmu as verb
 
-    verb.fmu(context.obj, scene, output, changes, inputs, outputs, as_json)
+    verb.fmu(context.obj, scene, output, changes, inputs, outputs, fmi, as_json)
 
 
 def new(

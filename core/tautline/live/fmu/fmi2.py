@@ -11,19 +11,18 @@ from pythonfmu.enums import Fmi2Causality, Fmi2Initial, Fmi2Status, Fmi2Variabil
 from pythonfmu.variables import Real
 
 from tautline.errors import TautlineError
-from tautline.live.fmu.unit import Core, from_bytes, to_bytes
+from tautline.live.fmu.unit import BASE, Core, from_bytes, to_bytes
 from tautline.version import __version__
 
-BASE = {
-    "m": {"m": 1}, "m/s": {"m": 1, "s": -1}, "m/s^2": {"m": 1, "s": -2}, "rad": {"rad": 1},
-    "rad/s": {"rad": 1, "s": -1}, "N": {"kg": 1, "m": 1, "s": -2}, "N m": {"kg": 1, "m": 2, "s": -2}, "kg": {"kg": 1},
-    "s": {"s": 1}, "1/s": {"s": -1},
-    "W": {"kg": 1, "m": 2, "s": -3}, "J": {"kg": 1, "m": 2, "s": -2}, "kg m^2": {"kg": 1, "m": 2}, "1/m": {"m": -1},
-    "N s/m": {"kg": 1, "s": -1}, "N s^2/m^2": {"kg": 1, "m": -1}, "N m^2": {"kg": 1, "m": 3, "s": -2},
-    "kg/m": {"kg": 1, "m": -1},
+KINDS: dict[str, dict[str, Any]] = {
+    "input": {"causality": Fmi2Causality.input, "variability": Fmi2Variability.continuous},
+    "output": {
+        "causality": Fmi2Causality.output, "variability": Fmi2Variability.continuous, "initial": Fmi2Initial.calculated
+    },
+    "parameter": {
+        "causality": Fmi2Causality.parameter, "variability": Fmi2Variability.tunable, "initial": Fmi2Initial.exact
+    },
 }  # fmt: skip
-"""Units that are written, by their base units."""
-ORDER = ("UnitDefinitions", "TypeDefinitions", "LogCategories")
 
 
 class Unit(Fmi2Slave):
@@ -40,34 +39,13 @@ class Unit(Fmi2Slave):
         solver = core.sim.model.solver
         self.default_experiment = DefaultExperiment(0.0, solver.end, solver.interval)
         self.units: dict[str, str] = {}
-        sim = core.sim
-        for name in core.inputs:
-            one = sim.inputs.handle(name).steering
-            self._add(name, one.unit, one.text, Fmi2Causality.input, Fmi2Variability.continuous)
-        for name, (output, _) in core.outputs.items():
-            one = sim.outputs.handle(output)
-            self._add(
-                name, one.unit, one.text, Fmi2Causality.output, Fmi2Variability.continuous, Fmi2Initial.calculated
-            )
-        for name, told in sim.parameters.describe().items():
-            if name not in self.units:
-                self._add(
-                    name,
-                    told["unit"],
-                    told["text"],
-                    Fmi2Causality.parameter,
-                    Fmi2Variability.tunable,
-                    Fmi2Initial.exact,
-                )
-
-    def _add(self, name: str, unit: str, text: str, causality: Any, variability: Any, initial: Any = None) -> None:
-        self.units[name] = unit
-        setter = None if causality == Fmi2Causality.output else (lambda value: self.core.set(name, value))
-        variable = Real(
-            name, causality=causality, variability=variability, initial=initial, description=text,
-            getter=lambda: self.core.get(name), setter=setter,
-        )  # fmt: skip
-        self.register_variable(variable, nested=False)
+        for name, unit, text, kind in core.signals():
+            self.units[name] = unit
+            variable = Real(
+                name, description=text, getter=lambda name=name: core.get(name),
+                setter=None if kind == "output" else (lambda value, name=name: core.set(name, value)), **KINDS[kind],
+            )  # fmt: skip
+            self.register_variable(variable, nested=False)
 
     def to_xml(self, model_options: Any = None) -> Element:
         """The model description, with units and the unknowns of the initialisation."""
@@ -77,22 +55,17 @@ class Unit(Fmi2Slave):
         used = [unit for unit in dict.fromkeys(self.units.values()) if unit in BASE]
         definitions = Element("UnitDefinitions")
         for unit in used:
-            SubElement(
-                SubElement(definitions, "Unit", {"name": unit}), "BaseUnit", {k: str(n) for k, n in BASE[unit].items()}
-            )
+            base = {name: str(power) for name, power in BASE[unit].items()}
+            SubElement(SubElement(definitions, "Unit", {"name": unit}), "BaseUnit", base)
         if used:
             root.insert(1, definitions)
-        variables = root.find("ModelVariables")
-        assert variables is not None
-        for variable in variables:
+        for variable in root.findall("ModelVariables/ScalarVariable"):
             unit = self.units[variable.attrib["name"]]
             if unit in BASE:
                 variable[0].set("unit", unit)
-        structure = root.find("ModelStructure")
-        assert structure is not None
-        unknowns = SubElement(structure, "InitialUnknowns")
-        for outputs in structure.findall("Outputs"):
-            for unknown in outputs:
+        for structure in root.findall("ModelStructure"):
+            unknowns = SubElement(structure, "InitialUnknowns")
+            for unknown in structure.findall("Outputs/Unknown"):
                 SubElement(unknowns, "Unknown", dict(unknown.attrib))
         return root
 

@@ -14,6 +14,14 @@ from tautline.system.handles import Output
 
 SCENE, DESCRIPTION = "scene.yaml", "unit.json"
 """Names of the scene, and of what goes in and out, among the resources."""
+BASE = {
+    "m": {"m": 1}, "m/s": {"m": 1, "s": -1}, "m/s^2": {"m": 1, "s": -2}, "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1}, "N": {"kg": 1, "m": 1, "s": -2}, "N m": {"kg": 1, "m": 2, "s": -2}, "kg": {"kg": 1},
+    "s": {"s": 1}, "1/s": {"s": -1}, "W": {"kg": 1, "m": 2, "s": -3}, "J": {"kg": 1, "m": 2, "s": -2},
+    "kg m^2": {"kg": 1, "m": 2}, "1/m": {"m": -1}, "N s/m": {"kg": 1, "s": -1}, "N s^2/m^2": {"kg": 1, "m": -1},
+    "N m^2": {"kg": 1, "m": 3, "s": -2}, "kg/m": {"kg": 1, "m": -1},
+}  # fmt: skip
+"""Units that are written, by their base units."""
 NEAR = 1.0e-9
 """Difference of the host's time and ours that is rounding, s."""
 
@@ -52,6 +60,21 @@ class Core:
         self.outputs = {
             part: (name, at) for name in self.told["outputs"] for part, at in parts_of(self.sim.outputs.handle(name))
         }
+
+    def signals(self) -> list[tuple[str, str, str, str]]:
+        """Name, unit, meaning and kind (``input``, ``output``, ``parameter``) of all that goes in and out."""
+        sim, found = self.sim, []
+        for name in self.inputs:
+            one = sim.inputs.handle(name).steering
+            found.append((name, one.unit, one.text, "input"))
+        for name, (output, _) in self.outputs.items():
+            read = sim.outputs.handle(output)
+            found.append((name, read.unit, read.text, "output"))
+        taken = {name for name, *_ in found}
+        for name, told in sim.parameters.describe().items():
+            if name not in taken:
+                found.append((name, told["unit"], told["text"], "parameter"))
+        return found
 
     @property
     def ready(self) -> Simulation:

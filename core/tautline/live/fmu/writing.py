@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import sys
 import tempfile
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +21,21 @@ from tautline.version import __version__
 
 SCRIPT = '''"""Written by Tautline: the class that the host makes."""
 
-from tautline.live.fmu.fmi2 import Unit
+from {package} import Fmi{fmi}Slave
+
+from tautline.live.fmu.fmi{fmi} import Unit
 
 
-class {name}(Unit):
+class {name}(Unit, Fmi{fmi}Slave):
     """A Tautline scene."""
 '''
-NEEDS = """Tautline {version} as an FMU for co-simulation, FMI 2.0
+PACKAGES = {2: "pythonfmu", 3: "pythonfmu3"}
+"""What makes an FMU of each version of the standard."""
+STATES = {
+    2: {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True},
+    3: {"canGetAndSetFMUState": True, "canSerializeFMUState": True},
+}
+NEEDS = """Tautline {version} as an FMU for co-simulation, FMI {fmi}.0
 ======================================================
 
 The scene, and the files that it names, lie in resources/. The host needs, on Linux or Windows, 64 bits:
@@ -39,7 +49,7 @@ and at any communication point. Get, set and serialise of the FMU state are ther
 """
 
 
-def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequence[str]) -> list[str]:
+def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequence[str], fmi: int = 2) -> list[str]:
     """Write a scene as an FMU.
 
     Parameters
@@ -49,6 +59,8 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         The ``.fmu``.
     inputs, outputs : sequence of str
         Names, as `tautline.Simulation` has them.
+    fmi : int
+        Version of the standard: 2 or 3.
 
     Returns
     -------
@@ -65,10 +77,13 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         Where the file cannot be written, or PythonFMU is missing.
     """
     path = Path(path)
+    if fmi not in PACKAGES:
+        raise SimulationError(f"there is no FMI {fmi}.0", "take 2 or 3")
+    package = PACKAGES[fmi]
     try:
-        from pythonfmu import FmuBuilder
+        builder = import_module(package).FmuBuilder
     except ModuleNotFoundError:
-        raise ResultError(path, "needs PythonFMU, which is not installed", "pip install 'tautline[fmi]'") from None
+        raise ResultError(path, f"needs {package}, which is not installed", "pip install 'tautline[fmi]'") from None
     if path.suffix != ".fmu":
         raise ResultError(path, "is no name of an FMU", "let it end with .fmu")
     if not path.parent.is_dir():
@@ -84,20 +99,23 @@ def write_fmu(scene: Any, path: str | Path, inputs: Sequence[str], outputs: Sequ
         folder = Path(work)
         files = _files(sim.scene, folder)
         script = folder / f"{name}_unit.py"
-        script.write_text(SCRIPT.format(name=name), encoding="utf8")
+        script.write_text(SCRIPT.format(name=name, fmi=fmi, package=package), encoding="utf8")
         told = {"inputs": list(inputs), "outputs": list(outputs), "name": name, "version": __version__}
         (folder / DESCRIPTION).write_text(json.dumps(told, indent=1), encoding="utf8")
         notes = folder / "documentation"
         notes.mkdir()
-        needs = NEEDS.format(version=__version__, python=".".join(map(str, sys.version_info[:2])))
+        needs = NEEDS.format(version=__version__, fmi=fmi, python=".".join(map(str, sys.version_info[:2])))
         (notes / "index.txt").write_text(needs, encoding="utf8")
         known = sys.path.copy()
         try:
-            FmuBuilder.build_FMU(
-                script, path, [folder / DESCRIPTION, *files], notes,
-                canGetAndSetFMUstate=True, canSerializeFMUstate=True, canBeInstantiatedOnlyOncePerProcess=False,
-                needsExecutionTool=True,
+            # PythonFMU3 names the file itself, and both leave one behind where they fail.
+            made = folder / "made"
+            made.mkdir()
+            builder.build_FMU(
+                script, made, [folder / DESCRIPTION, *files], notes, canBeInstantiatedOnlyOncePerProcess=False,
+                needsExecutionTool=True, **STATES[fmi],
             )  # fmt: skip
+            shutil.copyfile(made / f"{name}.fmu", path)
         except OSError as error:
             raise ResultError(path, f"cannot be written: {error.strerror or error}", "choose another place") from None
         finally:
