@@ -11,8 +11,10 @@ import hose
 import jwell
 import real_time
 import scaling
+import stepping
 import table_2_5
 import variants
+import work_precision
 from page import Section, between, load, machine, quick_asked, table
 
 PAGE = jwell.ROOT / "docs" / "performance.md"
@@ -39,7 +41,8 @@ def main() -> None:
     quick = quick_asked(__doc__)
     before = load()
     modules = (
-        real_time, variants, cold_start, scaling, cable_speed, hose, cranes, accuracy, error_estimates, table_2_5,
+        real_time, stepping, variants, cold_start, scaling, cable_speed, hose, cranes, accuracy, error_estimates,
+        table_2_5, work_precision,
     )  # fmt: skip
     sections = [module.measure(quick) for module in modules]
     measured = machine(before)

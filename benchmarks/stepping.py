@@ -6,6 +6,8 @@ import time
 from statistics import median
 
 import jwell
+import numba
+import numpy as np
 from page import Section, number, show, table
 
 import tautline
@@ -62,6 +64,42 @@ def of(name: str, advances: int) -> tuple[float, ...]:
     )  # fmt: skip
 
 
+SPRING = {"stiffness": [1.0e4, 1.0e4, 0], "damping": [200, 200, 0], "rest": [12.4, 0, 5]}
+
+
+def _spring(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    force = -1.0e4 * (q - (12.4, 0.0, 5.0)) - 200.0 * v
+    force[2] = 0.0
+    return force
+
+
+@numba.njit
+def _compiled(t, q, v, force):
+    force[0] = -1.0e4 * (q[0] - 12.4) - 200.0 * v[0]
+    force[1] = -1.0e4 * q[1] - 200.0 * v[1]
+    force[2] = 0.0
+
+
+def forces(rounds: int) -> list[tuple[str, str]]:
+    """Time of a step, us, of `hoist` with a spring at its load: of the scene, added as Python, added compiled."""
+    free = tautline.read(jwell.ROOT / "data" / "hoist.yaml").replace({"start": "as drawn"})
+    sims = {
+        "none": tautline.Simulation(free, keep=False),
+        "of the scene": tautline.Simulation(free.replace({"bodies[0].spring": SPRING}), keep=False),
+        "added, compiled by numba": tautline.Simulation(free, keep=False),
+        "added, in Python": tautline.Simulation(free, keep=False),
+    }
+    sims["added, compiled by numba"].add_force(_compiled, on="payload.position")
+    sims["added, in Python"].add_force(_spring, on="payload.position")
+    taken: dict[str, list[float]] = {name: [] for name in sims}
+    for _ in range(rounds):
+        for name, sim in sims.items():
+            before = sim.wall_time
+            sim.advance(0.25)
+            taken[name].append(1e6 * (sim.wall_time - before) / 50.0)
+    return [(name, number(median(times))) for name, times in taken.items()]
+
+
 def measure(quick: bool) -> Section:
     """Each scene by itself; an advance is one step of the scene."""
     rows, worst, hoist = [], 0.0, 0.0
@@ -75,9 +113,12 @@ def measure(quick: bool) -> Section:
         "scene", "advance beside its steps", "one step", "input given", "position read", "force read", "save", "restore"
     )  # fmt: skip
     text = (
-        "Microseconds, medians. An advance is one step of the scene; what it costs beside its steps is the same for many. "
-        "A position or velocity is read from the state; a force is computed with all variables of a frame, once an "
-        "advance, however many are read.\n\n" + table(header, rows)
+        "Microseconds, medians. An advance is one step of the scene; what it costs beside its steps is the same for "
+        "many. A position or velocity is read from the state; a force is computed with all variables of a frame, once "
+        "an advance, however many are read.\n\n"
+        + table(header, rows)
+        + "\nA step of `hoist` with a spring at its load, us:\n\n"
+        + table(("spring", "step, us"), forces(6 if quick else 40))
     )
     headline = [
         ("an advance beside its steps, worst of five scenes", f"{number(worst)} us", f"at most {AT_MOST:g} us"),

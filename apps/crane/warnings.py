@@ -19,11 +19,12 @@ from crane.scene.path import DRUM_FLEET_LIMIT
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.sea.compensation import Compensation
 from tautline.kernels.moving_frame import ENTRIES
+from tautline.kernels.time_function import sample
 from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
 from tautline.scene.values.printed import shown
 from tautline.scene.values.ranges import RANGES, in_range, sized
-from tautline.system.time_functions import Samples, compile_functions
+from tautline.system.time_functions import FunctionRequest, compile_functions
 
 LEAST_RATIO = 16.0
 """Sheave over rope diameter below which bending wears a wire rope out quickly; the codes ask for 18 to 25."""
@@ -359,9 +360,9 @@ def _layers(scene: CraneScene, drum: Drum) -> Sentences:
 
 def _compensated(supply: Supply, actuator: Compensation | None) -> Supply:
     """Supply of the operator and of heave compensation together."""
-    if actuator is None or not isinstance(actuator.pay_out, Samples):
+    if actuator is None:
         return supply
-    answered = np.interp(supply.time, actuator.pay_out.time, actuator.pay_out.value)
+    answered = sample(compile_functions([FunctionRequest(actuator.pay_out)]), 0, supply.time)[:, 0]
     return supply._replace(paid_out=supply.paid_out + answered)
 
 

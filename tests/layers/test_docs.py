@@ -59,3 +59,19 @@ def test_the_commands_of_the_page_on_scenes_run_as_they_stand(monkeypatch, tmp_p
         with pytest.raises(SystemExit) as left:
             run(make_app(application), [*words, *more])
         assert not left.value.code, (line, capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("name", ["stepping", "control", "linearisation", "cosimulation"])
+def test_the_python_of_a_page_on_live_simulations_runs_and_is_what_its_notebook_holds(name, monkeypatch):
+    if name == "cosimulation":
+        pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    import notebooks
+
+    assert notebooks.place(name).read_text(encoding="utf8") == notebooks.notebook(name)
+    monkeypatch.chdir(ROOT)
+    space = {}
+    for block in re.findall(
+        r"^```python\n(.*?)^```", (ROOT / "docs" / f"{name}.md").read_text(encoding="utf8"), re.M | re.S
+    ):
+        exec(block, space)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from crane.scene.scene import Anchor, CraneScene, Drum
-from crane.sea.compensation import Compensation, compensate
+from crane.sea.compensation import Compensation, compensate, unlimited
 from crane.sea.frames import Frame, heave_of, requests_of
 from crane.sea.vessel import frames_of
 from tautline.kernels.moving_frame import ENTRIES
@@ -101,5 +101,7 @@ def _compensation(scene: CraneScene, motion: FrameMotion) -> Compensation:
     tip = led[-1]
     k = places[scene.frame_of(tip)]
     point = tip.position if isinstance(tip, Anchor) else tip.center
+    if (free := unlimited(motion.requests, k, places["vessel"], point, asked)) is not None:
+        return free
     heave = heave_of(motion.frames, places["vessel"], k, point, scene.solver.end)
     return compensate(heave, asked.gain, asked.delay, asked.limits, scene.solver.end)

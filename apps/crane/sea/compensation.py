@@ -12,14 +12,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from tautline.kernels.time_function import sample
 from tautline.scene.functions import Constant
-from tautline.system.time_functions import FunctionRequest, Samples, compile_functions
+from tautline.system.time_functions import FrameEntry, FrameLift, FunctionRequest, Samples, compile_functions
 
 PHASE = 0.02
 """Phase of the heave that a step spans, rad."""
@@ -69,9 +70,9 @@ class Compensation:
 
     Attributes
     ----------
-    pay_out : Samples or Constant
+    pay_out : Samples, Constant or FrameLift
         Unstretched rope that it has paid out since t = 0, m; it is added to the operator's.
-    place : Samples or Constant
+    place : Samples, Constant or FrameLift
         Its displacement from the middle of its stroke, m: `pay_out` and where it was at t = 0.
     away : float
         Share of the run during which it is not where it is commanded to be.
@@ -82,8 +83,8 @@ class Compensation:
         Farthest that it is from its command, m.
     """
 
-    pay_out: Samples | Constant
-    place: Samples | Constant
+    pay_out: Samples | Constant | FrameLift
+    place: Samples | Constant | FrameLift
     away: float
     met: dict[str, float]
     error: float
@@ -135,6 +136,38 @@ def compensate(
         shares,
         float(np.abs(moved[0] - command.derivatives[0]).max()),
     )
+
+
+def unlimited(
+    requests: Sequence[FunctionRequest], frame: int, vessel: int, point: Sequence[float], asked: Any
+) -> Compensation | None:
+    """What an actuator does that has no limit: at its command always, a function of the frames' places.
+
+    None where it has a limit, and where it would have to begin with a jump: the heave has a speed at t = 0 and is
+    answered late. Nothing is computed ahead, however long the run is.
+
+    Parameters
+    ----------
+    requests : sequence of FunctionRequest
+        The functions of the frames.
+    frame, vessel : int
+        Numbers of the frame that the tip rides on, and of the vessel.
+    point : sequence of 3 float
+        Where the tip is drawn, m.
+    asked : heave compensation of a scene
+        With ``gain``, ``delay`` and ``limits``.
+    """
+    limits = asked.limits
+    sets = [r.model.frames for r in requests if isinstance(r.model, FrameEntry)]
+    if not sets or any(limit is not None for limit in (limits.stroke, limits.speed, limits.acceleration)):
+        return None
+    x, y, z = (float(c) for c in point)
+    lift = FrameLift(sets[0], frame, vessel, (x, y, z), asked.gain, asked.delay)
+    begins = sample(compile_functions([FunctionRequest(replace(lift, delay=0.0))]), 0, np.zeros(1))[0]
+    if asked.delay > 0.0 and np.any(begins[1:] != 0.0):
+        return None
+    free = {"stroke": 0.0, "speed": 0.0, "acceleration": 0.0}
+    return Compensation(replace(lift, offset=-float(begins[0])), lift, 0.0, free, 0.0)
 
 
 def _still(heave: Samples | Constant, gain: float) -> Compensation:

@@ -43,6 +43,27 @@ class MovingFrames(NamedTuple):
     turns: np.ndarray
 
 
+class Lifts(NamedTuple):
+    """How far one frame's motion lifts points that ride on others, some time ago, times a gain: heave that is answered.
+
+    Attributes
+    ----------
+    frame, still : int64 (n,)
+        Number of the frame that the point rides on, and of that whose motion counts.
+    point : float64 (n, 3)
+        Where it is drawn, m.
+    gain, delay, offset : float64 (n,)
+        ``gain (z(t - delay) - z_still(t - delay)) + offset``; before t = 0 the lift is what it is then.
+    """
+
+    frame: np.ndarray
+    still: np.ndarray
+    point: np.ndarray
+    gain: np.ndarray
+    delay: np.ndarray
+    offset: np.ndarray
+
+
 def new_frames(parent: np.ndarray, pivot: np.ndarray, motion: np.ndarray) -> MovingFrames:
     """Frames that are not placed yet."""
     k = len(parent)
@@ -51,6 +72,13 @@ def new_frames(parent: np.ndarray, pivot: np.ndarray, motion: np.ndarray) -> Mov
         np.asarray(motion, np.int64).reshape(k, MOTIONS), np.zeros((k, AXES, ENTRIES)), np.full(1, np.nan),
         np.zeros((MOTIONS, AXES)), np.zeros((AXES,) * 4),
     )  # fmt: skip
+
+
+@kernel
+def height(frames, k, point, order):
+    """Height of a point of a frame as it is placed, m, or a derivative of it."""
+    place = frames.placed[k, order]
+    return place[2] + point[0] * place[5] + point[1] * place[8] + point[2] * place[11]
 
 
 @kernel

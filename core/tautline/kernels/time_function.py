@@ -14,7 +14,16 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.moving_frame import ENTRIES, MOTIONS, MovingFrames, clear_place, place_frame, places_of
+from tautline.kernels.moving_frame import (
+    ENTRIES,
+    MOTIONS,
+    Lifts,
+    MovingFrames,
+    clear_place,
+    height,
+    place_frame,
+    places_of,
+)
 
 DEGREES = 8
 """Coefficients kept of a polynomial: up to degree 7, the integral of a ramp's rate."""
@@ -72,13 +81,16 @@ class TimeFunctions(NamedTuple):
     waves : float64 (waves, 5)
         Amplitude, w (rad/s), c (rad/s^2), phi (rad), and how long the envelope grows (s, 0: no envelope).
     entry : int64 (n,)
-        Which number of which frame function i is, ``12 frame + number``, or -1.
+        Which number of which frame function i is, ``12 frame + number``; -1 where it is written as tracks and waves,
+        and ``-2 - k`` where it is lift k.
     live : int64 (n,)
         The track of function i that is written while a run goes on, or -1: it is no input.
     frames : MovingFrames
         The frames that functions place.
     sums : LongSums
         Those of many waves.
+    lifts : Lifts
+        What frames lift.
     """
 
     track_from: np.ndarray
@@ -94,30 +106,51 @@ class TimeFunctions(NamedTuple):
     live: np.ndarray
     frames: MovingFrames
     sums: LongSums
+    lifts: Lifts
 
 
 @kernel
 def evaluate(functions, i, t):
     """Return ``(f, df, ddf)`` of function `i` at time `t`: its value, rate and second rate."""
     number = functions.entry[i]
-    if number < 0:
+    if number == -1:
         return _summed(functions, i, t)
+    if number < -1:
+        return _lift(functions, -2 - number, t)
     frames = functions.frames
     if frames.time[0] != t:
-        _place(functions, t)
+        _place(functions, t, -1)
     k, j = number // ENTRIES, number % ENTRIES
     return frames.placed[k, 0, j], frames.placed[k, 1, j], frames.placed[k, 2, j]
 
 
 @kernel
-def _place(functions, t):
-    """Place all frames at a time, parents before children."""
+def _lift(functions, n, t):
+    """Value, rate and second rate of a lift."""
+    lifts, frames = functions.lifts, functions.frames
+    k, point, gain = lifts.frame[n], lifts.point[n], lifts.gain[n]
+    then = max(t - lifts.delay[n], 0.0)
+    _place(functions, then, -1)
+    f, df, ddf = height(frames, k, point, 0), height(frames, k, point, 1), height(frames, k, point, 2)
+    _place(functions, then, lifts.still[n])
+    f -= height(frames, k, point, 0)
+    df -= height(frames, k, point, 1)
+    ddf -= height(frames, k, point, 2)
+    frames.time[0] = np.nan
+    if t < lifts.delay[n]:
+        df, ddf = 0.0, 0.0
+    return gain * f + lifts.offset[n], gain * df, gain * ddf
+
+
+@kernel
+def _place(functions, t, still):
+    """Place all frames at a time, parents before children; one of them may stay as it is drawn."""
     frames = functions.frames
     for k in range(frames.parent.size):
         clear_place(frames)
         for c in range(MOTIONS):
             i = frames.motion[k, c]
-            if i >= 0:
+            if i >= 0 and k != still:
                 frames.moved[c, 0], frames.moved[c, 1], frames.moved[c, 2] = _summed(functions, i, t)
         place_frame(frames, k)
     frames.time[0] = t
@@ -224,7 +257,7 @@ _interpreted = _in_python(_written, _tracks=_in_python(_tracks))
 
 def value_at(functions, i, t):
     """``(f, df, ddf)`` of function `i` at time `t`, s: what :func:`evaluate` computes, for callers in Python."""
-    if functions.entry[i] >= 0:
+    if functions.entry[i] != -1:
         return tuple(float(x) for x in sample(functions, i, np.array([float(t)]))[0])
     f, df, ddf = _interpreted(functions, i, t)
     return float(f), float(df), float(ddf)
@@ -241,8 +274,11 @@ def sample_all(functions, numbers, times):
     placed = None
     for row, i in zip(out, numbers, strict=True):
         entry_ = int(functions.entry[i])
-        if entry_ < 0:
+        if entry_ == -1:
             _sample_written(functions, int(i), times, row)
+            continue
+        if entry_ < -1:
+            row[:] = _sample_lift(functions, -2 - entry_, times)
             continue
         if placed is None:
             placed = _sample_frames(functions, times)
@@ -259,11 +295,25 @@ def _sample_written(functions, i, times, out):
         _sample(functions, i, times, out)
 
 
-def _sample_frames(functions, times):
-    """Places of all frames at many times, (3, m, frames, 12)."""
+def _sample_lift(functions, n, times):
+    """Value, rate and second rate (m, 3) of a lift at many times."""
+    lifts = functions.lifts
+    then = np.maximum(times - lifts.delay[n], 0.0)
+    moved, at_rest = (_sample_frames(functions, then, still)[:, :, lifts.frame[n]] for still in (-1, lifts.still[n]))
+    along = moved - at_rest
+    found = (along[..., 2] + along[..., [5, 8, 11]] @ lifts.point[n]).T * lifts.gain[n]
+    found[times < lifts.delay[n], 1:] = 0.0
+    found[:, 0] += lifts.offset[n]
+    return found
+
+
+def _sample_frames(functions, times, still=-1):
+    """Places of all frames at many times, (3, m, frames, 12); one of them may stay as it is drawn."""
     frames = functions.frames
     moved = np.zeros((frames.parent.size, MOTIONS, times.size, 3))
     for k, c in np.argwhere(frames.motion >= 0):
+        if k == still:
+            continue
         _sample_written(functions, int(frames.motion[k, c]), times, moved[k, c])
     return np.stack(places_of(frames.parent, frames.pivot, moved))
 

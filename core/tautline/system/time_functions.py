@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.kernels.moving_frame import new_frames
+from tautline.kernels.moving_frame import Lifts, new_frames
 from tautline.kernels.time_function import DEGREES, TERMS, LongSums, TimeFunctions
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.functions import Chirp, Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity
@@ -223,6 +223,30 @@ class Parts:
         return whole
 
 
+@dataclass(frozen=True, eq=False)
+class FrameLift:
+    """How far a frame's motion lifts a point, some time ago, times a gain; it stands in a request in place of a model.
+
+    Attributes
+    ----------
+    frames : FrameSet
+    frame, still : int
+        Numbers of the frame that the point rides on, and of that whose motion counts.
+    point : tuple of 3 float
+        Where it is drawn, m.
+    gain, delay, offset : float
+        See `tautline.kernels.moving_frame.Lifts`.
+    """
+
+    frames: FrameSet
+    frame: int
+    still: int
+    point: tuple[float, float, float]
+    gain: float
+    delay: float
+    offset: float = 0.0
+
+
 def compile_functions(requests: Sequence[FunctionRequest]) -> TimeFunctions:
     """Compile functions of time; the i-th request is function i of the result.
 
@@ -234,7 +258,7 @@ def compile_functions(requests: Sequence[FunctionRequest]) -> TimeFunctions:
         If a numerical integral would need too many pieces.
     """
     wanted, frames, motion = _with_motions(requests)
-    written = [Parts() if isinstance(request.model, FrameEntry) else _parts(request) for request in wanted]
+    written = [Parts() if isinstance(request.model, OF_FRAMES) else _parts(request) for request in wanted]
     tracks = [track for part in written for track in part.tracks]
     waves = [wave for part in written for wave in part.waves]
     steered = [i for i, request in enumerate(wanted) if request.inputs]
@@ -255,10 +279,11 @@ def compile_functions(requests: Sequence[FunctionRequest]) -> TimeFunctions:
         wave_from=wave_at[:-1].copy(),
         wave_to=wave_at[1:].copy(),
         waves=np.array(waves, dtype=float).reshape(-1, WAVE_COLUMNS),
-        entry=np.array([_entry(request.model) for request in wanted], dtype=np.int64),
+        entry=_entries(wanted),
         live=live,
         frames=new_frames(*((frames.parent, frames.pivot) if frames else ((), ())), motion),
         sums=_long_sums([part.waves for part in written]),
+        lifts=_lifts(wanted),
     )
 
 
@@ -282,7 +307,7 @@ def all_requests(requests: Sequence[FunctionRequest]) -> list[FunctionRequest]:
 
 def _with_motions(requests: Sequence[FunctionRequest]) -> tuple[list[FunctionRequest], FrameSet | None, Any]:
     """All requests with those of the frames' motions, the frames, and the functions (k, 6) of their motions."""
-    sets = {id(r.model.frames): r.model.frames for r in requests if isinstance(r.model, FrameEntry)}
+    sets = {id(r.model.frames): r.model.frames for r in requests if isinstance(r.model, OF_FRAMES)}
     if len(sets) > 1:
         raise ValueError("the frames of two scenes cannot be compiled together")
     wanted, frames = list(requests), next(iter(sets.values()), None)
@@ -297,8 +322,33 @@ def _with_motions(requests: Sequence[FunctionRequest]) -> tuple[list[FunctionReq
     return wanted, frames, motion
 
 
-def _entry(model: Any) -> int:
-    return 12 * model.frame + model.number if isinstance(model, FrameEntry) else -1
+OF_FRAMES = (FrameEntry, FrameLift)
+"""Models of functions that follow from the places of frames."""
+
+
+def _entries(wanted: Sequence[FunctionRequest]) -> np.ndarray:
+    """What each function is, as `TimeFunctions.entry` says."""
+    entries, lifts = np.full(len(wanted), -1, np.int64), 0
+    for i, request in enumerate(wanted):
+        if isinstance(request.model, FrameEntry):
+            entries[i] = 12 * request.model.frame + request.model.number
+        elif isinstance(request.model, FrameLift):
+            entries[i] = -2 - lifts
+            lifts += 1
+    return entries
+
+
+def _lifts(wanted: Sequence[FunctionRequest]) -> Lifts:
+    """The lifts among the functions, times the factors of their requests."""
+    found = [(r.model, r.factor) for r in wanted if isinstance(r.model, FrameLift)]
+    return Lifts(
+        np.array([one.frame for one, _ in found], dtype=np.int64),
+        np.array([one.still for one, _ in found], dtype=np.int64),
+        np.array([one.point for one, _ in found], dtype=float).reshape(-1, 3),
+        np.array([factor * one.gain for one, factor in found], dtype=float),
+        np.array([one.delay for one, _ in found], dtype=float),
+        np.array([factor * one.offset for one, factor in found], dtype=float),
+    )
 
 
 def _offsets(counts: list[int]) -> np.ndarray:

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crane.sea.compensation import compensate
-from crane.sea.frames import GROUND, Frame, heave_of
-from tautline.kernels.time_function import sample
+from crane.sea.compensation import compensate, unlimited
+from crane.sea.frames import GROUND, Frame, boom, heave_of, requests_of
+from tautline.kernels.jit import entry
+from tautline.kernels.time_function import evaluate, sample
 from tautline.scene.functions import Constant, Harmonic, Spectrum
 from tautline.system.time_functions import FunctionRequest, Samples, compile_functions
 
@@ -216,3 +217,48 @@ def test_any_actuator_in_any_sea_keeps_to_its_limits(stroke, speed, acceleration
     source = heave(SEA.model_copy(update={"seed": seed, "components": 40, "ramp": 0.0}), end)
     assert isinstance(source, Samples)
     assert_within(compensate(source, gain, delay, limits, end), limits, end)
+
+
+@entry
+def _evaluate(functions, i, times, out):
+    for k in range(times.size):
+        out[k, 0], out[k, 1], out[k, 2] = evaluate(functions, i, times[k])
+
+
+@dataclass
+class Asked:
+    gain: float
+    delay: float
+    limits: Limits
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.1, 0.37])
+def test_without_limits_the_loop_itself_finds_what_is_else_computed_ahead(delay):
+    """A tip on a boom that luffs, on a vessel that heaves and rolls; and nothing is longer for a longer run."""
+    ship = Frame(
+        "vessel", GROUND, (3.0, 0.0, -10.0), (NIL, NIL, WAVE, Harmonic(amplitude=0.1, period=11.0, ramp=9.0), NIL, NIL)
+    )
+    frames = (ship, boom("boom", 0, (1.0, 0.0, 0.0), NIL, Harmonic(amplitude=0.1, period=20.0, ramp=9.0)))
+    point, sizes = (30.0, 1.0, 20.0), []
+    for end in (END, 100.0 * END):
+        free = unlimited(requests_of(frames, end), 1, 0, point, Asked(0.95, delay, Limits()))
+        functions = compile_functions([FunctionRequest(free.pay_out, factor=-1.0), FunctionRequest(free.place)])
+        sizes.append(sum(np.size(array) for array in functions[:-4]))
+    assert sizes[0] == sizes[1] and free.away == free.error == 0.0
+    ahead = compensate(heave_of(frames, 0, 1, point, END), 0.95, delay, Limits(), END)
+    at = times(n=4001)[:-1]
+    out = np.zeros((at.size, 3))
+    _evaluate(functions, 0, at, out)
+    wanted = -sampled(ahead.pay_out, at)
+    assert np.abs(out[:, 0] - wanted[:, 0]).max() < 1e-8 and np.abs(out[:, 1] - wanted[:, 1]).max() < 1e-6
+    assert np.allclose(sample(functions, 0, at), out, atol=1e-12)
+    _evaluate(functions, 1, at, out)
+    assert np.abs(out[:, 0] - sampled(ahead.place, at)[:, 0]).max() < 1e-8
+
+
+def test_a_limit_or_a_heave_that_begins_with_a_speed_is_still_computed_ahead():
+    frames = (Frame("vessel", GROUND, (0.0, 0.0, 0.0), (NIL, NIL, Harmonic(amplitude=1.0, period=8.0), NIL, NIL, NIL)),)
+    requests = requests_of(frames, END)
+    assert unlimited(requests, 0, 0, (1.0, 0.0, 0.0), Asked(1.0, 0.3, Limits())) is None
+    assert unlimited(requests, 0, 0, (1.0, 0.0, 0.0), Asked(1.0, 0.0, Limits(stroke=9.0))) is None
+    assert unlimited(requests, 0, 0, (1.0, 0.0, 0.0), Asked(1.0, 0.0, Limits())) is not None

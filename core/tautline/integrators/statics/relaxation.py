@@ -178,4 +178,5 @@ def _frozen(system: System) -> TimeFunctions:
     return TimeFunctions(
         each, each + 1, np.zeros(count + 1, np.int64), np.empty(0), np.zeros(count), rows, none, none.copy(),
         np.empty((0, 5)), np.full(count, -1), np.full(count, -1), system.functions.frames, system.functions.sums,
+        system.functions.lifts,
     )  # fmt: skip

@@ -15,8 +15,9 @@ from tautline.live.fmu.unit import Core, from_bytes, to_bytes
 from tautline.version import __version__
 
 BASE = {
-    "m": {"m": 1}, "m/s": {"m": 1, "s": -1}, "m/s^2": {"m": 1, "s": -2}, "rad": {"rad": 1}, "rad/s": {"rad": 1, "s": -1},
-    "N": {"kg": 1, "m": 1, "s": -2}, "N m": {"kg": 1, "m": 2, "s": -2}, "kg": {"kg": 1}, "s": {"s": 1}, "1/s": {"s": -1},
+    "m": {"m": 1}, "m/s": {"m": 1, "s": -1}, "m/s^2": {"m": 1, "s": -2}, "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1}, "N": {"kg": 1, "m": 1, "s": -2}, "N m": {"kg": 1, "m": 2, "s": -2}, "kg": {"kg": 1},
+    "s": {"s": 1}, "1/s": {"s": -1},
     "W": {"kg": 1, "m": 2, "s": -3}, "J": {"kg": 1, "m": 2, "s": -2}, "kg m^2": {"kg": 1, "m": 2}, "1/m": {"m": -1},
     "N s/m": {"kg": 1, "s": -1}, "N s^2/m^2": {"kg": 1, "m": -1}, "N m^2": {"kg": 1, "m": 3, "s": -2},
     "kg/m": {"kg": 1, "m": -1},

@@ -1,4 +1,4 @@
-"""Writing a scene as an FMU: the scene and the files that it names, what goes in and out, and the small slave script."""
+"""Writing a scene as an FMU: the scene and the files that it names, what goes in and out, and a small script."""
 
 from __future__ import annotations
 
