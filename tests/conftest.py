@@ -37,11 +37,15 @@ def _no_helpers_beside_workers():
 
 NOT_RUN = ("references", "figures", "results", "input", "view", "wellbore", "layers")
 """Folders of tests that read, draw or integrate apart, and have next to nothing compiled; the last runs a scene."""
+FIRST = Path("physics") / "test_relaxation.py"
+"""Has the loops over steps of ropes compiled, which the second worker is the first to need, for a scene that is read.
+
+They take ten seconds each. Strings have their own, and both workers would come to those of ropes at one time."""
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """Strings first, all else after them, and what compiles nothing in the middle.
+    """Loops of ropes first, then strings, all else after them, and what compiles nothing in the middle.
 
     With ``--dist worksteal`` two workers begin at the first test and at the middle one. They would otherwise compile
     the same at the same time: the loop over steps as they begin, and then the kinds of groups of one application. So
@@ -50,7 +54,7 @@ def pytest_collection_modifyitems(items):
     apart = [item for item in items if _folder(item) in NOT_RUN]
     apart.sort(key=lambda item: NOT_RUN.index(_folder(item)))
     run = [item for item in items if _folder(item) not in NOT_RUN]
-    run.sort(key=lambda item: not _is_of_strings(item.path))
+    run.sort(key=lambda item: (item.path != TESTS / FIRST, not _is_of_strings(item.path)))
     middle = len(items) // 2
     items[:] = [*run[:middle], *apart, *run[middle:]]
 
