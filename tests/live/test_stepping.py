@@ -277,6 +277,45 @@ def test_what_stops_keeps_its_frames_and_can_be_restored():
     assert not sim.stopped and sim.time == pytest.approx(1.5)
 
 
+def test_an_input_that_the_scene_itself_moves_goes_on_from_its_speed():
+    """The winch of the scene hoists at 2 m/s: positions that go on so are followed without a stop."""
+    sim = tautline.Simulation(scene_of("hoist"), keep=False)
+    sim.advance_to(2.0)
+    out, speeds = sim["winch.pay_out"], []
+    for k in range(1, 11):
+        sim.inputs["winch.pay_out"] = out - 2.0 * 0.02 * k
+        sim.advance(0.02)
+        speeds.append(sim["winch.pay_out_speed"])
+    assert np.allclose(speeds, -2.0, atol=1e-6)
+
+
+def test_after_ctrl_c_a_simulation_stands_between_two_steps_and_goes_on():
+    import signal
+    import threading
+
+    sim, other = (tautline.Simulation(scene_of("jwell"), keep=1.0) for _ in range(2))
+    timer = threading.Timer(0.3, signal.raise_signal, (signal.SIGINT,))
+    timer.start()
+    with pytest.raises(tautline.Interrupted) as stop:
+        sim.advance_to(1.0e5)
+    assert 0.0 < sim.time < 1.0e5 and stop.value.result["time"][-1] <= sim.time
+    end = np.ceil(sim.time) + 0.5
+    sim.advance_to(end)
+    other.advance_to(end)
+    assert np.abs(sim["position"] - other["position"]).max() < 1e-6
+
+
+def test_what_stops_without_frames_says_so_all_the_same():
+    sim = tautline.Simulation(scene_of("hoist"), keep=False)
+    with pytest.raises(StoppedEarly) as stop:
+        for _ in range(1000):
+            sim.inputs["winch.pay_out_speed"] = -20.0
+            sim.advance(0.05)
+    assert stop.value.result is None and sim.stopped
+    with pytest.raises(SimulationError, match="keep=True"):
+        sim.result  # noqa: B018
+
+
 def test_ten_thousand_advances_leak_nothing():
     sim = tautline.Simulation(scene_of("hoist"), inputs=["winch.pay_out"], keep=1.0)
     out = sim["winch.pay_out"]

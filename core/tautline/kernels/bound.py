@@ -34,7 +34,7 @@ class Bound:
     """
 
     def __init__(self, function: Any, *arguments: Any) -> None:
-        self.function, self.arguments = function, list(arguments)
+        self.function, self.arguments, self._found = function, list(arguments), (0, 0, 0.0)
         if config.DISABLE_JIT:
             return
         signature = tuple(kind_of(x) for x in arguments)
@@ -59,8 +59,16 @@ class Bound:
     def __call__(self) -> tuple[int, int, float]:
         """What the function gives back; the interpreter's lock is released meanwhile."""
         if config.DISABLE_JIT:
-            return self.function(*self.arguments)
-        _call(self._code, self._at)
+            self._found = self.function(*self.arguments)
+        else:
+            _call(self._code, self._at)
+        return self.found
+
+    @property
+    def found(self) -> tuple[int, int, float]:
+        """What the last call has given back, also where Ctrl-C was heard as it ended."""
+        if config.DISABLE_JIT:
+            return self._found
         return int(self._words[1]), int(self._words[2]), float(self._floats[3])
 
 

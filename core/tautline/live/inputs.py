@@ -20,7 +20,7 @@ from tautline.system.handles import Input
 
 TARGET, RATE, SECOND, SLOPE, STATE = range(5)
 """Columns of the memory of an input: value, rate and second rate to be reached (NaN: to be chosen), slope of the last
-advance, and one of the following."""
+advance (NaN: none was given yet), and one of the following."""
 AS_WRITTEN, AT_REST, MOVING, GIVEN = 0.0, 1.0, 2.0, 3.0
 """As the scene has it; at its value, at rest; at its value, moving; given anew, to be reached in the next advance."""
 PIECES = 3
@@ -43,6 +43,7 @@ class Inputs(Mapping[str, Any]):
         self._numbers = {name: k for k, name in enumerate(inputs)}
         self._list = list(inputs.values())
         self.memory = np.zeros((len(inputs), 5))
+        self.memory[:, SLOPE] = np.nan
         self._active: set[int] = set()
 
     def __iter__(self) -> Iterator[str]:
@@ -154,8 +155,11 @@ class Inputs(Mapping[str, Any]):
         """Write the ways of all functions that an input drives."""
         h, members = end - begin, self._list[k].members
         steering, function = members[0]
-        slope = (row[TARGET] - self._now(function)[steering.order] / steering.factor) / h
-        rate = row[RATE] if np.isfinite(row[RATE]) else _between(row[SLOPE], slope)
+        now = self._now(function)
+        slope = (row[TARGET] - now[steering.order] / steering.factor) / h
+        # What the scene itself has moved goes on from its rate.
+        before = row[SLOPE] if np.isfinite(row[SLOPE]) else now[steering.order + 1] / steering.factor
+        rate = row[RATE] if np.isfinite(row[RATE]) else _between(before, slope)
         at_end = row[TARGET], rate, row[SECOND]
         for steering, function in members:
             f, g = self._now(function), [steering.factor * x for x in at_end]

@@ -231,10 +231,6 @@ class Simulation:
             frame = self._next
             end = frame if frame <= time else time
             self._go(begin, end)
-            if end == frame:
-                self._kept.add(self._frames.rows[0])
-                self._frame += 1
-                self._next = self._frame_time(self._frame)
             if end == time:
                 return
             begin = end
@@ -261,9 +257,20 @@ class Simulation:
                 if filled:
                     break
         except KeyboardInterrupt:
-            self._leave(begin, end)
-            raise Interrupted(self._time, self.result) from None
+            if self._loop.found[1]:
+                self._arrive(end)
+            else:
+                self._leave(begin, end)
+            raise Interrupted(self._time, self._so_far) from None
+        self._arrive(end)
+
+    def _arrive(self, end: float) -> None:
+        """Stand at the end of an advance, or of a part of it, and keep the frame where it is one of the output."""
         self._time = end
+        if end == self._next:
+            self._kept.add(self._frames.rows[0])
+            self._frame += 1
+            self._next = self._frame_time(self._frame)
 
     def _call(self, begin: float) -> tuple[int, int, float]:
         """Run the compiled loop, and keep the time it took."""
@@ -288,7 +295,7 @@ class Simulation:
         if self._step > critical:
             detail = f"step {self._step:g} s, critical step {critical:.4g} s"
             self._stopped = "the explicit method is unstable at this step"
-            raise StoppedEarly(Status.UNSTABLE, self._time, self.model.system.names[worst], detail, self.result)
+            raise StoppedEarly(Status.UNSTABLE, self._time, self.model.system.names[worst], detail, self._so_far)
 
     def _leave(self, begin: float, end: float) -> None:
         """Stand where an advance was left in its middle."""
@@ -307,7 +314,7 @@ class Simulation:
         self._stand_at(reached)
         part = self.model.system.name_of(int(self._state.counters[WORST]))
         self._stopped = f"{status.name} at {reached:.6g} s"
-        raise StoppedEarly(status, reached, part, "", self.result)
+        raise StoppedEarly(status, reached, part, "", self._so_far)
 
     def _stand_at(self, time: float) -> None:
         """Make the outputs those of the state as it is, at a time that is no end of an advance."""
@@ -329,6 +336,11 @@ class Simulation:
     def __getitem__(self, name: str) -> Any:
         """An output by its name; raises UnknownName."""
         return self.outputs[name]
+
+    @property
+    def _so_far(self) -> Result | None:
+        """The result, where frames were kept."""
+        return self.result if self._kept.rows.size else None
 
     @property
     def result(self) -> Result:
