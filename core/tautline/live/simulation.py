@@ -68,7 +68,6 @@ class Simulation:
         without being named here; what it holds still has to be named.
     keep : bool or float
         Frames that are kept for `result`: all, none, or those of the last so many seconds.
-
     parameters : mapping, optional
         Values of parameters by name, with which the start is found.
 
@@ -94,7 +93,7 @@ class Simulation:
 
         self.scene = scene if hasattr(scene, "document") else read(scene)
         self._application = Installed().of(self.scene)
-        self._named = tuple(inputs or ())
+        self._named = (inputs,) if isinstance(inputs, str) else tuple(inputs or ())
         self._keep = keep
         model = self._application.build(self._application.driven(self.scene, self._named))
         self._prepare(model)
