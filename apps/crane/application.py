@@ -32,3 +32,9 @@ class Crane(Packaged):
     def driven(self, scene: Any, names: Any) -> Any:
         """The scene with what is named free to be driven; a vessel comes under it where its motion is named."""
         return self._module("handles").driven(scene, tuple(names))
+
+    def twin_extras(self, scene: Any, map: Any) -> Any:
+        """A crane's part of a twin."""
+        from crane.twin.extras import CraneExtras
+
+        return CraneExtras(scene, map)

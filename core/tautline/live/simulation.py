@@ -388,6 +388,29 @@ class Simulation:
         self._frame, self._next = k, self._frame_time(k)
         self._unchecked = 0.0
 
+    def displace(self, name: str, by: Sequence[float]) -> None:
+        """Add to a position or a velocity of a thing, as a blow does: ``sim.displace("payload.velocity", [0, 0, 0.1])``.
+
+        What is prescribed or held in a direction stays as it is in that.
+
+        Raises
+        ------
+        UnknownName, SimulationError
+            For what is no position or velocity of a thing, and what is no vector of its size.
+        """
+        found = self.outputs.handle(name).places
+        given = np.asarray(by, float)
+        if found is None:
+            raise SimulationError(f"{name} is not the position or velocity of a thing", "give payload.velocity")
+        vector, places = found
+        if given.shape != places.shape or not np.isfinite(given).all():
+            raise SimulationError(f"{by!r} is no displacement of {name}", f"give {places.size} finite numbers")
+        full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
+        number = self.model.system.dofs.number[places]
+        full[places[number >= 0]] += given[number >= 0]
+        reduced[number[number >= 0]] += given[number >= 0]
+        self._observed = None
+
     def copy(self) -> Simulation:
         """Another simulation that stands at the same place and goes on by itself."""
         other = Simulation.__new__(Simulation)

@@ -1,0 +1,74 @@
+"""Alarms: what is true, since when, and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+CLEAR = 1.0
+"""How long a condition has to be over before its alarm ends, s: one that flutters is one alarm."""
+
+
+@dataclass
+class Active:
+    """An alarm, with when its condition was seen last."""
+
+    since: float
+    seen: float
+    text: str
+
+
+class Alarms:
+    """Alarms by name."""
+
+    def __init__(self) -> None:
+        self.active: dict[str, Active] = {}
+        self._begun: dict[str, float] = {}
+
+    def judge(self, name: str, holds: bool, time: float, text: str, lasting: float = 0.0) -> None:
+        """Take notice of a condition at a time.
+
+        Parameters
+        ----------
+        lasting : float
+            How long it has to hold, s.
+        """
+        if not holds:
+            self._begun.pop(name, None)
+            alarm = self.active.get(name)
+            if alarm is not None and time - alarm.seen >= CLEAR:
+                del self.active[name]
+            return
+        begun = self._begun.setdefault(name, time)
+        if name in self.active:
+            self.active[name].seen, self.active[name].text = time, text
+        elif time - begun >= lasting - 1e-9:
+            self.active[name] = Active(time, time, text)
+
+    def told(self) -> list[dict[str, Any]]:
+        """What stands in a line of the twin."""
+        return [{"name": name, "since": one.since, "text": one.text} for name, one in self.active.items()]
+
+    def memory(self) -> dict[str, Any]:
+        """What a later process needs to go on."""
+        return {name: [one.since, one.seen, one.text] for name, one in self.active.items()}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from what an earlier process kept."""
+        self.active = {name: Active(float(a), float(b), str(c)) for name, (a, b, c) in memory.items()}
+
+
+def beyond(value: float, above: float, below: float) -> bool:
+    """Whether a value is above the one bound or below the other."""
+    return bool(value > above or value < below)
+
+
+def bound_said(value: float, above: float, below: float, unit: str) -> str:
+    """``61.2 kN, above 60 kN``."""
+    high = value > above or not math.isfinite(below)
+    word, bound = ("above", above) if high else ("below", below)
+    from tautline.scene.values.printed import quantity
+
+    return f"{quantity(value, unit)}, {word} {quantity(bound, unit)}"

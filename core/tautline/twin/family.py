@@ -1,0 +1,165 @@
+"""Simulations side by side: one at the estimate, and one for each number that is not known, a little off in it.
+
+Not known are parameters, and the free motion that the machine has at the begin of a window: a load bounces on its rope
+for minutes, by blows that no sensor saw. The neighbour of a free motion gets a blow at the begin.
+
+Their differences are the derivatives of everything with respect to the parameters, the state's own memory of them
+included: the one that is heavier has always been so. A simulation whose mass is changed in the middle of a run bounces;
+this one does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from tautline.live.memory import State
+    from tautline.live.simulation import Simulation
+
+LONGEST = 0.5
+"""Longest advance at a time, s."""
+
+
+class Family:
+    """A simulation and its neighbours.
+
+    Parameters
+    ----------
+    simulations : sequence of Simulation
+        The one at the parameters, then one for each parameter.
+    names : sequence of str
+        Parameters (p,).
+    blows : sequence of Blow
+        Free motions (b,).
+
+    Attributes
+    ----------
+    at : (p,)
+        Parameters of the first.
+    apart : (p + b,)
+        How far each neighbour is off in its own; of free motions in blows of the usual size.
+    """
+
+    def __init__(self, simulations: Sequence[Simulation], names: Sequence[str], blows: Sequence[Blow] = ()) -> None:
+        self.simulations, self.names, self.blows = list(simulations), list(names), list(blows)
+        self.at, self.apart = np.zeros(len(names)), np.ones(len(names) + len(blows))
+        self._blows_due: list[tuple[float, int]] = []
+
+    @property
+    def time(self) -> float:
+        """Where they all stand, s."""
+        return self.simulations[0].time
+
+    def parameters_of(self, i: int) -> np.ndarray:
+        """Parameters (p,) of the i-th simulation."""
+        theta = self.at.copy()
+        if 0 < i <= theta.size:
+            theta[i - 1] += self.apart[i - 1]
+        return theta
+
+    def set_parameters(self) -> None:
+        """Give every simulation its parameters."""
+        for i, sim in enumerate(self.simulations):
+            for name, value in zip(self.names, self.parameters_of(i), strict=True):
+                sim.parameters[name] = value
+
+    def advance(self, time: float, inputs: Sequence[tuple[str, np.ndarray]]) -> None:
+        """Go on to a time with inputs that are reached there: name, (value, rate, second rate)."""
+        while self._blows_due and self._blows_due[0][0] <= self.time + 1e-9:
+            k = self._blows_due.pop(0)[1]
+            self.simulations[1 + len(self.names) + k].displace(self.blows[k].output, self.blows[k].by)
+        for sim in self.simulations:
+            for name, state in inputs:
+                sim.inputs[name] = tuple(state.tolist())
+            sim.advance_to(time)
+
+    def read(self, names: Sequence[str]) -> list[np.ndarray]:
+        """Outputs of all: one array (1 + p, ...) for each name."""
+        values = [[np.asarray(sim[name], float) for name in names] for sim in self.simulations]
+        return [np.array([row[i] for row in values]) for i in range(len(names))]
+
+    def derivatives(self, values: np.ndarray) -> np.ndarray:
+        """(..., p + b) of what `read` gave."""
+        if len(values) == 1:
+            return np.zeros((*values.shape[1:], 0))
+        return np.moveaxis((values[1:] - values[0]), 0, -1) / self.apart
+
+    def save(self) -> list[State]:
+        """States of all."""
+        return [sim.save() for sim in self.simulations]
+
+    def restore(self, states: Sequence[State]) -> None:
+        """Stand where states were saved; parameters are those of the states."""
+        for sim, state in zip(self.simulations, states, strict=True):
+            sim.restore(state)
+
+    def stand(
+        self, states: Sequence[State], of: Family, shift: np.ndarray, apart: np.ndarray, late: float,
+        bounce: np.ndarray | None = None,
+    ) -> None:  # fmt: skip
+        """Stand where another family was saved, at other numbers; the blows are given anew.
+
+        Parameters
+        ----------
+        states : sequence of State
+            Of all of the other family.
+        of : Family
+            The other family, of which ``at`` and ``apart`` tell what its states differ in.
+        shift : (p + b,)
+            Of the first simulation from the other's first.
+        apart : (p,)
+            How far the neighbours shall be off in their parameters.
+        late : float
+            How long after that late blows come, s.
+        bounce : (p, b), optional
+            Free motion in the difference of each neighbour, a unit of its parameter, which is taken out of it: by the
+            difference of their frequencies it would grow with time, and the blows stand for all free motion.
+        """
+        base, others = states[0], [state.block for state in states[1:]]
+        p, memory = len(self.names), self.simulations[0]._memory
+        at = of.at + shift[:p]
+        for i, sim in enumerate(self.simulations):
+            weights = shift / of.apart
+            if 0 < i <= p:
+                weights[i - 1] += apart[i - 1] / of.apart[i - 1]
+                if bounce is not None:
+                    weights[p:] -= apart[i - 1] * bounce[i - 1] / of.apart[p:]
+            block = memory.combine(base.block, others, weights) if others else base.block
+            sim.restore(replace(base, block=block))
+        self.at, self.apart = at, np.append(apart, np.ones(len(self.blows)))
+        self.set_parameters()
+        self.strike(late)
+
+    def strike(self, late: float) -> None:
+        """Give the neighbours of free motions their blows: now, or a time later, s, where a blow comes late."""
+        due = [(self.time + (late if blow.late else 0.0), k) for k, blow in enumerate(self.blows)]
+        self._blows_due = sorted(due)
+
+
+@dataclass(frozen=True)
+class Blow:
+    """What sets a free motion off.
+
+    Attributes
+    ----------
+    output : str
+        A velocity of a thing.
+    by : (3,)
+        What is added to it: as much as is usual.
+    late : bool
+        Whether it comes a quarter of the motion's period later: two blows make any amplitude and phase.
+    """
+
+    output: str
+    by: tuple[float, ...]
+    late: bool = False
+
+
+def steps_to(begin: float, end: float) -> list[float]:
+    """Times of advances that are not too long, s."""
+    n = max(1, int(np.ceil((end - begin) / LONGEST - 1e-9)))
+    return [begin + (end - begin) * (k + 1) / n for k in range(n)]

@@ -1,0 +1,302 @@
+"""The estimate by a moving horizon: Gauss-Newton over the last seconds, with a prior from all that was before.
+
+Measured values y of a window are compared with those that simulations compute, y0 at the parameters theta0 and their
+derivatives J. The estimate minimises
+
+    (theta - m)' L (theta - m) + sum over the window of (y - y0 - J (theta - theta0))' W (y - y0 - J (theta - theta0)),
+
+with the prior's mean m and information L. What leaves the window is added to the prior (C. V. Rao, J. B. Rawlings and
+D. Q. Mayne, IEEE Trans. Automatic Control 48, 2003, "arrival cost"); a random walk takes information away again.
+
+W is the inverse of the sensor's variance, times the number of samples that count as one: residuals that are alike from
+sample to sample, from an oscillation that the simulation does not have or from noise of the inputs, tell less than
+their number (the integrated autocorrelation time).
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tautline.twin.map import Channel, Unknown
+
+LARGEST_RESIDUAL = 4.0
+"""Residuals beyond so many scales of the window count less (Huber)."""
+CONTRADICTION = 30.0
+"""Squared distance of the window's own estimate from the prior, in standard deviations, beyond which the prior is
+released."""
+LASTING = 0.6
+"""Share of the window over which that has to last."""
+KNOWN = 2.0
+"""Information over that of the start from which on a direction counts as seen by the sensors."""
+TINY = 1e-4
+"""Information, over that of the start, that a window has of what it does not see."""
+ALONE = 0.95
+"""Share of a direction that is one unknown's own."""
+MEMORY = 10.0
+"""Windows over which autocorrelation is averaged."""
+ROUGH = 0.01
+"""Standard deviation over the reading where none is given, until residuals tell."""
+
+
+@dataclass
+class Sample:
+    """One sample of the window: y, y0 (m,), J (m, k), and which of the m count."""
+
+    time: float
+    y: np.ndarray
+    y0: np.ndarray
+    J: np.ndarray
+    use: np.ndarray
+
+
+class Horizon:
+    """The estimate and its standard deviations.
+
+    Parameters
+    ----------
+    unknowns : list of Unknown
+        k, those of free motions last.
+    channels : list of Channel
+        Sensors that are compared, m.
+    window : float
+        s.
+    free : int
+        How many of the unknowns are free motions, known anew in every window.
+
+    Attributes
+    ----------
+    theta0 : (k,)
+        Where the simulations were linearised.
+    mean, covariance : (k,), (k, k)
+        The estimate.
+    released : float
+        Time at which the prior was released for the last time; minus infinity.
+    """
+
+    def __init__(
+        self, unknowns: Sequence[Unknown], channels: Sequence[Channel], window: float, free: int = 0
+    ) -> None:
+        self.unknowns, self.channels, self.window = list(unknowns), list(channels), window
+        k, m = len(self.unknowns), len(self.channels)
+        self.free = np.arange(k) >= k - free
+        self.start = np.array([one.start for one in unknowns])
+        self.first_sd = np.array([one.sd for one in unknowns])
+        self.low = np.array([one.low for one in unknowns])
+        self.high = np.array([one.high for one in unknowns])
+        self.walk = np.array([one.drift for one in unknowns]) ** 2
+        self.sd = np.array([one.sd for one in channels])
+        self.relative = np.array([one.relative for one in channels], bool)
+        self.theta0, self.mean = self.start.copy(), self.start.copy()
+        self.prior_mean = self.start.copy()
+        self.prior = np.diag(1.0 / self.first_sd**2) if k else np.zeros((0, 0))
+        self.prior_time = np.nan
+        self.covariance = np.linalg.inv(self.prior) if k else np.zeros((0, 0))
+        self.samples: deque[Sample] = deque()
+        self.spread, self.correlation = np.ones(m), np.ones(m)
+        self.at_bound = np.zeros(k, bool)
+        self.released, self._contradicted = -np.inf, np.nan
+        self._variance = np.zeros(m)
+        self._alike = np.ones(m)
+
+    # -- samples -------------------------------------------------------------------------------------------------------
+
+    def add(self, sample: Sample) -> None:
+        """Take a sample into the window, and those that are too old out of it."""
+        self.samples.append(sample)
+        if not np.isfinite(self.prior_time):
+            self.prior_time = sample.time
+        while self.samples[0].time < sample.time - self.window - 1e-9:
+            self._leave(self.samples.popleft())
+        self.solve()
+
+    def replaced(self, samples: Sequence[Sample], theta0: np.ndarray) -> None:
+        """The same window, linearised elsewhere, with the free motions at its begin unknown anew."""
+        self.samples, self.theta0 = deque(samples), theta0.copy()
+        lasting = ~self.free
+        if self.free.any():
+            known = np.linalg.inv(np.linalg.inv(self.prior)[np.ix_(lasting, lasting)])
+            self.prior = np.diag(1.0 / self.first_sd**2)
+            self.prior[np.ix_(lasting, lasting)] = known
+            self.prior_mean = np.where(self.free, 0.0, self.prior_mean)
+            self.mean = np.where(self.free, 0.0, self.mean)
+        self.solve()
+
+    def drop_before(self, time: float) -> None:
+        """Let samples before a time, s, leave the window."""
+        while self.samples and self.samples[0].time < time - 1e-9:
+            self._leave(self.samples.popleft())
+
+    def _leave(self, sample: Sample) -> None:
+        """What a sample tells goes into the prior."""
+        if not self.unknowns:
+            return
+        self._walk_to(sample.time)
+        info, pull = self._information([sample])
+        total = self.prior + info
+        self.prior_mean = np.linalg.solve(total, self.prior @ self.prior_mean + pull)
+        self.prior = total
+
+    def _walk_to(self, time: float) -> None:
+        """Take information away from the prior as time goes by."""
+        passed, self.prior_time = time - self.prior_time, time
+        if passed > 0.0 and self.walk.any():
+            spread = np.linalg.inv(self.prior) + np.diag(self.walk * passed)
+            self.prior = np.linalg.inv(spread)
+
+    # -- the estimate --------------------------------------------------------------------------------------------------
+
+    def deviations(self, y0: np.ndarray) -> np.ndarray:
+        """Standard deviations of the sensors (..., m)."""
+        given = np.where(self.relative, self.sd * np.abs(y0), self.sd)
+        found = np.maximum(np.sqrt(self._variance), 1e-12)
+        guess = np.where(self._variance > 0.0, found, ROUGH * np.abs(y0) + 1e-12)
+        return np.where(np.isfinite(given), np.maximum(given, 1e-12), guess)
+
+    def _stacked(self, samples: Sequence[Sample]) -> tuple[np.ndarray, ...]:
+        y = np.array([s.y for s in samples])
+        y0 = np.array([s.y0 for s in samples])
+        J = np.array([s.J for s in samples])
+        use = np.array([s.use for s in samples]) & np.isfinite(y)
+        return y, y0, J, use
+
+    def _information(self, samples: Sequence[Sample]) -> tuple[np.ndarray, np.ndarray]:
+        """J' W J and J' W (y - y0 + J theta0) of samples, with the estimate's residuals for the weights."""
+        y, y0, J, use = self._stacked(samples)
+        residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
+        sd = self.deviations(y0)
+        scale = sd * np.maximum(1.0, np.sqrt(self.spread))
+        far = np.abs(residual) / (LARGEST_RESIDUAL * scale)
+        weight = np.where(use, 1.0 / (sd**2 * self.correlation), 0.0) / np.maximum(1.0, far)
+        info = np.einsum("nmi,nm,nmj->ij", J, weight, J)
+        wanted = np.where(use, y - y0, 0.0) + J @ self.theta0
+        return info, np.einsum("nmi,nm,nm->i", J, weight, wanted)
+
+    def solve(self) -> None:
+        """Find the estimate of the window and its prior."""
+        if not self.unknowns or not self.samples:
+            return
+        samples = list(self.samples)
+        self.mean = np.clip(self.mean, self.low, self.high)
+        for _ in range(2):  # the weights of far residuals follow the estimate
+            info, pull = self._information(samples)
+            total = self.prior + info
+            self.mean = self._within(total, self.prior @ self.prior_mean + pull)
+        self.covariance = np.linalg.inv(total)
+        self._judge(info, pull, samples[-1].time)
+        self._learn(samples)
+
+    def _within(self, total: np.ndarray, pull: np.ndarray) -> np.ndarray:
+        """The minimum within the ranges: what would leave its range stands at the end of it."""
+        fixed = np.zeros(len(pull), bool)
+        mean = np.linalg.solve(total, pull)
+        for _ in range(len(pull)):
+            beyond = (mean < self.low) | (mean > self.high)
+            if not beyond.any():
+                break
+            fixed |= beyond
+            mean = np.where(fixed, np.clip(mean, self.low, self.high), mean)
+            free = ~fixed
+            if not free.any():
+                break
+            rest = pull[free] - total[np.ix_(free, fixed)] @ mean[fixed]
+            mean[free] = np.linalg.solve(total[np.ix_(free, free)], rest)
+        self.at_bound = fixed
+        return mean
+
+    def _judge(self, info: np.ndarray, pull: np.ndarray, time: float) -> None:
+        """Release the prior where the window contradicts it for long: the thing itself has changed."""
+        last = ~self.free
+        # What the window says alone, with free motions as unknown as ever.
+        alone = info + np.diag(np.where(self.free, 1.0 / self.first_sd**2, TINY / self.first_sd**2))
+        spread = np.linalg.inv(alone)[np.ix_(last, last)]
+        apart = (np.linalg.solve(alone, pull) - self.prior_mean)[last]
+        spread = spread + np.linalg.inv(self.prior)[np.ix_(last, last)]
+        distance = float(apart @ np.linalg.solve(spread, apart)) if last.any() else 0.0
+        if distance < CONTRADICTION:
+            self._contradicted = np.nan
+            return
+        if not np.isfinite(self._contradicted):
+            self._contradicted = time
+        if time - self._contradicted >= LASTING * self.window:
+            wider = np.linalg.inv(self.prior) * distance / last.sum()
+            most = np.diag(self.first_sd**2)
+            narrow = np.all(np.diag(wider)[last] < np.diag(most)[last])
+            self.prior = np.linalg.inv(wider) if narrow else np.linalg.inv(most)
+            self.released, self._contradicted = time, np.nan
+
+    def _learn(self, samples: Sequence[Sample]) -> None:
+        """Learn how residuals spread, and how many samples count as one."""
+        if len(samples) < 8:
+            return
+        y, y0, J, use = self._stacked(samples)
+        sd = self.deviations(y0)
+        e = np.where(use, y - y0 - J @ (self.mean - self.theta0), 0.0)
+        share = 1.0 / (MEMORY * len(samples))
+        for i in range(e.shape[1]):
+            own = e[use[:, i], i]
+            if own.size < 8:
+                continue
+            part = (own - 0.0) / sd[use[:, i], i]
+            power = float(np.mean(part**2))
+            keep = min(1.0, max(share, 1.0 / (1.0 + own.size)))
+            self.spread[i] += keep * (power - self.spread[i])
+            if not np.isfinite(self.sd[i]):
+                middle = float(np.median(np.abs(own)) / 0.6745) ** 2
+                self._variance[i] = middle if self._variance[i] == 0.0 else (1 - share) * self._variance[i] + share * middle
+            self._alike[i] += share * 3.0 * (_alike(part) - self._alike[i])
+            self.correlation[i] = max(1.0, self.spread[i]) * max(1.0, self._alike[i])
+
+    # -- what it tells -------------------------------------------------------------------------------------------------
+
+    @property
+    def deviation(self) -> np.ndarray:
+        """Standard deviations of the estimate (k,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def expected(self, sample: Sample) -> tuple[np.ndarray, np.ndarray]:
+        """What is expected of a sample before it is taken: residuals (m,), and their standard deviations."""
+        y0 = sample.y0 + sample.J @ (self.mean - self.theta0) if self.unknowns else sample.y0
+        sd = self.deviations(sample.y0) * np.sqrt(np.clip(self.spread, 1.0, 9.0))
+        own = np.zeros_like(sd)
+        if self.unknowns:
+            own = np.einsum("mi,ij,mj->m", sample.J, self.covariance, sample.J)
+        return np.where(sample.use, sample.y - y0, np.nan), np.sqrt(sd**2 + own)
+
+    def not_observable(self) -> list[str]:
+        """Sentences on what the sensors have not shown so far."""
+        if self.free.all():
+            return []
+        last = ~self.free
+        known = np.linalg.inv(self.covariance[np.ix_(last, last)])
+        scaled = known * np.outer(self.first_sd[last], self.first_sd[last])
+        values, vectors = np.linalg.eigh(scaled)
+        told = []
+        for value, vector in zip(values, vectors.T, strict=True):
+            if value >= KNOWN:
+                continue
+            order = np.argsort(-np.abs(vector))
+            names = [self.unknowns[i].name for i in order if abs(vector[i]) > 0.25]
+            if len(names) < 2 or abs(vector[order[0]]) > ALONE:
+                told.append(f"{self.unknowns[order[0]].name}: the sensors have not shown it so far")
+            else:
+                told.append(f"{' and '.join(names)} cannot be told apart so far: the sensors show a sum of them only")
+        return told
+
+
+def _alike(part: np.ndarray) -> float:
+    """Integrated autocorrelation time of residuals, in samples: 1 + 2 (sum up to the first lag that is not positive)."""
+    n = part.size
+    power = float(part @ part)
+    if power <= 0.0:
+        return 1.0
+    total = 1.0
+    for lag in range(1, n // 2):
+        alike = float(part[lag:] @ part[:-lag]) / power
+        if alike <= 1.0 / np.sqrt(n):
+            break
+        total += 2.0 * alike
+    return total

@@ -1,0 +1,440 @@
+"""The map of a twin: which sensor is which input or output, what is estimated, what is watched."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import pydantic
+
+from tautline.scene.errors import Problem, SceneError
+from tautline.scene.model import Model, Scene, Switch, word
+from tautline.scene.reading.document import Document
+from tautline.scene.refusal import nearest, refusal
+from tautline.scene.values.quantity import Quantity, quantity
+from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
+
+Seconds = Annotated[float, quantity("s", positive=True)]
+Wait = Annotated[float, quantity("s", nonnegative=True)]
+Written = float | str
+"""A number, or a text with a unit; it is read when the quantity that it belongs to is known."""
+TIMES_SD = re.compile(r"\s*([0-9.]+(?:[eE][-+]?\d+)?)\s*sd\s*")
+PER_CENT = re.compile(r"\s*([0-9.]+(?:[eE][-+]?\d+)?)\s*%\s*")
+OFFSET = "offset "
+"""Begins the name of an estimated offset: ``offset winch.tension``."""
+
+
+class Sensor(Model):
+    """A column of the data, and what it is in the scene.
+
+    ``value = scale * (reading - zero)``, both in the unit of the column.
+    """
+
+    column: str
+    unit: str = ""
+    input: str | None = None
+    output: str | None = None
+    sd: Written | None = None
+    scale: float = 1.0
+    zero: Annotated[float | Literal["first"], pydantic.Field(union_mode="left_to_right")] = 0.0
+    range: tuple[Written, Written] | None = None
+    forecast: Annotated[Literal["hold", "waves"] | None, word("hold", "waves")] = None
+    lost_after: Seconds | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _one_of(self) -> Sensor:
+        if (self.input is None) == (self.output is None):
+            raise refusal("needs either input or output", "write what the column is in the scene: input: or output:")
+        if self.scale == 0.0 or not math.isfinite(self.scale):
+            raise refusal("has scale 0", "give the factor by which readings are multiplied, such as -1")
+        return self
+
+    @property
+    def name(self) -> str:
+        """What it measures in the scene."""
+        return self.input or self.output or ""
+
+
+class Estimate(Model):
+    """A number that is not known: a parameter of the scene, or the offset of a sensor."""
+
+    parameter: str | None = None
+    offset: str | None = None
+    start: Written | None = None
+    sd: Written
+    range: tuple[Written, Written] | None = None
+    drift: Written = 0.0
+
+    @pydantic.model_validator(mode="after")
+    def _one_of(self) -> Estimate:
+        if (self.parameter is None) == (self.offset is None):
+            raise refusal("needs either parameter or offset", "name a parameter of the scene, or the output of a sensor")
+        return self
+
+    @property
+    def name(self) -> str:
+        """Its name in the lines that come out."""
+        return self.parameter or OFFSET + (self.offset or "")
+
+
+class Watch(Model):
+    """Something that raises an alarm."""
+
+    output: str | None = None
+    residual: str | None = None
+    above: Written | None = None
+    below: Written | None = None
+    ahead: Wait = 0.0
+    for_: Wait = pydantic.Field(0.0, alias="for")
+    name: str = ""
+
+    @pydantic.model_validator(mode="after")
+    def _sound(self) -> Watch:
+        if (self.output is None) == (self.residual is None):
+            raise refusal("needs either output or residual", "name an output, or the residual of a sensor")
+        if self.above is None and self.below is None:
+            raise refusal("has no bound", "write above: or below:")
+        if self.residual is not None and self.ahead:
+            raise refusal("looks ahead at a residual", "there is none before the data are there: leave out `ahead`")
+        return self
+
+
+class TwinMap(Scene):
+    """The whole file."""
+
+    sensors: Annotated[list[Sensor], pydantic.Field(min_length=1)]
+    time: str = ""
+    estimate: list[Estimate] = []
+    window: Seconds = 3.0
+    delay: Wait | None = None
+    watch: list[Watch] = []
+    keep: list[str] = []
+    lost: Seconds = 5.0
+    forecast_every: Seconds = 0.5
+    restrict: Switch = True
+    rope: str | None = None
+    run_in: Seconds = 10.0
+    ahead: Wait = 2.0
+
+
+class Names(pydantic.BaseModel):
+    """Names and units of a simulation: all that a map can refer to."""
+
+    inputs: dict[str, str]
+    outputs: dict[str, str]
+    shapes: dict[str, tuple[int, ...]]
+    parameters: dict[str, str]
+
+
+class Channel(pydantic.BaseModel):
+    """A sensor with its numbers in SI.
+
+    Attributes
+    ----------
+    sd : float
+        Standard deviation, SI; with `relative` a share of what is computed; NaN where none is given.
+    scale, zero : float
+        ``value = scale * (reading - zero)``: SI out of a reading in the column's unit.
+    low, high : float
+        What the sensor can show, SI.
+    """
+
+    model_config = pydantic.ConfigDict(frozen=True)
+    column: str
+    name: str
+    is_input: bool
+    unit: str
+    scale: float
+    zero: float
+    zero_first: bool
+    sd: float
+    relative: bool
+    low: float
+    high: float
+    waves: bool
+    lost_after: float
+
+
+class Unknown(pydantic.BaseModel):
+    """A quantity that is estimated, in SI."""
+
+    model_config = pydantic.ConfigDict(frozen=True)
+    name: str
+    target: str
+    is_offset: bool
+    unit: str
+    start: float
+    sd: float
+    low: float
+    high: float
+    drift: float
+
+
+class Alarm(pydantic.BaseModel):
+    """A bound on an output or a residual, in SI; a bound on a residual may be a multiple of its standard deviation."""
+
+    model_config = pydantic.ConfigDict(frozen=True)
+    name: str
+    target: str
+    is_residual: bool
+    above: float
+    below: float
+    times_sd: bool
+    ahead: float
+    lasting: float
+    unit: str
+
+
+class Plan(pydantic.BaseModel):
+    """A map that was checked against a scene: everything in SI."""
+
+    channels: list[Channel]
+    unknowns: list[Unknown]
+    alarms: list[Alarm]
+    keep: list[str]
+    time: str
+    window: float
+    delay: float | None
+    lost: float
+    forecast_every: float
+    restrict: bool
+    run_in: float
+    rope: str | None
+    ahead: float
+
+    @property
+    def inputs(self) -> list[Channel]:
+        """Sensors that drive the scene."""
+        return [one for one in self.channels if one.is_input]
+
+    @property
+    def measured(self) -> list[Channel]:
+        """Sensors that are compared with the scene."""
+        return [one for one in self.channels if not one.is_input]
+
+
+def read_map(path: str | Path | Mapping[str, Any]) -> TwinMap:
+    """Read a map from a file, a YAML text or a dict.
+
+    Raises
+    ------
+    SceneError
+        Listing every fault with its line, key and cure.
+    """
+    from tautline.scene.reading.source import document_of
+
+    return TwinMap.read(document_of(path, None))
+
+
+def driven_by(read: TwinMap) -> list[str]:
+    """Names of the inputs that a map drives."""
+    return [sensor.input for sensor in read.sensors if sensor.input is not None]
+
+
+def plan_of(read: TwinMap, names: Names, values: Mapping[str, float], extra: Mapping[str, str]) -> Plan:
+    """Check a map against what the scene has.
+
+    Parameters
+    ----------
+    values : mapping
+        Parameters of the scene as it is written, where an estimate says no start.
+    extra : mapping
+        Further outputs of the application, and their units.
+
+    Raises
+    ------
+    SceneError
+        Listing every fault with its line, key and cure.
+    """
+    reader = _Reader(read, names, dict(values), dict(extra))
+    plan = reader.plan()
+    if reader.problems:
+        raise SceneError(reader.problems)
+    return plan
+
+
+class _Reader:
+    """Turns the texts of a map into numbers, and collects what is wrong."""
+
+    def __init__(self, read: TwinMap, names: Names, values: dict[str, float], extra: dict[str, str]) -> None:
+        self.map, self.names, self.values = read, names, values
+        self.outputs = {**names.outputs, **extra}
+        self.extra = extra
+        self.problems: list[Problem] = []
+
+    def fault(self, key: tuple[str | int, ...], cause: str, cure: str) -> None:
+        self.problems.append(self.map.problem(key, cause, cure))
+
+    def number(self, key: tuple[str | int, ...], written: Written | None, unit: str, default: float) -> float:
+        """A number in SI; a fault where it is none."""
+        if written is None:
+            return default
+        try:
+            return float(Quantity(unit).read(written))
+        except Exception as error:  # pydantic's own, with cause and cure in its context
+            context = getattr(error, "context", None) or {}
+            cause = str(context.get("cause") or getattr(error, "message", lambda: str(error))())
+            self.fault(key, cause, str(context.get("cure", "")))
+            return default
+
+    def known(self, key: tuple[str | int, ...], kind: str, name: str, known: Mapping[str, Any]) -> bool:
+        if name in known:
+            return True
+        self.fault(key, f"there is no {kind} '{name}'", nearest(name, sorted(known)))
+        return False
+
+    def plan(self) -> Plan:
+        read = self.map
+        channels = [self.channel(i, sensor) for i, sensor in enumerate(read.sensors)]
+        self.repeated("sensors", [one.column for one in read.sensors], "column")
+        self.repeated("sensors", [one.name for one in read.sensors], "name")
+        measured = {sensor.output for sensor in read.sensors if sensor.output}
+        unknowns = [self.unknown(i, one, measured) for i, one in enumerate(read.estimate)]
+        self.repeated("estimate", [one.name for one in read.estimate], "parameter")
+        alarms = [self.alarm(i, one, measured) for i, one in enumerate(read.watch)]
+        for i, name in enumerate(read.keep):
+            self.known(("keep", i), "output", name, self.outputs)
+        if read.estimate and not measured:
+            self.fault(("estimate",), "nothing is measured that an estimate could come from", "add a sensor with output:")
+        return Plan(
+            channels=[c for c in channels if c], unknowns=[u for u in unknowns if u], alarms=[a for a in alarms if a],
+            keep=list(read.keep), time=read.time, window=read.window, delay=read.delay, lost=read.lost,
+            forecast_every=read.forecast_every, restrict=read.restrict, run_in=read.run_in, rope=read.rope,
+            ahead=read.ahead,
+        )  # fmt: skip
+
+    def repeated(self, key: str, names: list[str], what: str) -> None:
+        for i, name in enumerate(names):
+            if name and name in names[:i]:
+                self.fault((key, i, what), f"'{name}' stands twice", "leave one of them out")
+
+    def channel(self, i: int, sensor: Sensor) -> Channel | None:
+        is_input = sensor.input is not None
+        kind, known = ("input", self.names.inputs) if is_input else ("output", self.names.outputs)
+        if not self.known(("sensors", i, kind), kind, sensor.name, known):
+            return None
+        unit = known[sensor.name]
+        if not is_input and self.names.shapes.get(sensor.name, ()):
+            self.fault(("sensors", i, "output"), f"{sensor.name} is an array", "name a quantity that is one number")
+            return None
+        factor = self.factor(("sensors", i, "unit"), sensor.unit, unit)
+        share = PER_CENT.fullmatch(sensor.sd) if isinstance(sensor.sd, str) and unit else None
+        sd = float(share[1]) / 100.0 if share else self.number(("sensors", i, "sd"), sensor.sd, unit, math.nan)
+        if sd <= 0.0:
+            self.fault(("sensors", i, "sd"), "must be greater than zero", "give the sensor's standard deviation")
+        low, high = self.bounds(("sensors", i, "range"), sensor.range, unit)
+        zero = 0.0 if sensor.zero == "first" else float(sensor.zero)
+        waves = sensor.forecast == "waves" or (sensor.forecast is None and sensor.name.startswith("vessel."))
+        return Channel(
+            column=sensor.column, name=sensor.name, is_input=is_input, unit=unit, scale=sensor.scale * factor,
+            zero=zero, zero_first=sensor.zero == "first", sd=sd, relative=share is not None, low=low, high=high,
+            waves=waves, lost_after=sensor.lost_after or self.map.lost,
+        )  # fmt: skip
+
+    def factor(self, key: tuple[str | int, ...], written: str, wanted: str) -> float:
+        """What a reading in the column's unit is multiplied by."""
+        if not written:
+            return 1.0
+        try:
+            unit, si = read_unit(written), read_unit(wanted) if wanted else read_unit("%")
+            if unit.dimension != si.dimension:
+                self.fault(key, f"'{written}' is not a unit of this quantity", f"its unit is {wanted or 'none'}")
+                return 1.0
+            from fractions import Fraction
+
+            return converted(unit, si).si(Fraction(1))
+        except (UnknownUnit, Uncounted) as error:
+            self.fault(key, f"'{written}' {error}", f"write a unit such as {wanted or '%'}")
+            return 1.0
+
+    def bounds(
+        self, key: tuple[str | int, ...], given: tuple[Written, Written] | None, unit: str
+    ) -> tuple[float, float]:
+        if given is None:
+            return -math.inf, math.inf
+        low = self.number((*key, 0), given[0], unit, -math.inf)
+        high = self.number((*key, 1), given[1], unit, math.inf)
+        if not low < high:
+            self.fault(key, "ends before it begins", "write the smaller number first")
+        return low, high
+
+    def unknown(self, i: int, one: Estimate, measured: set[str]) -> Unknown | None:
+        key, target = ("estimate", i), one.parameter or one.offset or ""
+        if one.parameter is not None:
+            if not self.known((*key, "parameter"), "parameter", target, self.names.parameters):
+                return None
+            unit, default = self.names.parameters[target], self.values.get(target, 0.0)
+        else:
+            if target not in measured:
+                cure = nearest(target, sorted(measured)) if measured else "add a sensor with output:"
+                self.fault((*key, "offset"), f"no sensor measures '{target}'", cure)
+                return None
+            unit, default = self.names.outputs[target], 0.0
+        start = self.number((*key, "start"), one.start, unit, default)
+        sd = self.number((*key, "sd"), one.sd, unit, 1.0)
+        low, high = self.bounds((*key, "range"), one.range, unit)
+        if not sd > 0.0:
+            self.fault((*key, "sd"), "must be greater than zero", "say how far off the start may be")
+        if not low <= start <= high:
+            self.fault((*key, "start"), "is outside its range", "start within the range")
+        drift = self.drift((*key, "drift"), one.drift, unit)
+        return Unknown(
+            name=one.name, target=target, is_offset=one.parameter is None, unit=unit, start=start, sd=sd, low=low,
+            high=high, drift=drift,
+        )  # fmt: skip
+
+    def drift(self, key: tuple[str | int, ...], written: Written, unit: str) -> float:
+        """A drift, so much per root of a second: ``1 kg/s^0.5``."""
+        if not isinstance(written, str):
+            return self.number(key, written, unit, 0.0)
+        for ending in ("/s^0.5", "/sqrt(s)", "/√s"):
+            text = written.replace(" ", "")
+            if text.endswith(ending):
+                rest = text.removesuffix(ending)
+                return self.number(key, float(rest) if _is_number(rest) else rest, unit, 0.0)
+        if _is_number(written):
+            return float(written)
+        self.fault(key, "is no drift", f"write so much per root of a second, such as '1 {unit or ''}/s^0.5'")
+        return 0.0
+
+    def alarm(self, i: int, one: Watch, measured: set[str]) -> Alarm | None:
+        key, target = ("watch", i), one.output or one.residual or ""
+        kind = "output" if one.output else "residual"
+        known = self.outputs if one.output else {name: self.outputs[name] for name in measured if name in self.outputs}
+        if not self.known((*key, kind), kind if one.output else "sensor of", target, known):
+            return None
+        unit = known[target]
+        times = one.residual is not None and isinstance(one.above, str) and TIMES_SD.fullmatch(one.above)
+        if times:
+            above, below = float(times[1]), -math.inf
+        else:
+            above = self.number((*key, "above"), one.above, unit, math.inf)
+            below = self.number((*key, "below"), one.below, unit, -math.inf)
+        said = f"{target} above {one.above}" if one.above is not None else f"{target} below {one.below}"
+        return Alarm(
+            name=one.name or said, target=target, is_residual=one.residual is not None, above=above, below=below,
+            times_sd=bool(times), ahead=one.ahead, lasting=one.for_, unit=unit,
+        )  # fmt: skip
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def names_of(sim: Any) -> Names:
+    """Names and units of what a simulation has."""
+    def units(told: Mapping[str, Any]) -> dict[str, str]:
+        return {name: one["unit"] for name, one in told.items()}
+
+    outputs = sim.outputs.describe()
+    return Names(
+        inputs=units(sim.inputs.describe()), outputs=units(outputs), parameters=units(sim.parameters.describe()),
+        shapes={name: tuple(one["shape"]) for name, one in outputs.items()},
+    )
+
