@@ -45,3 +45,13 @@ class CraneExtras:
     def alarms(self, time: float) -> Iterator[tuple[str, bool, str]]:
         """Further alarms: name, whether it holds, text."""
         return iter(())
+
+    def save(self) -> None:
+        """Write what is kept over operations."""
+
+    def memory(self) -> dict[str, Any]:
+        """What a later process needs to go on."""
+        return {}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from what an earlier process kept."""

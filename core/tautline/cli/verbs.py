@@ -116,6 +116,49 @@ Variables = Annotated[
     list[str] | None, typer.Option("--what", metavar="NAME", help="A variable, repeatable. [dim]\\[default: all][/]")
 ]
 Every = Annotated[int, typer.Option("--every", min=1, help="Of so many frames ParaView gets one, and the last.")]
+MapFile = Annotated[
+    Path, typer.Option("--map", metavar="MAP", help="Which sensor is what, what is estimated and watched: a YAML file.")
+]
+SourceAddress = Annotated[
+    str,
+    typer.Option("--source", metavar="FILE|-|mqtt://…|opc.tcp://…", help="Where data come from; - is standard input."),
+]
+Series = Annotated[
+    Path | None, typer.Option("-o", "--output", metavar="RESULT", help="What was found over time, a NetCDF file.")
+]
+ReplaySpeed = Annotated[
+    float | None,
+    typer.Option("--speed", min=1e-6, help="Of a file, times real time. [dim]\\[default: as fast as possible][/]"),
+]
+ResumeState = Annotated[
+    Path | None, typer.Option("--resume", metavar="STATE", help="Go on from this state, and keep it there.")
+]
+StateFile = Annotated[
+    Path | None, typer.Option("--state", metavar="STATE", help="Keep the state here, every few seconds.")
+]
+RopeFile = Annotated[
+    Path | None, typer.Option("--rope", metavar="FILE", help="Account of the rope's damage over all operations.")
+]
+Port = Annotated[
+    int | None, typer.Option("--serve", metavar="PORT", min=0, max=65535, help="Show it in a browser; 0: a free port.")
+]
+Lines = Annotated[bool, typer.Option("--json", help="Print a JSON object a sample on standard output, SI units.")]
+RecordFile = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", help="Where to.")]
+RowRate = Annotated[str, typer.Option("--rate", help="Rows a second.")]
+Noise = Annotated[str | None, typer.Option("--noise", help="Of measured outputs, as a share: 1 %.")]
+SensorDelay = Annotated[str | None, typer.Option("--delay", help="Of measured outputs.")]
+Dropout = Annotated[str | None, typer.Option("--dropout", help="Share of rows that do not arrive.")]
+Jitter = Annotated[str | None, typer.Option("--jitter", help="Standard deviation of the stamps.")]
+Gaps = Annotated[list[str] | None, typer.Option("--gap", metavar="FROM:TO", help="Times without rows, s; repeatable.")]
+Faults = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fault",
+        metavar="COLUMN:KIND:FROM:TO[:SIZE]",
+        help="stuck, lost, bias, drift, scale, clip or spike; repeatable.",
+    ),
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the noise.")]
 Template = Annotated[
     str | None, typer.Argument(metavar="[TEMPLATE]", help="Which one; see --list.", show_default=False)
 ]
@@ -344,6 +387,55 @@ def fmu(
     verb.fmu(context.obj, scene, output, changes, inputs, outputs, fmi, as_json)
 
 
+def twin(
+    context: typer.Context,
+    scene: Scene,
+    map: MapFile,
+    source: SourceAddress = "-",
+    output: Series = None,
+    changes: Changes = None,
+    speed: ReplaySpeed = None,
+    resume: ResumeState = None,
+    state: StateFile = None,
+    rope: RopeFile = None,
+    serve: Port = None,
+    as_json: Lines = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scene beside the machine: sensor data in; estimates, hidden quantities and alarms out."""
+    from tautline.cli import twin as verb
+
+    kept = state or resume
+    verb.twin(context.obj, scene, map, source, output, changes, speed, resume, kept, rope, serve, as_json, quiet)
+
+
+def record(
+    context: typer.Context,
+    scene: Scene,
+    map: MapFile,
+    output: RecordFile,
+    changes: Changes = None,
+    end: End = None,
+    rate: RowRate = "10 Hz",
+    noise: Noise = None,
+    delay: SensorDelay = None,
+    dropout: Dropout = None,
+    jitter: Jitter = None,
+    gap: Gaps = None,
+    fault: Faults = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Write what sensors would show of a scene: a record to rehearse a twin with."""
+    from tautline.cli import twin as verb
+
+    given = {
+        "rate": rate, "noise": noise, "delay": delay, "dropout": dropout, "jitter": jitter, "gap": gap, "fault": fault,
+        "seed": seed,
+    }  # fmt: skip
+    verb.record(context.obj, scene, map, output, changes, end, given, as_json)
+
+
 def new(
     context: typer.Context,
     template: Template = None,
@@ -403,6 +495,8 @@ def make_app(application: Application | Catalogue) -> typer.Typer:
         render,
         export,
         fmu,
+        twin,
+        record,
         study,
         stability,
         new,

@@ -38,6 +38,8 @@ ALONE = 0.95
 """Share of a direction that is one unknown's own."""
 MEMORY = 10.0
 """Windows over which autocorrelation is averaged."""
+UNSURE = 1.25
+"""By how much the autocorrelation time of so few residuals may be too short."""
 ROUGH = 0.01
 """Standard deviation over the reading where none is given, until residuals tell."""
 
@@ -77,9 +79,7 @@ class Horizon:
         Time at which the prior was released for the last time; minus infinity.
     """
 
-    def __init__(
-        self, unknowns: Sequence[Unknown], channels: Sequence[Channel], window: float, free: int = 0
-    ) -> None:
+    def __init__(self, unknowns: Sequence[Unknown], channels: Sequence[Channel], window: float, free: int = 0) -> None:
         self.unknowns, self.channels, self.window = list(unknowns), list(channels), window
         k, m = len(self.unknowns), len(self.channels)
         self.free = np.arange(k) >= k - free
@@ -246,9 +246,11 @@ class Horizon:
             self.spread[i] += keep * (power - self.spread[i])
             if not np.isfinite(self.sd[i]):
                 middle = float(np.median(np.abs(own)) / 0.6745) ** 2
-                self._variance[i] = middle if self._variance[i] == 0.0 else (1 - share) * self._variance[i] + share * middle
+                self._variance[i] = (
+                    middle if self._variance[i] == 0.0 else (1 - share) * self._variance[i] + share * middle
+                )
             self._alike[i] += share * 3.0 * (_alike(part) - self._alike[i])
-            self.correlation[i] = max(1.0, self.spread[i]) * max(1.0, self._alike[i])
+            self.correlation[i] = UNSURE * max(1.0, self.spread[i]) * max(1.0, self._alike[i])
 
     # -- what it tells -------------------------------------------------------------------------------------------------
 

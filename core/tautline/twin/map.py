@@ -71,7 +71,9 @@ class Estimate(Model):
     @pydantic.model_validator(mode="after")
     def _one_of(self) -> Estimate:
         if (self.parameter is None) == (self.offset is None):
-            raise refusal("needs either parameter or offset", "name a parameter of the scene, or the output of a sensor")
+            raise refusal(
+                "needs either parameter or offset", "name a parameter of the scene, or the output of a sensor"
+            )
         return self
 
     @property
@@ -298,7 +300,9 @@ class _Reader:
         for i, name in enumerate(read.keep):
             self.known(("keep", i), "output", name, self.outputs)
         if read.estimate and not measured:
-            self.fault(("estimate",), "nothing is measured that an estimate could come from", "add a sensor with output:")
+            self.fault(
+                ("estimate",), "nothing is measured that an estimate could come from", "add a sensor with output:"
+            )
         return Plan(
             channels=[c for c in channels if c], unknowns=[u for u in unknowns if u], alarms=[a for a in alarms if a],
             keep=list(read.keep), time=read.time, window=read.window, delay=read.delay, lost=read.lost,
@@ -429,12 +433,14 @@ def _is_number(text: str) -> bool:
 
 def names_of(sim: Any) -> Names:
     """Names and units of what a simulation has."""
+
     def units(told: Mapping[str, Any]) -> dict[str, str]:
         return {name: one["unit"] for name, one in told.items()}
 
     outputs = sim.outputs.describe()
     return Names(
-        inputs=units(sim.inputs.describe()), outputs=units(outputs), parameters=units(sim.parameters.describe()),
+        inputs=units(sim.inputs.describe()),
+        outputs=units(outputs),
+        parameters=units(sim.parameters.describe()),
         shapes={name: tuple(one["shape"]) for name, one in outputs.items()},
     )
-

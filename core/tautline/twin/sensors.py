@@ -78,7 +78,9 @@ class Health:
         low, high = self.channel.low, self.channel.high
         width = EDGE * (high - low) if np.isfinite(high - low) else 0.0
         if reading < low - width or reading > high + width:
-            self._set("out of range", f"{self.channel.column} shows {reading:.6g} {self.channel.unit}, outside its range")
+            self._set(
+                "out of range", f"{self.channel.column} shows {reading:.6g} {self.channel.unit}, outside its range"
+            )
             return np.nan
         return self._repeated(time, reading, low, high, width)
 
@@ -107,7 +109,9 @@ class Health:
             return reading
         extreme = reading >= max(self._values) or reading <= min(self._values)
         kind = "clipped" if at_edge or (extreme and len(self._values) >= ENOUGH) else "stuck"
-        self._set(kind, f"{self.channel.column} has shown {reading:.6g} {self.channel.unit} since {self._same_from:.6g} s")
+        self._set(
+            kind, f"{self.channel.column} has shown {reading:.6g} {self.channel.unit} since {self._same_from:.6g} s"
+        )
         return np.nan
 
     def _has_noise(self) -> bool:

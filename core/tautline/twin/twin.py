@@ -405,9 +405,7 @@ class Twin:
             J[[one.name == self.plan.unknowns[k].target for one in measured], k] = 1.0
         return (values[0] if len(measured) else np.zeros(0)), J
 
-    def _compare_units(
-        self, time: float, y: np.ndarray, y0: np.ndarray, J: np.ndarray, use: np.ndarray
-    ) -> np.ndarray:
+    def _compare_units(self, time: float, y: np.ndarray, y0: np.ndarray, J: np.ndarray, use: np.ndarray) -> np.ndarray:
         """Leave out what is in another unit, and follow what drifts."""
         if not len(y):
             return use
@@ -554,17 +552,23 @@ class Twin:
         size = abs(r) / sd if one.times_sd else r
         known = np.isfinite(r) and use and (self._converged or not self.plan.unknowns)
         holds = bool(known and (size > one.above or (not one.times_sd and beyond(r, one.above, one.below))))
-        text = f"{one.target} is measured {said(measured, one.unit)}, expected {said(measured - r, one.unit)}" if known else ""
+        text = (
+            f"{one.target} is measured {said(measured, one.unit)}, expected {said(measured - r, one.unit)}"
+            if known
+            else ""
+        )
         text += f" (standard deviation {said(sd, one.unit)}): friction, contact or rope path are not as in the scene"
         self.alarms.judge(one.name, holds, time, text, one.lasting)
 
     def _judge_output(self, one: Alarm, time: float, computed: Any, measured: float) -> None:
-        values = [("computed", np.nan if computed is None else extreme_of(computed[0], one)), ("measured", measured)]
+        # Before the estimate is known, what is computed is that of a guess.
+        known = computed is not None and self._converged
+        values = [("computed", extreme_of(computed[0], one) if known else np.nan), ("measured", measured)]
         now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
         text, holds = "", bool(now)
         if now:
             text = f"{one.target} {now[0][0]}: {bound_said(now[0][1], one.above, one.below, one.unit)}"
-        elif self._found is not None and self._fresh(time) and one.name in self._found.first:
+        elif known and self._found is not None and self._fresh(time) and one.name in self._found.first:
             after, value = self._found.first[one.name]
             left = max(0.0, self._found.begun + after - time)
             text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, one.unit)}"
@@ -590,7 +594,8 @@ class Twin:
 
     def _judge_ahead(self, time: float) -> None:
         """Where the simulation ahead cannot go on, such as with two blocks together."""
-        stopped = self._found.stopped if self._found is not None and self._fresh(time) else None
+        fresh = self._found is not None and self._fresh(time) and self._converged
+        stopped = self._found.stopped if fresh and self._found is not None else None
         for status, name in TOLD.items():
             holds = stopped is not None and stopped[1] == status
             left = max(0.0, self._found.begun + stopped[0] - time) if holds and self._found and stopped else 0.0
@@ -613,7 +618,9 @@ class Twin:
             "inputs": {name: float(state[0]) for name, state in inputs},
             "measured": {name: number(v) for name, v in zip(names, y, strict=True)},
             "outputs": {name: number(outputs[name][0]) for name in shown if name in outputs},
-            "deviations": {name: number(outputs[name][1]) for name in shown if outputs.get(name, (0, None))[1] is not None},
+            "deviations": {
+                name: number(outputs[name][1]) for name in shown if outputs.get(name, (0, None))[1] is not None
+            },
             "estimates": estimates,
             "residuals": {name: number(r) for name, r in zip(names, residual, strict=True)},
             "alarms": self.alarms.told(),
@@ -664,7 +671,9 @@ class Twin:
         block = memory.combine(states[0].block, [s.block for s in states[1:]], weights)
         return replace(states[0], block=block), dict(zip(self.family.names, at.tolist(), strict=True))
 
-    def _paths(self, inputs: Mapping[str, np.ndarray], winch: float | None = None, waves: float = 1.0) -> dict[str, Any]:
+    def _paths(
+        self, inputs: Mapping[str, np.ndarray], winch: float | None = None, waves: float = 1.0
+    ) -> dict[str, Any]:
         """Paths of all inputs ahead: with another speed of winches, and another size of the ship's motion."""
         assert self.forecast is not None
         times = self.forecast.times
@@ -719,7 +728,20 @@ class Twin:
         at_least = "at least " if free else ""
         most_said = f"{most:.3g} {unit}".strip() if unit else f"{most:.2g} times the present"
         text = f"{name} at most {at_least}{most_said}{by}"
-        return {"name": name, "largest": most, "now": now, "unit": unit, "restrict": passed, "by": self.forecast.limited_by, "text": text}
+        return {
+            "name": name,
+            "largest": most,
+            "now": now,
+            "unit": unit,
+            "restrict": passed,
+            "by": self.forecast.limited_by,
+            "text": text,
+        }
+
+    def picture(self) -> dict[str, Any] | None:
+        """What there is to be seen in space, where the application has a picture."""
+        draw = getattr(self.extras, "picture", None)
+        return draw(self.family.simulations[0]) if draw else None
 
     # -- at the end ----------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,168 @@
+"""Synthetic records: a scene run with sensors, noise, bias, delays and dropouts, to rehearse a twin with.
+
+What a sensor shows at t is what the simulation has at t less the sensor's delay, scaled as the map says, with noise and
+its faults. The simulation is that of the scene: what it moves, it moves by its own functions of time.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tautline.live.simulation import Simulation
+from tautline.scene.errors import option_error
+from tautline.scene.refusal import nearest
+from tautline.twin.map import Channel, Plan, TwinMap, driven_by, names_of, plan_of
+
+KINDS = ("stuck", "lost", "bias", "drift", "scale", "clip", "spike")
+"""Faults of a sensor."""
+EXAMPLE = "write COLUMN:KIND:FROM:TO[:SIZE], such as rope_tension:bias:20:30:5"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What goes wrong with a sensor between two times, s; the size is in the column's unit."""
+
+    column: str
+    kind: str
+    begin: float
+    end: float
+    size: float = 0.0
+
+
+@dataclass
+class Sensing:
+    """How sensors show what there is.
+
+    Attributes
+    ----------
+    rate : float
+        Rows a second.
+    noise : float
+        Standard deviation of measured outputs as a share of their value; inputs have that of the map.
+    dropout : float
+        Share of rows that do not arrive.
+    jitter : float
+        Standard deviation of the stamps, s.
+    delay : float
+        Of all measured outputs, s.
+    gaps : sequence of (float, float)
+        Times without rows, s.
+    faults : sequence of Fault
+    seed : int
+    """
+
+    rate: float = 10.0
+    noise: float = 0.0
+    dropout: float = 0.0
+    jitter: float = 0.0
+    delay: float = 0.0
+    gaps: Sequence[tuple[float, float]] = ()
+    faults: Sequence[Fault] = ()
+    seed: int = 0
+    _held: dict[str, float] = field(default_factory=dict)
+
+    def shown(self, column: str, time: float, value: float, rng: np.random.Generator) -> float:
+        """What a sensor with its faults shows."""
+        for one in self.faults:
+            if one.column != column or not one.begin <= time < one.end:
+                continue
+            if one.kind == "stuck":
+                value = self._held.setdefault(f"{column} {one.begin}", value)
+            elif one.kind == "lost":
+                value = np.nan
+            elif one.kind == "bias":
+                value += one.size
+            elif one.kind == "drift":
+                value += one.size * (time - one.begin)
+            elif one.kind == "scale":
+                value *= one.size
+            elif one.kind == "clip":
+                value = min(value, one.size)
+            elif one.kind == "spike" and rng.random() < 0.1:
+                value += one.size
+        return value
+
+
+def record(
+    scene: Any, map: TwinMap, sensing: Sensing, end: float | None = None
+) -> Iterator[tuple[float, dict[str, float]]]:
+    """Rows of a record: stamp, s, and readings by column, in the units of the map.
+
+    Raises
+    ------
+    SceneError
+        For a map that does not fit the scene.
+    StoppedEarly
+        Where the simulation stops.
+    """
+    sim = Simulation(scene, driven_by(map), keep=False)
+    names = names_of(sim)
+    plan = plan_of(map, names, {name: sim.parameters[name] for name in names.parameters}, _unknown_outputs(map, names))
+    rng = np.random.default_rng(sensing.seed)
+    known = {one.column for one in plan.channels}
+    for fault in sensing.faults:
+        if fault.column not in known:
+            raise option_error("--fault", fault.column, "there is no such column", nearest(fault.column, sorted(known)))
+    last = sim.model.solver.end if end is None else end
+    earlier: deque[tuple[float, np.ndarray]] = deque()
+    for k in range(int(np.floor(last * sensing.rate + 1e-9)) + 1):
+        time = k / sensing.rate
+        if time > sim.time:
+            sim.advance_to(time)
+        earlier.append((time, _values(sim, plan)))
+        while len(earlier) > 1 and earlier[1][0] <= time - sensing.delay + 1e-9:
+            earlier.popleft()
+        noisy = _noisy(plan.channels, _values(sim, plan), earlier[0][1], sensing, rng)
+        readings = {
+            one.column: sensing.shown(one.column, time, value / one.scale + one.zero, rng)
+            for one, value in zip(plan.channels, noisy, strict=True)
+        }
+        stamp = time + sensing.jitter * rng.standard_normal()
+        arrives = rng.random() >= sensing.dropout and not any(a <= time < b for a, b in sensing.gaps)
+        if arrives:
+            yield stamp, readings
+
+
+def _unknown_outputs(map: TwinMap, names: Any) -> Mapping[str, str]:
+    """Outputs that only the twin has: they are not measured."""
+    wanted = [*map.keep, *(one.output for one in map.watch if one.output)]
+    return {name: "" for name in wanted if name not in names.outputs}
+
+
+def _values(sim: Simulation, plan: Plan) -> np.ndarray:
+    return np.array([float(sim.inputs[c.name]) if c.is_input else float(sim[c.name]) for c in plan.channels])
+
+
+def _noisy(
+    channels: Sequence[Channel], now: np.ndarray, before: np.ndarray, sensing: Sensing, rng: np.random.Generator
+) -> np.ndarray:
+    """Values with their noise; outputs are those of the delay ago."""
+    values = np.array([a if c.is_input else b for c, a, b in zip(channels, now, before, strict=True)])
+    size = np.array([c.sd * (abs(v) if c.relative else 1.0) for c, v in zip(channels, values, strict=True)])
+    size = np.where(np.isfinite(size), size, 0.0)
+    if sensing.noise > 0.0:
+        measured = np.array([not c.is_input for c in channels])
+        size = np.where(measured, sensing.noise * np.abs(values), size)
+    return values + size * rng.standard_normal(len(values))
+
+
+def read_fault(text: str) -> Fault:
+    """A fault as it is written in the option; raises SceneError."""
+    parts = text.split(":")
+    kind = parts[1] if len(parts) > 1 else ""
+    if len(parts) not in (4, 5) or kind not in KINDS:
+        cure = f"{nearest(kind, KINDS)}; {EXAMPLE}" if len(parts) > 1 else EXAMPLE
+        raise option_error("--fault", text, "is no fault of a sensor", cure)
+    try:
+        begin, end = float(parts[2]), float(parts[3])
+        size = float(parts[4]) if len(parts) == 5 else 0.0
+    except ValueError:
+        raise option_error("--fault", text, "has a time or a size that is no number", EXAMPLE) from None
+    if not begin < end:
+        raise option_error("--fault", text, "ends before it begins", EXAMPLE)
+    return Fault(parts[0], kind, begin, end, size)

@@ -1,0 +1,110 @@
+"""What a twin finds, as a result file: estimates, deviations, residuals and outputs over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tautline.results.store import Store
+from tautline.results.variable import Variable
+from tautline.version import __version__
+
+if TYPE_CHECKING:
+    from tautline.twin.twin import Twin
+
+BATCH = 200
+"""Lines that are written at a time."""
+HEALTHS = {"good": 0, "degraded": 1, "lost": 2}
+
+
+class Series:
+    """Collects lines of a twin and writes them batch by batch; the file is whole at every moment.
+
+    Parameters
+    ----------
+    path : Path
+        The result, NetCDF.
+    twin : Twin
+        Whose names and units it has.
+    """
+
+    def __init__(self, path: Path, twin: Twin) -> None:
+        plan = twin.plan
+        self._columns: dict[str, Any] = {}
+        variables: list[Variable] = []
+        coordinates: dict[str, Any] = {}
+
+        def add(name: str, unit: str, text: str, take: Any, shape: tuple[int, ...] = ()) -> None:
+            dims = []
+            for size in shape:
+                dim = "axis" if size == 3 else f"of_{size}"
+                coordinates.setdefault(dim, np.arange(size))
+                dims.append(dim)
+            variables.append(Variable(name, ("time", *dims), unit, text))
+            self._columns[name] = (take, shape)
+
+        for one in plan.unknowns:
+            add(f"estimate {one.name}", one.unit, f"estimate of {one.name}", _take("estimates", one.name, "value"))
+            add(
+                f"deviation {one.name}",
+                one.unit,
+                f"standard deviation of {one.name}",
+                _take("estimates", one.name, "sd"),
+            )
+        for one in plan.inputs:
+            add(f"input {one.name}", one.unit, f"{one.name}, smoothed", _take("inputs", one.name))
+        for one in plan.measured:
+            add(f"measured {one.name}", one.unit, f"{one.name}, measured", _take("measured", one.name))
+            add(f"residual {one.name}", one.unit, f"{one.name}, measured less expected", _take("residuals", one.name))
+        shapes = twin.plan_names.shapes
+        for name in dict.fromkeys([*(one.name for one in plan.measured), *plan.keep]):
+            add(name, twin.units.get(name, ""), f"{name}, computed", _take("outputs", name), shapes.get(name, ()))
+        add("alarms", "", "number of alarms", lambda line: len(line["alarms"]))
+        add("health", "", "0 good, 1 degraded, 2 lost", lambda line: HEALTHS[line["health"]])
+        add("lag", "s", "time of a line behind the newest sample", lambda line: line["lag"])
+        document = getattr(twin.scene, "document", None)
+        attributes = {"scene": document.text if document else "", "version": __version__, "application": "twin"}
+        self._store = Store(path, variables, coordinates, attributes)
+        self._lines: list[Mapping[str, Any]] = []
+
+    def add(self, line: Mapping[str, Any]) -> None:
+        """Take a line."""
+        self._lines.append(line)
+        if len(self._lines) >= BATCH:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what there is."""
+        if not self._lines:
+            return
+        frames = {"time": np.array([line["time"] for line in self._lines])}
+        for name, (take, shape) in self._columns.items():
+            rows = [take(line) for line in self._lines]
+            frames[name] = np.array([_filled(row, shape) for row in rows], float)
+        self._store.append(frames)
+        self._lines = []
+
+    def finish(self, status: str) -> None:
+        """Write the rest, and close."""
+        self.flush()
+        self._store.finish({"status": status})
+
+
+def _take(*path: str) -> Any:
+    def take(line: Mapping[str, Any]) -> Any:
+        value: Any = line
+        for key in path:
+            value = value.get(key) if isinstance(value, Mapping) else None
+        return value
+
+    return take
+
+
+def _filled(value: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """A value with NaN where there is none; a stored NaN says that nothing was measured."""
+    if value is None:
+        return np.full(shape, np.nan)
+    return np.array(value, float)

@@ -1,0 +1,1 @@
+"""Where sensor data come from: files, standard input, MQTT, OPC UA."""

@@ -1,0 +1,97 @@
+"""A CSV file, replayed row by row."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from tautline.scene.errors import Problem, SceneError
+from tautline.twin.sources.record import Record
+from tautline.twin.sources.table import Header
+
+PATIENT = 0.5
+"""Longest sleep while a row is waited for, s."""
+
+
+class CsvFile:
+    """Replays a file as fast as it is asked for, or at a speed by its stamps. It is read row by row: it may be large.
+
+    Parameters
+    ----------
+    path : Path
+    columns : sequence of str
+    time : str
+        The column of the stamp; empty for the usual names.
+    speed : float or None
+        Times real time; None for as fast as possible.
+    now, sleep : callable
+        The clock.
+
+    Raises
+    ------
+    SceneError
+        For a file that cannot be read, and columns that it does not have.
+    """
+
+    def __init__(
+        self, path: Path, columns: Sequence[str], time: str = "", speed: float | None = None,
+        now: Callable[[], float] = clock.monotonic, sleep: Callable[[float], None] = clock.sleep,
+    ) -> None:  # fmt: skip
+        self.name, self.live, self.ended, self.refused = str(path), speed == 1.0, False, 0
+        self._speed, self._now, self._sleep = speed, now, sleep
+        try:
+            self._file = path.open(encoding="utf-8-sig", errors="replace", newline="")
+        except OSError as error:
+            cause = (
+                "there is no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error.strerror}"
+            )
+            raise SceneError([Problem(str(path), None, "", None, cause, "check the name of --source")]) from None
+        line = self._line()
+        if line is None:
+            self._file.close()
+            raise SceneError([Problem(str(path), None, "", None, "is empty", "give a file with a header and rows")])
+        try:
+            self._header = Header(line, columns, time, str(path))
+        except SceneError:
+            self._file.close()
+            raise
+        self.units = dict(zip(self._header.names, self._header.units, strict=True))
+        self._next = self._read()
+        self._begun = (self._now(), self._next.time if self._next else 0.0)
+
+    def _line(self) -> str | None:
+        """The next line that is neither empty nor a comment."""
+        for line in self._file:
+            if line.strip() and not line.lstrip().startswith("#"):
+                return line.rstrip("\r\n")
+        return None
+
+    def _read(self) -> Record | None:
+        while (line := self._line()) is not None:
+            row = self._header.read(line)
+            if row is not None:
+                return Record(row[0], row[1], 0.0)
+            self.refused += 1
+        return None
+
+    def poll(self, timeout: float) -> Record | None:
+        """The next row, when it is due."""
+        if self._next is None:
+            self.ended = True
+            return None
+        row = self._next
+        if self._speed is not None and row.time == row.time:
+            due = self._begun[0] + (row.time - self._begun[1]) / self._speed
+            end = self._now() + timeout
+            while (left := due - self._now()) > 0.0:
+                if self._now() >= end:
+                    return None
+                self._sleep(min(left, end - self._now(), PATIENT))
+        self._next = self._read()
+        self.ended = self._next is None
+        return Record(row.time, row.values, self._now())
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()

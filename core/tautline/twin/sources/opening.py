@@ -1,0 +1,51 @@
+"""A source by its address."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from tautline.scene.errors import option_error
+from tautline.twin.sources.record import Source
+
+SCHEMES = ("mqtt://", "mqtts://", "opc.tcp://")
+
+
+def open_source(address: str, columns: Sequence[str], *, time: str = "", speed: float | None = None) -> Source:
+    """Open a source.
+
+    Parameters
+    ----------
+    address : str
+        A CSV file; ``-`` for standard input; ``mqtt://[user:password@]host[:port]/topic``;
+        ``opc.tcp://host:port/path``.
+    columns : sequence of str
+        Those that are wanted.
+    time : str
+        The column of the stamp; empty for the usual names.
+    speed : float or None
+        Of the replay of a file, times real time; None for as fast as possible.
+
+    Raises
+    ------
+    SceneError
+        For an address that leads to nothing, and for columns that a file does not have.
+    """
+    if address == "-":
+        from tautline.twin.sources.stream import Stream
+
+        return Stream(sys.stdin, columns, time)
+    if address.startswith(("mqtt://", "mqtts://")):
+        from tautline.twin.sources.mqtt import Mqtt
+
+        return Mqtt(address, columns, time)
+    if address.startswith("opc.tcp://"):
+        from tautline.twin.sources.opcua import OpcUa
+
+        return OpcUa(address, columns)
+    if "://" in address:
+        raise option_error("--source", address, "is of no known kind", f"known: a file, -, {', '.join(SCHEMES)}")
+    from tautline.twin.sources.csv_file import CsvFile
+
+    return CsvFile(Path(address), columns, time, speed)

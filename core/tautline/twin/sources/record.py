@@ -1,0 +1,53 @@
+"""What a source gives: records, one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """Values by column at a stamp.
+
+    Attributes
+    ----------
+    time : float
+        Stamp by the source's own clock, s; NaN where there is none that can be read.
+    values : mapping
+        By column, in the columns' units; NaN where there is none.
+    arrived : float
+        ``time.monotonic()`` at arrival, s.
+    """
+
+    time: float
+    values: Mapping[str, float]
+    arrived: float
+
+
+class Source(Protocol):
+    """Something that records come from.
+
+    Attributes
+    ----------
+    name : str
+        For messages.
+    live : bool
+        Whether records arrive while they are measured.
+    ended : bool
+        Whether no more will come.
+    refused : int
+        Lines or messages that could not be read.
+    """
+
+    name: str
+    live: bool
+    ended: bool
+    refused: int
+
+    def poll(self, timeout: float) -> Record | None:
+        """The next record; None where none came within so many seconds."""
+
+    def close(self) -> None:
+        """Let go of file, thread or connection."""

@@ -1,0 +1,92 @@
+"""Standard input: a JSON object a line, or a table with a header."""
+
+from __future__ import annotations
+
+import json
+import queue
+import threading
+import time as clock
+from collections.abc import Mapping, Sequence
+from typing import IO, Any
+
+from tautline.scene.errors import SceneError
+from tautline.twin.sources.record import Record
+from tautline.twin.sources.stamps import number_of, stamp_column, stamp_of
+from tautline.twin.sources.table import Header
+
+MOST = 100_000
+"""Records that may wait; beyond, the writer waits."""
+
+
+class Stream:
+    """Reads lines on a thread of its own, so that they can be waited for.
+
+    Parameters
+    ----------
+    file : text file
+    columns : sequence of str
+    time : str
+        The column of the stamp; empty for the usual names.
+    """
+
+    def __init__(self, file: IO[str], columns: Sequence[str], time: str = "", name: str = "standard input") -> None:
+        self.name, self.live, self.ended, self.refused, self.last = name, True, False, 0, ""
+        self._file, self._columns, self._time = file, list(columns), time
+        self._queue: queue.Queue[Record | SceneError | None] = queue.Queue(MOST)
+        self._header: Header | None = None
+        threading.Thread(target=self._listen, daemon=True, name="tautline source").start()
+
+    def _listen(self) -> None:
+        try:
+            for line in self._file:
+                if line.strip() and not line.lstrip().startswith("#"):
+                    self._take(line.strip())
+        except SceneError as error:
+            self._queue.put(error)
+        except ValueError:  # the file was closed
+            pass
+        self._queue.put(None)
+
+    def _take(self, line: str) -> None:
+        row: tuple[float, Mapping[str, float]] | None
+        if line.startswith("{"):
+            row = read_object(line, self._columns, self._time)
+        elif self._header is None:
+            self._header = Header(line, self._columns, self._time, self.name)
+            return
+        else:
+            row = self._header.read(line)
+        if row is None:
+            self.refused, self.last = self.refused + 1, line[:80]
+            return
+        self._queue.put(Record(row[0], row[1], clock.monotonic()))
+
+    def poll(self, timeout: float) -> Record | None:
+        """The next record; raises SceneError for a header without the columns."""
+        if self.ended:
+            return None
+        try:
+            found = self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
+        except queue.Empty:
+            return None
+        if isinstance(found, SceneError):
+            self.ended = True
+            raise found
+        self.ended = found is None
+        return found
+
+    def close(self) -> None:
+        """Nothing: the thread ends with the process, or with the stream."""
+
+
+def read_object(line: str, columns: Sequence[str], time: str) -> tuple[float, dict[str, float]] | None:
+    """Stamp and values of a JSON object; None for what is none."""
+    try:
+        found: Any = json.loads(line)
+    except ValueError:
+        return None
+    if not isinstance(found, dict):
+        return None
+    stamp = stamp_column([str(key) for key in found], time)
+    values = {name: number_of(found.get(name)) for name in columns}
+    return stamp_of(found[stamp]) if stamp is not None else float("nan"), values

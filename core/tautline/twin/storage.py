@@ -1,0 +1,128 @@
+"""The state of a twin in a file: killed at any moment and started again, it goes on with the same estimates.
+
+The file is NumPy's .npz without objects: nothing in it can be run. It is written beside its place and then renamed, so
+that there is a whole one at every moment.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from collections import deque
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tautline.live.memory import State
+from tautline.results.errors import ResultError
+from tautline.twin.horizon import Sample
+
+if TYPE_CHECKING:
+    from tautline.twin.twin import Twin
+
+FORMAT = 1
+
+
+def save(twin: Twin, path: Path) -> None:
+    """Write the state of a twin; raises ResultError where that is not possible."""
+    states = twin.family.save()
+    h = twin.horizon
+    words = {
+        "format": FORMAT, "scene": states[0].scene, "layout": states[0].layout, "times": [s.time for s in states],
+        "unknowns": [one.name for one in h.unknowns], "channels": [one.column for one in twin.plan.channels],
+        "origin": twin.origin, "now": twin.now, "unsettled": twin.unsettled, "restarts": twin.restarts,
+        "zeros": {str(k): v for k, v in twin._zeros.items()}, "rows": twin.rows.memory(),
+        "tracks": [one.memory() for one in twin.tracks], "health": [one.memory() for one in twin.health],
+        "alarms": twin.alarms.memory(), "blows_due": twin.family._blows_due,
+        "extras": twin.extras.memory() if twin.extras else {},
+    }  # fmt: skip
+    samples = list(h.samples)
+    arrays = {
+        "words": np.frombuffer(json.dumps(words).encode(), np.uint8),
+        "blocks": np.array([s.block for s in states]), "at": twin.family.at, "apart": twin.family.apart,
+        "theta0": h.theta0, "mean": h.mean, "prior": h.prior, "prior_mean": h.prior_mean,
+        "numbers": np.array([h.prior_time, h.released]), "spread": h.spread, "correlation": h.correlation,
+        "variance": h._variance, "alike": h._alike, "covariance": h.covariance,
+        "sample_time": np.array([s.time for s in samples]), "sample_y": np.array([s.y for s in samples]),
+        "sample_y0": np.array([s.y0 for s in samples]), "sample_J": np.array([s.J for s in samples]),
+        "sample_use": np.array([s.use for s in samples]),
+    }  # fmt: skip
+    for name, waves in twin.waves.items():
+        arrays[f"waves {name}"] = np.append(np.array(waves._values), [waves._next, waves._time, *waves._state])
+    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        with beside.open("wb") as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type]
+        os.replace(beside, path)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise ResultError(
+            path, f"the twin's state cannot be written: {error.strerror}", "give another --state"
+        ) from None
+
+
+def load(twin: Twin, path: Path) -> float:
+    """Let a twin go on from a file; gives the time of the data that it goes on from, s.
+
+    Raises
+    ------
+    ResultError
+        For what is no state of this scene and this map; the twin is as before then.
+    """
+    cure = "give the state that a twin of the same scene and map wrote, or remove the file to begin anew"
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        words = json.loads(arrays["words"].tobytes())
+        blocks = arrays["blocks"]
+    except FileNotFoundError:
+        raise ResultError(path, "there is no such file", cure) from None
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        raise ResultError(path, "is no state of a twin", cure) from None
+    mine = twin.family.save()
+    same = (
+        words["format"] == FORMAT and words["scene"] == mine[0].scene and words["layout"] == mine[0].layout
+        and words["unknowns"] == [one.name for one in twin.horizon.unknowns]
+        and words["channels"] == [one.column for one in twin.plan.channels] and len(blocks) == len(mine)
+    )  # fmt: skip
+    if not same:
+        raise ResultError(path, "belongs to another scene or another map", cure)
+    twin.family.restore([
+        State(time, words["scene"], words["layout"], block, 0)
+        for time, block in zip(words["times"], blocks, strict=True)
+    ])  # fmt: skip
+    _recall(twin, words, arrays)
+    return float(words["now"])
+
+
+def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
+    twin.family.at, twin.family.apart = arrays["at"], arrays["apart"]
+    twin.family.set_parameters()
+    twin.family._blows_due = [(float(t), int(k)) for t, k in words["blows_due"]]
+    h = twin.horizon
+    for name in ("theta0", "mean", "prior", "prior_mean", "spread", "correlation", "covariance"):
+        setattr(h, name, arrays[name])
+    h._variance, h._alike = arrays["variance"], arrays["alike"]
+    h.prior_time, h.released = (float(x) for x in arrays["numbers"])
+    h.samples = deque(
+        Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use")))
+        for i in range(len(arrays["sample_time"]))
+    )
+    twin.origin, twin.now = float(words["origin"]), float(words["now"])
+    twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])
+    twin._zeros = {int(k): float(v) for k, v in words["zeros"].items()}
+    twin.rows.recall(words["rows"])
+    for track, memory in zip(twin.tracks, words["tracks"], strict=True):
+        track.recall(memory)
+    for health, memory in zip(twin.health, words["health"], strict=True):
+        health.recall(memory)
+    twin.alarms.recall(words["alarms"])
+    for name, waves in twin.waves.items():
+        *values, waves._next, waves._time, a, b, c = arrays[f"waves {name}"].tolist()
+        waves._values.extend(values)
+        waves._state = np.array([a, b, c])
+    if twin.extras:
+        twin.extras.recall(words["extras"])
+    twin._keep(twin.now)
