@@ -3,9 +3,10 @@
 Not known are parameters, and the free motion that the machine has at the begin of a window: a load bounces on its rope
 for minutes, by blows that no sensor saw. The neighbour of a free motion gets a blow at the begin.
 
-Their differences are the derivatives of everything with respect to the parameters, the state's own memory of them
-included: the one that is heavier has always been so. A simulation whose mass is changed in the middle of a run bounces;
-this one does not.
+Their differences are the derivatives of everything that is computed. A neighbour has always had its own parameter, and
+its state is not that of the first: a simulation whose mass is changed alone, in the middle of a run, bounces, and what
+sticks comes loose. When the estimate moves, the first simulation is put to the new one by the differences, its state
+included.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from tautline.live.memory import State
     from tautline.live.simulation import Simulation
 
+STEADY = 3
+"""Terms of what moves slowly, beside a free motion."""
 LONGEST = 0.5
 """Longest advance at a time, s."""
 
@@ -42,11 +45,15 @@ class Family:
         Parameters of the first.
     apart : (p + b,)
         How far each neighbour is off in its own; of free motions in blows of the usual size.
+    mixed : (b, p)
+        Free motion that is in the difference of each parameter's neighbour, a unit of the parameter. It depends on
+        where the window begins, and by the difference of frequencies it would grow: derivatives are given without it.
     """
 
     def __init__(self, simulations: Sequence[Simulation], names: Sequence[str], blows: Sequence[Blow] = ()) -> None:
         self.simulations, self.names, self.blows = list(simulations), list(names), list(blows)
         self.at, self.apart = np.zeros(len(names)), np.ones(len(names) + len(blows))
+        self.mixed = np.zeros((len(blows), len(names)))
         self._blows_due: list[tuple[float, int]] = []
 
     @property
@@ -86,7 +93,23 @@ class Family:
         """(..., p + b) of what `read` gave."""
         if len(values) == 1:
             return np.zeros((*values.shape[1:], 0))
-        return np.moveaxis((values[1:] - values[0]), 0, -1) / self.apart
+        found = np.moveaxis((values[1:] - values[0]), 0, -1) / self.apart
+        p = len(self.names)
+        found[..., :p] -= found[..., p:] @ self.mixed
+        return found
+
+    def unmix(self, J: np.ndarray) -> np.ndarray:
+        """Find the free motion in derivatives (n, p + b) of a window, and take it out of them, now and from now on."""
+        p = len(self.names)
+        if not self.blows or not p or len(J) < 2 * J.shape[1] + STEADY:
+            return J
+        # Beside the free motion there is what is steady, or moves with the machine.
+        steady = np.linspace(-1.0, 1.0, len(J))[:, None] ** np.arange(STEADY)
+        scale = np.abs(J[:, p:]).max(axis=0, initial=1e-12)
+        found = np.linalg.lstsq(np.hstack([J[:, p:] / scale, steady]), J[:, :p], rcond=1e-6)[0][: len(self.blows)]
+        more = found / scale[:, None]
+        self.mixed = self.mixed + more
+        return np.hstack([J[:, :p] - J[:, p:] @ more, J[:, p:]])
 
     def save(self) -> list[State]:
         """States of all."""
@@ -99,7 +122,7 @@ class Family:
 
     def stand(
         self, states: Sequence[State], of: Family, shift: np.ndarray, apart: np.ndarray, late: float,
-        bounce: np.ndarray | None = None,
+        fresh: np.ndarray,
     ) -> None:  # fmt: skip
         """Stand where another family was saved, at other numbers; the blows are given anew.
 
@@ -115,22 +138,23 @@ class Family:
             How far the neighbours shall be off in their parameters.
         late : float
             How long after that late blows come, s.
-        bounce : (p, b), optional
-            Free motion in the difference of each neighbour, a unit of its parameter, which is taken out of it: by the
-            difference of their frequencies it would grow with time, and the blows stand for all free motion.
+        fresh : (p,) of bool
+            Which neighbours begin in the state of the first: those of which the difference has grown wild.
         """
         base, others = states[0], [state.block for state in states[1:]]
         p, memory = len(self.names), self.simulations[0]._memory
+        moved = shift.copy()
+        moved[p:] -= of.mixed @ shift[:p]
         at = of.at + shift[:p]
         for i, sim in enumerate(self.simulations):
-            weights = shift / of.apart
-            if 0 < i <= p:
+            weights = moved / of.apart
+            if 0 < i <= p and not fresh[i - 1]:
                 weights[i - 1] += apart[i - 1] / of.apart[i - 1]
-                if bounce is not None:
-                    weights[p:] -= apart[i - 1] * bounce[i - 1] / of.apart[p:]
+                weights[p:] -= apart[i - 1] * of.mixed[:, i - 1] / of.apart[p:]
             block = memory.combine(base.block, others, weights) if others else base.block
             sim.restore(replace(base, block=block))
         self.at, self.apart = at, np.append(apart, np.ones(len(self.blows)))
+        self.mixed = np.zeros_like(self.mixed)
         self.set_parameters()
         self.strike(late)
 

@@ -30,12 +30,10 @@ CONTRADICTION = 30.0
 released."""
 LASTING = 0.6
 """Share of the window over which that has to last."""
-KNOWN = 2.0
-"""Information over that of the start from which on a direction counts as seen by the sensors."""
 TINY = 1e-4
 """Information, over that of the start, that a window has of what it does not see."""
-ALONE = 0.95
-"""Share of a direction that is one unknown's own."""
+UNSEEN = 0.7
+"""Standard deviation, over that of the start, from which on a number is not known."""
 MEMORY = 10.0
 """Windows over which autocorrelation is averaged."""
 UNSURE = 1.25
@@ -273,20 +271,22 @@ class Horizon:
         if self.free.all():
             return []
         last = ~self.free
-        known = np.linalg.inv(self.covariance[np.ix_(last, last)])
-        scaled = known * np.outer(self.first_sd[last], self.first_sd[last])
-        values, vectors = np.linalg.eigh(scaled)
-        told = []
-        for value, vector in zip(values, vectors.T, strict=True):
-            if value >= KNOWN:
+        covariance = self.covariance[np.ix_(last, last)]
+        sd, first = np.sqrt(np.diag(covariance)), self.first_sd[last]
+        alone = 1.0 / np.sqrt(np.diag(np.linalg.inv(covariance)))  # if all others were known
+        alike = covariance / np.outer(sd, sd)
+        told: dict[frozenset[int], str] = {}
+        for i in np.flatnonzero(sd > UNSEEN * first):
+            name = self.unknowns[i].name
+            if alone[i] > UNSEEN * first[i]:
+                told[frozenset([i])] = f"{name}: the sensors have not shown it so far"
                 continue
-            order = np.argsort(-np.abs(vector))
-            names = [self.unknowns[i].name for i in order if abs(vector[i]) > 0.25]
-            if len(names) < 2 or abs(vector[order[0]]) > ALONE:
-                told.append(f"{self.unknowns[order[0]].name}: the sensors have not shown it so far")
-            else:
-                told.append(f"{' and '.join(names)} cannot be told apart so far: the sensors show a sum of them only")
-        return told
+            others = np.abs(alike[i])
+            others[i] = 0.0
+            k = int(np.argmax(others))
+            text = f"{name} and {self.unknowns[k].name} cannot be told apart so far: the sensors show a sum of them only"
+            told.setdefault(frozenset([int(i), k]), text)
+        return list(told.values())
 
 
 def _alike(part: np.ndarray) -> float:

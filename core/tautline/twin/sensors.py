@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tautline.twin.map import Channel
+from tautline.twin.smoothing import FIFTH
 
 SAME = 5
 """Values that are exactly alike from which on a sensor may be stuck."""
@@ -20,8 +21,8 @@ SHORTEST = 0.4
 """Over how long they have to be so at least, s."""
 HISTORY = 400
 """Values that are looked back on."""
-NOISY = 0.05
-"""Share of exactly repeated values below which a sensor has noise."""
+NOISY = 0.1
+"""Noise, over the usual change from value to value, from which on values change at random."""
 ENOUGH = 40
 """Values after which that is judged."""
 ABRUPT = 4.0
@@ -115,9 +116,12 @@ class Health:
         return np.nan
 
     def _has_noise(self) -> bool:
-        """Whether values used to change all the time, before the last that are alike."""
+        """Whether values used to change at random, before the last that are alike."""
         before = np.array(self._values)[: -self._same]
-        return before.size >= ENOUGH and float(np.mean(np.diff(before) == 0.0)) < NOISY
+        if before.size < ENOUGH:
+            return False
+        noise = np.median(np.abs(np.diff(before, 5))) / FIFTH
+        return bool(noise > NOISY * np.median(np.abs(np.diff(before))))
 
     def compare(self, time: float, measured: float, computed: float, sd: float, settled: bool) -> bool:
         """Compare with what is computed; False where the measured value is in another unit."""

@@ -30,10 +30,16 @@ CHECKPOINT = 0.5
 """How often states are kept, to begin again from, s."""
 CAUGHT_UP = 4
 """Rows of the window that are gone through anew at every sample, while it is linearised elsewhere."""
+WILD = 4.0
+"""Size of derivatives over their usual one from which on a neighbour is begun anew."""
+SLOPES = 200
+"""Rows of which the usual size is the median."""
 FEWEST = 5
 """Rows that are worth going through anew."""
 APART = 0.1
 """How far neighbours are off, over the standard deviation at the start."""
+FINE = 0.01
+"""And at least so much of it: what sticks and slips is not smooth in the small."""
 LEAST_APART = 1e-4
 """And at least so much of the parameter."""
 MOVED = 2.0
@@ -122,6 +128,7 @@ class Twin:
         self._next_forecast = self._next_restrict = -np.inf
         self._restricted: list[dict[str, Any]] = []
         self.notes: list[str] = []
+        self._slopes: list[deque[np.ndarray]] = []
 
     # -- what it is made of --------------------------------------------------------------------------------------------
 
@@ -143,7 +150,7 @@ class Twin:
         self._offsets = [i for i, one in enumerate(plan.unknowns) if one.is_offset]
         names = [plan.unknowns[i].target for i in self._parameters]
         start = np.array([plan.unknowns[i].start for i in self._parameters])
-        apart = np.array([self._apart(i, plan.unknowns[i].start, plan.unknowns[i].sd) for i in self._parameters])
+        apart = np.array([self._apart(i, plan.unknowns[i].start, APART * plan.unknowns[i].sd) for i in self._parameters])
         made = []
         for i in range(len(names) + 1):
             theta = start.copy()
@@ -172,10 +179,10 @@ class Twin:
             *(one.target for one in plan.alarms if not one.is_residual and one.target in self.plan_names.outputs),
         ]))  # fmt: skip
 
-    def _apart(self, i: int, value: float, sd: float) -> float:
+    def _apart(self, i: int, value: float, width: float) -> float:
         """How far a neighbour is off in its parameter, within the range."""
         one = self.plan.unknowns[i]
-        apart = max(APART * sd, LEAST_APART * abs(value), 1e-9)
+        apart = max(width, LEAST_APART * abs(value), 1e-9)
         if value + apart > one.high or not self._can_be(one.target, value + apart):
             return -apart
         return apart
@@ -346,7 +353,7 @@ class Twin:
         at = self.horizon.mean[self._parameters]
         self.family.stand(
             self._begin, self._begin_of, np.append(at - self._begin_of.at, np.zeros(len(self.blows))),
-            self._begin_of.apart[: len(at)], self._quarter,
+            self._begin_of.apart[: len(at)], self._quarter, np.zeros(len(at), bool),
         )  # fmt: skip
         self._job = self._ahead = None
         self._found = Found(row.time, stopped=(0.0, name))
@@ -384,7 +391,7 @@ class Twin:
         read = dict(zip(self._read, self.family.read(self._read), strict=True))
         y = np.array([values[i] for i, one in enumerate(plan.channels) if not one.is_input])
         y0, J = self._compared(self.family, read)
-        use = self._compare_units(row.time, y, y0, J, use)
+        use = self._compare_units(row.time, y, y0, J, use) & self._tame(J)
         sample = Sample(row.time, np.where(use, y, np.nan), y0, J, use)
         residual, residual_sd = self.horizon.expected(Sample(row.time, y, y0, J, np.isfinite(y)))
         self.horizon.add(sample)
@@ -418,7 +425,7 @@ class Twin:
             spread = abs(J[m]) @ self.horizon.deviation if self.horizon.unknowns else 0.0
             if use[m] or self.health[i].fault == "unit":
                 good = self.health[i].compare(time, y[m], told[m], sd[m] + spread, settled and use[m])
-                use[m] = use[m] and (good or not self._explained(told[m], y[m], J[m]) is False)
+                use[m] = use[m] and (good or self._explained(told[m], y[m], J[m]))
         return use
 
     def _explained(self, told: float, y: float, J: np.ndarray) -> bool:
@@ -463,12 +470,12 @@ class Twin:
     def _anew(self) -> Iterator[None]:
         """The spare family goes through the window from a state that is extrapolated to the estimate."""
         h, p, spare = self.horizon, self._parameters, self.spare
-        apart = np.array([
-            self._apart(i, h.mean[i], min(3.0 * h.deviation[i] / APART, h.first_sd[i])) for i in p
-        ])  # fmt: skip
+        widths = [np.clip(3.0 * h.deviation[i], FINE * h.first_sd[i], APART * h.first_sd[i]) for i in p]
+        apart = np.array([self._apart(i, h.mean[i], width) for i, width in zip(p, widths, strict=True)])
         self._forget(self.log[-1].time)
         first = self.checkpoints[0]
-        spare.stand(first.states, self.family, (h.mean - h.theta0)[self._seen], apart, self._quarter, self._bounce())
+        late = self._quarter if self.blows else 0.0
+        spare.stand(first.states, self.family, (h.mean - h.theta0)[self._seen], apart, late, self._wild())
         kept = deque([Checkpoint(first.time, spare.save())])
         samples: list[Sample] = []
         names = [one.name for one in self.plan.measured]
@@ -488,7 +495,9 @@ class Twin:
         theta0 = h.theta0.copy()
         theta0[p] = spare.at
         h.drop_before(first.time)
-        h.replaced([one for one in samples if one.time >= reached - h.window - 1e-9], theta0)
+        # Before the last blow the free motions cannot have any phase.
+        begin = max(first.time + late + 1e-6, reached - h.window - 1e-9)
+        h.replaced(self._unmixed([one for one in samples if one.time >= begin]), theta0)
         self.family, self.spare = spare, self.family
         self.checkpoints = kept
 
@@ -504,13 +513,40 @@ class Twin:
         span = samples[-1].time - samples[0].time
         return row * min(max(1, round(0.5 * span / (turns + 1) / row)), max(1, len(samples) // 4))
 
-    def _bounce(self) -> np.ndarray | None:
-        """How much free motion (p, b) is in the derivatives with respect to the parameters, over the window."""
+    def _unmixed(self, samples: list[Sample]) -> list[Sample]:
+        """The same samples with derivatives that are free of free motion, and those that can be believed."""
+        if samples and self.blows and self._parameters:
+            m = len(samples[0].y)
+            J = np.concatenate([one.J[:, self._seen] for one in samples])
+            J = self.spare.unmix(J) if m == 1 else J
+            for i, one in enumerate(samples):
+                one.J[:, self._seen] = J[i * m : (i + 1) * m]
+        return samples
+
+    def _wild(self) -> np.ndarray:
+        """Of which parameters (p,) the derivatives have grown far beyond what they were."""
         h, p = self.horizon, self._parameters
-        if not self.blows or not p:
-            return None
-        J = np.concatenate([one.J for one in h.samples])
-        return np.linalg.lstsq(J[:, h.free], J[:, p], rcond=1e-6)[0].T
+        if not len(h.samples) or not self.blows:
+            return np.zeros(len(p), bool)
+        J = np.array([one.J[:, p] for one in h.samples])
+        usual = np.array([np.median(past, axis=0) for past in self._slopes]) if self._slopes else np.abs(J[0])
+        return np.any(np.median(np.abs(J), axis=0) > WILD * usual, axis=0)
+
+    def _tame(self, J: np.ndarray) -> np.ndarray:
+        """Which sensors (m,) have derivatives that can be believed: near a slip they tell of a very small range only."""
+        p = self._parameters
+        if not p or not self.blows:
+            return np.ones(len(J), bool)
+        size = np.abs(J[:, p])
+        if not self._slopes:
+            self._slopes = [deque(maxlen=SLOPES) for _ in range(len(J))]
+        good = np.ones(len(J), bool)
+        for m, past in enumerate(self._slopes):
+            if len(past) >= FEWEST:
+                good[m] = np.all(size[m] <= 2.0 * WILD * np.maximum(np.median(past, axis=0), 1e-12))
+            if good[m]:
+                past.append(size[m])
+        return good
 
     # -- what comes out ------------------------------------------------------------------------------------------------
 
