@@ -9,8 +9,8 @@ from crane.scene.scene import CraneScene
 from tautline.twin.family import Blow
 from tautline.twin.map import TwinMap
 
-SPEED = 0.1
-"""Usual size of a free bounce of a load, m/s."""
+SPEED = 0.01
+"""Size of a blow that sets off the free bounce of a load, m/s: small enough to keep what sticks and slips as it is."""
 
 
 class CraneExtras:

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from tautline.live.memory import State
     from tautline.live.simulation import Simulation
 
+FEWEST = 12
+"""Rows in which free motion can be told from what is steady."""
+ROUGH = 1.0
+"""Scatter of a derivative, over its size, from which on only its steady part is believed."""
 STEADY = 3
 """Terms of what moves slowly, beside a free motion."""
 LONGEST = 0.5
@@ -54,6 +58,8 @@ class Family:
         self.simulations, self.names, self.blows = list(simulations), list(names), list(blows)
         self.at, self.apart = np.zeros(len(names)), np.ones(len(names) + len(blows))
         self.mixed = np.zeros((len(blows), len(names)))
+        self.trust: np.ndarray | None = None
+        self.steady, self.rough = np.zeros(0), np.zeros(0)
         self._blows_due: list[tuple[float, int]] = []
 
     @property
@@ -98,18 +104,49 @@ class Family:
         found[..., :p] -= found[..., p:] @ self.mixed
         return found
 
-    def unmix(self, J: np.ndarray) -> np.ndarray:
-        """Find the free motion in derivatives (n, p + b) of a window, and take it out of them, now and from now on."""
-        p = len(self.names)
-        if not self.blows or not p or len(J) < 2 * J.shape[1] + STEADY:
+    def unmix(self, J: np.ndarray, sd: np.ndarray) -> np.ndarray:
+        """Find the free motion in the derivatives of a window, and take it out of them, now and from now on.
+
+        Of a derivative that still scatters, only what is steady is believed: near a slip a neighbour takes other turns
+        than the first, and their difference is no derivative.
+
+        Parameters
+        ----------
+        J : (n, m, p + b)
+            Of n rows and m sensors.
+        sd : (m,)
+            By which sensors are weighed.
+        """
+        p, b = len(self.names), len(self.blows)
+        n, m = J.shape[:2]
+        if not b or not p or n < FEWEST:
             return J
-        # Beside the free motion there is what is steady, or moves with the machine.
-        steady = np.linspace(-1.0, 1.0, len(J))[:, None] ** np.arange(STEADY)
-        scale = np.abs(J[:, p:]).max(axis=0, initial=1e-12)
-        found = np.linalg.lstsq(np.hstack([J[:, p:] / scale, steady]), J[:, :p], rcond=1e-6)[0][: len(self.blows)]
-        more = found / scale[:, None]
+        # Beside the free motion there is, in each sensor, what is steady, or moves with the machine.
+        slow = np.linspace(-1.0, 1.0, n)[:, None] ** np.arange(STEADY)
+        scale = np.abs(J[..., p:] / sd[:, None]).max(axis=(0, 1), initial=1e-12)
+        left = np.zeros((n, m, b + m * STEADY))
+        left[..., :b] = J[..., p:] / sd[:, None] / scale
+        for i in range(m):
+            left[:, i, b + i * STEADY : b + (i + 1) * STEADY] = slow
+        right = J[..., :p] / sd[:, None]
+        found = np.linalg.lstsq(left.reshape(n * m, -1), right.reshape(n * m, p), rcond=1e-6)[0]
+        more = found[:b] / scale[:, None]
         self.mixed = self.mixed + more
-        return np.hstack([J[:, :p] - J[:, p:] @ more, J[:, p:]])
+        clean = J[..., :p] - J[..., p:] @ more
+        steady = np.einsum("nr,mrp->nmp", slow, found[b:].reshape(m, STEADY, p)) * sd[:, None]
+        rough = np.sqrt(np.mean((clean - steady) ** 2, axis=0))
+        usual = np.abs(steady).mean(axis=0)
+        self.rough = rough
+        self.trust = 1.0 / (1.0 + (rough / (ROUGH * usual + 1e-300)) ** 4)
+        self.steady = steady[-1]
+        return np.concatenate([self.trust * clean + (1.0 - self.trust) * steady, J[..., p:]], axis=-1)
+
+    def believed(self, J: np.ndarray) -> np.ndarray:
+        """Derivatives (m, p + b) of the sensors, as far as they are believed."""
+        if self.trust is None:
+            return J
+        p = len(self.names)
+        return np.concatenate([self.trust * J[:, :p] + (1.0 - self.trust) * self.steady, J[:, p:]], axis=-1)
 
     def save(self) -> list[State]:
         """States of all."""
@@ -122,7 +159,7 @@ class Family:
 
     def stand(
         self, states: Sequence[State], of: Family, shift: np.ndarray, apart: np.ndarray, late: float,
-        fresh: np.ndarray,
+        fresh: np.ndarray, plain: bool = False,
     ) -> None:  # fmt: skip
         """Stand where another family was saved, at other numbers; the blows are given anew.
 
@@ -140,6 +177,8 @@ class Family:
             How long after that late blows come, s.
         fresh : (p,) of bool
             Which neighbours begin in the state of the first: those of which the difference has grown wild.
+        plain : bool
+            Whether the first keeps the state as it is, and only its parameters are moved.
         """
         base, others = states[0], [state.block for state in states[1:]]
         p, memory = len(self.names), self.simulations[0]._memory
@@ -147,14 +186,14 @@ class Family:
         moved[p:] -= of.mixed @ shift[:p]
         at = of.at + shift[:p]
         for i, sim in enumerate(self.simulations):
-            weights = moved / of.apart
+            weights = (0.0 if plain else 1.0) * moved / of.apart
             if 0 < i <= p and not fresh[i - 1]:
                 weights[i - 1] += apart[i - 1] / of.apart[i - 1]
                 weights[p:] -= apart[i - 1] * of.mixed[:, i - 1] / of.apart[p:]
             block = memory.combine(base.block, others, weights) if others else base.block
             sim.restore(replace(base, block=block))
         self.at, self.apart = at, np.append(apart, np.ones(len(self.blows)))
-        self.mixed = np.zeros_like(self.mixed)
+        self.mixed, self.trust = np.zeros_like(self.mixed), None
         self.set_parameters()
         self.strike(late)
 

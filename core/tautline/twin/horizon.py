@@ -73,6 +73,8 @@ class Horizon:
         Where the simulations were linearised.
     mean, covariance : (k,), (k, k)
         The estimate.
+    rough : (m, k)
+        Scatter of the derivatives about their steady part.
     released : float
         Time at which the prior was released for the last time; minus infinity.
     """
@@ -97,6 +99,7 @@ class Horizon:
         self.spread, self.correlation = np.ones(m), np.ones(m)
         self.at_bound = np.zeros(k, bool)
         self.released, self._contradicted = -np.inf, np.nan
+        self.rough = np.zeros((m, k))
         self._variance = np.zeros(m)
         self._alike = np.ones(m)
 
@@ -122,6 +125,28 @@ class Horizon:
             self.prior_mean = np.where(self.free, 0.0, self.prior_mean)
             self.mean = np.where(self.free, 0.0, self.mean)
         self.solve()
+
+    def cost(self, samples: Sequence[Sample], theta0: np.ndarray, anew: bool) -> float:
+        """Mean square of what a window leaves unexplained, in standard deviations, at its own best estimate.
+
+        Parameters
+        ----------
+        anew : bool
+            Whether free motions are unknown anew in these samples; else they are as far as they are known.
+        """
+        y, y0, J, use = self._stacked(samples)
+        sd = self.deviations(y0)
+        weight = np.where(use, 1.0 / sd**2, 0.0)
+        lasting = ~self.free
+        prior, mean = self.prior, self.prior_mean
+        if anew and self.free.any():
+            prior, mean = np.diag(1.0 / self.first_sd**2), np.where(self.free, 0.0, mean)
+            prior[np.ix_(lasting, lasting)] = np.linalg.inv(np.linalg.inv(self.prior)[np.ix_(lasting, lasting)])
+        r = np.where(use, y - y0, 0.0)
+        total = prior + np.einsum("nmi,nm,nmj->ij", J, weight, J)
+        theta = np.linalg.solve(total, prior @ (mean - theta0) + np.einsum("nmi,nm,nm->i", J, weight, r))
+        left = r - J @ theta
+        return float(np.sum(weight * left**2) / max(1, np.count_nonzero(use)))
 
     def drop_before(self, time: float) -> None:
         """Let samples before a time, s, leave the window."""
@@ -166,6 +191,8 @@ class Horizon:
         y, y0, J, use = self._stacked(samples)
         residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
         sd = self.deviations(y0)
+        # A derivative that scatters is wrong by as much, and what it is multiplied by is not known better than this.
+        sd = np.sqrt(sd**2 + np.sum((self.rough * self.deviation) ** 2, axis=-1))
         scale = sd * np.maximum(1.0, np.sqrt(self.spread))
         far = np.abs(residual) / (LARGEST_RESIDUAL * scale)
         weight = np.where(use, 1.0 / (sd**2 * self.correlation), 0.0) / np.maximum(1.0, far)

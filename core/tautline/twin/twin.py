@@ -30,6 +30,11 @@ CHECKPOINT = 0.5
 """How often states are kept, to begin again from, s."""
 CAUGHT_UP = 4
 """Rows of the window that are gone through anew at every sample, while it is linearised elsewhere."""
+USUAL = 10.0
+"""Usual size of a free motion, in blows."""
+WORSE, NOISE = 1.5, 1.0
+"""A window gone through anew is taken if what it leaves unexplained is at most so many times what was left before, and
+so much more, in variances of the sensor."""
 WILD = 4.0
 """Size of derivatives over their usual one from which on a neighbour is begun anew."""
 SLOPES = 200
@@ -40,6 +45,8 @@ APART = 0.1
 """How far neighbours are off, over the standard deviation at the start."""
 FINE = 0.01
 """And at least so much of it: what sticks and slips is not smooth in the small."""
+SWINGING = 0.003
+"""How far neighbours are off, over the parameter, where a load may bounce: further off they bounce out of step."""
 LEAST_APART = 1e-4
 """And at least so much of the parameter."""
 MOVED = 2.0
@@ -128,6 +135,7 @@ class Twin:
         self._next_forecast = self._next_restrict = -np.inf
         self._restricted: list[dict[str, Any]] = []
         self.notes: list[str] = []
+        self._plain = False
         self._slopes: list[deque[np.ndarray]] = []
 
     # -- what it is made of --------------------------------------------------------------------------------------------
@@ -407,7 +415,7 @@ class Twin:
         values = np.array([read[one.name] for one in measured]).reshape(len(measured), -1).T
         J = np.zeros((len(measured), len(self.horizon.unknowns)))
         if self._seen and len(measured):
-            J[:, self._seen] = family.derivatives(values)
+            J[:, self._seen] = family.believed(family.derivatives(values))
         for k in self._offsets:
             J[[one.name == self.plan.unknowns[k].target for one in measured], k] = 1.0
         return (values[0] if len(measured) else np.zeros(0)), J
@@ -470,12 +478,16 @@ class Twin:
     def _anew(self) -> Iterator[None]:
         """The spare family goes through the window from a state that is extrapolated to the estimate."""
         h, p, spare = self.horizon, self._parameters, self.spare
-        widths = [np.clip(3.0 * h.deviation[i], FINE * h.first_sd[i], APART * h.first_sd[i]) for i in p]
+        if self.blows:
+            widths = [SWINGING * max(abs(h.mean[i]), h.first_sd[i]) for i in p]
+        else:
+            widths = [np.clip(3.0 * h.deviation[i], FINE * h.first_sd[i], APART * h.first_sd[i]) for i in p]
         apart = np.array([self._apart(i, h.mean[i], width) for i, width in zip(p, widths, strict=True)])
         self._forget(self.log[-1].time)
         first = self.checkpoints[0]
         late = self._quarter if self.blows else 0.0
-        spare.stand(first.states, self.family, (h.mean - h.theta0)[self._seen], apart, late, self._wild())
+        shift, fresh = (h.mean - h.theta0)[self._seen], self._wild()
+        spare.stand(first.states, self.family, shift, apart, late, fresh | self._plain, self._plain)
         kept = deque([Checkpoint(first.time, spare.save())])
         samples: list[Sample] = []
         names = [one.name for one in self.plan.measured]
@@ -494,10 +506,18 @@ class Twin:
             yield
         theta0 = h.theta0.copy()
         theta0[p] = spare.at
-        h.drop_before(first.time)
         # Before the last blow the free motions cannot have any phase.
         begin = max(first.time + late + 1e-6, reached - h.window - 1e-9)
-        h.replaced(self._unmixed([one for one in samples if one.time >= begin]), theta0)
+        samples = self._unmixed([one for one in samples if one.time >= begin])
+        before = [one for one in h.samples if one.time >= begin]
+        if not samples or not self._better(samples, theta0, before):
+            self._plain = not self._plain
+            return
+        self._plain = False
+        h.drop_before(first.time)
+        if spare.trust is not None:
+            h.rough[:, p] = spare.rough
+        h.replaced(samples, theta0)
         self.family, self.spare = spare, self.family
         self.checkpoints = kept
 
@@ -513,14 +533,24 @@ class Twin:
         span = samples[-1].time - samples[0].time
         return row * min(max(1, round(0.5 * span / (turns + 1) / row)), max(1, len(samples) // 4))
 
+    def _better(self, samples: list[Sample], theta0: np.ndarray, before: list[Sample]) -> bool:
+        """Whether the window gone through anew explains the data about as well as it was explained before, or better.
+
+        What sticks and slips is not always put right by differences of states; then the first state itself is tried.
+        """
+        h = self.horizon
+        if not np.isfinite([one.y0 for one in samples]).all() or not np.isfinite([one.J for one in samples]).all():
+            return False
+        old = h.cost(before, h.theta0, False) if before else np.inf
+        return h.cost(samples, theta0, True) <= WORSE * old + NOISE
+
     def _unmixed(self, samples: list[Sample]) -> list[Sample]:
         """The same samples with derivatives that are free of free motion, and those that can be believed."""
         if samples and self.blows and self._parameters:
-            m = len(samples[0].y)
-            J = np.concatenate([one.J[:, self._seen] for one in samples])
-            J = self.spare.unmix(J) if m == 1 else J
-            for i, one in enumerate(samples):
-                one.J[:, self._seen] = J[i * m : (i + 1) * m]
+            J = np.array([one.J[:, self._seen] for one in samples])
+            J = self.spare.unmix(J, self.horizon.deviations(samples[-1].y0))
+            for one, own in zip(samples, J, strict=True):
+                one.J[:, self._seen] = own
         return samples
 
     def _wild(self) -> np.ndarray:
@@ -790,7 +820,7 @@ def _as_unknown(blow: Blow) -> Unknown:
     """A free motion, in blows of the usual size."""
     name = f"free motion of {blow.output}"
     return Unknown(
-        name=name, target=blow.output, is_offset=False, unit="", start=0.0, sd=1.0, low=-np.inf, high=np.inf, drift=0.0
+        name=name, target=blow.output, is_offset=False, unit="", start=0.0, sd=USUAL, low=-np.inf, high=np.inf, drift=0.0
     )
 
 
