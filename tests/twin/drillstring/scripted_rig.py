@@ -126,19 +126,24 @@ def _true(rig: Rig, script: list[Phase], random):
             spin += _within((rig.speed if turning and held == 0.0 else 0.0) - spin, 4.0 * TICK)
             pumped = rig.flow if phase.what in ("drill", "slide", "ream", "rotate", "circulate") else 0.0
             flow += _within(pumped - flow, 0.012 * TICK) if held == 0.0 else _within(-flow, 0.012 * TICK)
-            on_bottom = phase.what in ("drill", "slide") and bit >= hole - 1e-9 and held == 0.0
-            weight += _within((rig.weight_on_bit if on_bottom else 0.0) - weight, 0.3 * rig.weight_on_bit * TICK)
-            if not on_bottom:
-                weight = 0.0 if bit < hole - 0.01 else weight
-            wanted = _wanted(phase, held, on_bottom, hole - bit, block, start)
+            drills = phase.what in ("drill", "slide")
+            on_bottom = bit >= hole - 1e-9 and held == 0.0 and (drills or (weight > 0.0 and phase.what != "ream"))
+            if on_bottom and drills:
+                weight += _within(rig.weight_on_bit - weight, 0.3 * rig.weight_on_bit * TICK)
+            elif on_bottom and velocity >= 0.0 and phase.speed >= 0.0:
+                # A block that stands leaves the weight to a bit that drills off.
+                weight *= 1.0 - TICK / 60.0
+            else:
+                on_bottom, weight = False, max(0.0, weight - 0.3 * rig.weight_on_bit * TICK)
+            wanted = _wanted(phase, held, on_bottom and drills, hole - bit, block, start)
             if free and phase.what == "connect" and start is None:
                 start = block
             velocity += _within(wanted - velocity, 0.3 * TICK)
-            if on_bottom:
+            if on_bottom and drills:
                 velocity = phase.speed
             moved = velocity * TICK
             if held == 0.0:
-                moved = min(moved, hole - bit) if not on_bottom else moved
+                moved = moved if drills and on_bottom else min(moved, hole - bit)
                 bit += moved
                 hole = max(hole, bit)
                 block += moved
