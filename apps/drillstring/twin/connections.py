@@ -101,9 +101,7 @@ class Plateaus:
         Largest difference of the block's speed from its median, as a share of that.
     """
 
-    def __init__(
-        self, settling: float = 4.0, leaving: float = 1.5, shortest: float = 3.0, steady: float = 0.2
-    ) -> None:
+    def __init__(self, settling: float = 4.0, leaving: float = 1.5, shortest: float = 3.0, steady: float = 0.2) -> None:
         self.settling, self.leaving, self.shortest, self.steady = settling, leaving, shortest, steady
         self.all: list[Plateau] = []
         self._motion: str | None = None

@@ -149,7 +149,6 @@ def write(columns: Mapping[str, np.ndarray], path: str | Path) -> Path:
     return write_rows(list(columns), np.column_stack(list(columns.values())).tolist(), Path(path))
 
 
-
 def _parts(scene: DrillstringScene, count: int, how: Connecting, rate: float) -> Iterator[dict[str, np.ndarray]]:
     """Rows in slips and rows in motion, one connection after another."""
     time = 0.0

@@ -72,7 +72,7 @@ class Trend:
         t, x = points[:, 0] - time, points[:, 1]
         found = 0.0, float("inf")
         for count in WINDOWS:
-            if count > t.size or -t[-count] > self.longest and count > 2:
+            if count > t.size or (count > 2 and -t[-count] > self.longest):
                 break
             ages, values = t[-count:], x[-count:]
             middle = ages.mean()

@@ -1,7 +1,8 @@
 """The string grows by a stand: the scene of the next one, the hole and the string one stand longer.
 
-What is added is pipe at the top, where stands come from. Depths of the hole stay, for they count from the rotary table:
-the casing's shoe is where it was, and the bit is a stand deeper. The number of links stays, so nothing is compiled anew.
+What is added is pipe at the top, where stands come from. Depths of the hole stay, for they count from the rotary
+table: the casing's shoe is where it was, and the bit is a stand deeper. The number of links stays, so nothing is
+compiled anew.
 """
 
 from __future__ import annotations
@@ -56,7 +57,8 @@ def with_stand(scene: DrillstringScene, length: float) -> DrillstringScene:
     old = sum(tube.length for tube in tubes)
     grown = tubes[0].length + length
     if grown <= 0.0:
-        cause = f"{-length:g} m of pipe are to be laid down, and '{tubes[0].name}' at the top is {tubes[0].length:g} m long"
+        top = tubes[0]
+        cause = f"{-length:g} m of pipe are to be laid down, and '{top.name}' at the top is {top.length:g} m long"
         raise SceneError([scene.problem("string[0].length", cause, "lay down less")])
     # Every section gets its length as a number: one that is the rest of the hole grows only at the top.
     values: dict[Path_, Any] = {("string", k, "length"): tube.length for k, tube in enumerate(tubes)}
@@ -71,7 +73,7 @@ def _drilled_on(scene: DrillstringScene, deeper: float) -> dict[Path_, Any]:
     """Values of a hole that goes on straight for so many metres more."""
     if scene.well.survey is not None:
         end = well_of(scene).length
-        cause = f"ends at {end:g} m, and the bit would be at {end + deeper:g} m: what course the hole takes there is unknown"
+        cause = f"ends at {end:g} m, and the bit would be at {end + deeper:g} m: the course there is unknown"
         raise SceneError([scene.problem("well.survey", cause, "add the stations that were measured, or are planned")])
     assert scene.well.sections is not None
     last = len(scene.well.sections) - 1
@@ -81,4 +83,3 @@ def _drilled_on(scene: DrillstringScene, deeper: float) -> dict[Path_, Any]:
         cause = f"ends in an arc at {end:g} m: what course the hole takes below it is unknown"
         raise SceneError([scene.problem(f"well.sections[{last}]", cause, "add what is planned: a hold, build or turn")])
     return {("well", "sections", last, "hold"): piece.length + deeper}
-

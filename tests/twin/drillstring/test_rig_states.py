@@ -2,16 +2,24 @@
 
 import numpy as np
 import pytest
+from twin.drillstring.scripted_rig import Rig, circulate, connect, drill, play, ream, rest, rotate, slide, slips, trip
 
 from drillstring.twin.states import RigStates, Settings
-from twin.drillstring.scripted_rig import (
-    Rig, circulate, connect, drill, play, ream, rest, rotate, slide, slips, trip,
-)  # fmt: skip
 
 STAND = 28.0
 CONNECTION = [ream(40, -0.15), circulate(20), rest(10), trip(15, -0.2), trip(15, 0.2), rest(10), slips(20),
               connect(150, -STAND), rest(15), circulate(15), rotate(20)]  # fmt: skip
-DRILLING = [rest(20), circulate(30), rotate(30), drill(600), *CONNECTION, drill(600), *CONNECTION, slide(400), drill(200)]
+DRILLING = [
+    rest(20),
+    circulate(30),
+    rotate(30),
+    drill(600),
+    *CONNECTION,
+    drill(600),
+    *CONNECTION,
+    slide(400),
+    drill(200),
+]
 TRIP_OUT = [rest(20), *3 * [trip(60, -0.45), rest(8), slips(15), connect(110, STAND), rest(8)]]
 TRIP_IN = [slips(25), *3 * [connect(110, -STAND), rest(8), trip(60, 0.45), rest(8), slips(15)], connect(110, -STAND),
            rest(10)]  # fmt: skip
@@ -22,9 +30,7 @@ WELL = [*DRILLING, *REAMING, *TRIP_OUT]
 def told(columns, **settings):
     rig = RigStates(Settings(**settings))
     names = [name for name in columns if name != "time"]
-    return rig, [
-        str(rig.add(t, **{name: columns[name][k] for name in names})) for k, t in enumerate(columns["time"])
-    ]
+    return rig, [str(rig.add(t, **{name: columns[name][k] for name in names})) for k, t in enumerate(columns["time"])]
 
 
 def right(states, truth, time, tolerance):
@@ -46,19 +52,26 @@ DEEP = Rig(block_weight=500e3, string_weight=1.9e6, drag=420e3, weight_on_bit=15
            speed=15.7, flow=0.055, depth=6200.0, above=1.0)  # fmt: skip
 UNSEEN = {
     "shallow, singles": (SHALLOW, [
-        slips(40), connect(90, -9.5), rest(12), circulate(20), slide(240, 15 / 3600), circulate(15), trip(8, -0.3), rest(6),
-        slips(12), connect(75, -9.5), rest(9), circulate(12), rotate(25), drill(180, 35 / 3600), ream(25, -0.35), rotate(8),
-        ream(25, 0.3), drill(60, 35 / 3600), rotate(10), ream(12, -0.25), rest(9), slips(30), connect(80, -9.5), rest(20),
+        slips(40), connect(90, -9.5), rest(12), circulate(20), slide(240, 15 / 3600), circulate(15), trip(8,
+        -0.3), rest(6),
+        slips(12), connect(75, -9.5), rest(9), circulate(12), rotate(25), drill(180, 35 / 3600), ream(25,
+        -0.35), rotate(8),
+        ream(25, 0.3), drill(60, 35 / 3600), rotate(10), ream(12, -0.25), rest(9), slips(30), connect(80, -9.5),
+        rest(20),
         circulate(60), drill(240, 40 / 3600), ream(30, -0.1), circulate(40), rest(30),
     ]),
     "deep, back-reaming out": (DEEP, [
-        rotate(120), drill(500, 6 / 3600), ream(220, -0.13), circulate(45), rest(14), slips(60), connect(140, 29.0), rest(12),
-        rotate(45), ream(200, -0.13), rest(25), slips(25), connect(150, 29.0), rest(10), trip(150, -0.2), rest(9), slips(22),
+        rotate(120), drill(500, 6 / 3600), ream(220, -0.13), circulate(45), rest(14), slips(60), connect(140,
+        29.0), rest(12),
+        rotate(45), ream(200, -0.13), rest(25), slips(25), connect(150, 29.0), rest(10), trip(150, -0.2),
+        rest(9), slips(22),
         connect(130, 29.0), rest(9), circulate(120), rotate(90), ream(70, 0.12), ream(70, -0.2), rest(60),
     ]),
     "tripping fast": (Rig(string_weight=700e3, drag=110e3, above=1500.0), [
-        rest(15), circulate(20), trip(42, 0.75), rest(7), slips(10), connect(85, -28.5), rest(7), trip(44, 0.75), rest(6),
-        slips(12), connect(80, -28.5), rest(6), trip(20, 0.6), rest(30), trip(20, 0.6), rest(8), slips(300), rest(6),
+        rest(15), circulate(20), trip(42, 0.75), rest(7), slips(10), connect(85, -28.5), rest(7), trip(44,
+        0.75), rest(6),
+        slips(12), connect(80, -28.5), rest(6), trip(20, 0.6), rest(30), trip(20, 0.6), rest(8), slips(300),
+        rest(6),
         trip(30, -0.9), rest(6), slips(14), connect(70, 28.5), rest(8), trip(32, -0.9), rest(10),
     ]),
 }  # fmt: skip

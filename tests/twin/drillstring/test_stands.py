@@ -37,9 +37,7 @@ def test_the_string_weighs_more_by_the_buoyed_weight_of_the_stand():
     scene = tautline.read(DATA / "drilling.yaml")
     added = 28.5
     hanging = {"bit.on_bottom": False, "top.rotation": 0.0, "top.block": 0.0}
-    loads = [
-        tautline.Simulation(one.replace(hanging))["top.hook_load"] for one in (scene, with_stand(scene, added))
-    ]
+    loads = [tautline.Simulation(one.replace(hanging))["top.hook_load"] for one in (scene, with_stand(scene, added))]
     # A metre of the pipe weighs its mass, with tool joints, less the mud that its steel displaces.
     mass = next(iter(prepared(scene).lumps.tubes)).mass_per_length
     assert loads[1] - loads[0] == pytest.approx(mass * (1.0 - 1200.0 / 7850.0) * 9.81 * added, rel=1e-3)
@@ -59,7 +57,7 @@ def test_a_stand_beyond_the_survey_or_beyond_an_arc_is_refused_with_the_cure(tmp
     surveyed = tautline.read(tmp_path / "surveyed.yaml")
     shorter = surveyed.replace({"string[0].length": 700.0})
     assert bit_depth(with_stand(shorter, 28.0)) == pytest.approx(998.0)
-    with pytest.raises(SceneError, match=r"well.survey.*ends at 1020 m, and the bit would be at 1026 m.*add the stations"):
+    with pytest.raises(SceneError, match=r"well.survey.*ends at 1020 m, and the bit would be at 1026 m.*add"):
         with_stand(with_stand(shorter, 28.0), 28.0)
     with pytest.raises(SceneError, match=r"well.sections\[1\].*ends in an arc.*add what is planned"):
         with_stand(tautline.read(DATA / "jwell.yaml"), 28.0)
