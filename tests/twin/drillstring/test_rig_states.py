@@ -181,3 +181,41 @@ def test_duplicates_and_late_samples_change_nothing_and_a_copy_goes_on_alike():
         if k % 100 == 0:
             rig = pickle.loads(pickle.dumps(rig))
     assert again == states and rig.plateaus == plain.plateaus
+
+
+def random_script(seed):
+    """A rig and an order of work drawn by lot: drilled stands with or without reaming, and stands tripped out."""
+    random = np.random.default_rng([seed, 2024])
+
+    def seconds(least, most):
+        return round(float(random.uniform(least, most)))
+
+    weight = random.uniform(4e5, 1.6e6)
+    rig = Rig(
+        block_weight=random.uniform(2e5, 5e5), string_weight=weight, drag=random.uniform(0.05, 0.25) * weight,
+        weight_on_bit=random.uniform(0.06, 0.15) * weight, speed=random.uniform(6.0, 18.0),
+        flow=random.uniform(0.02, 0.06), depth=random.uniform(1200.0, 5000.0), above=random.uniform(1.0, 4.0),
+    )  # fmt: skip
+    stand, speed = random.uniform(9.0, 29.0), random.uniform(0.15, 0.6)
+    script = [rest(seconds(5, 20)), circulate(seconds(15, 60)), rotate(seconds(10, 60))]
+    for _ in range(2):
+        drilling = slide if random.random() < 0.3 else drill
+        script.append(drilling(seconds(200, 500), random.uniform(5.0, 40.0) / 3600.0))
+        if random.random() < 0.6:
+            script += [ream(seconds(30, 90), -random.uniform(0.08, 0.3)), rotate(seconds(5, 20))]
+            script += [ream(seconds(20, 40), random.uniform(0.08, 0.2))]
+        script += [trip(seconds(10, 20), -random.uniform(0.1, 0.4)), circulate(seconds(8, 60)), rest(seconds(6, 20))]
+        script += [slips(seconds(15, 60)), connect(seconds(120, 200), -stand), rest(seconds(8, 20))]
+        script += [circulate(seconds(10, 30)), rotate(seconds(10, 60))]
+    for _ in range(2):
+        script += [trip(round(stand / speed), -speed), rest(seconds(6, 12)), slips(seconds(12, 30))]
+        script += [connect(seconds(100, 160), stand), rest(seconds(7, 12))]
+    return rig, script
+
+
+@pytest.mark.parametrize(("known", "least"), [(True, 0.98), (False, 0.975)])
+def test_98_of_100_samples_are_told_of_rigs_and_scripts_drawn_by_lot(known, least):
+    """Eight of them together; where nothing is known of the rig the time counts in which it is found out."""
+    shares = [share_right(*random_script(seed), 1.0, seed, known=known) for seed in range(8)]
+    told_rightly = sum(share * count for share, count in shares) / sum(count for _, count in shares)
+    assert told_rightly >= least and min(share for share, _ in shares) >= least - 0.015

@@ -71,9 +71,10 @@ def truth(severity, found, result):
     return np.ptp(spin[last]) / 2.0 / spin[time > time[-1] - whole].mean()
 
 
+@pytest.mark.parametrize("noise", [0.0, 0.01])
 @pytest.mark.parametrize(("name", "weight", "rpm"), STICKING)
-def test_severity_of_a_bit_that_sticks_is_within_7_percent_and_two_stated_deviations(name, weight, rpm):
-    severity, found = told(name, weight, rpm)
+def test_severity_of_a_bit_that_sticks_is_within_7_percent_and_two_stated_deviations(name, weight, rpm, noise):
+    severity, found = told(name, weight, rpm, noise=noise)
     true = truth(severity, found, drilled(name, weight, rpm))
     assert true > 0.95, "it sticks"
     assert found.severity == pytest.approx(true, rel=0.07)
