@@ -144,16 +144,21 @@ class Severity:
         return 2.0 * pi * self._first * np.linspace(low, high, ceil((high - low) / step) + 1)
 
     def _find(self, time: np.ndarray, torque: np.ndarray) -> float:
-        """Angular frequency of the torque's oscillation, rad/s: that which leaves least of it."""
+        """Angular frequency of the torque's oscillation, rad/s.
+
+        The strongest single line is near it, for half of the frequency has no line of its own. With a second harmonic
+        it is found better: what is left has its least, that of a parabola, between its neighbours.
+        """
         grid = self._grid(time)
-        left = [_Fit.of(time, torque, omega, 2).left for omega in grid]
-        best = int(np.argmin(left))
-        if 0 < best < grid.size - 1:
-            # The least of a parabola through three points.
-            a, b, c = left[best - 1 : best + 2]
-            bend = a - 2.0 * b + c
-            return float(grid[best] + 0.5 * (a - c) / bend * (grid[1] - grid[0])) if bend > 0.0 else float(grid[best])
-        return float(grid[best])
+        near = grid[int(np.argmin([_Fit.of(time, torque, omega, 1).left for omega in grid]))]
+        step = grid[1] - grid[0]
+        fine = near + step * np.arange(-1.0, 1.01, 0.5)
+        left = [_Fit.of(time, torque, omega, 2).left for omega in fine]
+        best = min(max(int(np.argmin(left)), 1), fine.size - 2)
+        a, b, c = left[best - 1 : best + 2]
+        bend = a - 2.0 * b + c
+        off = min(1.0, max(-1.0, 0.5 * (a - c) / bend)) if bend > 0.0 else 0.0
+        return float(fine[best] + off * (fine[1] - fine[0]))
 
     def _told(self, time: np.ndarray, omega: float, mean: float, torque: _Fit, speed: _Fit) -> StickSlip:
         deviations = self._by_noise(omega, torque, speed)

@@ -32,7 +32,7 @@ STRINGS = {
 STICKING = [
     ("as it is", 50e3, 60), ("as it is", 100e3, 105), ("as it is", 150e3, 130), ("a softer drive", 100e3, 70),
     ("a softer drive", 150e3, 120), ("prescribed speed", 100e3, 130), ("prescribed speed", 150e3, 90),
-    ("longer", 100e3, 110), ("longer", 150e3, 150),
+    ("longer", 100e3, 110), ("longer", 150e3, 150), ("a softer drive", 50e3, 60),
 ]  # fmt: skip
 TURNING = [("as it is", 100e3, 150), ("a softer drive", 50e3, 90), ("longer", 50e3, 110)]
 
