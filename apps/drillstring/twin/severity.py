@@ -58,8 +58,6 @@ class Settings:
         Most of them; fewer where samples are too far apart for them.
     damping_sd : float
         Relative standard deviation of the damping along the string, which is in the stated deviation.
-    model_sd : float
-        Relative standard deviation of the severity by what the torsional line leaves out.
     torque_of_drive : bool
         Whether the torque is that of the motor, which also turns the drive's inertia, and not the string's.
     speed_measured : bool
@@ -71,7 +69,6 @@ class Settings:
     highest: float = 1.3
     harmonics: int = 5
     damping_sd: float = 0.3
-    model_sd: float = 0.02
     torque_of_drive: bool = True
     speed_measured: bool = True
 
@@ -177,7 +174,6 @@ class Severity:
         parts = (
             # The largest and the least value lie about half a period apart: there odd harmonics count twice.
             sqrt(float((deviations[clear] ** 2).sum())) / abs(mean),
-            self.settings.model_sd * severity,
             swing(1.0, fewer)[0] - severity,
             swing(1.0 + self.settings.damping_sd, clear)[0] - severity,
         )
