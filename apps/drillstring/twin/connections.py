@@ -64,22 +64,27 @@ class Plateau(NamedTuple):
 
 
 class Connections:
-    """Collects times in slips; told of every sample whether the string hangs in them."""
+    """Collects times in slips; told of every sample whether the string hangs in them, None where that is not known.
+
+    One whose beginning was not seen is left out: it would tell a wrong length.
+    """
 
     def __init__(self) -> None:
         self.all: list[Connection] = []
         self._start: tuple[float, float] | None = None
         self._was: bool | None = None
 
-    def add(self, sample: Sample, in_slips: bool) -> Connection | None:
+    def add(self, sample: Sample, in_slips: bool | None) -> Connection | None:
         """The connection that ends with this sample, if one does."""
         ended = None
         if in_slips and self._was is False:
             self._start = sample.time, sample.block
-        elif not in_slips and self._was and self._start is not None:
+        elif in_slips is False and self._start is not None:
             begun, block = self._start
             ended = Connection(begun, sample.time, block - sample.block, sample.bit_depth)
             self.all.append(ended)
+            self._start = None
+        elif in_slips is None:
             self._start = None
         self._was = in_slips
         return ended

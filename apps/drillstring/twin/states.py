@@ -455,7 +455,8 @@ class RigStates:
             self.state, self.since = told, self._candidate[1]
 
     def _collect(self, sample: Sample) -> None:
-        self._connections.add(sample, self.state in IN_THE_SLIPS)
+        hangs = None if self.state is RigState.UNKNOWN else self.state in IN_THE_SLIPS
+        self._connections.add(sample, hangs)
         self._plateaus.add(sample, MOTION_OF.get(self.state), len(self.connections))
 
 

@@ -52,12 +52,12 @@ def test_hook_loads_and_torque_of_each_stand_are_those_of_the_soft_string(record
     rig = RigStates()
     for k, time in enumerate(columns["time"]):
         rig.add(time, **{name: columns[name][k] for name in COLUMNS[1:]})
-    assert [one.added for one in rig.connections][1:] == pytest.approx([30.0], abs=0.3)
+    assert [one.added for one in rig.connections] == pytest.approx([30.0], abs=0.3)
     well = reference.well_from_survey(STATIONS, [0.0, 0.0, *2 * [np.radians(50.0)]], [0.0] * 4)
     found = {(one.stand, one.motion): one for one in rig.plateaus}
-    assert set(found) == {(k, motion) for k in (1, 2) for motion in ("pick_up", "slack_off", "rotating")}
+    assert set(found) == {(k, motion) for k in (0, 1) for motion in ("pick_up", "slack_off", "rotating")}
     for (stand, motion), one in found.items():
-        pipe = 1600.0 + HOW.stand * (stand - 1)
+        pipe = 1600.0 + HOW.stand * stand
         string = reference.String([(pipe, 0.127, 0.1086), (240.0, 0.165, 0.0572)])
         hole = reference.Well(well.tangent, well.curvature, pipe + 240.0, well.breaks)
         expected = BLOCK + reference.hook_load(hole, string, FRICTION, motion)
