@@ -36,6 +36,8 @@ UNSEEN = 0.7
 """Standard deviation, over that of the start, from which on a number is not known."""
 MEMORY = 10.0
 """Windows over which autocorrelation is averaged."""
+FLOOR = 0.1
+"""Share of the largest value seen below which noise that is given as a share does not fall."""
 UNSURE = 1.25
 """By how much the autocorrelation time of so few residuals may be too short."""
 ROUGH = 0.01
@@ -100,6 +102,7 @@ class Horizon:
         self.at_bound = np.zeros(k, bool)
         self.released, self._contradicted = -np.inf, np.nan
         self.rough = np.zeros((m, k))
+        self.largest = np.zeros(m)
         self._variance = np.zeros(m)
         self._alike = np.ones(m)
 
@@ -108,6 +111,7 @@ class Horizon:
     def add(self, sample: Sample) -> None:
         """Take a sample into the window, and those that are too old out of it."""
         self.samples.append(sample)
+        self.largest = np.maximum(self.largest, np.where(sample.use, np.abs(sample.y), 0.0))
         if not np.isfinite(self.prior_time):
             self.prior_time = sample.time
         while self.samples[0].time < sample.time - self.window - 1e-9:
@@ -174,7 +178,7 @@ class Horizon:
 
     def deviations(self, y0: np.ndarray) -> np.ndarray:
         """Standard deviations of the sensors (..., m)."""
-        given = np.where(self.relative, self.sd * np.abs(y0), self.sd)
+        given = np.where(self.relative, self.sd * np.maximum(np.abs(y0), FLOOR * self.largest), self.sd)
         found = np.maximum(np.sqrt(self._variance), 1e-12)
         guess = np.where(self._variance > 0.0, found, ROUGH * np.abs(y0) + 1e-12)
         return np.where(np.isfinite(given), np.maximum(given, 1e-12), guess)
@@ -186,7 +190,7 @@ class Horizon:
         use = np.array([s.use for s in samples]) & np.isfinite(y)
         return y, y0, J, use
 
-    def _information(self, samples: Sequence[Sample]) -> tuple[np.ndarray, np.ndarray]:
+    def _information(self, samples: Sequence[Sample], alone: bool = False) -> tuple[np.ndarray, np.ndarray]:
         """J' W J and J' W (y - y0 + J theta0) of samples, with the estimate's residuals for the weights."""
         y, y0, J, use = self._stacked(samples)
         residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
@@ -195,7 +199,8 @@ class Horizon:
         sd = np.sqrt(sd**2 + np.sum((self.rough * self.deviation) ** 2, axis=-1))
         scale = sd * np.maximum(1.0, np.sqrt(self.spread))
         far = np.abs(residual) / (LARGEST_RESIDUAL * scale)
-        weight = np.where(use, 1.0 / (sd**2 * self.correlation), 0.0) / np.maximum(1.0, far)
+        alike = UNSURE * np.maximum(1.0, self._alike) if alone else self.correlation
+        weight = np.where(use, 1.0 / (sd**2 * alike), 0.0) / (1.0 if alone else np.maximum(1.0, far))
         info = np.einsum("nmi,nm,nmj->ij", J, weight, J)
         wanted = np.where(use, y - y0, 0.0) + J @ self.theta0
         return info, np.einsum("nmi,nm,nm->i", J, weight, wanted)
@@ -211,8 +216,13 @@ class Horizon:
             total = self.prior + info
             self.mean = self._within(total, self.prior @ self.prior_mean + pull)
         self.covariance = np.linalg.inv(total)
+        # Whether it contradicts the prior is asked of the window by the sensor's own noise: what a changed load leaves
+        # unexplained must not pass for noise.
+        info, pull = self._information(samples, alone=True)
         self._judge(info, pull, samples[-1].time)
-        self._learn(samples)
+        # So must what a better estimate would explain: what is left is left by the best one that there is.
+        best = np.linalg.solve(self.prior + info, self.prior @ self.prior_mean + pull)
+        self._learn(samples, np.clip(best, self.low, self.high))
 
     def _within(self, total: np.ndarray, pull: np.ndarray) -> np.ndarray:
         """The minimum within the ranges: what would leave its range stands at the end of it."""
@@ -253,19 +263,20 @@ class Horizon:
             self.prior = np.linalg.inv(wider) if narrow else np.linalg.inv(most)
             self.released, self._contradicted = time, np.nan
 
-    def _learn(self, samples: Sequence[Sample]) -> None:
+    def _learn(self, samples: Sequence[Sample], best: np.ndarray) -> None:
         """Learn how residuals spread, and how many samples count as one."""
         if len(samples) < 8:
             return
         y, y0, J, use = self._stacked(samples)
         sd = self.deviations(y0)
-        e = np.where(use, y - y0 - J @ (self.mean - self.theta0), 0.0)
+        e = np.where(use, y - y0 - J @ (best - self.theta0), 0.0)
         share = 1.0 / (MEMORY * len(samples))
         for i in range(e.shape[1]):
             own = e[use[:, i], i]
             if own.size < 8:
                 continue
-            part = (own - 0.0) / sd[use[:, i], i]
+            # What is off all the time is no noise, but a contradiction.
+            part = (own - own.mean()) / sd[use[:, i], i]
             power = float(np.mean(part**2))
             keep = min(1.0, max(share, 1.0 / (1.0 + own.size)))
             self.spread[i] += keep * (power - self.spread[i])

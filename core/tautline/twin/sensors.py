@@ -33,6 +33,8 @@ TEN = (8.0, 12.5)
 THOUSAND = (800.0, 1250.0)
 DRIFT_TIME = 20.0
 """Time constant of the mean residual, s."""
+FAR = 3.0
+"""Residuals beyond count as this many standard deviations: a knock is no drift."""
 DRIFTING = 5.0
 """Standard deviations of the mean residual from which on a sensor drifts."""
 
@@ -103,7 +105,8 @@ class Health:
         self._values.append(reading)
         self._last = reading
         long = self._same >= SAME and time - self._same_from >= SHORTEST
-        if not long:
+        # A slack rope, or a string that stands, shows zero for as long as it likes.
+        if not long or reading == 0.0:
             return reading
         at_edge = np.isfinite(width) and width > 0.0 and (reading <= low + width or reading >= high - width)
         if not (at_edge or self._abrupt or self._has_noise()):
@@ -142,7 +145,7 @@ class Health:
             if self.fault == "unit":
                 self._set("", "")
         if settled and slip is None:
-            self._drift(time, (measured - computed) / sd)
+            self._drift(time, float(np.clip((measured - computed) / sd, -FAR, FAR)))
         return slip is None
 
     def _drift(self, time: float, e: float) -> None:
