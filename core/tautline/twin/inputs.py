@@ -25,8 +25,10 @@ SLOW = 0.02
 """Speed over the fastest at which a motion may be joined at once."""
 NOISES = 101
 """Samples of which the noise is the median."""
-NEAR = 3.0
-"""Sample intervals within which a channel has to have a sample."""
+FAR = 2.0
+"""Delays from an instant within which samples are looked at."""
+JUMP = 3.0
+"""Speed from sample to sample, over the fastest seen, that is no motion but a break of the sensor."""
 
 
 class InputTrack:
@@ -51,6 +53,7 @@ class InputTrack:
         self._apart, self._from, self._over = np.zeros(3), -np.inf, 1.0
         self._held, self._held_at = np.full(3, np.nan), np.nan
         self._noises: deque[float] = deque(maxlen=NOISES)
+        self._break = np.nan
 
     @property
     def joining(self) -> bool:
@@ -64,21 +67,36 @@ class InputTrack:
     def follow(self, rows: Sequence[Row], values: np.ndarray, row: Row, reach: float) -> np.ndarray:
         """State (3,) at a row, from the samples around it."""
         times = np.array([one.time for one in rows])
-        good = np.isfinite(values)
-        near = good & (np.abs(times - row.time) <= NEAR * max(reach, 1e-9))
-        if not near.any():
+        good = np.isfinite(values) & self._one_side(times, values, row.time)
+        good &= np.abs(times - row.time) <= FAR * reach + 1e-9
+        near = times[good & (np.abs(times - row.time) <= reach + 1e-9)] - row.time
+        # Nothing is extrapolated: there is a sample on either side, or at the instant itself.
+        if near.size == 0 or near[0] > 1e-9 or near[-1] < -1e-9:
             return self.hold(row.time)
         found = smooth(times[good], values[good], row.time, reach, self._noise(values[good]))
-        if row.after_gap and not self.missing:
+        if (row.after_gap or self._break == row.time) and not self.missing:
             self.hold(row.time)
         if self.missing:
             self._join(found, row.time)
         self.missing = False
-        self.fastest = max(self.fastest, abs(float(found[1])))
         if row.time < self._from + self._over:
             found = found + joined(self._apart, (row.time - self._from) / self._over, self._over)
+        else:
+            self.fastest = max(self.fastest, abs(float(found[1])))
         self.state, self.time = found, row.time
         return found
+
+    def _one_side(self, times: np.ndarray, values: np.ndarray, at: float) -> np.ndarray:
+        """Samples (n,) that no break parts from an instant; no motion is as fast as a sensor that jumps."""
+        keep = np.ones(len(values), bool)
+        finite = np.flatnonzero(np.isfinite(values))
+        speeds = np.abs(np.diff(values[finite])) / np.maximum(np.diff(times[finite]), 1e-9)
+        for i in np.flatnonzero(speeds > JUMP * self.fastest):
+            cut = times[finite[i + 1]]
+            keep &= (times < cut) == (at < cut)
+            if at == cut:
+                self._break = at
+        return keep
 
     def _noise(self, values: np.ndarray) -> float:
         """Standard deviation of the sensor: as the map says, or as the samples show."""

@@ -19,6 +19,10 @@ SAME = 5
 """Values that are exactly alike from which on a sensor may be stuck."""
 SHORTEST = 0.4
 """Over how long they have to be so at least, s."""
+STILL = 1.5
+"""How long a motion in waves may be exactly still, s."""
+CLIPPED = 10.0
+"""How long a sensor that was clipped is not believed, s."""
 HISTORY = 400
 """Values that are looked back on."""
 NOISY = 0.1
@@ -57,8 +61,10 @@ class Health:
         self._changes: deque[float] = deque(maxlen=HISTORY)
         self._same, self._same_from, self._abrupt = 1, np.nan, False
         self._last, self._step = np.nan, np.nan
+        self._until, self.sd = -np.inf, 0.0
+        self._ten = 0
         self.mean, self.weight = 0.0, 0.0
-        self._alike, self._before = 0.0, np.nan
+        self._before = np.nan
 
     def check(self, time: float, reading: float) -> float:
         """The value in SI, NaN where it is not to be used.
@@ -97,7 +103,7 @@ class Health:
             if np.isfinite(step) and np.isfinite(self._step) and self._same == 1:
                 self._changes.append(abs(step - self._step))
             self._same, self._same_from, self._step = 1, time, step
-            if self.fault in ("stuck", "clipped", "out of range"):
+            if self.fault in ("stuck", "out of range") or (self.fault == "clipped" and time >= self._until):
                 self._set("", "")
         if same and self._same == 2:
             largest = max(self._changes, default=np.inf) if len(self._changes) >= ENOUGH else np.inf
@@ -107,9 +113,11 @@ class Health:
         long = self._same >= SAME and time - self._same_from >= SHORTEST
         # A slack rope, or a string that stands, shows zero for as long as it likes.
         if not long or reading == 0.0:
-            return reading
+            return reading if self.fault != "clipped" else np.nan
         at_edge = np.isfinite(width) and width > 0.0 and (reading <= low + width or reading >= high - width)
-        if not (at_edge or self._abrupt or self._has_noise()):
+        # A ship never stands still to the last digit.
+        ship = self.channel.waves and time - self._same_from >= STILL and np.ptp(self._values) > 0.0
+        if not (at_edge or self._abrupt or ship or self._has_noise()):
             return reading
         extreme = reading >= max(self._values) or reading <= min(self._values)
         kind = "clipped" if at_edge or (extreme and len(self._values) >= ENOUGH) else "stuck"
@@ -128,6 +136,7 @@ class Health:
 
     def compare(self, time: float, measured: float, computed: float, sd: float, settled: bool) -> bool:
         """Compare with what is computed; False where the measured value is in another unit."""
+        self.sd = sd
         small = max(6.0 * sd, 1e-12)
         if not np.isfinite(measured) or abs(computed) < small:
             return self.fault != "unit"
@@ -137,7 +146,7 @@ class Health:
             if low < ratio < high or low < 1.0 / ratio < high if ratio else False:
                 slip = times if ratio > 1.0 else 1.0 / times
         if slip is not None:
-            self._ten = getattr(self, "_ten", 0) + 1
+            self._ten += 1
             if self._ten >= SAME:
                 self._set("unit", f"{self.channel.column} shows {slip:g} times what is computed: is its unit right?")
         else:

@@ -49,8 +49,9 @@ def smooth(times: np.ndarray, values: np.ndarray, at: float, reach: float, noise
     if t.size == 0:
         return np.full(3, np.nan)
     both = t[0] < 0.0 < t[-1]
-    lowest = min(3 if both else 2, t.size - (1 if t.size < FEWEST else 2))
-    highest = t.size - 1 if both else max(lowest, min(t.size - 1, AT_EDGE))
+    outside = t[0] > 1e-9 or t[-1] < -1e-9
+    lowest = min(1 if outside else 3 if both else 2, t.size - (1 if t.size < FEWEST else 2))
+    highest = t.size - 1 if both else lowest if outside else max(lowest, min(t.size - 1, AT_EDGE))
     h = max(float(np.abs(t).max()), 1e-9)
     powers = (t / h)[:, None] ** np.arange(highest + 1)
     # The value is subtracted before the fit, so that a large offset costs no digits.

@@ -654,8 +654,8 @@ class Twin:
             if i in numbers:
                 m = numbers.index(i)
                 alike = float(self.horizon.correlation[m])
-                mean = health.mean * float(self.horizon.deviations(np.zeros(len(numbers)))[m])
-                text = f"{column} is off by {said(mean, health.channel.unit)} on average for {20:.0f} s: sensor, weight or friction drifts"
+                off = said(health.mean * health.sd, health.channel.unit)
+                text = f"{column} is off by {off} on average lately: the sensor, the weight or friction drifts"
                 self.alarms.judge(f"{column} drifting", health.drifting(alike) and self._converged, time, text)
 
     def _judge_ahead(self, time: float) -> None:
