@@ -198,6 +198,8 @@ def record(
     SceneError, ResultError
         For bad input; nothing is written then.
     """
+    from pydantic_core import PydanticCustomError
+
     from tautline.integrators.status import StoppedEarly
     from tautline.scene.values.quantity import Quantity
     from tautline.twin.map import read_map
@@ -215,8 +217,9 @@ def record(
         except ValueError:
             try:
                 return float(Quantity(unit).read(text))
-            except Exception as error:
-                raise option_error(option, text, str(getattr(error, "message", lambda: error)()), "") from None
+            except PydanticCustomError as error:
+                cure = str((error.context or {}).get("cure", ""))
+                raise option_error(option, text, error.message(), cure) from None
 
     sensing = Sensing(
         rate=number("--rate", given["rate"], "Hz", 10.0), noise=number("--noise", given["noise"], "", 0.0),

@@ -389,7 +389,7 @@ class Simulation:
         self._unchecked = 0.0
 
     def displace(self, name: str, by: Sequence[float]) -> None:
-        """Add to a position or a velocity of a thing, as a blow does: ``sim.displace("payload.velocity", [0, 0, 0.1])``.
+        """Add to a position or a velocity of a thing, as a blow does: ``displace("payload.velocity", [0, 0, 0.1])``.
 
         What is prescribed or held in a direction stays as it is in that.
 

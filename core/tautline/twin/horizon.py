@@ -40,6 +40,8 @@ FLOOR = 0.1
 """Share of the largest value seen below which noise that is given as a share does not fall."""
 UNSURE = 1.25
 """By how much the autocorrelation time of so few residuals may be too short."""
+SHORT = 1.6
+"""By how much the sum of autocorrelations of a window is too small."""
 ROUGH = 0.01
 """Standard deviation over the reading where none is given, until residuals tell."""
 
@@ -104,7 +106,7 @@ class Horizon:
         self.rough = np.zeros((m, k))
         self.largest = np.zeros(m)
         self._variance = np.zeros(m)
-        self._alike = np.ones(m)
+        self._alike, self._learned = np.ones(m), np.zeros(m)
 
     # -- samples -------------------------------------------------------------------------------------------------------
 
@@ -198,9 +200,13 @@ class Horizon:
         # A derivative that scatters is wrong by as much, and what it is multiplied by is not known better than this.
         sd = np.sqrt(sd**2 + np.sum((self.rough * self.deviation) ** 2, axis=-1))
         scale = sd * np.maximum(1.0, np.sqrt(self.spread))
+        if alone and len(samples) >= 8:
+            # What all samples have in common is no outlier.
+            residual = residual - np.median(residual, axis=0)
+            scale = np.maximum(scale, np.median(np.abs(residual), axis=0) / 0.6745)
         far = np.abs(residual) / (LARGEST_RESIDUAL * scale)
         alike = UNSURE * np.maximum(1.0, self._alike) if alone else self.correlation
-        weight = np.where(use, 1.0 / (sd**2 * alike), 0.0) / (1.0 if alone else np.maximum(1.0, far))
+        weight = np.where(use, 1.0 / (sd**2 * alike), 0.0) / np.maximum(1.0, far) ** 2
         info = np.einsum("nmi,nm,nmj->ij", J, weight, J)
         wanted = np.where(use, y - y0, 0.0) + J @ self.theta0
         return info, np.einsum("nmi,nm,nm->i", J, weight, wanted)
@@ -276,16 +282,18 @@ class Horizon:
             if own.size < 8:
                 continue
             # What is off all the time is no noise, but a contradiction.
-            part = (own - own.mean()) / sd[use[:, i], i]
-            power = float(np.mean(part**2))
-            keep = min(1.0, max(share, 1.0 / (1.0 + own.size)))
+            part = (own - np.median(own)) / sd[use[:, i], i]
+            power = float(np.median(np.abs(part)) / 0.6745) ** 2
+            part = np.clip(part, -LARGEST_RESIDUAL * power**0.5, LARGEST_RESIDUAL * power**0.5)
+            self._learned[i] += 1.0
+            keep = max(3.0 * share, 1.0 / self._learned[i])
             self.spread[i] += keep * (power - self.spread[i])
             if not np.isfinite(self.sd[i]):
                 middle = float(np.median(np.abs(own)) / 0.6745) ** 2
                 self._variance[i] = (
                     middle if self._variance[i] == 0.0 else (1 - share) * self._variance[i] + share * middle
                 )
-            self._alike[i] += share * 3.0 * (_alike(part) - self._alike[i])
+            self._alike[i] += keep * (_alike(part) - self._alike[i])
             self.correlation[i] = UNSURE * max(1.0, self.spread[i]) * max(1.0, self._alike[i])
 
     # -- what it tells -------------------------------------------------------------------------------------------------
@@ -322,13 +330,15 @@ class Horizon:
             others = np.abs(alike[i])
             others[i] = 0.0
             k = int(np.argmax(others))
-            text = f"{name} and {self.unknowns[k].name} cannot be told apart so far: the sensors show a sum of them only"
+            text = (
+                f"{name} and {self.unknowns[k].name} cannot be told apart so far: the sensors show a sum of them only"
+            )
             told.setdefault(frozenset([int(i), k]), text)
         return list(told.values())
 
 
 def _alike(part: np.ndarray) -> float:
-    """Integrated autocorrelation time of residuals, in samples: 1 + 2 (sum up to the first lag that is not positive)."""
+    """Integrated autocorrelation time of residuals, in samples: 1 + 2 (sum up to the first lag without any)."""
     n = part.size
     power = float(part @ part)
     if power <= 0.0:
@@ -339,4 +349,5 @@ def _alike(part: np.ndarray) -> float:
         if alike <= 1.0 / np.sqrt(n):
             break
         total += 2.0 * alike
-    return total
+    # The mean was taken off so few residuals, and the sum was cut off: it is too small.
+    return 1.0 + SHORT * (total - 1.0)

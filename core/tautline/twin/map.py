@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import pydantic
+from pydantic_core import PydanticCustomError
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.model import Model, Scene, Switch, word
-from tautline.scene.reading.document import Document
 from tautline.scene.refusal import nearest, refusal
 from tautline.scene.values.quantity import Quantity, quantity
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
@@ -109,11 +109,11 @@ class TwinMap(Scene):
 
     sensors: Annotated[list[Sensor], pydantic.Field(min_length=1)]
     time: str = ""
-    estimate: list[Estimate] = []
+    estimate: tuple[Estimate, ...] = ()
     window: Seconds = 3.0
     delay: Wait | None = None
-    watch: list[Watch] = []
-    keep: list[str] = []
+    watch: tuple[Watch, ...] = ()
+    keep: tuple[str, ...] = ()
     lost: Seconds = 5.0
     forecast_every: Seconds = 0.5
     restrict: Switch = True
@@ -276,10 +276,8 @@ class _Reader:
             return default
         try:
             return float(Quantity(unit).read(written))
-        except Exception as error:  # pydantic's own, with cause and cure in its context
-            context = getattr(error, "context", None) or {}
-            cause = str(context.get("cause") or getattr(error, "message", lambda: str(error))())
-            self.fault(key, cause, str(context.get("cure", "")))
+        except PydanticCustomError as error:
+            self.fault(key, error.message(), str((error.context or {}).get("cure", "")))
             return default
 
     def known(self, key: tuple[str | int, ...], kind: str, name: str, known: Mapping[str, Any]) -> bool:

@@ -41,12 +41,15 @@ CLOCK_TIME = 60.0
 
 @dataclass
 class Row:
-    """Values (c,) of all columns at a stamp, NaN where there is none."""
+    """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` is what the source gave."""
 
     time: float
     values: np.ndarray
     arrived: float = 0.0
     after_gap: bool = False
+
+    def __post_init__(self) -> None:
+        self.raw = self.values.copy()
 
 
 @dataclass
@@ -143,7 +146,7 @@ class Rows:
     def _add_late(self, row: Row) -> None:
         """A row that is too late, unless the clock was set back."""
         known = next((one for one in reversed(self.past) if abs(one.time - row.time) < 1e-9), None)
-        if known is not None:
+        if known is not None and np.array_equal(known.raw, row.raw, equal_nan=True):
             self.counts["doubled"] += 1
             return
         self.counts["late"] += 1

@@ -44,7 +44,7 @@ def save(twin: Twin, path: Path) -> None:
         "blocks": np.array([s.block for s in states]), "at": twin.family.at, "apart": twin.family.apart,
         "theta0": h.theta0, "mean": h.mean, "prior": h.prior, "prior_mean": h.prior_mean,
         "numbers": np.array([h.prior_time, h.released]), "spread": h.spread, "correlation": h.correlation,
-        "variance": h._variance, "alike": h._alike, "covariance": h.covariance, "rough": h.rough, "largest": h.largest,
+        "variance": h._variance, "alike": h._alike, "learned": h._learned, "covariance": h.covariance, "rough": h.rough, "largest": h.largest,
         "sample_time": np.array([s.time for s in samples]), "sample_y": np.array([s.y for s in samples]),
         "sample_y0": np.array([s.y0 for s in samples]), "sample_J": np.array([s.J for s in samples]),
         "sample_use": np.array([s.use for s in samples]),
@@ -104,7 +104,7 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     h = twin.horizon
     for name in ("theta0", "mean", "prior", "prior_mean", "spread", "correlation", "covariance", "rough", "largest"):
         setattr(h, name, arrays[name])
-    h._variance, h._alike = arrays["variance"], arrays["alike"]
+    h._variance, h._alike, h._learned = arrays["variance"], arrays["alike"], arrays["learned"]
     h.prior_time, h.released = (float(x) for x in arrays["numbers"])
     h.samples = deque(
         Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use")))

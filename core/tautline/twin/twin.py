@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tautline.integrators.status import StoppedEarly
+from tautline.live.errors import UnknownName
 from tautline.live.simulation import Simulation
 from tautline.scene.values.printed import quantity
 from tautline.twin.alarms import Alarms, beyond, bound_said
@@ -142,7 +143,13 @@ class Twin:
 
     def _planned(self) -> Plan:
         """The map, checked against the scene."""
-        first = Simulation(self.scene, driven_by(self.map), keep=False)
+        try:
+            first = Simulation(self.scene, driven_by(self.map), keep=False)
+        except UnknownName:
+            # Told by the line of the map, beside all else that is wrong with it.
+            first = Simulation(self.scene, keep=False)
+            plan_of(self.map, names_of(first), {}, dict(self.extras.outputs) if self.extras else {})
+            raise
         names = names_of(first)
         self.plan_names = names
         extra = dict(self.extras.outputs) if self.extras else {}
@@ -158,7 +165,9 @@ class Twin:
         self._offsets = [i for i, one in enumerate(plan.unknowns) if one.is_offset]
         names = [plan.unknowns[i].target for i in self._parameters]
         start = np.array([plan.unknowns[i].start for i in self._parameters])
-        apart = np.array([self._apart(i, plan.unknowns[i].start, APART * plan.unknowns[i].sd) for i in self._parameters])
+        apart = np.array(
+            [self._apart(i, plan.unknowns[i].start, APART * plan.unknowns[i].sd) for i in self._parameters]
+        )
         made = []
         for i in range(len(names) + 1):
             theta = start.copy()
@@ -563,7 +572,7 @@ class Twin:
         return np.any(np.median(np.abs(J), axis=0) > WILD * usual, axis=0)
 
     def _tame(self, J: np.ndarray) -> np.ndarray:
-        """Which sensors (m,) have derivatives that can be believed: near a slip they tell of a very small range only."""
+        """Which sensors (m,) have derivatives that can be believed; near a slip they tell of a small range only."""
         p = self._parameters
         if not p or not self.blows:
             return np.ones(len(J), bool)
@@ -820,7 +829,15 @@ def _as_unknown(blow: Blow) -> Unknown:
     """A free motion, in blows of the usual size."""
     name = f"free motion of {blow.output}"
     return Unknown(
-        name=name, target=blow.output, is_offset=False, unit="", start=0.0, sd=USUAL, low=-np.inf, high=np.inf, drift=0.0
+        name=name,
+        target=blow.output,
+        is_offset=False,
+        unit="",
+        start=0.0,
+        sd=USUAL,
+        low=-np.inf,
+        high=np.inf,
+        drift=0.0,
     )
 
 

@@ -1,0 +1,105 @@
+"""The moving horizon against what is known in closed form: for a linear model it is recursive least squares."""
+
+import numpy as np
+import pytest
+
+from tautline.twin.horizon import Horizon, Sample
+from tautline.twin.map import Channel, Unknown
+
+
+def unknown(name, start, sd, drift=0.0, low=-np.inf, high=np.inf):
+    return Unknown(
+        name=name, target=name, is_offset=False, unit="", start=start, sd=sd, low=low, high=high, drift=drift
+    )
+
+
+def channel(sd):
+    return Channel(
+        column="y", name="y", is_input=False, unit="N", scale=1.0, zero=0.0, zero_first=False, sd=sd, relative=False,
+        low=-np.inf, high=np.inf, waves=False, lost_after=5.0,
+    )  # fmt: skip
+
+
+def fed(horizon, t, y, J):
+    for at, value, row in zip(t, y, J, strict=True):
+        row = np.atleast_2d(row)
+        horizon.add(Sample(at, np.array([value]), row @ horizon.theta0, row, np.ones(1, bool)))
+    return horizon
+
+
+def test_the_estimate_is_that_of_all_data_though_only_a_window_is_kept():
+    rng = np.random.default_rng(1)
+    t = 0.1 * np.arange(200)
+    J = np.column_stack([np.ones(200), np.sin(t)])
+    truth = np.array([3.0, -1.5])
+    y = J @ truth + 0.2 * rng.standard_normal(200)
+    horizon = fed(Horizon([unknown("a", 0.0, 10.0), unknown("b", 0.0, 10.0)], [channel(0.2)], 3.0), t, y, J)
+    info = J.T @ J / 0.2**2 + np.eye(2) / 10.0**2
+    mean = np.linalg.solve(info, J.T @ y / 0.2**2)
+    assert len(horizon.samples) == 31
+    assert horizon.mean == pytest.approx(mean, abs=0.02)
+    # Its own deviation is that of least squares, or larger by what the residuals' likeness tells.
+    exact = np.sqrt(np.diag(np.linalg.inv(info)))
+    assert np.all(horizon.deviation >= exact) and np.all(horizon.deviation < 1.6 * exact)
+
+
+def test_the_truth_lies_within_two_deviations_in_nine_of_ten_trials():
+    within = 0
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        t = 0.1 * np.arange(100)
+        noise = np.zeros(100)
+        for k in range(100):  # noise with a memory, as an input that is off has it
+            noise[k] = 0.6 * noise[k - 1] + 0.2 * rng.standard_normal()
+        y = 3.0 + noise
+        horizon = fed(Horizon([unknown("a", 6.0, 5.0)], [channel(0.2)], 3.0), t, y, np.ones((100, 1)))
+        within += abs(horizon.mean[0] - 3.0) <= 2.0 * horizon.deviation[0]
+    assert within >= 90
+
+
+def test_a_value_that_changes_for_good_is_followed_after_a_contradiction():
+    t = 0.1 * np.arange(300)
+    rng = np.random.default_rng(3)
+    y = np.where(t < 15.0, 3.0, 4.0) + 0.05 * rng.standard_normal(300)
+    horizon = fed(Horizon([unknown("a", 3.0, 2.0)], [channel(0.05)], 3.0), t, y, np.ones((300, 1)))
+    assert horizon.released > 15.0
+    assert horizon.mean[0] == pytest.approx(4.0, abs=0.05)
+
+
+def test_a_random_walk_is_followed():
+    rng = np.random.default_rng(4)
+    t = 0.1 * np.arange(600)
+    truth = 3.0 + np.cumsum(0.02 * np.sqrt(0.1) * rng.standard_normal(600))
+    y = truth + 0.05 * rng.standard_normal(600)
+    horizon = fed(Horizon([unknown("a", 3.0, 1.0, drift=0.02)], [channel(0.05)], 3.0), t, y, np.ones((600, 1)))
+    assert abs(horizon.mean[0] - truth[-15]) < 3.0 * horizon.deviation[0]
+    assert horizon.deviation[0] > 0.005
+
+
+def test_an_estimate_stays_within_its_range():
+    horizon = Horizon([unknown("a", 1.0, 5.0, low=0.5, high=2.0)], [channel(0.1)], 3.0)
+    fed(horizon, 0.1 * np.arange(20), np.full(20, 3.0), np.ones((20, 1)))
+    assert horizon.mean[0] == 2.0
+    assert horizon.at_bound[0]
+
+
+def test_what_cannot_be_told_apart_is_said_and_what_is_not_seen_too():
+    horizon = Horizon(
+        [unknown("weight", 0.0, 10.0), unknown("offset", 0.0, 10.0), unknown("other", 0.0, 1.0)], [channel(0.1)], 3.0
+    )
+    J = np.tile([1.0, 1.0, 0.0], (40, 1))
+    fed(horizon, 0.1 * np.arange(40), np.full(40, 4.0), J)
+    told = horizon.not_observable()
+    assert any("weight and offset cannot be told apart" in text for text in told)
+    assert any(text.startswith("other: the sensors have not shown it") for text in told)
+    moving = np.column_stack([1.0 + 0.5 * np.sin(np.arange(40)), np.ones(40), np.zeros(40)])
+    fed(horizon, 4.0 + 0.1 * np.arange(40), moving @ [3.0, 1.0, 0.0], moving)
+    assert not any("told apart" in text for text in horizon.not_observable())
+
+
+def test_one_wild_sample_does_not_move_the_estimate():
+    rng = np.random.default_rng(6)
+    y = 3.0 + 0.05 * rng.standard_normal(60)
+    y[40] = 300.0
+    horizon = fed(Horizon([unknown("a", 3.0, 1.0)], [channel(0.05)], 3.0), 0.1 * np.arange(60), y, np.ones((60, 1)))
+    assert abs(horizon.mean[0] - 3.0) < 0.06

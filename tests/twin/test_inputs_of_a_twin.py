@@ -1,0 +1,110 @@
+"""Measured inputs: smoothed from both sides, never a jump, never extrapolated."""
+
+import numpy as np
+import pytest
+
+from tautline.twin.inputs import InputTrack
+from tautline.twin.map import Channel
+from tautline.twin.rows import Row
+from tautline.twin.smoothing import joined, smooth
+from tautline.twin.waves import Waves
+
+CHANNEL = Channel(
+    column="heave", name="vessel.heave", is_input=True, unit="m", scale=1.0, zero=0.0, zero_first=False,
+    sd=float("nan"), relative=False, low=-np.inf, high=np.inf, waves=True, lost_after=5.0,
+)  # fmt: skip
+PERIOD = 7.0
+
+
+def wave(t):
+    w = 2.0 * np.pi / PERIOD
+    return np.array([0.6 * np.sin(w * t), 0.6 * w * np.cos(w * t), -0.6 * w * w * np.sin(w * t)])
+
+
+def test_a_wave_sampled_at_10_hz_is_met_with_its_rate_and_second_rate():
+    t = np.arange(7) * 0.1
+    found = smooth(t, wave(t)[0], 0.3, 0.3)
+    assert found == pytest.approx(wave(0.3), abs=2e-7)
+
+
+def test_noise_is_smoothed_and_not_taken_for_motion():
+    rng = np.random.default_rng(5)
+    t = np.arange(400) * 0.1
+    x = wave(t)[0] + 0.01 * rng.standard_normal(400)
+    found = np.array([smooth(t, x, at, 0.5, 0.01) for at in t[10:-10]])
+    error = found - wave(t[10:-10]).T
+    assert error[:, 0].std() < 0.006
+    # White noise of 0.01 m, differenced twice, would be 2.4 m/s^2.
+    assert error[:, 2].std() < 0.25
+
+
+def test_a_difference_is_made_up_for_with_value_rate_and_second_rate():
+    apart = np.array([0.4, -0.3, 0.2])
+    assert joined(apart, 0.0, 3.0) == pytest.approx(apart)
+    assert joined(apart, 1.0, 3.0).tolist() == [0.0, 0.0, 0.0]
+    share, step = 0.37, 1e-5
+    around = [joined(apart, share + k * step / 3.0, 3.0) for k in (-1, 0, 1)]
+    assert (around[2][0] - around[0][0]) / (2 * step) == pytest.approx(around[1][1], rel=1e-6)
+    assert (around[2][1] - around[0][1]) / (2 * step) == pytest.approx(around[1][2], rel=1e-6)
+
+
+def followed(values, times):
+    track = InputTrack(CHANNEL, 0)
+    track.begin(0.0, times[0] - 0.1)
+    rows = [Row(t, np.array([x])) for t, x in zip(times, values, strict=True)]
+    for before, row in zip(rows, rows[1:], strict=False):
+        row.after_gap = row.time - before.time > 0.45
+    states = []
+    for k, row in enumerate(rows):
+        first = k
+        while first > 0 and not rows[first].after_gap:
+            first -= 1
+        last = k
+        while last + 1 < len(rows) and not rows[last + 1].after_gap:
+            last += 1
+        around = rows[first : last + 1]
+        states.append(track.follow(around, np.array([one.values[0] for one in around]), row, 0.3).copy())
+    return np.array(states)
+
+
+@pytest.mark.parametrize("wrong", ["missing", "gap", "jump"])
+def test_the_input_never_jumps_whatever_the_sensor_does(wrong):
+    t = np.arange(300) * 0.1
+    x = wave(t)[0]
+    if wrong == "missing":
+        x[100:160] = np.nan
+    elif wrong == "jump":
+        x[100:160] += 2.0
+    keep = np.ones(300, bool)
+    if wrong == "gap":
+        keep[100:160] = False
+    states = followed(x[keep], t[keep])
+    dt = np.diff(t[keep])
+    # Value from row to row by the rates at both ends, and no acceleration that a ship does not have.
+    step = np.diff(states[:, 0]) - 0.5 * dt * (states[:-1, 1] + states[1:, 1])
+    assert np.abs(step[dt < 0.2]).max() < 2e-3
+    assert np.abs(states[:, 2]).max() < 2.0
+    assert states[-1] == pytest.approx(wave(t[-1]), abs=0.02)
+
+
+def test_two_harmonics_are_predicted_two_seconds_ahead():
+    waves = Waves()
+
+    def motion(t):
+        return np.array([
+            0.5 * np.sin(0.8 * t) + 0.3 * np.sin(0.55 * t + 1.0), 0.4 * np.cos(0.8 * t) + 0.165 * np.cos(0.55 * t + 1.0),
+            0.0,
+        ])  # fmt: skip
+
+    for k in range(1500):
+        waves.add(0.1 * k, motion(0.1 * k))
+    ahead = waves.ahead(np.array([0.5, 1.0, 2.0]))
+    now = 0.1 * 1499
+    for row, after in zip(ahead, (0.5, 1.0, 2.0), strict=True):
+        assert row[:2] == pytest.approx(motion(now + after)[:2], abs=0.02)
+
+
+def test_before_a_motion_is_known_it_goes_on_at_its_speed():
+    waves = Waves()
+    waves.add(0.0, np.array([1.0, 0.2, 0.0]))
+    assert waves.ahead(np.array([2.0]))[0].tolist() == pytest.approx([1.4, 0.2, 0.0])

@@ -1,0 +1,93 @@
+"""Rows of data: what is late, doubled, shuffled, from the future, or without a stamp has a stated answer."""
+
+import numpy as np
+import pytest
+
+from tautline.twin.rows import Rows
+
+
+def given(stamps, delay=0.3, interval=0.1):
+    rows, came = Rows(["x"], delay), []
+    rows.known_interval = interval
+    for k, stamp in enumerate(stamps):
+        rows.add(stamp, {"x": float(k)})
+        while (row := rows.ready()) is not None:
+            came.append(row)
+    while (row := rows.ready(end=True)) is not None:
+        came.append(row)
+    return rows, came
+
+
+def times(came):
+    return [round(row.time, 6) for row in came]
+
+
+REGULAR = [round(0.1 * k, 6) for k in range(40)]
+
+
+def test_rows_in_order_come_out_as_they_came():
+    rows, came = given(REGULAR)
+    assert times(came) == REGULAR
+    assert not +rows.counts
+
+
+def test_rows_out_of_order_within_the_delay_are_put_in_order():
+    shuffled = REGULAR.copy()
+    for k in range(10, 38, 3):
+        shuffled[k], shuffled[k + 1] = shuffled[k + 1], shuffled[k]
+    rows, came = given(shuffled)
+    assert times(came) == REGULAR
+    assert rows.counts["out of order"] == 10
+
+
+def test_a_row_later_than_the_delay_is_left_out_and_counted():
+    rows, came = given([*REGULAR[:20], 0.55, *REGULAR[20:]])
+    assert times(came) == REGULAR
+    assert rows.counts["late"] == 1
+
+
+def test_doubled_rows_count_once_and_fill_what_was_empty():
+    rows = Rows(["x", "y"], 0.0)
+    rows.add(0.0, {"x": 1.0})
+    rows.add(0.0, {"x": 5.0, "y": 2.0})
+    row = rows.ready(end=True)
+    assert row.values.tolist() == [1.0, 2.0]
+    assert rows.counts["doubled"] == 1
+
+
+def test_a_stamp_from_the_future_is_left_out_and_the_next_rows_are_not():
+    rows, came = given([*REGULAR[:20], 1000.0, *REGULAR[20:]])
+    assert times(came) == REGULAR
+    assert rows.counts["future"] == 1
+
+
+@pytest.mark.parametrize("gap", [0.1, 1.0, 10.0, 60.0])
+def test_a_gap_is_a_gap_and_nothing_is_lost_after_it(gap):
+    late = [round(stamp + gap, 6) for stamp in REGULAR[20:]]
+    rows, came = given([*REGULAR[:20], *late])
+    assert times(came) == [*REGULAR[:20], *late]
+    assert rows.counts["gaps"] == (gap > 0.4)
+    assert [row.after_gap for row in came].count(True) == (gap > 0.4)
+
+
+def test_a_clock_that_is_set_back_goes_on_from_where_it_was():
+    rows, came = given([*REGULAR[:20], *(round(stamp - 1.5, 6) for stamp in REGULAR[20:])])
+    found = times(came)
+    assert found == sorted(found)
+    assert len(found) == 40
+    assert np.allclose(np.diff(found), 0.1)
+    assert rows.counts["clock set back"] == 1
+
+
+def test_rows_without_a_stamp_are_left_out():
+    rows, came = given([*REGULAR[:20], float("nan"), *REGULAR[20:]])
+    assert times(came) == REGULAR
+    assert rows.counts["no stamp"] == 1
+
+
+def test_a_clock_that_runs_fast_is_reported():
+    rows = Rows(["x"], 0.0, live=True)
+    for k in range(900):
+        rows.add(0.1 * k * 1.01, {"x": 0.0}, arrived=0.1 * k)
+    assert rows.clock_rate == pytest.approx(0.01, abs=1e-4)
+    assert "runs +1 %" in rows.notes[0]
