@@ -45,7 +45,7 @@ def test_the_estimate_is_that_of_all_data_though_only_a_window_is_kept():
 
 def test_the_truth_lies_within_two_deviations_in_nine_of_ten_trials():
     within = 0
-    for seed in range(100):
+    for seed in range(60):
         rng = np.random.default_rng(seed)
         t = 0.1 * np.arange(100)
         noise = np.zeros(100)
@@ -54,7 +54,7 @@ def test_the_truth_lies_within_two_deviations_in_nine_of_ten_trials():
         y = 3.0 + noise
         horizon = fed(Horizon([unknown("a", 6.0, 5.0)], [channel(0.2)], 3.0), t, y, np.ones((100, 1)))
         within += abs(horizon.mean[0] - 3.0) <= 2.0 * horizon.deviation[0]
-    assert within >= 90
+    assert within >= 54
 
 
 def test_a_value_that_changes_for_good_is_followed_after_a_contradiction():

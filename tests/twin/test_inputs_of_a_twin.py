@@ -1,5 +1,7 @@
 """Measured inputs: smoothed from both sides, never a jump, never extrapolated."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -52,7 +54,7 @@ def followed(values, times):
     track = InputTrack(CHANNEL, 0)
     track.begin(0.0, times[0] - 0.1)
     rows = [Row(t, np.array([x])) for t, x in zip(times, values, strict=True)]
-    for before, row in zip(rows, rows[1:], strict=False):
+    for before, row in pairwise(rows):
         row.after_gap = row.time - before.time > 0.45
     states = []
     for k, row in enumerate(rows):
@@ -91,10 +93,8 @@ def test_two_harmonics_are_predicted_two_seconds_ahead():
     waves = Waves()
 
     def motion(t):
-        return np.array([
-            0.5 * np.sin(0.8 * t) + 0.3 * np.sin(0.55 * t + 1.0), 0.4 * np.cos(0.8 * t) + 0.165 * np.cos(0.55 * t + 1.0),
-            0.0,
-        ])  # fmt: skip
+        value = 0.5 * np.sin(0.8 * t) + 0.3 * np.sin(0.55 * t + 1.0)
+        return np.array([value, 0.4 * np.cos(0.8 * t) + 0.165 * np.cos(0.55 * t + 1.0), 0.0])
 
     for k in range(1500):
         waves.add(0.1 * k, motion(0.1 * k))

@@ -89,6 +89,7 @@ class _Loop:
         self.twin, self.source, self.series, self.page, self.state = made, source, series, page, state
         self.as_json, self.quiet = as_json, quiet
         self.told: dict[str, float] = {}
+        self.begin = self.twin.now
         self.saved = clock.monotonic()
         self.lines = 0
         self.last: dict[str, Any] | None = None
@@ -107,6 +108,8 @@ class _Loop:
                         heard = clock.monotonic()
                     continue
                 heard = clock.monotonic()
+                if not self.source.live and record.time <= self.begin:
+                    continue  # a file that is read again from its begin
                 self._give(self.twin.add(record.time, record.values, record.arrived))
             self._give(self.twin.finish())
         except KeyboardInterrupt:

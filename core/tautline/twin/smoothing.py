@@ -1,9 +1,9 @@
 """Value, rate and second rate of a measured input, from the samples on both sides of an instant.
 
 A polynomial is laid through the samples by least squares (A. Savitzky and M. J. E. Golay, Analytical Chemistry 36,
-1964; here for any stamps). Its order is the lowest, from a cubic on, that leaves no more than noise: what moves smoothly is
-met to the digits of the sensor, and noise is not taken for motion. Where there are few samples, as beside a gap, it is
-a parabola, a line or a constant.
+1964; here for any stamps). Its order is the lowest, from a cubic on, that leaves no more than noise: what moves
+smoothly is met to the digits of the sensor, and noise is not taken for motion. Where there are few samples, as beside a
+gap, it is a parabola, a line or a constant.
 """
 
 from __future__ import annotations

@@ -421,13 +421,15 @@ class Twin:
     def _compared(self, family: Family, read: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Computed values of the sensors (m,), and their derivatives (m, k)."""
         measured = self.plan.measured
-        values = np.array([read[one.name] for one in measured]).reshape(len(measured), -1).T
         J = np.zeros((len(measured), len(self.horizon.unknowns)))
-        if self._seen and len(measured):
+        if not measured:
+            return np.zeros(0), J
+        values = np.array([read[one.name] for one in measured]).reshape(len(measured), -1).T
+        if self._seen:
             J[:, self._seen] = family.believed(family.derivatives(values))
         for k in self._offsets:
             J[[one.name == self.plan.unknowns[k].target for one in measured], k] = 1.0
-        return (values[0] if len(measured) else np.zeros(0)), J
+        return values[0], J
 
     def _compare_units(self, time: float, y: np.ndarray, y0: np.ndarray, J: np.ndarray, use: np.ndarray) -> np.ndarray:
         """Leave out what is in another unit, and follow what drifts."""

@@ -1,0 +1,107 @@
+"""Records of a hoist in waves, made by the simulation, and a twin that is fed with them."""
+
+import functools
+
+import numpy as np
+import yaml
+
+import tautline
+from tautline.twin.map import read_map
+from tautline.twin.record import Sensing, record
+from tautline.twin.twin import Twin
+
+HOIST = "data/hoist.yaml"
+SENSORS = """
+sensors:
+  - {column: winch_pos, unit: m, input: winch.pay_out}
+  - {column: heave, unit: cm, input: vessel.heave}
+  - {column: rope_tension, unit: kN, output: winch.tension, sd: 1 %}
+"""
+WEIGHT = (
+    SENSORS
+    + """
+estimate:
+  - {parameter: payload.mass, start: START, sd: 4 t, range: [0.5 t, 20 t], drift: 1 kg/s^0.5}
+watch:
+  - {output: winch.tension, above: 80 kN, ahead: 2 s, name: overload}
+  - {output: min_tension, below: 1 kN, ahead: 2 s, name: slack rope ahead}
+  - {residual: winch.tension, above: 4 sd, for: 1 s, name: irregular}
+keep: [payload.position]
+"""
+)
+
+
+def hoist(pay_out, *, law=None, start_height=None, ground=None, heave=0.5, mass=5000.0, end=60.0):
+    """The shipped hoist with another motion of the winch, as a dict."""
+    root = yaml.safe_load(open(HOIST))
+    root["rope"]["axial_stiffness"], root["rope"]["damping"] = 8e7, 1e-4
+    root["bodies"][0]["mass"] = mass
+    root["path"][0]["drum"]["pay_out"] = {"table": pay_out}
+    root["vessel"]["motion"]["heave"]["harmonic"]["amplitude"] = heave
+    root["solver"]["end"] = end
+    if law is not None:
+        sheave = root["path"][1]["sheave"]
+        sheave["law"] = law
+        for key in ("bearing", "inertia"):
+            sheave.pop(key, None)
+    if start_height is not None:
+        root["bodies"][0]["position"] = [12.4, 0, start_height]
+    if ground is not None:
+        root["ground"] = {"level": ground, "stiffness": 2e6, "damping": 2e5}
+        root["bodies"][0]["bottom"] = 0.5
+    return root
+
+
+@functools.cache
+def calm_rows(end=22.0, seed=0):
+    """Rows of a load that hangs in waves after a short hoist: (stamp, readings)."""
+    scene = tautline.read(hoist({"time": [0, 1, 2, 3, 100], "value": [0, -0.5, -0.5, 0, 0]}))
+    return tuple(record(scene, read_map(SENSORS), Sensing(noise=0.01, seed=seed), end))
+
+
+NOT_AHEAD = WEIGHT.replace("ahead: 2 s,", "") + "ahead: 0 s\n"
+CALM = {"time": [0, 1, 2, 3, 100], "value": [0, -0.5, -0.5, 0, 0]}
+
+
+def rows_of(scene, seed=0, end=None, map=SENSORS, **sensing):
+    """Rows of a scene with 1 % noise at 10 Hz."""
+    scene = scene if hasattr(scene, "document") else tautline.read(scene)
+    return list(record(scene, read_map(map), Sensing(noise=0.01, seed=seed, **sensing), end))
+
+
+def lines_of(twin, rows):
+    """All lines that a twin has to say of rows."""
+    lines = []
+    for stamp, readings in rows:
+        lines += twin.add(stamp, readings)
+        twin.work()
+    return lines + twin.finish()
+
+
+def weight_twin(scene=None, start="10 t", map=NOT_AHEAD):
+    """A twin that looks for the weight of the load."""
+    return Twin(hoist(CALM) if scene is None else scene, map.replace("START", start))
+
+
+def at(lines, time):
+    """The line of a time."""
+    return min(lines, key=lambda line: abs(line["time"] - time))
+
+
+def alarms(lines):
+    """Name of an alarm -> the time at which it was raised first."""
+    found = {}
+    for line in lines:
+        for one in line["alarms"]:
+            found.setdefault(one["name"], line["time"])
+    return found
+
+
+def changed(rows, change):
+    """Rows with other readings: ``change(stamp, readings)`` gives the new ones, or None to leave the row out."""
+    return [(stamp, new) for stamp, old in rows if (new := change(stamp, dict(old))) is not None]
+
+
+def finite(lines):
+    """Whether there is no NaN anywhere: JSON has none."""
+    return np.isfinite([line["estimates"]["payload.mass"]["sd"] for line in lines]).all()

@@ -1,0 +1,102 @@
+"""Alarms: a true one within two periods of the motion that it is seen in, none in calm running."""
+
+import pytest
+from twin.rehearsal import (
+    HOIST,
+    NOT_AHEAD,
+    SENSORS,
+    WEIGHT,
+    alarms,
+    at,
+    calm_rows,
+    changed,
+    hoist,
+    lines_of,
+    rows_of,
+    weight_twin,
+)
+
+from tautline.twin.twin import Twin
+
+PERIOD = 8.0
+FAULT = 10.0
+
+
+@pytest.fixture(scope="module")
+def calm():
+    return lines_of(weight_twin(start="5 t", map=WEIGHT), calm_rows())
+
+
+def test_calm_running_raises_no_alarm(calm):
+    assert alarms(calm) == {}
+    assert {line["health"] for line in calm[10:]} == {"good"}
+
+
+def test_two_blocking_is_seen_before_it_comes():
+    # The hook of the shipped hoist meets its sheave at 12.98 s.
+    lines = lines_of(Twin(HOIST, WEIGHT.replace("START", "4 t")), rows_of(HOIST, 0, 12.5))
+    raised = alarms(lines)["two-blocking ahead"]
+    assert 10.9 <= raised <= 11.9
+    assert "two-blocking in" in next(
+        a["text"] for a in at(lines, raised)["alarms"] if a["name"] == "two-blocking ahead"
+    )
+
+
+def test_an_overload_by_a_sudden_stop_is_seen_ahead_and_a_measured_one_at_once(calm):
+    rows = changed(calm_rows(), lambda t, r: {**r, "rope_tension": r["rope_tension"] + 45.0 * (10.0 < t < 10.55)})
+    raised = alarms(lines_of(weight_twin(start="5 t"), rows))
+    assert raised["overload"] == pytest.approx(10.1, abs=0.11)
+
+
+def test_a_sheave_that_seizes_is_irregular_within_two_periods():
+    scene = hoist({"time": [0, 1, 60], "value": [0, -0.3, -0.3]})
+    rows = changed(
+        rows_of(scene, 0, 13.0), lambda t, r: {**r, "rope_tension": r["rope_tension"] * (1.12 if t > FAULT else 1.0)}
+    )
+    lines = lines_of(weight_twin(scene, "5 t"), rows)
+    raised = alarms(lines)
+    assert FAULT < raised["irregular"] < FAULT + 2.0
+    told = next(a["text"] for a in at(lines, raised["irregular"])["alarms"] if a["name"] == "irregular")
+    assert "is measured" in told and "expected" in told
+
+
+def test_slack_rope_is_seen_ahead_when_a_load_is_about_to_land():
+    scene = hoist({"time": [0, 1, 60], "value": [0, 0.4, 0.4]}, start_height=-20, ground=-24.5, heave=0.0)
+    lines = lines_of(weight_twin(scene, "5 t", WEIGHT), rows_of(scene, 0, 12.5))
+    slack = next(line["time"] for line in lines if line["measured"]["winch.tension"] < 1000.0)
+    assert slack - 2.1 <= alarms(lines)["slack rope ahead"] <= slack - 0.5
+
+
+FAULTS = {
+    "stuck": (lambda r, first: {**r, "rope_tension": first["rope_tension"]}, "rope_tension stuck", 1.0),
+    "lost": (lambda r, first: {**r, "rope_tension": float("nan")}, "rope_tension lost", 5.5),
+    "ship stuck": (lambda r, first: {**r, "heave": first["heave"]}, "heave", 2.0),
+    "unit": (lambda r, first: {**r, "rope_tension": 10.0 * r["rope_tension"]}, "rope_tension unit", 1.0),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_sensor_that_fails_is_reported_and_the_estimate_stays(fault):
+    change, name, delay = FAULTS[fault]
+    first = dict(min(calm_rows(), key=lambda row: abs(row[0] - FAULT))[1])
+    rows = changed(calm_rows(), lambda t, r: change(r, first) if FAULT < t < 16.0 else r)
+    lines = lines_of(weight_twin(start="5 t"), rows)
+    raised = [time for key, time in alarms(lines).items() if key.startswith(name)]
+    assert raised and FAULT < raised[0] <= FAULT + delay
+    assert at(lines, 15.5)["health"] in ("degraded", "lost")
+    for time in (15.5, 21.5):
+        assert at(lines, time)["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
+    assert at(lines, 21.5)["health"] == "good"
+
+
+def test_a_sensor_that_drifts_is_reported_within_two_periods():
+    rows = changed(calm_rows(), lambda t, r: {**r, "rope_tension": r["rope_tension"] + 0.2 * max(0.0, t - FAULT)})
+    raised = alarms(lines_of(weight_twin(start="5 t"), rows))
+    assert FAULT < raised["rope_tension drifting"] < FAULT + 2.0 * PERIOD
+
+
+def test_a_sensor_that_clips_is_reported():
+    rows = changed(calm_rows(), lambda t, r: {**r, "rope_tension": min(r["rope_tension"], 48.7)})
+    clipping = SENSORS.replace("sd: 1 %", "sd: 1 %, range: [0 kN, 48.7 kN]") + NOT_AHEAD.removeprefix(SENSORS)
+    raised = alarms(lines_of(weight_twin(start="5 t", map=clipping), rows))
+    assert "rope_tension clipped" in raised

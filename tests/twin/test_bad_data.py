@@ -1,0 +1,112 @@
+"""Bad data: each kind has a stated answer, and the estimate stays."""
+
+import numpy as np
+import pytest
+from twin.rehearsal import at, calm_rows, finite, lines_of, weight_twin
+
+from tautline.twin.storage import load, save
+
+
+def shuffled(rows):
+    rows = list(rows)
+    for k in range(50, len(rows) - 1, 3):
+        rows[k], rows[k + 1] = rows[k + 1], rows[k]
+    return rows
+
+
+def without_heave(rows, after):
+    return [(t, {name: x for name, x in r.items() if name != "heave" or t < after}) for t, r in rows]
+
+
+def now_and_then_nan(rows):
+    return [(t, {**r, "heave": np.nan} if k % 7 == 0 else r) for k, (t, r) in enumerate(rows)]
+
+
+BAD = {
+    "doubled": (lambda rows: [row for row in rows for _ in range(2)], "doubled"),
+    "shuffled": (shuffled, "out of order"),
+    "future stamps": (lambda rows: [(t + 1000.0 * (k % 50 == 49), r) for k, (t, r) in enumerate(rows)], "future"),
+    "clock set back": (lambda rows: [(t - 8.0 * (t > 12.0), r) for t, r in rows], "clock set back"),
+    "a column that ends": (lambda rows: without_heave(rows, 12.0), ""),
+    "slower sampling": (lambda rows: [row for k, row in enumerate(rows) if row[0] < 12.0 or k % 3 == 0], ""),
+    "clock 1 % fast": (lambda rows: [(1.01 * t, r) for t, r in rows], ""),
+    "NaN now and then": (now_and_then_nan, ""),
+}
+LONG = ("slower sampling", "clock 1 % fast", "NaN now and then")
+
+
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.long if k in LONG else ()) for k in BAD])
+def test_bad_data_leave_the_estimate_as_it_is(kind):
+    spoil, counted = BAD[kind]
+    twin = weight_twin(start="5 t")
+    lines = lines_of(twin, spoil(calm_rows()))
+    assert finite(lines)
+    # A clock that is 1 % wrong makes the accelerations 2 % wrong, and the weight hardly.
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
+    if counted:
+        assert twin.rows.counts[counted] > 0
+    times = [line["time"] for line in lines]
+    assert times == sorted(times)
+
+
+@pytest.mark.parametrize("gap", [1.0, 5.0])
+def test_after_a_gap_the_twin_goes_on_and_says_that_it_was_degraded(gap):
+    rows = [row for row in calm_rows() if not 9.0 <= row[0] < 9.0 + gap - 0.05]
+    twin = weight_twin(start="5 t")
+    lines = lines_of(twin, rows)
+    after = [line for line in lines if line["time"] >= 9.0 + gap - 0.05]
+    if gap > 0.4:
+        assert after[0]["health"] == "degraded"
+        # The rope does not snap: what was computed in the gap joins what is measured smoothly.
+        assert max(line["outputs"]["winch.tension"] for line in after) < 60e3
+    assert lines[-1]["health"] == "good"
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
+
+
+def test_a_stream_that_ends_and_comes_back_is_gone_on_with():
+    twin = weight_twin(start="5 t")
+    rows = calm_rows()
+    for stamp, readings in rows[:100]:
+        twin.add(stamp, readings)
+    before = twin.answers(end=True)[-1]
+    lines = lines_of(twin, [(t + 30.0, r) for t, r in rows[100:]])
+    assert lines[0]["time"] > before["time"]
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
+
+
+def test_killed_and_started_again_it_goes_on_with_the_same_estimates(tmp_path):
+    rows = calm_rows()
+    whole = weight_twin(start="5 t")
+    lines = lines_of(whole, rows)
+    first = weight_twin(start="5 t")
+    for stamp, readings in rows[:120]:
+        first.add(stamp, readings)
+    save(first, tmp_path / "twin.state")
+    second = weight_twin(start="5 t")
+    begin = load(second, tmp_path / "twin.state")
+    assert begin == first.now
+    assert second.horizon.mean == pytest.approx(first.horizon.mean)
+    assert second.horizon.prior == pytest.approx(first.horizon.prior)
+    again = lines_of(second, [row for row in rows if row[0] > begin])
+    window = begin + 3.0
+    for line in again:
+        if line["time"] > window:
+            other = at(lines, line["time"])
+            ours, theirs = (one["estimates"]["payload.mass"] for one in (line, other))
+            assert ours["value"] == pytest.approx(theirs["value"], abs=2.0 * theirs["sd"])
+            assert line["outputs"]["winch.tension"] == pytest.approx(other["outputs"]["winch.tension"], rel=0.02)
+
+
+def test_a_damaged_or_foreign_state_is_refused(tmp_path):
+    from tautline.results.errors import ResultError
+
+    twin = weight_twin(start="5 t")
+    (tmp_path / "bad.state").write_bytes(b"not a state")
+    with pytest.raises(ResultError, match="is no state of a twin"):
+        load(twin, tmp_path / "bad.state")
+    other = weight_twin(start="5 t", map="sensors: [{column: a, unit: m, input: winch.pay_out}]\nwindow: 3 s\n")
+    for k in range(20):
+        other.add(0.1 * k, {"a": 0.0})
+    save(other, tmp_path / "other.state")
+    with pytest.raises(ResultError, match="another scene or another map"):
+        load(twin, tmp_path / "other.state")

@@ -1,0 +1,136 @@
+"""The commands ``record`` and ``twin``: what goes in, what comes out, and what they refuse."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray
+
+import tautline
+
+MAP = """
+sensors:
+  - {column: winch_pos, unit: m, input: winch.pay_out}
+  - {column: heave, unit: m, input: vessel.heave}
+  - {column: rope_tension, unit: kN, output: winch.tension, sd: 0.5 kN}
+estimate:
+  - {parameter: payload.mass, start: 9 t, sd: 4 t, range: [0.5 t, 20 t]}
+watch:
+  - {output: winch.tension, above: 60 kN, name: overload}
+keep: [payload.position]
+ahead: 0 s
+"""
+SCENE = "data/hoist.yaml"
+
+
+def crane(*arguments, stdin=None):
+    command = [sys.executable, "-m", "crane.main", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, input=stdin, timeout=300)
+
+
+@pytest.fixture(scope="module")
+def rehearsal(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("twin")
+    (folder / "map.yaml").write_text(MAP)
+    made = crane(
+        "record", SCENE, "--map", folder / "map.yaml", "-o", folder / "r.csv", "--noise", "1 %", "--end", "6 s"
+    )
+    assert made.returncode == 0, made.stderr
+    return folder
+
+
+def test_a_record_has_the_columns_of_the_map_and_the_noise_that_was_asked_for(rehearsal):
+    lines = (rehearsal / "r.csv").read_text().splitlines()
+    assert lines[0] == "time [s],winch_pos [m],heave [m],rope_tension [kN]"
+    rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+    assert len(rows) == 61
+    sim = tautline.Simulation(SCENE, keep=False)
+    truth = [float(sim["winch.tension"])]
+    for time in rows[1:, 0]:
+        sim.advance_to(time)
+        truth.append(float(sim["winch.tension"]))
+    noise = 1e3 * rows[:, 3] / np.array(truth) - 1.0
+    assert noise.std() == pytest.approx(0.01, rel=0.3)
+    assert abs(noise.mean()) < 0.004
+
+
+@pytest.mark.parametrize("way", ["file", "table", "objects"])
+def test_the_twin_answers_every_row_from_a_file_and_from_standard_input(rehearsal, way):
+    text = (rehearsal / "r.csv").read_text()
+    arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--json"]
+    if way == "file":
+        done = crane(*arguments, "--source", rehearsal / "r.csv", "-o", rehearsal / "tw.nc")
+    elif way == "table":
+        done = crane(*arguments, stdin=text)
+    else:
+        rows = [line.split(",") for line in text.splitlines()[1:]]
+        names = ("time", "winch_pos", "heave", "rope_tension")
+        objects = [json.dumps(dict(zip(names, map(float, row), strict=True))) for row in rows]
+        done = crane(*arguments, stdin="\n".join(objects[:30] + ["{broken"] + objects[30:]) + "\n")
+    assert done.returncode == 0, done.stderr
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(lines) == 61
+    keys = {"time", "outputs", "estimates", "residuals", "alarms", "lag", "health"}
+    assert keys <= set(lines[-1])
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
+    assert "overload" in done.stderr  # the ramp of the winch: 67 kN
+    if way == "file":
+        with xarray.open_dataset(rehearsal / "tw.nc", engine="h5netcdf") as data:
+            assert data.sizes["time"] == 61
+            assert float(data["estimate payload.mass"][-1]) == lines[-1]["estimates"]["payload.mass"]["value"]
+
+
+def test_killed_and_resumed_from_its_state_it_answers_the_rows_that_are_left(rehearsal):
+    rows = (rehearsal / "r.csv").read_text().splitlines(keepends=True)
+    (rehearsal / "part.csv").write_text("".join(rows[:40]))
+    state = rehearsal / "twin.state"
+    arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--json", "--resume", state]
+    first = crane(*arguments, "--source", rehearsal / "part.csv")
+    assert first.returncode == 0 and state.exists(), first.stderr
+    again = crane(*arguments, "--source", rehearsal / "r.csv")
+    lines = [json.loads(line) for line in again.stdout.splitlines()]
+    assert lines[0]["time"] == pytest.approx(3.9)
+    assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"input: winch.pay_out": "input: winch.payout"}, "there is no input 'winch.payout'; did you mean"),
+        ({"unit: kN": "unit: kg"}, "'kg' is not a unit of this quantity"),
+        ({"start: 9 t": "start: 90 t"}, "is outside its range"),
+        ({"keep:": "kept:"}, "unknown key; did you mean 'keep'?"),
+        ({"above: 60 kN": "above: 60 m"}, "'m' is not the unit of a force"),
+        ({"column: heave": "column: heav"}, "there is no column 'heav'"),
+    ],
+)
+def test_a_map_that_does_not_fit_is_refused_by_line_and_key(rehearsal, tmp_path, changes, said):
+    text = MAP
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "map.yaml").write_text(text)
+    done = crane(
+        "twin", SCENE, "--map", tmp_path / "map.yaml", "--source", rehearsal / "r.csv", "-o", tmp_path / "x.nc"
+    )
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "x.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "said"),
+    [
+        ("--source", "nowhere.csv", "there is no such file"),
+        ("--source", "ftp://host/x", "is of no known kind"),
+        ("--map", "nowhere.yaml", "there is no such file"),
+    ],
+)
+def test_what_is_not_there_is_refused(rehearsal, option, value, said):
+    arguments = {"--map": str(rehearsal / "map.yaml"), "--source": str(rehearsal / "r.csv"), option: value}
+    done = crane("twin", SCENE, *(part for pair in arguments.items() for part in pair))
+    assert done.returncode == 2
+    assert said in done.stderr
