@@ -34,6 +34,7 @@ class Stream:
         self._file, self._columns, self._time = file, list(columns), time
         self._queue: queue.Queue[Record | SceneError | None] = queue.Queue(MOST)
         self._header: Header | None = None
+        self._objects = False
         threading.Thread(target=self._listen, daemon=True, name="tautline source").start()
 
     def _listen(self) -> None:
@@ -49,7 +50,8 @@ class Stream:
 
     def _take(self, line: str) -> None:
         row: tuple[float, Mapping[str, float]] | None
-        if line.startswith("{"):
+        if line.startswith("{") or self._objects:
+            self._objects = True
             row = read_object(line, self._columns, self._time)
         elif self._header is None:
             self._header = Header(line, self._columns, self._time, self.name)

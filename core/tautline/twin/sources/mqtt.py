@@ -1,0 +1,123 @@
+"""Sensor data from an MQTT broker."""
+
+from __future__ import annotations
+
+import json
+import math
+import queue
+import time as clock
+from collections.abc import Sequence
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+from tautline.scene.errors import option_error
+from tautline.twin.sources.record import Record
+from tautline.twin.sources.stamps import number_of, stamp_column, stamp_of
+
+MOST = 10_000
+"""Records that may wait; beyond, the oldest is dropped."""
+PORTS = {"mqtt": 1883, "mqtts": 8883}
+QUALITY = 1
+"""At least once: what comes twice is told by its stamp."""
+DELAYS = (1, 30)
+"""Shortest and longest time between attempts to connect again, s."""
+KEEPALIVE = 15
+
+
+class Mqtt:
+    """Subscribes to a topic, and connects again by itself when the broker was lost.
+
+    A message is a JSON object with a stamp and columns; or one column, of which the last level of the topic is the
+    name: ``{"time": ..., "value": ...}``, or a bare number, which has the time of its arrival.
+
+    Parameters
+    ----------
+    address : str
+        ``mqtt://[user:password@]host[:port]/topic``; ``mqtts`` for TLS. The topic may have wildcards.
+    columns : sequence of str
+    time : str
+        The key of the stamp; empty for the usual names.
+
+    Raises
+    ------
+    SceneError
+        For an address without host or topic, and where paho-mqtt is not installed.
+    """
+
+    def __init__(self, address: str, columns: Sequence[str], time: str = "") -> None:
+        parts = urlsplit(address.replace("#", "%23"))
+        topic = unquote(parts.path.lstrip("/"))
+        if not parts.hostname or not topic:
+            cure = "write mqtt://host:1883/topic, such as mqtt://localhost/crane/#"
+            raise option_error("--source", address, "has no host or no topic", cure)
+        try:
+            from paho.mqtt import client as paho
+        except ImportError:
+            raise option_error("--source", address, "needs paho-mqtt", "pip install tautline[live]") from None
+        self.name, self.live, self.ended, self.refused, self.dropped = address, True, False, 0, 0
+        self._columns, self._time, self._topic = list(columns), time, topic
+        self._queue: queue.Queue[Record] = queue.Queue(MOST)
+        self._client = paho.Client(paho.CallbackAPIVersion.VERSION2)
+        if parts.username:
+            self._client.username_pw_set(unquote(parts.username), unquote(parts.password or ""))
+        if parts.scheme == "mqtts":
+            self._client.tls_set()
+        self._client.on_connect = self._subscribe
+        self._client.on_message = self._take
+        self._client.reconnect_delay_set(*DELAYS)
+        self._client.connect_async(parts.hostname, parts.port or PORTS[parts.scheme], KEEPALIVE)
+        self._client.loop_start()
+
+    def _subscribe(self, client: Any, *_: Any) -> None:
+        """At every connection: a broker that was started again knows nothing of us."""
+        client.subscribe(self._topic, QUALITY)
+
+    def _take(self, client: Any, data: Any, message: Any) -> None:
+        record = self._read(message.topic, message.payload)
+        if record is None:
+            self.refused += 1
+            return
+        while True:
+            try:
+                self._queue.put_nowait(record)
+                return
+            except queue.Full:
+                self.dropped += 1
+                try:
+                    self._queue.get_nowait()
+                except queue.Empty:
+                    pass
+
+    def _read(self, topic: str, payload: bytes) -> Record | None:
+        """A record out of a message; None for what is none."""
+        try:
+            found: Any = json.loads(payload)
+        except ValueError:
+            return None
+        column = topic.rpartition("/")[2]
+        values = dict.fromkeys(self._columns, math.nan)
+        stamp: Any = None
+        if isinstance(found, dict):
+            key = stamp_column([str(name) for name in found], self._time)
+            stamp = stamp_of(found[key]) if key is not None else None
+            if column in values and "value" in found:
+                values[column] = number_of(found["value"])
+            values |= {name: number_of(found[name]) for name in self._columns if name in found}
+        elif column in values:
+            values[column] = number_of(found)
+        if all(math.isnan(value) for value in values.values()):
+            return None
+        return Record(clock.time() if stamp is None else stamp, values, clock.monotonic())
+
+    def poll(self, timeout: float) -> Record | None:
+        """The next record; None where none came within so many seconds."""
+        try:
+            return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
+        except queue.Empty:
+            return None
+
+    def close(self) -> None:
+        """Let go of the broker."""
+        self.ended = True
+        self._client.disconnect()
+        self._client.loop_stop()

@@ -1,0 +1,155 @@
+"""Sensor data from an OPC UA server."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import queue
+import threading
+import time as clock
+from collections.abc import Sequence
+from datetime import UTC
+from typing import Any
+
+from tautline.scene.errors import option_error
+from tautline.twin.sources.record import Record
+from tautline.twin.sources.stamps import number_of
+
+MOST = 100_000
+PERIOD = 50.0
+"""How often the server is asked to send changes, ms."""
+TOGETHER = 0.002
+"""Stamps that are no further apart than this make one record, s."""
+GATHER = 0.02
+"""How long the rest of a record is waited for, s."""
+DELAYS = (0.5, 15.0)
+"""Shortest and longest time between attempts to connect again, s."""
+WATCHED = 1.0
+"""How often the connection is looked at, s."""
+DEEPEST, LARGEST = 8, 5000
+"""Levels and nodes that are searched for a name."""
+
+
+class OpcUa:
+    """Subscribes to variables, and connects again by itself when the server was lost.
+
+    Parameters
+    ----------
+    address : str
+        ``opc.tcp://host:port/path``.
+    columns : sequence of str
+        Browse names below Objects, or node ids such as ``ns=2;s=Winch.Position``.
+
+    Raises
+    ------
+    SceneError
+        Where asyncua is not installed.
+    """
+
+    def __init__(self, address: str, columns: Sequence[str]) -> None:
+        try:
+            import asyncua  # noqa: F401
+        except ImportError:
+            raise option_error("--source", address, "needs asyncua", "pip install tautline[live]") from None
+        self.name, self.live, self.ended, self.refused = address, True, False, 0
+        self.missing: list[str] = []
+        self._columns = list(columns)
+        self._queue: queue.Queue[tuple[float, str, float, float]] = queue.Queue(MOST)
+        self._next: tuple[float, str, float, float] | None = None
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._listen, daemon=True, name="tautline OPC UA")
+        self._thread.start()
+
+    def _listen(self) -> None:
+        asyncio.run(self._connect_again_and_again())
+
+    async def _connect_again_and_again(self) -> None:
+        delay = DELAYS[0]
+        while not self._closing.is_set():
+            try:
+                if await self._follow():
+                    delay = DELAYS[0]
+            except Exception:  # whatever the network does, the next attempt is the answer
+                pass
+            await asyncio.sleep(0.0 if self._closing.is_set() else delay)
+            delay = min(2.0 * delay, DELAYS[1])
+
+    async def _follow(self) -> bool:
+        """Follow the variables until the connection is lost; whether there was one."""
+        from asyncua import Client
+
+        async with Client(self.name, timeout=4.0) as client:
+            nodes = await self._find(client)
+            handler = _Handler(self._queue, {str(node.nodeid): name for name, node in nodes.items()})
+            subscription = await client.create_subscription(PERIOD, handler)
+            if nodes:
+                await subscription.subscribe_data_change(list(nodes.values()))
+            while not self._closing.is_set():
+                await asyncio.sleep(min(WATCHED, 0.1 if self._closing.is_set() else WATCHED))
+                await client.check_connection()
+        return True
+
+    async def _find(self, client: Any) -> dict[str, Any]:
+        """Nodes by column: by their id, or by their browse name."""
+        found = {name: client.get_node(name) for name in self._columns if name.startswith(("ns=", "i=", "s="))}
+        wanted = set(self._columns) - set(found)
+        level, seen = [client.nodes.objects], 0
+        for _ in range(DEEPEST):
+            below = []
+            for node in level:
+                for child in await node.get_children():
+                    seen += 1
+                    name = (await child.read_browse_name()).Name
+                    if name in wanted:
+                        found.setdefault(name, child)
+                    below.append(child)
+            level = below
+            if not wanted - set(found) or seen > LARGEST:
+                break
+        self.missing = sorted(set(self._columns) - set(found))
+        return found
+
+    def poll(self, timeout: float) -> Record | None:
+        """The next record: the changes of one stamp."""
+        first = self._take(timeout)
+        if first is None:
+            return None
+        values = dict.fromkeys(self._columns, math.nan)
+        values[first[1]] = first[2]
+        while (more := self._take(GATHER)) is not None:
+            if abs(more[0] - first[0]) > TOGETHER or not math.isnan(values[more[1]]):
+                self._next = more
+                break
+            values[more[1]] = more[2]
+        return Record(first[0], values, first[3])
+
+    def _take(self, timeout: float) -> tuple[float, str, float, float] | None:
+        if self._next is not None:
+            found, self._next = self._next, None
+            return found
+        try:
+            return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
+        except queue.Empty:
+            return None
+
+    def close(self) -> None:
+        """Let go of the server."""
+        self.ended = True
+        self._closing.set()
+        self._thread.join(timeout=5.0)
+
+
+class _Handler:
+    """What the client calls with every change."""
+
+    def __init__(self, changes: queue.Queue[tuple[float, str, float, float]], names: dict[str, str]) -> None:
+        self._changes, self._names = changes, names
+
+    def datachange_notification(self, node: Any, value: Any, data: Any) -> None:
+        """Take a change; its stamp is that of the source."""
+        stamp = data.monitored_item.Value.SourceTimestamp
+        time = clock.time() if stamp is None else stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp()
+        try:
+            self._changes.put_nowait((time, self._names[str(node.nodeid)], number_of(value), clock.monotonic()))
+        except queue.Full:
+            pass
