@@ -33,8 +33,8 @@ class Crane(Packaged):
         """The scene with what is named free to be driven; a vessel comes under it where its motion is named."""
         return self._module("handles").driven(scene, tuple(names))
 
-    def twin_extras(self, scene: Any, map: Any) -> Any:
-        """A crane's part of a twin."""
-        from crane.twin.extras import CraneExtras
+    def free_motions(self, scene: Any) -> Any:
+        """What moves freely, by blows that no sensor sees: loads bounce on their ropes."""
+        from crane.sea.bounce import free_motions
 
-        return CraneExtras(scene, map)
+        return free_motions(scene)

@@ -1,7 +1,9 @@
 """Alarms: a true one within two periods of the motion that it is seen in, none in calm running."""
 
+import numpy as np
 import pytest
 from twin.rehearsal import (
+    CALM,
     HOIST,
     NOT_AHEAD,
     SENSORS,
@@ -14,8 +16,10 @@ from twin.rehearsal import (
     lines_of,
     rows_of,
     weight_twin,
-)
+)  # fmt: skip
 
+import tautline
+from tautline.twin.forecast import other_speed
 from tautline.twin.twin import Twin
 
 PERIOD = 8.0
@@ -100,3 +104,37 @@ def test_a_sensor_that_clips_is_reported():
     clipping = SENSORS.replace("sd: 1 %", "sd: 1 %, range: [0 kN, 48.7 kN]") + NOT_AHEAD.removeprefix(SENSORS)
     raised = alarms(lines_of(weight_twin(start="5 t", map=clipping), rows))
     assert "rope_tension clipped" in raised
+
+
+def test_the_largest_hoisting_speed_is_that_with_which_the_bound_is_just_not_passed():
+    bounded = (
+        SENSORS
+        + """
+watch:
+  - {output: winch.tension, above: 56 kN, ahead: 2 s, name: overload}
+restrict: true
+"""
+    )
+    scene = hoist(CALM)
+    lines = lines_of(Twin(scene, bounded), calm_rows()[:160])
+    line = next(line for line in reversed(lines) if line["restrict"])
+    found = next(one for one in line["restrict"] if one["name"] == "hoisting speed")
+    assert found["now"] == pytest.approx(0.0, abs=0.01) and not found["restrict"]
+    assert found["by"] == "overload"
+
+    def largest(speed):
+        """Of the tension, N, in a run of the scene that takes up a speed at about that time."""
+        sim = tautline.Simulation(scene, ["winch.pay_out"], keep=False)
+        begin = 2.0 * round(0.5 * line["time"] - 0.5)
+        sim.advance_to(begin)
+        state = np.array([sim.inputs["winch.pay_out"], 0.0, 0.0])
+        times = np.arange(1, 41) * 0.05
+        tensions = []
+        for after, row in zip(times, other_speed(state, times, -speed), strict=True):
+            sim.inputs["winch.pay_out"] = tuple(row.tolist())
+            sim.advance_to(begin + after)
+            tensions.append(sim["winch.tension"])
+        return max(tensions)
+
+    assert largest(0.6 * found["largest"]) < 56e3
+    assert largest(1.6 * found["largest"]) > 56e3

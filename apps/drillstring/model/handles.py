@@ -101,12 +101,21 @@ def _friction(scene: DrillstringScene, groups: tuple[Any, ...]) -> Iterator[Para
     rows = getattr(law, "rows", law)
     arrays = {kind: np.asarray(getattr(rows, kind)) for kind in ("static", "kinetic")}
     share = _cased(scene, arrays)
+    found: dict[str, list[Parameter]] = {"wall": [], "casing": []}
     for kind, array in arrays.items():
         now = factors_of(wall, kind)
         factors = _Factors(array, share, now.open, now.cased)
-        yield factors.parameter(f"wall.friction.{kind}", f"{kind} friction factor of the open hole", cased=False)
+        found["wall"].append(
+            factors.parameter(f"wall.friction.{kind}", f"{kind} friction factor of the open hole", cased=False)
+        )
         if now.several and share.any():
-            yield factors.parameter(f"casing.friction.{kind}", f"{kind} friction factor of the cased hole", cased=True)
+            found["casing"].append(
+                factors.parameter(f"casing.friction.{kind}", f"{kind} friction factor of the cased hole", cased=True)
+            )
+    for where, hole in (("wall", "open"), ("casing", "cased")):
+        yield from found[where]
+        if len(found[where]) == len(arrays):
+            yield _together(f"{where}.friction", f"friction factor of the {hole} hole", *found[where])
 
 
 def _cased(scene: DrillstringScene, arrays: dict[str, np.ndarray]) -> np.ndarray:
@@ -116,6 +125,17 @@ def _cased(scene: DrillstringScene, arrays: dict[str, np.ndarray]) -> np.ndarray
         if now.several and now.cased != now.open:
             return (array - now.open) / (now.cased - now.open)
     return np.zeros(arrays["static"].shape)
+
+
+def _together(name: str, text: str, static: Parameter, kinetic: Parameter) -> Parameter:
+    """Both friction factors in one: the kinetic one, and the static one in the ratio that the scene has."""
+    ratio = static.get() / kinetic.get() if kinetic.get() > 0.0 else 1.0
+
+    def change(value: float) -> None:
+        kinetic.set(value)
+        static.set(ratio * value)
+
+    return Parameter(name, "", f"{text}; the static one follows in its ratio", kinetic.get, change, 0.0)
 
 
 class _Factors:

@@ -31,8 +31,7 @@ SILENCE = 1.0
 
 def twin(
     catalogue: Catalogue, path: Path, map: Path, source: str, output: Path | None, changes: Sequence[str] | None,
-    speed: float | None, resume: Path | None, state: Path | None, rope: Path | None, serve: int | None, as_json: bool,
-    quiet: bool,
+    speed: float | None, resume: Path | None, state: Path | None, as_json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Run a scene beside the machine.
 
@@ -52,8 +51,6 @@ def twin(
     if not map.exists():
         raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
     read = read_map(map)
-    if rope is not None:
-        read = read.model_copy(update={"rope": str(rope)})
     opened = open_source(source, [one.column for one in read.sensors], time=read.time, speed=speed)
     try:
         made = Twin(scene, read, live=opened.live)
@@ -61,8 +58,7 @@ def twin(
         if begin is not None:
             say(f"going on from {begin:.6g} s")
         series = Series(output, made) if output is not None else None
-        page = _page(serve, path, made)
-        _Loop(made, opened, series, page, state, as_json, quiet).run()
+        _Loop(made, opened, series, state, as_json, quiet).run()
     except StoppedEarly as stop:
         say(f"{path}: stopped at {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
         raise Ended(ExitCode.STOPPED_EARLY) from None
@@ -70,23 +66,11 @@ def twin(
         opened.close()
 
 
-def _page(port: int | None, path: Path, made: Twin) -> Any:
-    if port is None:
-        return None
-    from tautline.twin.page.server import Page
-
-    page = Page(port, path.stem, made.units)
-    say(f"the twin is shown at http://127.0.0.1:{page.port}")
-    return page
-
-
 class _Loop:
     """Takes records, prints lines, looks ahead while it waits, saves the state."""
 
-    def __init__(
-        self, made: Twin, source: Source, series: Any, page: Any, state: Path | None, as_json: bool, quiet: bool
-    ) -> None:
-        self.twin, self.source, self.series, self.page, self.state = made, source, series, page, state
+    def __init__(self, made: Twin, source: Source, series: Any, state: Path | None, as_json: bool, quiet: bool) -> None:
+        self.twin, self.source, self.series, self.state = made, source, series, state
         self.as_json, self.quiet = as_json, quiet
         self.told: dict[str, float] = {}
         self.begin = self.twin.now
@@ -123,8 +107,6 @@ class _Loop:
                 print_text(json.dumps(finite(line), allow_nan=False) + "\n")
             if self.series is not None:
                 self.series.add(line)
-            if self.page is not None:
-                self.page.publish(finite(line), self.twin.picture())
             self._tell(line)
         now = clock.monotonic()
         if self.state is not None and lines and now - self.saved > SAVE_EVERY:
@@ -151,19 +133,13 @@ class _Loop:
         assert self.state is not None
         if self.lines:
             save(self.twin, self.state)
-            if self.twin.extras:
-                self.twin.extras.save()
         self.saved = clock.monotonic()
 
     def _end(self, status: str) -> None:
         if self.state is not None:
             self._save()
-        elif self.twin.extras:
-            self.twin.extras.save()
         if self.series is not None:
             self.series.finish(status)
-        if self.page is not None:
-            self.page.close()
         self._summarise()
         if status == "interrupted":
             raise Ended(ExitCode.INTERRUPTED)

@@ -136,12 +136,6 @@ ResumeState = Annotated[
 StateFile = Annotated[
     Path | None, typer.Option("--state", metavar="STATE", help="Keep the state here, every few seconds.")
 ]
-RopeFile = Annotated[
-    Path | None, typer.Option("--rope", metavar="FILE", help="Account of the rope's damage over all operations.")
-]
-Port = Annotated[
-    int | None, typer.Option("--serve", metavar="PORT", min=0, max=65535, help="Show it in a browser; 0: a free port.")
-]
 Lines = Annotated[bool, typer.Option("--json", help="Print a JSON object a sample on standard output, SI units.")]
 RecordFile = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", help="Where to.")]
 RowRate = Annotated[str, typer.Option("--rate", help="Rows a second.")]
@@ -397,8 +391,6 @@ def twin(
     speed: ReplaySpeed = None,
     resume: ResumeState = None,
     state: StateFile = None,
-    rope: RopeFile = None,
-    serve: Port = None,
     as_json: Lines = False,
     quiet: Quiet = False,
 ) -> None:
@@ -406,7 +398,7 @@ def twin(
     from tautline.cli import twin as verb
 
     kept = state or resume
-    verb.twin(context.obj, scene, map, source, output, changes, speed, resume, kept, rope, serve, as_json, quiet)
+    verb.twin(context.obj, scene, map, source, output, changes, speed, resume, kept, as_json, quiet)
 
 
 def record(

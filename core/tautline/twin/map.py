@@ -116,8 +116,7 @@ class TwinMap(Scene):
     keep: tuple[str, ...] = ()
     lost: Seconds = 5.0
     forecast_every: Seconds = 0.5
-    restrict: Switch = True
-    rope: str | None = None
+    restrict: Switch = False
     run_in: Seconds = 10.0
     ahead: Wait = 2.0
 
@@ -148,6 +147,7 @@ class Channel(pydantic.BaseModel):
     column: str
     name: str
     is_input: bool
+    is_output: bool = True
     unit: str
     scale: float
     zero: float
@@ -204,7 +204,6 @@ class Plan(pydantic.BaseModel):
     forecast_every: float
     restrict: bool
     run_in: float
-    rope: str | None
     ahead: float
 
     @property
@@ -215,7 +214,7 @@ class Plan(pydantic.BaseModel):
     @property
     def measured(self) -> list[Channel]:
         """Sensors that are compared with the scene."""
-        return [one for one in self.channels if not one.is_input]
+        return [one for one in self.channels if one.is_output]
 
 
 def read_map(path: str | Path | Mapping[str, Any]) -> TwinMap:
@@ -236,22 +235,20 @@ def driven_by(read: TwinMap) -> list[str]:
     return [sensor.input for sensor in read.sensors if sensor.input is not None]
 
 
-def plan_of(read: TwinMap, names: Names, values: Mapping[str, float], extra: Mapping[str, str]) -> Plan:
+def plan_of(read: TwinMap, names: Names, values: Mapping[str, float]) -> Plan:
     """Check a map against what the scene has.
 
     Parameters
     ----------
     values : mapping
         Parameters of the scene as it is written, where an estimate says no start.
-    extra : mapping
-        Further outputs of the application, and their units.
 
     Raises
     ------
     SceneError
         Listing every fault with its line, key and cure.
     """
-    reader = _Reader(read, names, dict(values), dict(extra))
+    reader = _Reader(read, names, dict(values))
     plan = reader.plan()
     if reader.problems:
         raise SceneError(reader.problems)
@@ -261,10 +258,9 @@ def plan_of(read: TwinMap, names: Names, values: Mapping[str, float], extra: Map
 class _Reader:
     """Turns the texts of a map into numbers, and collects what is wrong."""
 
-    def __init__(self, read: TwinMap, names: Names, values: dict[str, float], extra: dict[str, str]) -> None:
+    def __init__(self, read: TwinMap, names: Names, values: dict[str, float]) -> None:
         self.map, self.names, self.values = read, names, values
-        self.outputs = {**names.outputs, **extra}
-        self.extra = extra
+        self.outputs = names.outputs
         self.problems: list[Problem] = []
 
     def fault(self, key: tuple[str | int, ...], cause: str, cure: str) -> None:
@@ -304,8 +300,7 @@ class _Reader:
         return Plan(
             channels=[c for c in channels if c], unknowns=[u for u in unknowns if u], alarms=[a for a in alarms if a],
             keep=list(read.keep), time=read.time, window=read.window, delay=read.delay, lost=read.lost,
-            forecast_every=read.forecast_every, restrict=read.restrict, run_in=read.run_in, rope=read.rope,
-            ahead=read.ahead,
+            forecast_every=read.forecast_every, restrict=read.restrict, run_in=read.run_in, ahead=read.ahead,
         )  # fmt: skip
 
     def repeated(self, key: str, names: list[str], what: str) -> None:
@@ -315,11 +310,13 @@ class _Reader:
 
     def channel(self, i: int, sensor: Sensor) -> Channel | None:
         is_input = sensor.input is not None
-        kind, known = ("input", self.names.inputs) if is_input else ("output", self.names.outputs)
+        kinds = {"input": self.names.inputs, "output": self.names.outputs}
+        kind = next(one for one in kinds if getattr(sensor, one) is not None)
+        known = kinds[kind]
         if not self.known(("sensors", i, kind), kind, sensor.name, known):
             return None
         unit = known[sensor.name]
-        if not is_input and self.names.shapes.get(sensor.name, ()):
+        if kind == "output" and self.names.shapes.get(sensor.name, ()):
             self.fault(("sensors", i, "output"), f"{sensor.name} is an array", "name a quantity that is one number")
             return None
         factor = self.factor(("sensors", i, "unit"), sensor.unit, unit)
@@ -331,7 +328,8 @@ class _Reader:
         zero = 0.0 if sensor.zero == "first" else float(sensor.zero)
         waves = sensor.forecast == "waves" or (sensor.forecast is None and sensor.name.startswith("vessel."))
         return Channel(
-            column=sensor.column, name=sensor.name, is_input=is_input, unit=unit, scale=sensor.scale * factor,
+            column=sensor.column, name=sensor.name, is_input=is_input, is_output=kind == "output", unit=unit,
+            scale=sensor.scale * factor,
             zero=zero, zero_first=sensor.zero == "first", sd=sd, relative=share is not None, low=low, high=high,
             waves=waves, lost_after=sensor.lost_after or self.map.lost,
         )  # fmt: skip

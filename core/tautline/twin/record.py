@@ -7,7 +7,7 @@ its faults. The simulation is that of the scene: what it moves, it moves by its 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -102,7 +102,7 @@ def record(
     """
     sim = Simulation(scene, driven_by(map), keep=False)
     names = names_of(sim)
-    plan = plan_of(map, names, {name: sim.parameters[name] for name in names.parameters}, _unknown_outputs(map, names))
+    plan = plan_of(map, names, {name: sim.parameters[name] for name in names.parameters})
     rng = np.random.default_rng(sensing.seed)
     known = {one.column for one in plan.channels}
     for fault in sensing.faults:
@@ -126,12 +126,6 @@ def record(
         arrives = rng.random() >= sensing.dropout and not any(a <= time < b for a, b in sensing.gaps)
         if arrives:
             yield stamp, readings
-
-
-def _unknown_outputs(map: TwinMap, names: Any) -> Mapping[str, str]:
-    """Outputs that only the twin has: they are not measured."""
-    wanted = [*map.keep, *(one.output for one in map.watch if one.output)]
-    return {name: "" for name in wanted if name not in names.outputs}
 
 
 def _values(sim: Simulation, plan: Plan) -> np.ndarray:

@@ -36,7 +36,6 @@ def save(twin: Twin, path: Path) -> None:
         "zeros": {str(k): v for k, v in twin._zeros.items()}, "rows": twin.rows.memory(),
         "tracks": [one.memory() for one in twin.tracks], "health": [one.memory() for one in twin.health],
         "alarms": twin.alarms.memory(), "blows_due": twin.family._blows_due,
-        "extras": twin.extras.memory() if twin.extras else {},
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
@@ -124,6 +123,4 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
         *values, waves._next, waves._time, a, b, c = arrays[f"waves {name}"].tolist()
         waves._values.extend(values)
         waves._state = np.array([a, b, c])
-    if twin.extras:
-        twin.extras.recall(words["extras"])
     twin._keep(twin.now)

@@ -110,8 +110,6 @@ class Twin:
         self.scene = scene if hasattr(scene, "document") else read(scene)
         self.application = Installed().of(self.scene)
         self.map: TwinMap = map if isinstance(map, TwinMap) else read_map(map)
-        make_extras = getattr(self.application, "twin_extras", None)
-        self.extras = make_extras(self.scene, self.map) if make_extras else None
         self.plan = self._planned()
         self._make_simulations()
         plan = self.plan
@@ -148,14 +146,13 @@ class Twin:
         except UnknownName:
             # Told by the line of the map, beside all else that is wrong with it.
             first = Simulation(self.scene, keep=False)
-            plan_of(self.map, names_of(first), {}, dict(self.extras.outputs) if self.extras else {})
+            plan_of(self.map, names_of(first), {})
             raise
         names = names_of(first)
         self.plan_names = names
-        extra = dict(self.extras.outputs) if self.extras else {}
-        plan = plan_of(self.map, names, {name: first.parameters[name] for name in names.parameters}, extra)
+        plan = plan_of(self.map, names, {name: first.parameters[name] for name in names.parameters})
         self._first = first
-        self.units = {**names.outputs, **extra}
+        self.units = dict(names.outputs)
         return plan
 
     def _make_simulations(self) -> None:
@@ -175,17 +172,16 @@ class Twin:
                 theta[i - 1] += apart[i - 1]
             given = dict(zip(names, theta.tolist(), strict=True))
             made.append(Simulation(self.scene, inputs, keep=False, parameters=given) if names else self._first)
-        self.blows = list(self.extras.blows) if self.extras and plan.measured and plan.unknowns else []
+        free = getattr(self.application, "free_motions", None)
+        self.blows = [Blow(*one) for one in free(self.scene)] if free and plan.measured and plan.unknowns else []
         made += [made[0].copy() for _ in self.blows]
         self.family = Family(made, names, self.blows)
         self.family.at, self.family.apart = start, np.append(apart, np.ones(len(self.blows)))
         self._seen = [*self._parameters, *range(len(plan.unknowns), len(plan.unknowns) + len(self.blows))]
         self.spare = Family([sim.copy() for sim in made] if len(made) > 1 else [], names, self.blows)
         bounds = [one for one in plan.alarms if not one.is_residual and one.ahead > 0.0]
-        self.limits = limits_of(self.scene, self.units)
         ahead = max([one.ahead for one in bounds], default=0.0) or plan.ahead
-        self.limits = [one.model_copy(update={"ahead": ahead}) for one in self.limits]
-        self.forecast = Forecast(made[0].copy(), [*bounds, *self.limits], ahead) if ahead > 0.0 and inputs else None
+        self.forecast = Forecast(made[0].copy(), bounds, ahead) if ahead > 0.0 and inputs else None
         self._begin = self.family.save()
         self._begin_of = Family([], names, self.blows)
         self._begin_of.at, self._begin_of.apart = start.copy(), self.family.apart.copy()
@@ -228,7 +224,6 @@ class Twin:
         if np.isfinite(self.now) and row.time <= self.now:
             return None
         values = self._checked(row)
-        guided = self.extras.before(row.time, self._named(values)) if self.extras else None
         inputs = self._inputs(row)
         if not np.isfinite(self.origin) and not self._begin_at(row, inputs):
             return None
@@ -236,7 +231,7 @@ class Twin:
             self._advance(row.time, inputs)
         except StoppedEarly as error:
             self._restart(row, inputs, error)
-        use = self._used(row, values, guided)
+        use = self._used(row, values)
         line = self._estimate(row, inputs, values, use)
         self.now = row.time
         self._look_ahead(row, inputs)
@@ -387,7 +382,7 @@ class Twin:
 
     # -- the estimate --------------------------------------------------------------------------------------------------
 
-    def _used(self, row: Row, values: np.ndarray, guided: Any) -> np.ndarray:
+    def _used(self, row: Row, values: np.ndarray) -> np.ndarray:
         """Which of the measured outputs count (m,)."""
         poor = any(track.missing or track.joining for track in self.tracks)
         if poor:
@@ -395,10 +390,9 @@ class Twin:
         settled = row.time >= self.unsettled
         use = [
             settled and np.isfinite(values[i]) and self.health[i].fault == ""
-            for i, channel in enumerate(self.plan.channels) if not channel.is_input
+            for i, channel in enumerate(self.plan.channels) if channel.is_output
         ]  # fmt: skip
-        allowed = guided is None or guided.use
-        return np.array(use, bool) & allowed
+        return np.array(use, bool)
 
     def _estimate(
         self, row: Row, inputs: list[tuple[str, np.ndarray]], values: np.ndarray, use: np.ndarray
@@ -406,7 +400,7 @@ class Twin:
         """Compare, estimate, watch; the line of a row."""
         plan = self.plan
         read = dict(zip(self._read, self.family.read(self._read), strict=True))
-        y = np.array([values[i] for i, one in enumerate(plan.channels) if not one.is_input])
+        y = np.array([values[i] for i, one in enumerate(plan.channels) if one.is_output])
         y0, J = self._compared(self.family, read)
         use = self._compare_units(row.time, y, y0, J, use) & self._tame(J)
         sample = Sample(row.time, np.where(use, y, np.nan), y0, J, use)
@@ -438,7 +432,7 @@ class Twin:
         told = y0 + J @ (self.horizon.mean - self.horizon.theta0)
         sd = self.horizon.deviations(y0)
         use = use.copy()
-        numbers = [i for i, one in enumerate(self.plan.channels) if not one.is_input]
+        numbers = [i for i, one in enumerate(self.plan.channels) if one.is_output]
         settled = self._converged
         for m, i in enumerate(numbers):
             spread = abs(J[m]) @ self.horizon.deviation if self.horizon.unknowns else 0.0
@@ -600,9 +594,6 @@ class Twin:
         for name in self._read:
             J = self.family.derivatives(read[name])
             found[name] = (read[name][0] + J @ shift, np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J)))
-        if self.extras:
-            more = self.extras.after(row.time, self.family.simulations[0], self._named(values), found)
-            found |= {name: (value, None) for name, value in more.items()}
         return found
 
     def _watch(
@@ -610,7 +601,7 @@ class Twin:
         residual_sd: np.ndarray, use: np.ndarray,
     ) -> None:  # fmt: skip
         """Judge all alarms."""
-        measured = {one.name: values[i] for i, one in enumerate(self.plan.channels) if not one.is_input}
+        measured = {one.name: values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
         order = [one.name for one in self.plan.measured]
         for one in self.plan.alarms:
             if one.is_residual:
@@ -621,9 +612,6 @@ class Twin:
         self._judge_sensors(time)
         self._judge_ahead(time)
         self.alarms.judge("simulation stopped", False, time, "")
-        if self.extras:
-            for name, holds, text in self.extras.alarms(time):
-                self.alarms.judge(name, holds, time, text)
 
     def _judge_residual(self, one: Alarm, time: float, r: float, sd: float, use: bool, measured: float) -> None:
         size = abs(r) / sd if one.times_sd else r
@@ -657,7 +645,7 @@ class Twin:
         return time - self._found.begun <= FRESH * self.plan.forecast_every
 
     def _judge_sensors(self, time: float) -> None:
-        numbers = [i for i, one in enumerate(self.plan.channels) if not one.is_input]
+        numbers = [i for i, one in enumerate(self.plan.channels) if one.is_output]
         for i, health in enumerate(self.health):
             column = health.channel.column
             for kind in ("lost", "stuck", "clipped", "out of range", "unit"):
@@ -771,14 +759,14 @@ class Twin:
         state, parameters = self._state_at_estimate()
         yield from self.forecast.run(time, state, parameters, self._paths(inputs))
         self._found = self.forecast.found
-        if self.limits and self.plan.restrict and time >= self._next_restrict - 1e-9:
+        if self.forecast.bounds and self.plan.restrict and time >= self._next_restrict - 1e-9:
             self._next_restrict = time + RESTRICT_EVERY
             yield from self._find_restrictions(time, state, parameters, inputs)
 
     def _find_restrictions(
         self, time: float, state: Any, parameters: dict[str, float], inputs: dict[str, np.ndarray]
     ) -> Iterator[None]:
-        """The largest hoisting speed and the largest heave with which no limit of the scene is passed."""
+        """The largest hoisting speed and the largest heave with which no bound that is watched ahead is passed."""
         assert self.forecast is not None
         found = []
         winch = next((name for name in inputs if name.endswith(".pay_out")), None)
@@ -786,13 +774,13 @@ class Twin:
             now = abs(float(inputs[winch][1]))
             unit_speed = max(now, 0.25)
             yield from self.forecast.largest(
-                time, state, parameters, lambda f: self._paths(inputs, -f * unit_speed), self.limits
+                time, state, parameters, lambda f: self._paths(inputs, -f * unit_speed), self.forecast.bounds
             )
             found.append(self._restriction("hoisting speed", self.forecast.factor * unit_speed, now, "m/s"))
         moved = [name for name in inputs if name in self.waves]
         if moved:
             yield from self.forecast.largest(
-                time, state, parameters, lambda f: self._paths(inputs, waves=f), self.limits
+                time, state, parameters, lambda f: self._paths(inputs, waves=f), self.forecast.bounds
             )
             found.append(self._restriction("ship motion", self.forecast.factor, 1.0, ""))
         self._restricted = [one for one in found if one]
@@ -815,11 +803,6 @@ class Twin:
             "text": text,
         }
 
-    def picture(self) -> dict[str, Any] | None:
-        """What there is to be seen in space, where the application has a picture."""
-        draw = getattr(self.extras, "picture", None)
-        return draw(self.family.simulations[0]) if draw else None
-
     # -- at the end ----------------------------------------------------------------------------------------------------
 
     def finish(self) -> list[dict[str, Any]]:
@@ -841,19 +824,6 @@ def _as_unknown(blow: Blow) -> Unknown:
         high=np.inf,
         drift=0.0,
     )
-
-
-def limits_of(scene: Any, units: Mapping[str, str]) -> list[Alarm]:
-    """Limits that the scene itself holds."""
-    made = []
-    for one in getattr(scene, "limits", None) or ():
-        above = np.inf if one.above is None else float(one.above)
-        below = -np.inf if one.below is None else float(one.below)
-        made.append(Alarm(
-            name=one.name or one.output, target=one.output, is_residual=False, above=above, below=below,
-            times_sd=False, ahead=0.0, lasting=0.0, unit=units.get(one.output, ""),
-        ))  # fmt: skip
-    return made
 
 
 def extreme_of(value: Any, bound: Alarm) -> float:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from twin.drillstring.scripted_rig import Rig, circulate, connect, drill, play, ream, rest, rotate, slide, slips, trip
+from twin.rig.scripted_rig import Rig, circulate, connect, drill, play, ream, rest, rotate, slide, slips, trip
 
 from drillstring.twin.states import RigStates, Settings
 
