@@ -35,6 +35,6 @@ class Crane(Packaged):
 
     def free_motions(self, scene: Any) -> Any:
         """What moves freely, by blows that no sensor sees: loads bounce on their ropes."""
-        from crane.sea.bounce import free_motions
+        from crane.assembly.bounce import free_motions
 
         return free_motions(scene)
