@@ -3,7 +3,7 @@
 ``tautline.read(scene)`` reads a scene of any installed application, from a file, a YAML text or a dict;
 ``scene.replace(...)`` changes it; ``tautline.simulate(scene)`` runs it and returns a ``Result`` whose ``data`` is an
 ``xarray.Dataset``. ``tautline.study_errors`` and ``tautline.study_stability`` are the verbs ``study`` and
-``stability``. All that is raised on purpose is a ``TautlineError``.
+``stability``, and ``tautline.sweep`` the verb ``sweep``. All that is raised on purpose is a ``TautlineError``.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tautline.scene.errors import Problem, SceneError, SceneWarning
     from tautline.study.accuracy.precision import Grid, Study
     from tautline.study.robustness.stability import Stability
+    from tautline.sweeps.sweep import sweep
 
 __all__ = [
     "Grid",
@@ -51,6 +52,7 @@ __all__ = [
     "simulate",
     "study_errors",
     "study_stability",
+    "sweep",
 ]
 
 _PLACES = {
@@ -71,6 +73,7 @@ _PLACES = {
     "UnknownName": "tautline.live.errors",
     "WriteError": "tautline.results.errors",
     "rollout": "tautline.live.rollout",
+    "sweep": "tautline.sweeps.sweep",
 }
 """Where a public name stands that is imported when it is asked for: nothing heavy is loaded before."""
 

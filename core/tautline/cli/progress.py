@@ -71,14 +71,14 @@ class Bar:
 class Counter:
     """A bar of things done, such as pictures of a film, as a context manager; call it with how many, and of how many.
 
-    Where there is no terminal nothing is drawn.
+    Where there is no terminal, or it is not to be shown, nothing is drawn.
     """
 
-    def __init__(self, things: str) -> None:
+    def __init__(self, things: str, shown: bool = True) -> None:
         self.things = things
         self.progress: Progress | None = None
         self.task: TaskID | None = None
-        if console().is_terminal:
+        if shown and console().is_terminal:
             from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
             self.progress = Progress(

@@ -152,6 +152,27 @@ Faults = Annotated[
         help="stuck, lost, bias, drift, scale, clip or spike; repeatable.",
     ),
 ]
+SweepPath = Annotated[
+    Path,
+    typer.Argument(
+        metavar="SWEEP", help="A YAML file: the scene, what varies, the plan, what is collected.", show_default=False
+    ),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option("-j", "--jobs", min=1, show_default=False, help="Workers. [dim]\\[default: all processors][/]"),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option("--dask", metavar="ADDRESS", help="A Dask scheduler, or local: processes on this machine."),
+]
+SweepFolder = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--output", metavar="FOLDER", help="Result, table and figures. [dim]\\[default: the sweep's name][/]"
+    ),
+]
+GoOn = Annotated[bool, typer.Option("--resume", help="Go on with the sweep in that folder: no finished case runs again.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the noise.")]
 Template = Annotated[
     str | None, typer.Argument(metavar="[TEMPLATE]", help="Which one; see --list.", show_default=False)
@@ -428,6 +449,23 @@ def record(
     verb.record(context.obj, scene, map, output, changes, end, given, as_json)
 
 
+def sweep(
+    context: typer.Context,
+    file: SweepPath,
+    jobs: Workers = None,
+    dask: Scheduler = None,
+    output: SweepFolder = None,
+    resume: GoOn = False,
+    changes: Changes = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scene with many values of some of its keys, on all processors or a cluster."""
+    from tautline.cli import sweep as verb
+
+    verb.sweep(context.obj, file, jobs, dask, output, resume, changes, as_json, quiet)
+
+
 def new(
     context: typer.Context,
     template: Template = None,
@@ -489,6 +527,7 @@ def make_app(application: Application | Catalogue) -> typer.Typer:
         fmu,
         twin,
         record,
+        sweep,
         study,
         stability,
         new,

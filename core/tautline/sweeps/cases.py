@@ -1,0 +1,166 @@
+"""One case of a sweep: the scene with its values, run; and the row that comes of it."""
+
+from __future__ import annotations
+
+import functools
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from tautline.integrators.status import Interrupted, StoppedEarly
+from tautline.results.finding import Finding
+from tautline.results.headline import plain
+from tautline.scene.errors import SceneError
+from tautline.scene.reading.document import Document
+from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
+from tautline.sweeps.verbs import chosen, of_run, tables_of
+
+DONE, BAD_INPUT, LOST = "done", "bad input", "worker lost"
+
+
+@dataclass
+class Row:
+    """What a case came to.
+
+    Attributes
+    ----------
+    case : int
+    status : str
+        ``done``, or why it was not.
+    message : str
+        The sentence to that; empty if done.
+    values : dict
+        Name -> number or list of numbers in SI, or text; empty if not done.
+    wall_time, cpu_time, loop_time : float
+        Of the case, of its thread, and of its compiled loop, s.
+    process : int
+        Number of the process that ran it.
+    """
+
+    case: int
+    status: str
+    message: str = ""
+    values: dict[str, Any] = field(default_factory=dict)
+    wall_time: float = 0.0
+    cpu_time: float = 0.0
+    loop_time: float = 0.0
+    process: int = 0
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is done in every case, as it goes to another process: nothing in it but plain values.
+
+    Attributes
+    ----------
+    application : str
+        Name of the application.
+    document : Document
+        The scene; its folder is absolute.
+    """
+
+    application: str
+    document: Document
+    verb: str = SIMULATE
+    options: Mapping[str, Any] = field(default_factory=dict)
+    collected: tuple[Collected, ...] = ()
+
+
+class Cancelled(Exception):
+    """A run that is not wanted any more."""
+
+
+class Runner:
+    """Runs the cases of a job in this process; threads may share it.
+
+    Parameters
+    ----------
+    application, scene
+        Of the job, where they were made already.
+    """
+
+    def __init__(self, job: Job, application: Any = None, scene: Any = None) -> None:
+        self.job = job
+        self.application = application if application is not None else _application(job.application)
+        self.scene = scene if scene is not None else self.application.read(job.document)
+        self.cancelled = False
+
+    def varied(self, changes: Mapping[str, Any]) -> Any:
+        """The scene of a case; raises SceneError."""
+        return self.scene.replace(changes, origin=ORIGIN) if changes else self.scene
+
+    def run(self, case: int, changes: Mapping[str, Any]) -> tuple[Row, dict[str, Finding]]:
+        """Run a case: its row, and all findings without their values; what stops it early is told in the row."""
+        began, used = time.perf_counter(), time.thread_time()
+        row, found = Row(case, DONE, process=os.getpid()), {}
+        try:
+            found, row.loop_time = self._found(self.varied(changes))
+            kept = chosen(found, self.job.collected)
+            row.values = {name: plain(one.value) for name, one in kept.items()}
+            # What is told of the columns goes without the values: it is kept, and sent by the workers of a cluster.
+            found = {name: one._replace(value=None) for name, one in found.items()}
+        except Interrupted:
+            raise KeyboardInterrupt from None
+        except StoppedEarly as stop:
+            row.status = stop.status.name.lower().replace("_", " ")
+            row.message = f"t = {stop.time:.4g} s, {stop.part}: {stop.sentence}"
+            if stop.result is not None:
+                row.loop_time = float(stop.result.attributes.get("cpu_time") or 0.0)
+        except SceneError as error:
+            row.status, row.message = BAD_INPUT, str(error)
+        row.wall_time, row.cpu_time = time.perf_counter() - began, time.thread_time() - used
+        return row, found
+
+    def _found(self, scene: Any) -> tuple[dict[str, Finding], float]:
+        if self.job.verb != SIMULATE:
+            return tables_of(self.application)[self.job.verb](scene, dict(self.job.options)), 0.0
+        from tautline.simulation import simulate
+
+        model = self.application.build(scene)
+        result = simulate(model, progress=self._go_on)
+        return of_run(result, model, self.job.collected), float(result.attributes["cpu_time"])
+
+    def _go_on(self, simulated: float, wall: float) -> None:
+        if self.cancelled:
+            raise Cancelled
+
+    def prepare(self, changes: Mapping[str, Any], announce: Callable[[int], None] | None = None) -> Any:
+        """Build a case and compile or load what all will need, in this thread; returns the model, None of no run."""
+        if self.job.verb != SIMULATE:
+            return None
+        from tautline.integrators.time_loop import compile_for
+        from tautline.simulation import Run
+
+        model = self.application.build(self.varied(changes))
+        run = Run(model)
+        compile_for(run.method, model.system, run.state, announce)
+        return model
+
+
+def job_of(application: Any, scene: Any, verb: str, options: Mapping[str, Any], collected: Sequence[Collected]) -> Job:
+    """The job of a scene that was read."""
+    document = scene.document
+    home = Path(document.folder).resolve()
+    return Job(application.name, replace(document, home=home), verb, dict(options), tuple(collected))
+
+
+def _application(name: str) -> Any:
+    from tautline.application.installed import Installed
+
+    return next(one for one in Installed().all() if one.name == name)
+
+
+@functools.lru_cache(maxsize=4)
+def _runner(packed: bytes) -> Runner:
+    import pickle
+
+    return Runner(pickle.loads(packed))
+
+
+def run_packed(packed: bytes, cases: Sequence[tuple[int, Mapping[str, Any]]]) -> list[tuple[Row, dict[str, Finding]]]:
+    """Run cases in a process of a cluster, which keeps the scene of a job that it has read."""
+    runner = _runner(packed)
+    return [runner.run(case, changes) for case, changes in cases]

@@ -1,0 +1,206 @@
+"""Figures of a sweep: curves over one parameter, maps over two, bars of what matters, shares of variance."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tautline.sweeps.indices import PARAMETER
+from tautline.sweeps.plans import GRID, ONE, Cases
+from tautline.sweeps.table import TIMES
+from tautline.view.figures.figure import COLOURS, QUIET, SHADES, axes, bar_of_shades, colour, label, save, styled
+
+MOST_FIGURES = 6
+"""Figures of one kind that are drawn; the dataset holds all."""
+MOST_CURVES = 8
+HEIGHT, WIDTH = 3.2, 6.4
+
+
+def draw(data: Any, cases: Cases, folder: Path, ending: str = "png") -> list[Path]:
+    """Draw what the plan has a figure for into a folder: a file for each number that was collected.
+
+    Raises
+    ------
+    ResultError
+        If one cannot be written.
+    """
+    names = [name for name, one in data.data_vars.items() if _drawn(name, one, cases)][:MOST_FIGURES]
+    made: list[tuple[str, Any]] = []
+    if cases.indices:
+        made = [(f"{name}_indices", _indices_figure(data, name)) for name in names if f"{name}_first" in data]
+    elif cases.plan.name == ONE:
+        made = [(f"{name}_tornado", _tornado(data, cases, name)) for name in names]
+    elif cases.plan.name == GRID and 1 <= len(_long(cases)) <= 2:
+        draw_one = _lines if len(_long(cases)) == 1 or not _numeric(cases) else _map
+        made = [(name, draw_one(data, cases, name)) for name in names]
+    elif cases.plan.name != GRID:
+        made = [(name, _scatter(data, cases, name)) for name in names]
+    return [save(figure, folder / f"{_slug(name)}.{ending}") for name, figure in made if figure is not None]
+
+
+def _drawn(name: str, one: Any, cases: Cases) -> bool:
+    """Whether a variable is a number of each case."""
+    return name not in TIMES and one.dims == cases.dims and one.dtype.kind == "f" and bool(one.notnull().any())
+
+
+def _long(cases: Cases) -> list[int]:
+    """Dimensions with more than one value."""
+    return [k for k, length in enumerate(cases.shape) if length > 1]
+
+
+def _numeric(cases: Cases) -> bool:
+    return all(cases.parameters[k].numeric for k in _long(cases))
+
+
+def _slug(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_") or "figure"
+
+
+def _text(data: Any, name: str) -> str:
+    """Axis label of a variable: its name, for the long name tells of one case."""
+    one = data[name]
+    return label(name.replace("_", " "), str(one.attrs.get("units") or ""))
+
+
+def _title(data: Any, name: str) -> str:
+    title = str(data.attrs.get("title") or "")
+    return f"{title}: {name.replace('_', ' ')}" if title else name.replace("_", " ")
+
+
+@styled
+def _lines(data: Any, cases: Cases, name: str) -> Any:
+    """A curve over the first parameter with several values; of a second that has no numbers one for each value."""
+    long = sorted(_long(cases), key=lambda k: not cases.parameters[k].numeric)
+    values = np.moveaxis(data[name].values.reshape(cases.shape), long, range(len(long)))
+    values = values.reshape(cases.shape[long[0]], -1)[:, :MOST_CURVES]
+    one = cases.parameters[long[0]]
+    figure, plots = axes(1, 1, WIDTH, HEIGHT, _title(data, name))
+    plot, places = plots[0, 0], _places(one)
+    for k, column in enumerate(values.T):
+        text = _word(cases.parameters[long[1]].values[k]) if len(long) > 1 else None
+        plot.plot(places, column, "o-", ms=3.5, color=colour(k, values.shape[1]), label=text)
+    _ticks(plot, one)
+    plot.set_ylabel(_text(data, name))
+    if len(long) > 1:
+        plot.legend(title=cases.parameters[long[1]].key)
+    return figure
+
+
+def _places(one: Any) -> np.ndarray:
+    return np.array(one.numbers) if one.numeric else np.arange(len(one.values), dtype=float)
+
+
+def _word(value: Any) -> str:
+    return str(value)
+
+
+def _ticks(plot: Any, one: Any, along: str = "x") -> None:
+    """Name an axis by a parameter, and its places by the values where these are no numbers."""
+    getattr(plot, f"set_{along}label")(label(one.key, one.unit))
+    if not one.numeric:
+        getattr(plot, f"set_{along}ticks")(range(len(one.values)), [_word(value) for value in one.values])
+    elif _logarithmic(np.array(one.numbers)):
+        getattr(plot, f"set_{along}scale")("log")
+
+
+def _logarithmic(numbers: np.ndarray) -> bool:
+    """Whether numbers rise by equal ratios, and by much."""
+    if numbers.size < 3 or not (numbers > 0.0).all() or numbers.max() < 10.0 * numbers.min():
+        return False
+    ratios = np.diff(np.log(numbers))
+    return bool(np.allclose(ratios, ratios[0], rtol=1e-6))
+
+
+@styled
+def _map(data: Any, cases: Cases, name: str) -> Any:
+    """Colours over two parameters; cases that failed are left white."""
+    from tautline.view.figures.waterfall import edges_of
+
+    across, up = _long(cases)
+    values = data[name].values.reshape(cases.shape)
+    values = np.moveaxis(values, (up, across), (0, 1)).reshape(cases.shape[up], cases.shape[across])
+    one, two = cases.parameters[across], cases.parameters[up]
+    order_x, order_y = np.argsort(one.numbers), np.argsort(two.numbers)
+    figure, plots = axes(1, 1, WIDTH, HEIGHT + 0.8, _title(data, name))
+    plot = plots[0, 0]
+    x, y = (np.array(each.numbers)[order] for each, order in ((one, order_x), (two, order_y)))
+    shown = np.ma.masked_invalid(values[np.ix_(order_y, order_x)])
+    low, high = float(shown.min()), float(shown.max())
+    plot.pcolormesh(edges_of(x), edges_of(y), shown, cmap=SHADES, vmin=low, vmax=high)
+    plot.grid(False)
+    _ticks(plot, one)
+    _ticks(plot, two, "y")
+    bar_of_shades(figure, plot, low, high, _text(data, name))
+    return figure
+
+
+@styled
+def _tornado(data: Any, cases: Cases, name: str) -> Any:
+    """How far each parameter alone moves a number from that of the scene, the largest on top."""
+    values = data[name].values
+    if not np.isfinite(values[0]):
+        return None
+    spans = []
+    for one in cases.parameters:
+        of_it = np.array([value is not None for value in cases.values[one.key]])
+        moved = values[of_it]
+        if np.isfinite(moved).any():
+            spans.append((one, float(np.nanmin(moved)), float(np.nanmax(moved)), moved, cases.numbers[one.key][of_it]))
+    if not spans:
+        return None
+    spans.sort(key=lambda span: max(span[2], values[0]) - min(span[1], values[0]))
+    figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + 0.42 * len(spans), _title(data, name))
+    plot = plots[0, 0]
+    for place, (_, _, _, moved, numbers) in enumerate(spans):
+        for value, number in zip(moved, numbers, strict=True):
+            if np.isfinite(value):
+                above = not number < np.nanmean(numbers)
+                plot.barh(place, value - values[0], left=values[0], color=COLOURS[1 if above else 0], height=0.6)
+    plot.axvline(values[0], color=QUIET, lw=1.0)
+    plot.set_yticks(range(len(spans)), [span[0].key for span in spans])
+    plot.grid(axis="y", visible=False)
+    plot.set_xlabel(_text(data, name))
+    _legend_of_ends(plot)
+    return figure
+
+
+def _legend_of_ends(plot: Any) -> None:
+    from matplotlib.patches import Patch
+
+    handles = [Patch(color=COLOURS[0], label="smaller value"), Patch(color=COLOURS[1], label="larger value")]
+    plot.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+
+
+@styled
+def _scatter(data: Any, cases: Cases, name: str) -> Any:
+    """A number against each parameter in turn."""
+    numeric = [one for one in cases.parameters if one.numeric][:4]
+    if not numeric:
+        return None
+    figure, plots = axes(1, len(numeric), 1.0 + 2.9 * len(numeric), HEIGHT, _title(data, name), sharey=True)
+    for plot, one in zip(plots[0], numeric, strict=True):
+        plot.plot(cases.numbers[one.key], data[name].values, ".", ms=4)
+        plot.set_xlabel(label(one.key, one.unit, 26))
+    plots[0, 0].set_ylabel(_text(data, name))
+    return figure
+
+
+@styled
+def _indices_figure(data: Any, name: str) -> Any:
+    """First-order and total indices, with their intervals."""
+    keys: Sequence[str] = [str(key) for key in data[PARAMETER].values]
+    figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + 0.5 * len(keys), _title(data, name))
+    plot, places = plots[0, 0], np.arange(len(keys))[::-1]
+    for k, word in enumerate(("first", "total")):
+        shares, half = data[f"{name}_{word}"].values, data[f"{name}_{word}_interval"].values
+        text = {"first": "alone", "total": "with all its interactions"}[word]
+        plot.barh(places + 0.2 - 0.4 * k, shares, 0.36, xerr=half, color=COLOURS[k], label=text, ecolor=QUIET)
+    plot.set_yticks(places, keys)
+    plot.grid(axis="y", visible=False)
+    plot.set_xlabel("share of the variance")
+    plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    return figure

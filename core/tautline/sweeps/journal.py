@@ -1,0 +1,187 @@
+"""The journal of a sweep: a line for each case that is done, so that no finished case is run again.
+
+Lines are appended and handed to the operating system one by one: when the process is killed, they are there. They are
+forced to the disk every second, and at the end: of a power cut the last second may be lost, and is then run again. A
+line that was cut off in its middle is removed when the journal is gone on with.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import IO, Any
+
+from tautline.results.disk import Lock
+from tautline.results.errors import ResultError, WriteError
+from tautline.results.finding import Finding
+from tautline.sweeps.cases import LOST, Row
+
+NAME = "journal.ndjson"
+FORMAT = "tautline sweep 1"
+FORCED = 1.0
+"""Longest time, s, between a line and its being forced to the disk."""
+
+
+class Journal:
+    """The journal in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when the first line is written.
+    mark : str
+        Hash of what the sweep is.
+    cases : int
+    resume : bool
+        Whether to go on with the journal that is there.
+
+    Raises
+    ------
+    ResultError
+        For a journal that cannot be gone on with, one that would be lost, and a folder that another sweep writes to.
+    """
+
+    def __init__(self, folder: Path, mark: str, cases: int, resume: bool) -> None:
+        self.path, self.mark, self.cases = folder / NAME, mark, cases
+        self.done: set[int] = set()
+        self.columns: dict[str, Finding] | None = None
+        self._file: IO[bytes] | None = None
+        self._forced = 0.0
+        self._lock = Lock(self.path)
+        self._made = not folder.exists()
+        self._check(folder, resume)
+
+    def _check(self, folder: Path, resume: bool) -> None:
+        if folder.exists() and not folder.is_dir():
+            raise ResultError(folder, "is a file, and the results of a sweep go into a folder", "name another with -o")
+        if not folder.parent.is_dir():
+            raise ResultError(folder, f"there is no folder {folder.parent}", f"make it, mkdir -p {folder.parent}")
+        if not os.access(folder if folder.exists() else folder.parent, os.W_OK):
+            raise ResultError(folder, "cannot be written to", "name another with -o")
+        if not self.path.exists():
+            if folder.is_dir() and any(one.name not in OWN for one in folder.iterdir()):
+                raise ResultError(folder, "exists and holds other files", "name another folder with -o")
+            return
+        head = self._read()
+        if not resume:
+            if len(self.done) < int(head.get("cases", 0)):
+                cause = f"holds {len(self.done)} finished cases of {head.get('cases')}: they would be lost"
+                raise ResultError(folder, cause, "go on with --resume, or name another folder with -o")
+            self.done, self.columns = set(), None
+            return
+        if head.get("sweep") != self.mark:
+            raise ResultError(folder, "belongs to another sweep", "name another folder with -o, or leave out --resume")
+
+    def _read(self) -> dict[str, Any]:
+        head: dict[str, Any] = {}
+        for line in _lines(self.path):
+            if "format" in line:
+                head = line
+            elif "columns" in line:
+                self.columns = {name: Finding(None, *about) for name, about in line["columns"].items()}
+            else:
+                self.done.add(int(line["case"]))
+        if head.get("format") != FORMAT:
+            raise ResultError(self.path, "is no journal of a sweep that this version reads", "name another with -o")
+        return head
+
+    def begin(self, resume: bool) -> None:
+        """Open the journal; what is there is kept where it is gone on with."""
+        self.path.parent.mkdir(exist_ok=True)
+        writer = self._lock.take()
+        if writer is not None:
+            who = f"process {writer}" if writer else "another process"
+            raise ResultError(self.path, f"{who} is writing this sweep", "wait until it has ended, or name another")
+        goes_on = resume and self.path.exists()
+        if goes_on:
+            _cut(self.path)
+        self._file = self._guarded(lambda: self.path.open("ab" if goes_on else "wb", buffering=0))
+        if not goes_on:
+            self._write({"format": FORMAT, "sweep": self.mark, "cases": self.cases})
+
+    @property
+    def begun(self) -> bool:
+        """Whether lines can be written."""
+        return self._file is not None
+
+    def describe(self, columns: dict[str, Finding]) -> None:
+        """Write what the columns are."""
+        self.columns = columns
+        self._write({"columns": {name: [one.unit, one.text, one.along] for name, one in columns.items()}})
+
+    def add(self, row: Row) -> None:
+        """Write a row; one of a case that was lost with its process is not finished, and is left out."""
+        if row.status == LOST:
+            return
+        if row.case in self.done:
+            raise ValueError(f"case {row.case} is in the journal already")
+        self._write(asdict(row))
+        self.done.add(row.case)
+        now = time.monotonic()
+        if now - self._forced > FORCED:
+            self.force()
+            self._forced = now
+
+    def _write(self, line: dict[str, Any]) -> None:
+        text = json.dumps(line, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
+        assert self._file is not None
+        file = self._file
+        self._guarded(lambda: file.write(text.encode()))
+
+    def force(self) -> None:
+        """Have all lines on the disk."""
+        if self._file is not None:
+            number = self._file.fileno()
+            self._guarded(lambda: os.fsync(number))
+
+    def _guarded(self, act: Any) -> Any:
+        try:
+            return act()
+        except OSError as error:
+            cause = f"cannot be written: {error.strerror or error}"
+            raise WriteError(self.path, cause, "make room, and go on with --resume") from None
+
+    def rows(self) -> Iterator[Row]:
+        """All rows, as they stand in the file."""
+        if self.path.exists():
+            for line in _lines(self.path):
+                if "case" in line:
+                    yield Row(**line)
+
+    def close(self) -> None:
+        """Close the file, with all lines on the disk."""
+        if self._file is not None:
+            self.force()
+            self._file.close()
+            self._file = None
+        self._lock.give_back()
+
+
+OWN = (f".{NAME}.lock", NAME, "sweep.nc", "sweep.csv")
+"""Files of ours that a folder without a journal may hold."""
+
+
+def _lines(path: Path) -> Iterator[dict[str, Any]]:
+    """Whole lines of a journal."""
+    try:
+        with path.open("rb") as file:
+            for text in file:
+                if not text.endswith(b"\n"):
+                    return
+                yield json.loads(text)
+    except (ValueError, OSError) as error:
+        raise ResultError(path, f"is damaged: {error}", "name another folder with -o") from None
+
+
+def _cut(path: Path) -> None:
+    """Remove a last line that was cut off."""
+    with path.open("rb+") as file:
+        whole = 0
+        for text in file:
+            if text.endswith(b"\n"):
+                whole += len(text)
+        file.truncate(whole)

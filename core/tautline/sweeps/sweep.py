@@ -1,0 +1,361 @@
+"""A sweep: many runs of one scene, and the table of what they came to."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tautline.errors import TautlineError
+from tautline.results.finding import Finding
+from tautline.scene.errors import SHOWN, Problem, SceneError
+from tautline.scene.identity import model_hash
+from tautline.sweeps.cases import DONE, LOST, Row, Runner, job_of
+from tautline.sweeps.file import SIMULATE, SweepFile, plan_cases, read_sweep, refused
+from tautline.sweeps.journal import Journal
+from tautline.sweeps.plans import Cases
+from tautline.sweeps.table import DATASET, TABLE, dataset, write_csv, write_netcdf
+from tautline.sweeps.verbs import check_outputs, check_verb, of_all, unknown
+from tautline.sweeps.workers import Found, Measured, how, in_cluster, in_this_thread, in_threads
+
+if TYPE_CHECKING:
+    import xarray
+
+FIRST = 2
+"""Cases that are run here before others get work: the first loads what comes after its loop, the second tells."""
+Progress = Callable[[int, int], None]
+
+
+@dataclass
+class Outcome:
+    """What a sweep came to.
+
+    Attributes
+    ----------
+    data : xarray.Dataset
+    cases : Cases
+    done, failed, earlier : int
+        Cases that came to their end, that did not, and of both those that an earlier run of the sweep had finished.
+    wall_time, cpu_time, loop_time : float
+        Of this run: time, processor time of all that took part, and that of the compiled loops, s.
+    interrupted : bool
+        Whether it was ended by Ctrl-C before all cases were run.
+    result, table : Path or None
+        Files that were written.
+    """
+
+    data: Any
+    cases: Cases
+    done: int = 0
+    failed: int = 0
+    earlier: int = 0
+    wall_time: float = 0.0
+    cpu_time: float = 0.0
+    loop_time: float = 0.0
+    interrupted: bool = False
+    result: Path | None = None
+    table: Path | None = None
+
+    @property
+    def overhead(self) -> float | None:
+        """Processor time beside the compiled loops, as a share of theirs; None of a verb without a loop."""
+        return self.cpu_time / self.loop_time - 1.0 if self.loop_time > 0.0 else None
+
+
+class Interrupted(TautlineError):
+    """A sweep that was interrupted; ``data`` holds the cases that were finished."""
+
+    def __init__(self, data: Any) -> None:
+        self.data = data
+        super().__init__("the sweep was interrupted")
+
+
+def sweep(
+    scene: Any,
+    vary: Mapping[str, Any],
+    plan: Any = "grid",
+    collect: Sequence[Any] = (),
+    *,
+    verb: str = SIMULATE,
+    options: Mapping[str, Any] | None = None,
+    indices: str | None = None,
+    jobs: int | None = None,
+    dask: str | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> xarray.Dataset:
+    """Run a scene with many values of some of its keys.
+
+    Parameters
+    ----------
+    scene : scene, path, str or dict
+        What :func:`tautline.read` returns, or what it takes.
+    vary : mapping
+        Key of the scene -> list of values, ``{"linspace": [5, 15, 11]}``, ``{"logspace": [0.1, 10, 5]}``, or a
+        distribution such as ``{"normal": ["5 t", "0.5 t"]}``.
+    plan : str or mapping
+        ``grid``, ``zip``, ``one_at_a_time``, or ``{"latin_hypercube": {"samples": 100, "seed": 1}}``; also ``sobol``
+        and ``monte_carlo``.
+    collect : sequence
+        Names of figures, and outputs with a statistic: ``{"output": "winch.tension", "statistic": "p95"}``; nothing
+        for all figures.
+    verb : str
+        ``simulate``, or another verb with a table: ``torque-drag``, ``campbell``, ``static``, ``flutter``.
+    options : mapping, optional
+        Of that verb, as they stand on its command line: ``{"depth": "500:3500:500"}``.
+    indices : str, optional
+        ``sobol``: with the plan ``sobol``, the share of the variance that each parameter causes.
+    jobs : int, optional
+        Workers; as many as there are processors by default.
+    dask : str, optional
+        Address of a Dask scheduler, or ``local`` for processes on this machine.
+    folder : path, optional
+        Where result, table and journal go; nothing is written without it.
+    resume : bool
+        Whether to go on with the sweep in that folder.
+    progress : callable, optional
+        Called with the number of finished cases and that of all.
+
+    Returns
+    -------
+    xarray.Dataset
+        With a dimension a parameter for a grid, ``case`` else. ``status`` says how each case ended.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For bad input; nothing is written then.
+    Interrupted
+        On Ctrl-C, with the cases that were finished.
+    """
+    import tautline
+
+    given = {"scene": "scene", "verb": verb, "vary": dict(vary), "plan": plan, "collect": list(collect)}
+    given |= {"options": dict(options)} if options else {}
+    given |= {"indices": indices} if indices else {}
+    read_scene = tautline._scene(scene)
+    application = tautline._installed().of(read_scene)
+    outcome = run_sweep(
+        read_sweep(given), application, read_scene, jobs=jobs, dask=dask, folder=None if folder is None else Path(folder),
+        resume=resume, progress=progress,
+    )  # fmt: skip
+    if outcome.interrupted:
+        raise Interrupted(outcome.data)
+    return outcome.data
+
+
+def run_sweep(
+    read: SweepFile,
+    application: Any,
+    scene: Any,
+    *,
+    jobs: int | None = None,
+    dask: str | None = None,
+    folder: Path | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+    announce: Callable[[int], None] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> Outcome:
+    """Run a sweep that was read.
+
+    Parameters
+    ----------
+    announce : callable, optional
+        Called before kernels are compiled, with their number.
+    say : callable, optional
+        Called with what the user should know: who runs the cases.
+    """
+    one = _Sweep(read, application, scene, jobs, dask, folder, resume)
+    one.check(announce)
+    return one.run(progress or (lambda done, all: None), say or (lambda text: None))
+
+
+class _Sweep:
+    """A sweep under way."""
+
+    def __init__(
+        self, read: SweepFile, application: Any, scene: Any, jobs: int | None, dask: str | None, folder: Path | None,
+        resume: bool,
+    ) -> None:  # fmt: skip
+        self.began, self.used = time.perf_counter(), time.process_time()
+        self.read, self.application, self.scene = read, application, scene
+        self.jobs, self.dask, self.folder, self.resume = jobs or _processors(), dask, folder, resume
+        check_verb(read, application)
+        self.collected = read.collected()
+        self.cases = plan_cases(read, application, scene)
+        self.job = job_of(application, scene, read.verb, read.options, self.collected)
+        self.runner = Runner(self.job, application, scene)
+        self.journal = None if folder is None else Journal(folder, self._mark(), len(self.cases), resume)
+        self.columns: dict[str, Finding] = dict(self.journal.columns or {}) if self.journal is not None else {}
+        self.kept: list[Row] = []
+        self.loop_time = self.elsewhere = 0.0
+        self.process = os.getpid()
+        self.lost: list[Row] = []
+
+    def _mark(self) -> str:
+        """What makes it this sweep: the scene with its files, and all of the sweep's file that changes a number."""
+        about = {key: value for key, value in self.read.document.root.items() if key not in ("title", "scene")}
+        whole = [about, self.scene.document.root, model_hash(self.scene, (), getattr(self.scene, "folder", None))]
+        return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+    def check(self, announce: Callable[[int], None] | None) -> None:
+        """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
+        problems: list[Problem] = []
+        for case in range(len(self.cases)):
+            changes = self.cases.changes(case)
+            try:
+                self.runner.varied(changes)
+            except SceneError as error:
+                told = ", ".join(f"{key} = {value}" for key, value in changes.items())
+                problems += refused(self.read, error, f"case {case}: {told}").problems
+            if len(problems) > SHOWN:
+                break
+        if problems:
+            raise SceneError(dict.fromkeys(problems))
+        try:
+            model = self.runner.prepare(self.cases.changes(0), announce)
+        except SceneError:
+            # A case that cannot be built is a row; a scene that cannot be built at all is bad input.
+            model = self.runner.prepare({}, announce)
+        if model is not None:
+            check_outputs(self.read, model)
+
+    def run(self, progress: Progress, say: Callable[[str], None]) -> Outcome:
+        """Run what is not finished, and write the result."""
+        finished = set(self.journal.done) if self.journal is not None else set()
+        if self.journal is not None and self.journal.columns is not None:
+            self.journal.begin(self.resume)
+        todo = ((case, self.cases.changes(case)) for case in range(len(self.cases)) if case not in finished)
+        interrupted, done = False, len(finished)
+        rows = self._rows(todo, len(self.cases) - done, say)
+        try:
+            progress(done, len(self.cases))
+            for row, found in rows:
+                self._take(row, found)
+                done += 1
+                progress(done, len(self.cases))
+        except KeyboardInterrupt:
+            interrupted = True
+        except BaseException:
+            self._close()
+            raise
+        finally:
+            rows.close()
+        return self._finish(interrupted, len(finished))
+
+    def _rows(
+        self, todo: Iterator[tuple[int, Mapping[str, Any]]], left: int, say: Callable[[str], None]
+    ) -> Iterator[Found]:
+        """Rows as they come. The first cases are run here: they tell what the others take."""
+        measured = Measured(1.0, 1.0)
+        for case, changes in islice(todo, 1 if self.jobs == 1 else FIRST):
+            row, found = self.runner.run(case, changes)
+            left -= 1
+            measured = Measured(row.wall_time, 1.0 - min(1.0, row.loop_time / max(row.wall_time, 1e-9)))
+            yield row, found
+        if self.dask is not None:
+            by = "processes"
+        else:
+            by = how(self.jobs, left, measured)
+        if by == "here":
+            yield from in_this_thread(self.runner, todo)
+        elif by == "threads":
+            say(f"{left} cases on {self.jobs} threads")
+            yield from in_threads(self.runner, todo, self.jobs)
+        else:
+            yield from in_cluster(self.job, todo, self.jobs, self.dask or "local", measured, say)
+
+    def _take(self, row: Row, found: Mapping[str, Finding]) -> None:
+        """Keep a row: in the journal, as soon as it is known that what is asked for is found."""
+        self.loop_time += row.loop_time
+        if row.process != self.process:
+            self.elsewhere += row.cpu_time
+        if row.status == DONE:
+            self._check_names(found)
+            self._learn(row, found)
+        if row.status == LOST:
+            self.lost.append(row)
+        elif self.journal is None or not self.journal.begun:
+            self.kept.append(row)
+            if self.journal is not None and row.status == DONE:
+                self._begin()
+        else:
+            self.journal.add(row)
+
+    def _check_names(self, found: Mapping[str, Finding]) -> None:
+        """Refuse names that the verb does not find, but for those that it finds in some runs only."""
+        sometimes = getattr(self.application, "sometimes", ())
+        missing = [one for one in unknown(found, self.collected) if self.collected[one[0]].figure not in sometimes]
+        missing = [one for one in missing if self.collected[one[0]].name not in self.columns]
+        if missing:
+            raise SceneError([self.read.problem_at(("collect", i), cause, cure) for i, cause, cure in missing])
+
+    def _learn(self, row: Row, found: Mapping[str, Finding]) -> None:
+        """Keep what the columns are; a run may find what those before it have not."""
+        new = {name: of_all(found[name]) for name in row.values if name not in self.columns}
+        self.columns |= new
+        if new and self.journal is not None and self.journal.begun:
+            self.journal.describe(self.columns)
+
+    def _begin(self) -> None:
+        assert self.journal is not None
+        self.journal.begin(self.resume)
+        self.journal.describe(self.columns)
+        for row in self.kept:
+            self.journal.add(row)
+        self.kept = []
+
+    def _all_rows(self) -> Iterator[Row]:
+        if self.journal is not None:
+            yield from self.journal.rows()
+        yield from self.kept
+        yield from self.lost
+
+    def _finish(self, interrupted: bool, earlier: int) -> Outcome:
+        """Write result and table of all that is known."""
+        if self.journal is not None and not self.journal.begun and (self.kept or self.journal.done):
+            self._begin()
+        columns = {one.name: self.columns[one.name] for one in self.collected if one.name in self.columns}
+        attributes = {
+            "scene": self.scene.document.told, "application": self.application.name, "verb": self.read.verb,
+            "sweep": self.read.document.told, "title": self.read.title or self.scene.title or "",
+            "units": str(getattr(self.scene, "units", "si")),
+        }  # fmt: skip
+        data = dataset(self.cases, columns | self.columns, self._all_rows(), attributes)
+        if self.cases.indices and not interrupted:
+            from tautline.sweeps.indices import sobol_indices
+
+            data = data.merge(sobol_indices(data, self.cases))
+            data.attrs = {**attributes, **data.attrs}
+        outcome = Outcome(data, self.cases, earlier=earlier, interrupted=interrupted)
+        status = data["status"].values.ravel()
+        outcome.done = int((status == DONE).sum())
+        outcome.failed = int(((status != DONE) & (status != "not run")).sum())
+        if self.folder is not None and self.journal is not None and self.journal.begun:
+            outcome.result = write_netcdf(data, self.folder / DATASET)
+            outcome.table = write_csv(data, self.cases, self.folder / TABLE)
+        self._close()
+        outcome.wall_time = time.perf_counter() - self.began
+        outcome.cpu_time = time.process_time() - self.used + self.elsewhere
+        outcome.loop_time = self.loop_time
+        return outcome
+
+    def _close(self) -> None:
+        if self.journal is not None:
+            self.journal.close()
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:
+        return os.cpu_count() or 1

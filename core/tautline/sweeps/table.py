@@ -1,0 +1,168 @@
+"""The rows of a sweep as an ``xarray.Dataset``, and as files: NetCDF and CSV, each whole or not there."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+
+from tautline.results.errors import WriteError
+from tautline.results.finding import Finding
+from tautline.results.rows import heads_of, write_rows
+from tautline.sweeps.cases import Row
+from tautline.sweeps.plans import CASE, Cases
+from tautline.version import __version__
+
+NOT_RUN = "not run"
+TIMES = {
+    "case_wall_time": ("wall_time", "run time of the case"),
+    "case_cpu_time": ("cpu_time", "processor time of the case"),
+}
+"""Times of a case: variable -> field of its row, and text. A run's own, of its loop alone, have other names."""
+DATASET, TABLE = "sweep.nc", "sweep.csv"
+
+
+def dataset(cases: Cases, columns: Mapping[str, Finding], rows: Iterable[Row], attributes: Mapping[str, Any]) -> Any:
+    """The result of a sweep.
+
+    Parameters
+    ----------
+    cases : Cases
+    columns : mapping
+        Unit, text and axis of what was collected, by name.
+    rows : iterable of Row
+        In any order; a case without one has the status ``not run``.
+    attributes : mapping
+
+    Returns
+    -------
+    xarray.Dataset
+        With a dimension a parameter for a grid, ``case`` else; of a list, with the dimension that it runs along.
+    """
+    import xarray
+
+    count = len(cases)
+    status, message = np.full(count, NOT_RUN, object), np.full(count, "", object)
+    times = {name: np.full(count, np.nan) for name in TIMES}
+    values: dict[str, list[Any]] = {name: [None] * count for name in columns}
+    for row in rows:
+        status[row.case], message[row.case] = row.status, row.message
+        for name, array in times.items():
+            array[row.case] = getattr(row, TIMES[name][0])
+        for name, value in row.values.items():
+            if name in values:
+                values[name][row.case] = value
+    axes = {one.along for one in columns.values() if one.along}
+    entries: dict[str, Any] = {}
+    coordinates = _coordinates(cases)
+    for name, one in columns.items():
+        about = {"units": one.unit, "long_name": one.text or name}
+        array, own = _array(values[name])
+        if own and name in axes:
+            coordinates[name] = (name, _common(array), about)
+            continue
+        along = ((one.along or f"{name} number"),) if own else ()
+        entries[name] = ((*cases.dims, *along), array.reshape(*cases.shape, *array.shape[1:]), about)
+    for name, array in times.items():
+        entries[name] = (cases.dims, array.reshape(cases.shape), {"units": "s", "long_name": TIMES[name][1]})
+    entries["status"] = (cases.dims, status.reshape(cases.shape), {"long_name": "how the case ended"})
+    entries["message"] = (cases.dims, message.reshape(cases.shape), {"long_name": "why it ended early"})
+    for name in [name for name in coordinates if name in entries]:
+        del entries[name]
+    return xarray.Dataset(entries, coordinates, {**attributes, "version": __version__})
+
+
+def _coordinates(cases: Cases) -> dict[str, Any]:
+    made: dict[str, Any] = {}
+    for one in cases.parameters:
+        about = {"units": one.unit, "long_name": one.key}
+        if one.numeric:
+            of_list, of_cases = np.array(one.numbers, float), cases.numbers[one.key]
+        else:
+            of_list = np.array([label(value) for value in one.values], object)
+            of_cases = np.array([label(value) for value in cases.values[one.key]], object)
+        if cases.dims == (CASE,):
+            made[one.key] = (CASE, of_cases, about)
+        else:
+            made[one.key] = (one.key, of_list, about)
+    if cases.dims == (CASE,):
+        made[CASE] = (CASE, np.arange(len(cases)), {"long_name": "number of the case"})
+    return made
+
+
+def label(value: Any) -> str:
+    """A value that is no number, in words."""
+    return "as in the scene" if value is None else str(value)
+
+
+def _array(values: list[Any]) -> tuple[np.ndarray, bool]:
+    """Values of all cases as an array, and whether they are lists; what is lacking is NaN, or an empty text."""
+    lists = [value for value in values if isinstance(value, list)]
+    if lists:
+        flat = [value if isinstance(value, list) else [] for value in values]
+        longest = max(len(value) for value in flat)
+        found = np.full((len(values), longest), np.nan)
+        for row, value in zip(found, flat, strict=True):
+            row[: len(value)] = [np.nan if each is None or isinstance(each, (str, list)) else each for each in value]
+        return found, True
+    if any(isinstance(value, str) for value in values):
+        return np.array(["" if value is None else str(value) for value in values], object), False
+    return np.array([np.nan if value is None else float(value) for value in values]), False
+
+
+def _common(array: np.ndarray) -> np.ndarray:
+    """Places along a dimension, which all cases that were run share: those of the first."""
+    known = array[~np.isnan(array).all(axis=1)]
+    return known[0] if len(known) else array[0]
+
+
+def write_netcdf(data: Any, path: Path) -> Path:
+    """Write a dataset; the file is whole or as it was before."""
+    return _written(path, lambda waiting: data.to_netcdf(waiting, engine="h5netcdf"))
+
+
+def write_csv(data: Any, cases: Cases, path: Path) -> Path:
+    """Write a row for each case; a list has a column for each of its places."""
+    units = {one.key: one.unit for one in cases.parameters if one.unit}
+    heads = heads_of([CASE, *keys_of(cases)], units)
+    columns: list[list[Any]] = [list(range(len(cases)))]
+    columns += [_cells(cases, one) for one in cases.parameters]
+    for name in ("status", *(name for name in data.data_vars if name not in ("status", "message")), "message"):
+        one = data[name]
+        unit = f" [{one.attrs['units']}]" if one.attrs.get("units") else ""
+        further = one.dims[len(cases.dims) :]
+        array = one.values.reshape(len(cases), -1)
+        if not further:
+            heads.append(f"{name}{unit}")
+        else:
+            places = data[further[0]].values if further[0] in data.coords else range(array.shape[1])
+            heads += [f"{name} at {further[0]} {place:g}{unit}" for place in places]
+        columns += [column.tolist() for column in array.T]
+    return _written(path, lambda waiting: write_rows(heads, zip(*columns, strict=True), waiting, "-o", WriteError))
+
+
+def keys_of(cases: Cases) -> list[str]:
+    """Keys of the parameters, in their order."""
+    return [one.key for one in cases.parameters]
+
+
+def _cells(cases: Cases, one: Any) -> list[Any]:
+    return cases.numbers[one.key].tolist() if one.numeric else [label(value) for value in cases.values[one.key]]
+
+
+def _written(path: Path, write: Callable[[Path], Any]) -> Path:
+    """Write under another name, and give the file its own when it is whole."""
+    waiting = path.with_name(f".{path.stem}.{uuid4().hex[:8]}{path.suffix}")
+    try:
+        write(waiting)
+        os.replace(waiting, path)
+    except OSError as error:
+        cause = f"cannot be written: {error.strerror or error}"
+        raise WriteError(path, cause, "make room, and go on with --resume") from None
+    finally:
+        waiting.unlink(missing_ok=True)
+    return path

@@ -1,0 +1,191 @@
+"""What a verb finds in a scene, as findings by name: ``simulate``, and what an application has besides."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+from tautline.results.finding import Finding
+from tautline.sweeps.file import SIMULATE, Collected, SweepFile, percentile
+
+RUN = {
+    "step": ("s", "time step"),
+    "steps": ("", "steps"),
+    "newton_iterations": ("", "Newton iterations"),
+    "wall_time": ("s", "time of the compiled loop"),
+    "cpu_time": ("s", "processor time of the compiled loop"),
+    "real_time_factor": ("", "real-time factor"),
+    "energy_error": ("", "energy balance, relative error"),
+    "numerical_dissipation": ("J", "numerical dissipation"),
+    "motion_frequency": ("Hz", "oscillation frequency"),
+    "phase_lag": ("rad", "accumulated phase error of free vibration"),
+}
+"""Attributes of a run that ``simulate --json`` tells and that are numbers: unit and text."""
+LIMITS_FAILED = "limits_failed"
+OF_ONE = re.compile(r" \(.*\)$")
+"""Place and time at the end of a figure's text."""
+PART = re.compile(r"(.+)\[(\d+)\]")
+
+
+def tables_of(application: Any) -> Mapping[str, Callable[..., dict[str, Finding]]]:
+    """Verbs of an application besides ``simulate`` whose findings a sweep can collect: name -> (scene, options)."""
+    return getattr(application, "tables", {})
+
+
+def check_verb(read: SweepFile, application: Any) -> None:
+    """Raise SceneError for a verb that the application has not, and for options of ``simulate``, which has none."""
+    from tautline.scene.errors import SceneError
+    from tautline.scene.refusal import nearest
+
+    known = (SIMULATE, *tables_of(application))
+    if read.verb not in known:
+        cause = f"is no verb with a table of {application.name}"
+        raise SceneError([read.problem_at(("verb",), cause, nearest(read.verb, known))])
+    if read.verb == SIMULATE and read.options:
+        cause, cure = "simulate takes none in a sweep", "vary keys of the scene: solver.step, solver.method, solver.end"
+        raise SceneError([read.problem_at(("options",), cause, cure)])
+    outputs = [i for i, one in enumerate(read.collected()) if one.output]
+    if read.verb != SIMULATE and outputs:
+        cause = f"{read.verb} has no outputs over time"
+        raise SceneError([read.problem_at(("collect", outputs[0]), cause, "name figures that it finds")])
+
+
+def names_of(collected: Sequence[Collected]) -> frozenset[str]:
+    """Names of the figures that are asked for; empty for all of them."""
+    return frozenset(one.figure for one in collected if one.figure)
+
+
+def of_run(result: Any, model: Any, collected: Sequence[Collected]) -> dict[str, Finding]:
+    """What ``simulate`` finds, as far as it is asked for."""
+    headline = result.headline
+    found = {
+        name: Finding(figure.get("value"), str(figure.get("unit") or ""), str(figure.get("text") or ""))
+        for name, figure in headline.items()
+    }
+    asked = names_of(collected)
+    attributes = result.attributes
+    for name, (unit, text) in RUN.items():
+        if name in asked and name not in found:
+            found[name] = Finding(attributes.get(name), unit, text)
+    limits = result.limits
+    if limits:
+        failed = sum(not record["passed"] for record in limits)
+        found[LIMITS_FAILED] = Finding(failed, "", "limits that are not satisfied")
+    outputs = [one for one in collected if one.output]
+    return found | (_of_outputs(result, model, outputs) if outputs else {})
+
+
+def _of_outputs(result: Any, model: Any, collected: Sequence[Collected]) -> dict[str, Finding]:
+    handles = _handles(model)
+    frames = {variable.name: np.asarray(result[variable.name]) for variable in model.variables}
+    found = {}
+    for one in collected:
+        output, part = output_of(handles, one.output)
+        values = _series(output, part, frames, len(result.time))
+        text = f"{one.statistic} of {one.output}"
+        found[one.name] = Finding(statistic(values, np.asarray(result.time), one.statistic), output.unit, text)
+    return found
+
+
+def _handles(model: Any) -> Mapping[str, Any]:
+    from tautline.live.simulation import handles_of
+
+    return handles_of(model).outputs
+
+
+def check_outputs(read: SweepFile, model: Any) -> None:
+    """Raise SceneError for outputs that a model has not, and for those of several numbers without a place."""
+    from tautline.scene.errors import SceneError
+    from tautline.scene.refusal import nearest
+
+    asked = [(i, one) for i, one in enumerate(read.collected()) if one.output]
+    if not asked:
+        return
+    handles, problems = _handles(model), []
+    for i, one in asked:
+        key = ("collect", i, "output")
+        try:
+            output, part = output_of(handles, one.output)
+        except KeyError as error:
+            name = str(error.args[0])
+            problems.append(read.problem_at(key, f"there is no output '{name}'", nearest(name, sorted(handles))))
+            continue
+        if output.shape and (part is None or len(output.shape) > 1 or (output.shape[0] and part >= output.shape[0])):
+            cure = f"name one of its numbers, {one.output.partition('[')[0]}[0] the first"
+            problems.append(read.problem_at(key, f"{one.output} is no single number", cure))
+    if problems:
+        raise SceneError(problems)
+
+
+def output_of(outputs: Mapping[str, Any], name: str) -> tuple[Any, int | None]:
+    """An output and which of its numbers is meant; KeyError for a name that there is not."""
+    if name in outputs:
+        return outputs[name], None
+    match = PART.fullmatch(name)
+    if match and match[1] in outputs:
+        return outputs[match[1]], int(match[2])
+    raise KeyError(name)
+
+
+def _series(output: Any, part: int | None, frames: Mapping[str, np.ndarray], count: int) -> np.ndarray:
+    """Values of an output in all frames, (frames,)."""
+    found = np.empty(count)
+    for k in range(count):
+        value = output.value({name: array[k : k + 1] for name, array in frames.items()})
+        found[k] = value if part is None else np.asarray(value)[part]
+    return found
+
+
+def statistic(values: np.ndarray, time: np.ndarray, name: str) -> float:
+    """A statistic of frames, (m,); means are over time, by the trapezoidal rule."""
+    if name == "max":
+        return float(values.max())
+    if name == "min":
+        return float(values.min())
+    if name == "range":
+        return float(np.ptp(values))
+    if name == "last":
+        return float(values[-1])
+    rank = percentile(name)
+    if rank is not None:
+        return float(np.percentile(values, rank))
+    if name == "rms":
+        return float(np.sqrt(_mean(values**2, time)))
+    mean = _mean(values, time)
+    return mean if name == "mean" else float(np.sqrt(_mean((values - mean) ** 2, time)))
+
+
+def _mean(values: np.ndarray, time: np.ndarray) -> float:
+    span = float(time[-1] - time[0])
+    if not span > 0.0:
+        return float(values[-1])
+    return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(time)) / span)
+
+
+def of_all(found: Finding) -> Finding:
+    """What a finding is in every case, without the place and the time that its text tells of one."""
+    return found._replace(value=None, text=OF_ONE.sub("", found.text))
+
+
+def chosen(found: Mapping[str, Finding], collected: Sequence[Collected]) -> dict[str, Finding]:
+    """The findings that are asked for, those that they run along among them; all for nothing."""
+    if not collected:
+        return dict(found)
+    kept = {one.name: found[one.name] for one in collected if one.name in found}
+    along = {one.along: found[one.along] for one in kept.values() if one.along and one.along in found}
+    return kept | along
+
+
+def unknown(found: Mapping[str, Finding], collected: Sequence[Collected]) -> list[tuple[int, str, str]]:
+    """Which of the names that are asked for were not found: place, cause and cure."""
+    missing = []
+    for i, one in enumerate(collected):
+        if one.name not in found and not one.output:
+            close = get_close_matches(one.figure, list(found), n=1, cutoff=0.6)
+            cure = f"did you mean '{close[0]}'?" if close else f"known: {', '.join([*found, *RUN])}"
+            missing.append((i, f"the verb finds no '{one.figure}'", cure))
+    return missing

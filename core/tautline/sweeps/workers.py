@@ -1,0 +1,203 @@
+"""Who runs the cases: this thread, several threads, or the processes of a Dask cluster.
+
+The compiled loop leaves the interpreter to others, so threads share a processor's cores as well as processes do, as long
+as most of a case is its loop. What is left, building and reading out, is done by one thread at a time; where that is
+much, or a verb has no loop at all, processes are worth their start.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import pickle
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import ExitStack, contextmanager
+from itertools import islice
+from typing import Any, NamedTuple
+
+from tautline.results.finding import Finding
+from tautline.scene.errors import option_error
+from tautline.sweeps.cases import LOST, Job, Row, Runner, run_packed
+
+THREADED = 0.5
+"""Share of its time that threads may together spend outside of compiled loops, before they wait for each other."""
+START = 10.0
+"""Run time, s, of each worker from which processes are worth starting."""
+PIECE = 0.25
+"""Run time, s, of the cases that a process of a cluster is given at a time."""
+MOST = 50
+"""Cases in a piece."""
+AHEAD = 3
+"""Pieces that wait at each worker."""
+LOCAL = "local"
+"""In place of the address of a scheduler: a cluster on this machine."""
+PATIENCE = 10.0
+"""Time, s, in which a scheduler has to answer."""
+
+Found = tuple[Row, Mapping[str, Finding]]
+Todo = Iterable[tuple[int, Mapping[str, Any]]]
+
+
+class Measured(NamedTuple):
+    """Run time of a case, s, and the share of it outside of its compiled loop."""
+
+    wall: float
+    beside: float
+
+
+def how(jobs: int, cases: int, one: Measured) -> str:
+    """``here``, ``threads`` or ``processes``, whichever is quickest for so many cases."""
+    if jobs == 1 or cases <= 1:
+        return "here"
+    if one.beside * jobs <= THREADED or one.wall * cases / jobs < START or not _installed():
+        return "threads"
+    return "processes"
+
+
+def _installed() -> bool:
+    from importlib.util import find_spec
+
+    return find_spec("distributed") is not None
+
+
+def in_this_thread(runner: Runner, todo: Todo) -> Iterator[Found]:
+    """Run cases one after another."""
+    for case, changes in todo:
+        yield runner.run(case, changes)
+
+
+def in_threads(runner: Runner, todo: Todo, jobs: int) -> Iterator[Found]:
+    """Run cases on several threads; those that wait are few, however many there are."""
+    remaining = iter(todo)
+    pool = ThreadPoolExecutor(jobs)
+    waiting: set[Future[Found]] = set()
+    try:
+        while True:
+            for case, changes in islice(remaining, 2 * jobs - len(waiting)):
+                waiting.add(pool.submit(runner.run, case, changes))
+            if not waiting:
+                return
+            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            for one in done:
+                yield one.result()
+    except BaseException:
+        # Runs under way end at their next look at the clock.
+        runner.cancelled = True
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def in_cluster(
+    job: Job, todo: Todo, jobs: int, address: str, one: Measured, announce: Callable[[str], None] | None = None
+) -> Iterator[Found]:
+    """Run cases in the processes of a Dask cluster.
+
+    A piece of which the worker dies is run by another; one that has ended several workers is given up, and its cases
+    have the status ``worker lost``.
+
+    Parameters
+    ----------
+    address : str
+        Of a scheduler, or ``local`` for a cluster of `jobs` processes on this machine.
+
+    Raises
+    ------
+    SceneError
+        Where no scheduler answers, and where its workers cannot run the cases.
+    """
+    from distributed import as_completed
+
+    packed = pickle.dumps(job)
+    size = max(1, min(MOST, round(PIECE / max(one.wall, 1e-3))))
+    remaining = iter(todo)
+    with _client(address, jobs) as client:
+        if announce is not None:
+            announce(f"{_count(client, jobs)} workers")
+        pending = as_completed()
+        given: dict[str, list[int]] = {}
+
+        def submit() -> None:
+            room = AHEAD * _count(client, jobs) - len(given)
+            for _ in range(room):
+                piece = list(islice(remaining, size))
+                if not piece:
+                    return
+                future = client.submit(run_packed, packed, piece, pure=False)
+                given[future.key] = [case for case, _ in piece]
+                pending.add(future)
+
+        submit()
+        while given:
+            future = next(pending)
+            cases = given.pop(future.key)
+            yield from _of_piece(future, cases, address)
+            future.release()
+            submit()
+
+
+def _count(client: Any, jobs: int) -> int:
+    """Threads of all workers there are now; those asked for where none has come yet."""
+    return sum(client.nthreads().values()) or jobs
+
+
+def _of_piece(future: Any, cases: list[int], address: str) -> Iterator[Found]:
+    from distributed import KilledWorker
+
+    error = future.exception()
+    if error is None:
+        for row, columns in future.result():
+            yield row, columns
+    elif isinstance(error, KilledWorker):
+        text = f"workers that ran it were lost, {error.allowed_failures + 1} in all; give them more memory"
+        for case in cases:
+            yield Row(case, LOST, text), {}
+    elif isinstance(error, (ImportError, AttributeError)):
+        cure = "install the same version of Tautline where the workers run"
+        raise option_error("--dask", address, f"its workers cannot run the cases: {error}", cure)
+    else:
+        raise error
+
+
+@contextmanager
+def _client(address: str, jobs: int) -> Iterator[Any]:
+    """A client of a scheduler, or of a cluster of our own, which ends with it."""
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        cure = "install it: pip install 'tautline[cluster]'"
+        raise option_error("--dask", address, "needs dask.distributed, which is not installed", cure) from None
+    with ExitStack() as stack:
+        if address == LOCAL:
+            stack.enter_context(_without_current_folder())
+            cluster = LocalCluster(
+                n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
+                silence_logs=logging.CRITICAL,
+            )  # fmt: skip
+            place: Any = stack.enter_context(cluster)
+        else:
+            place = address
+        try:
+            client = Client(place, set_as_default=False, timeout=PATIENCE)
+        except (OSError, ValueError) as error:
+            cause = f"no scheduler answers: {' '.join(str(error).split()) or type(error).__name__}"
+            raise option_error(
+                "--dask", address, cause, "start one with `dask scheduler`, and give its address"
+            ) from None
+        stack.enter_context(client)
+        yield client
+
+
+@contextmanager
+def _without_current_folder() -> Iterator[None]:
+    """Have processes that are started inside look for no module in the current folder."""
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = before
