@@ -172,7 +172,9 @@ SweepFolder = Annotated[
         "-o", "--output", metavar="FOLDER", help="Result, table and figures. [dim]\\[default: the sweep's name][/]"
     ),
 ]
-GoOn = Annotated[bool, typer.Option("--resume", help="Go on with the sweep in that folder: no finished case runs again.")]
+GoOn = Annotated[
+    bool, typer.Option("--resume", help="Go on with the sweep in that folder: no finished case runs again.")
+]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Of the noise.")]
 Template = Annotated[
     str | None, typer.Argument(metavar="[TEMPLATE]", help="Which one; see --list.", show_default=False)

@@ -12,7 +12,18 @@ import numpy as np
 from tautline.sweeps.indices import PARAMETER
 from tautline.sweeps.plans import GRID, ONE, Cases
 from tautline.sweeps.table import TIMES
-from tautline.view.figures.figure import COLOURS, QUIET, SHADES, axes, bar_of_shades, colour, label, save, styled
+from tautline.view.figures.figure import (
+    COLOURS,
+    QUIET,
+    SHADES,
+    axes,
+    bar_of_shades,
+    colour,
+    label,
+    save,
+    scale_in,
+    styled,
+)
 
 MOST_FIGURES = 6
 """Figures of one kind that are drawn; the dataset holds all."""
@@ -60,10 +71,11 @@ def _slug(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_") or "figure"
 
 
-def _text(data: Any, name: str) -> str:
-    """Axis label of a variable: its name, for the long name tells of one case."""
-    one = data[name]
-    return label(name.replace("_", " "), str(one.attrs.get("units") or ""))
+def _scaled(data: Any, name: str) -> tuple[np.ndarray, str]:
+    """Values of a variable in the unit that keeps labels short, and the label of their axis."""
+    values, unit = data[name].values, str(data[name].attrs.get("units") or "")
+    factor, unit = scale_in(str(data.attrs.get("units") or "si"), [values[np.isfinite(values)]], unit)
+    return values / factor, label(name.replace("_", " "), unit)
 
 
 def _title(data: Any, name: str) -> str:
@@ -75,16 +87,17 @@ def _title(data: Any, name: str) -> str:
 def _lines(data: Any, cases: Cases, name: str) -> Any:
     """A curve over the first parameter with several values; of a second that has no numbers one for each value."""
     long = sorted(_long(cases), key=lambda k: not cases.parameters[k].numeric)
-    values = np.moveaxis(data[name].values.reshape(cases.shape), long, range(len(long)))
+    values, text = _scaled(data, name)
+    values = np.moveaxis(values.reshape(cases.shape), long, range(len(long)))
     values = values.reshape(cases.shape[long[0]], -1)[:, :MOST_CURVES]
     one = cases.parameters[long[0]]
     figure, plots = axes(1, 1, WIDTH, HEIGHT, _title(data, name))
     plot, places = plots[0, 0], _places(one)
     for k, column in enumerate(values.T):
-        text = _word(cases.parameters[long[1]].values[k]) if len(long) > 1 else None
-        plot.plot(places, column, "o-", ms=3.5, color=colour(k, values.shape[1]), label=text)
+        word = _word(cases.parameters[long[1]].values[k]) if len(long) > 1 else None
+        plot.plot(places, column, "o-", ms=3.5, color=colour(k, values.shape[1]), label=word)
     _ticks(plot, one)
-    plot.set_ylabel(_text(data, name))
+    plot.set_ylabel(text)
     if len(long) > 1:
         plot.legend(title=cases.parameters[long[1]].key)
     return figure
@@ -121,8 +134,10 @@ def _map(data: Any, cases: Cases, name: str) -> Any:
     from tautline.view.figures.waterfall import edges_of
 
     across, up = _long(cases)
-    values = data[name].values.reshape(cases.shape)
-    values = np.moveaxis(values, (up, across), (0, 1)).reshape(cases.shape[up], cases.shape[across])
+    values, text = _scaled(data, name)
+    values = np.moveaxis(values.reshape(cases.shape), (up, across), (0, 1)).reshape(
+        cases.shape[up], cases.shape[across]
+    )
     one, two = cases.parameters[across], cases.parameters[up]
     order_x, order_y = np.argsort(one.numbers), np.argsort(two.numbers)
     figure, plots = axes(1, 1, WIDTH, HEIGHT + 0.8, _title(data, name))
@@ -134,14 +149,14 @@ def _map(data: Any, cases: Cases, name: str) -> Any:
     plot.grid(False)
     _ticks(plot, one)
     _ticks(plot, two, "y")
-    bar_of_shades(figure, plot, low, high, _text(data, name))
+    bar_of_shades(figure, plot, low, high, text)
     return figure
 
 
 @styled
 def _tornado(data: Any, cases: Cases, name: str) -> Any:
     """How far each parameter alone moves a number from that of the scene, the largest on top."""
-    values = data[name].values
+    values, text = _scaled(data, name)
     if not np.isfinite(values[0]):
         return None
     spans = []
@@ -163,7 +178,7 @@ def _tornado(data: Any, cases: Cases, name: str) -> Any:
     plot.axvline(values[0], color=QUIET, lw=1.0)
     plot.set_yticks(range(len(spans)), [span[0].key for span in spans])
     plot.grid(axis="y", visible=False)
-    plot.set_xlabel(_text(data, name))
+    plot.set_xlabel(text)
     _legend_of_ends(plot)
     return figure
 
@@ -181,11 +196,12 @@ def _scatter(data: Any, cases: Cases, name: str) -> Any:
     numeric = [one for one in cases.parameters if one.numeric][:4]
     if not numeric:
         return None
+    values, text = _scaled(data, name)
     figure, plots = axes(1, len(numeric), 1.0 + 2.9 * len(numeric), HEIGHT, _title(data, name), sharey=True)
     for plot, one in zip(plots[0], numeric, strict=True):
-        plot.plot(cases.numbers[one.key], data[name].values, ".", ms=4)
+        plot.plot(cases.numbers[one.key], values, ".", ms=4)
         plot.set_xlabel(label(one.key, one.unit, 26))
-    plots[0, 0].set_ylabel(_text(data, name))
+    plots[0, 0].set_ylabel(text)
     return figure
 
 

@@ -68,7 +68,7 @@ class SweepFile(Scene):
 
     scene: str
     verb: str = SIMULATE
-    options: dict[str, Any] = {}
+    options: dict[str, Any] = pydantic.Field(default_factory=dict)
     vary: Annotated[dict[str, Any], pydantic.Field(min_length=1, examples=["{'bodies[0].mass': [2 t, 5 t]}"])]
     plan: Any = "grid"
     collect: tuple[Any, ...] = ()

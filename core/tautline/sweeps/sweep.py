@@ -142,10 +142,10 @@ def sweep(
     given |= {"indices": indices} if indices else {}
     read_scene = tautline._scene(scene)
     application = tautline._installed().of(read_scene)
+    place = None if folder is None else Path(folder)
     outcome = run_sweep(
-        read_sweep(given), application, read_scene, jobs=jobs, dask=dask, folder=None if folder is None else Path(folder),
-        resume=resume, progress=progress,
-    )  # fmt: skip
+        read_sweep(given), application, read_scene, jobs=jobs, dask=dask, folder=place, resume=resume, progress=progress
+    )
     if outcome.interrupted:
         raise Interrupted(outcome.data)
     return outcome.data

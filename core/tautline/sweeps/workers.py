@@ -1,8 +1,8 @@
 """Who runs the cases: this thread, several threads, or the processes of a Dask cluster.
 
-The compiled loop leaves the interpreter to others, so threads share a processor's cores as well as processes do, as long
-as most of a case is its loop. What is left, building and reading out, is done by one thread at a time; where that is
-much, or a verb has no loop at all, processes are worth their start.
+The compiled loop leaves the interpreter to others, so threads share the cores as well as processes do, as long as most
+of a case is its loop. What is left, building and reading out, is done by one thread at a time; where that is much, or a
+verb has no loop at all, processes are worth their start.
 """
 
 from __future__ import annotations
@@ -147,8 +147,7 @@ def _of_piece(future: Any, cases: list[int], address: str) -> Iterator[Found]:
 
     error = future.exception()
     if error is None:
-        for row, columns in future.result():
-            yield row, columns
+        yield from future.result()
     elif isinstance(error, KilledWorker):
         text = f"workers that ran it were lost, {error.allowed_failures + 1} in all; give them more memory"
         for case in cases:
