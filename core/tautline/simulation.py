@@ -6,6 +6,7 @@ import math
 import re
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +81,31 @@ LOOKS = 200
 
 
 Look = Callable[[State, float, Any], None]
+
+
+@dataclass
+class Brief:
+    """How one of many runs is made, of which only some figures are wanted.
+
+    Its result says nothing of the scene. The length of batches goes from one run to the next, which is of the same
+    kind: it need not be found anew.
+
+    Attributes
+    ----------
+    names : frozenset of str
+        Figures that are wanted; empty for all.
+    limits : bool
+        Whether the limits are.
+    batch, work : int
+        Frames, and steps, iterations and factorisations, of the first batch.
+    """
+
+    names: frozenset[str] = frozenset()
+    limits: bool = True
+    batch: int = 1
+    work: int = FIRST_WORK
+
+
 Afterwards = Callable[[Result], tuple[dict[str, Any], list[str]]]
 
 
@@ -91,6 +117,7 @@ def simulate(
     announce: Callable[[int], None] | None = None,
     look: Look | None = None,
     afterwards: Afterwards | None = None,
+    brief: Brief | None = None,
 ) -> Result:
     """Run a model and store its frames.
 
@@ -111,6 +138,8 @@ def simulate(
         hundred times in all; it changes nothing.
     afterwards : callable or None
         Called with the result of a run that came to its end, for further attributes of it and further warnings.
+    brief : Brief or None
+        For one of many runs.
 
     Returns
     -------
@@ -126,9 +155,9 @@ def simulate(
     ResultError
         Where ``resume`` holds no state to go on from, or that of another scene, or has come to the end already.
     """
-    run = Run(model, look)
+    run = Run(model, look, brief)
     earlier = run.resume_from(resume) if resume is not None else None
-    attributes = {**model.attributes, "version": __version__}
+    attributes = {} if brief is not None else {**model.attributes, "version": __version__}
     with Store(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
         try:
             compile_for(run.method, model.system, run.state, announce)
@@ -161,8 +190,8 @@ def simulate(
 class Run:
     """A run under way: the clock, the state, and what of it was stored."""
 
-    def __init__(self, model: Model, look: Look | None = None) -> None:
-        self.model, self.look = model, look
+    def __init__(self, model: Model, look: Look | None = None, brief: Brief | None = None) -> None:
+        self.model, self.look, self.brief = model, look, brief
         self.method = method_for(model.system, model.solver)
         self.explicit = method_of(model.solver.method).explicit
         self.state = new_state(model.system)
@@ -171,6 +200,8 @@ class Run:
         self.time, self.wall, self.cpu, self.done, self.batch = 0.0, 0.0, 0.0, 0, 1
         self.reached, self.waiting, self.spent = 0.0, 0, 0.0
         self.pause, self.work, self.at_first, self.since = new_pause(), FIRST_WORK, 0, 0.0
+        if brief is not None:
+            self.batch, self.work = brief.batch, brief.work
         self.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
         self.memory: dict[str, np.ndarray] = {}
         self.places: tuple[Any, dict[str, np.ndarray]] = (None, {})
@@ -417,6 +448,8 @@ class Run:
         result = store.result
         if result is None:
             return None
+        if self.brief is not None and status == "done":
+            self.brief.batch, self.brief.work = self.batch, self.work
         counters, solver = self.state.counters, self.model.solver
         taken = self.reached / counters[STEPS] if counters[STEPS] else self.step
         attributes: dict[str, Any] = {
@@ -439,11 +472,22 @@ class Run:
             "motion_frequency": self.oscillation_frequency() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken),
             "warnings": [*self._of_start(), *self.warnings(taken), *warnings],
-            "headline": without_rounding(self.model.headline(result), result, taken),
-            "limits": [] if self.model.limits is None else self.model.limits(result),
+            "headline": without_rounding(self._headline(result), result, taken),
+            "limits": self._limits(result),
             **(further or {}),
         }
         return store.finish(attributes, restart=self.memory)
+
+    def _headline(self, result: Result) -> dict[str, dict[str, Any]]:
+        """The application's figures, or those of them that are wanted."""
+        if self.brief is not None and self.brief.names and self.model.figures is not None:
+            return self.model.figures(result, self.brief.names)
+        return self.model.headline(result)
+
+    def _limits(self, result: Result) -> list[dict[str, Any]]:
+        if self.model.limits is None or (self.brief is not None and not self.brief.limits):
+            return []
+        return self.model.limits(result)
 
     def energy_gained(self) -> float:
         """Energy created numerically, over what went through the system."""

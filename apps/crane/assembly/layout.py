@@ -237,9 +237,11 @@ def _refuse_floating(scene: CraneScene, path: Path) -> None:
 
 
 def _reeved(scene: CraneScene, wheels: list[Wheel]) -> Path:
+    """The rope's path over the wheels, found once for scenes that differ in other things."""
+    thickness = scene.rope.diameter or 0.0
+    places = tuple((w.name, w.center.tobytes(), w.axis.tobytes(), w.radius, w.wrap, w.point) for w in wheels)
     try:
-        sigma = sigma_of(wheels)
-        return reeve(wheels, sigma, scene.rope.diameter or 0.0)
+        return scene.once("reeving", (places, thickness), lambda: reeve(wheels, sigma_of(wheels), thickness))
     except ReevingError as error:
         key = "path" if error.index is None else f"path[{error.index}].{scene.path[error.index].key}"
         raise SceneError([scene.problem(key, error.message, error.cure)]) from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from crane.assembly.static_start import draw_true, stretch_of
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.span import MATERIAL, STATION
 from crane.model.handles import handles
-from crane.results.course import Course, course_of, laid_out
+from crane.results.course import Course, course_of
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
 from crane.results.summary import headline
@@ -52,7 +53,7 @@ def build(scene: CraneScene) -> Model:
     check_supply(scene)
     made = assembled(scene)
     layout, system, notes = made.layout, made.system, [*made.notes, *unused_alphas(scene.solver)]
-    observer, told = Observer(layout, system.groups, made.compensation), _Told(scene)
+    observer, told = Observer(layout, system.groups, made.compensation), _Told(scene, layout)
     solver = scene.solver
     error = error_of_steps(solver, STEP_ERROR) or (STEP_ERROR if scene.controlled else 0.0)
     model = Model(
@@ -64,6 +65,7 @@ def build(scene: CraneScene) -> Model:
         observe=observer.observe,
         headline=told.headline,
         limits=told.limits,
+        figures=told.headline,
         start="static" if scene.start == "static" else "as given",
         step_limit=0.3 * float(layout.path.chords.min()),
         own=observer.own,
@@ -77,18 +79,24 @@ def build(scene: CraneScene) -> Model:
 class _Told:
     """What is told of a result at the end of its run: headline, then limits, which look at the same course of rope."""
 
-    def __init__(self, scene: CraneScene) -> None:
-        self.scene = scene
+    def __init__(self, scene: CraneScene, layout: Layout) -> None:
+        self.scene, self.layout = scene, layout
         self.course: tuple[Any, Course] | None = None
 
-    def headline(self, result: Any) -> dict[str, dict[str, Any]]:
-        course = course_of(result, laid_out(self.scene))
-        self.course = result, course
-        return headline(result, self.scene, course)
+    def headline(self, result: Any, names: Collection[str] = ()) -> dict[str, dict[str, Any]]:
+        """The figures, or those that are named."""
+        return headline(result, self.scene, lambda: self._course(result), self.layout, names)
 
     def limits(self, result: Any) -> list[dict[str, Any]]:
-        known, self.course = self.course, None
-        return limits(result, self.scene, known[1] if known is not None and known[0] is result else None)
+        """The limits, after which the course is not needed any more."""
+        course, self.course = self._course(result), None
+        return limits(result, self.scene, course)
+
+    def _course(self, result: Any) -> Course:
+        """The rope's course through a result, found once."""
+        if self.course is None or self.course[0] is not result:
+            self.course = result, course_of(result, self.layout)
+        return self.course[1]
 
 
 class Assembly:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
 import numpy as np
 
 from crane.assembly.estimates import static_tension
+from crane.assembly.layout import Layout
 from crane.results.course import Course, contacts_of, course_of, laid_out
 from crane.results.power import winch_energy
 from crane.rope_life.bending import BendingCycles, bending_cycles
@@ -33,7 +35,13 @@ Row = tuple[str, Any, str, str]
 """Name, value, unit and text of a figure."""
 
 
-def headline(result: Any, scene: CraneScene, course: Course | None = None) -> dict[str, dict[str, Any]]:
+def headline(
+    result: Any,
+    scene: CraneScene,
+    course: Callable[[], Course] | None = None,
+    layout: Layout | None = None,
+    names: Collection[str] = (),
+) -> dict[str, dict[str, Any]]:
     """Figures that sum a run up: name -> {value, unit, text}, SI.
 
     Parameters
@@ -41,14 +49,27 @@ def headline(result: Any, scene: CraneScene, course: Course | None = None) -> di
     result : Result
         One frame at least.
     scene : CraneScene
-    course : Course, optional
-        The rope's, where it was found already.
+    course : callable, optional
+        -> the rope's course, which not all figures need.
+    layout : Layout, optional
+        Of the scene, where it was laid out already.
+    names : collection of str
+        Figures that are wanted: others may be left out. All for nothing.
     """
-    course = course or course_of(result, laid_out(scene))
-    rows = [
-        *_tensions(result, course), *_slack(result, course), *_sheaves(result, scene), *_winches(result, scene),
-        *_fatigue(result, scene), *_bending(result, course), *_bodies(result, scene), *_angles(result, course),
-    ]  # fmt: skip
+    layout = layout or laid_out(scene)
+    course = course or functools.cache(lambda: course_of(result, layout))
+    parts: list[tuple[str, Callable[[], Iterator[Row]]]] = [
+        ("max_tension|min_tension|dynamic_amplification|safety_factor", lambda: _tensions(result, layout)),
+        ("slack_events|longest_slack|max_snap|undamped_snaps", lambda: _slack(result, layout)),
+        ("max_sheave_load|max_fleet_angle|slipping_share", lambda: _sheaves(result, scene)),
+        ("max_winch_power|mean_winch_power|energy_", lambda: _winches(result, scene)),
+        ("equivalent_tension_range", lambda: _fatigue(result, scene)),
+        ("max_bending_cycles|smallest_bending_ratio", lambda: _bending(result, course())),
+        ("rise|max_displacement", lambda: _bodies(result, scene)),
+        ("max_offlead|max_sidelead", lambda: _angles(result, course())),
+    ]
+    wanted = [part for begins, part in parts if not names or any(re.match(begins, name) for name in names)]
+    rows = [row for part in wanted for row in part()]
     return {
         name: {"value": int(value) if isinstance(value, int) else float(value), "unit": unit, "text": text}
         for name, value, unit, text in rows
@@ -81,14 +102,14 @@ def _told(peak: Peak) -> str:
     return f"{peak.where}, at {peak.time:.4g} s"
 
 
-def _tensions(result: Any, course: Course) -> Iterator[Row]:
+def _tensions(result: Any, layout: Layout) -> Iterator[Row]:
     """Largest and smallest, of the whole rope and where it is held."""
-    scene, time = course.scene, result.time
+    scene, time = layout.scene, result.time
     tension, names = ends_of(result), span_ends(scene)
     peak, low = largest(time, tension, names), largest(time, -tension, names)
     yield "max_tension", peak.value, "N", f"largest tension ({_told(peak)})"
     yield "min_tension", -low.value, "N", f"smallest tension ({_told(low)})"
-    rest, word = _rest(result, course)
+    rest, word = _rest(result, layout)
     amplified = amplification(time, tension, np.where(rest > SLACK * rest.max(initial=0.0), rest, 0.0), names)
     if amplified is not None:
         yield "dynamic_amplification", amplified.value, "", f"largest tension over {word} ({_told(amplified)})"
@@ -100,12 +121,12 @@ def _tensions(result: Any, course: Course) -> Iterator[Row]:
         yield f"max_tension_{key}", at.value, "N", f"largest tension at {_told(at)}"
 
 
-def _rest(result: Any, course: Course) -> tuple[np.ndarray, str]:
+def _rest(result: Any, layout: Layout) -> tuple[np.ndarray, str]:
     """Tension at rest of every span end, (n,) N, and what to call it; of a scene that starts as drawn an estimate."""
     first = ends_of(result)[0]
-    if course.scene.start == "static":
+    if layout.scene.start == "static":
         return first, "that at rest"
-    found = static_tension(course.scene, course.layout.path)
+    found = static_tension(layout.scene, layout.path)
     return (np.zeros(first.size) if found is None else found.ravel()), "an estimate of that at rest"
 
 
@@ -132,12 +153,12 @@ def _places(scene: CraneScene) -> Iterator[tuple[str, list[int]]]:
         yield key("sheaves"), list(range(1, 2 * len(path) - 3))
 
 
-def _slack(result: Any, course: Course) -> Iterator[Row]:
+def _slack(result: Any, layout: Layout) -> Iterator[Row]:
     """Times without tension, and the snaps that end them."""
-    scene = course.scene
+    scene = layout.scene
     spans = [f"{one.name} to {two.name}" for one, two in zip(scene.path[:-1], scene.path[1:], strict=True)]
     ends = np.asarray(result["tension"])
-    threshold = SLACK * float(_rest(result, course)[0].max())
+    threshold = SLACK * float(_rest(result, layout)[0].max())
     found = slack_events(result.time, ends.min(axis=-1), spans, threshold, most=ends.max(axis=-1))
     yield "slack_events", len(found), "", "slack events"
     if not found:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,32 @@ def settings_of(
     )  # fmt: skip
 
 
-def attributes_of(scene: Any, application: str, conventions: str, besides: Any = BESIDES) -> dict[str, Any]:
+class Attributes(Mapping[str, Any]):
+    """What a result says of its scene; each is made when it is asked for: a run that is not stored needs none.
+
+    Parameters
+    ----------
+    made : dict of str to callable
+    """
+
+    def __init__(self, made: dict[str, Callable[[], Any]]) -> None:
+        self._made = made
+        self._known: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        """An attribute; KeyError where there is none."""
+        if name not in self._known:
+            self._known[name] = self._made[name]()
+        return self._known[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._made)
+
+    def __len__(self) -> int:
+        return len(self._made)
+
+
+def attributes_of(scene: Any, application: str, conventions: str, besides: Any = BESIDES) -> Mapping[str, Any]:
     """What a result says of its scene: text, title, application, conventions, units, and what the scene is.
 
     Parameters
@@ -57,14 +83,16 @@ def attributes_of(scene: Any, application: str, conventions: str, besides: Any =
     """
     document = scene.document
     folder: Path | None = getattr(scene, "folder", None)
-    return {
-        "scene": document.told if document is not None else "",
-        "title": scene.title or "",
-        "application": application,
-        "model_hash": model_hash(scene, besides, folder),
-        "conventions": conventions,
-        "units": getattr(scene, "units", "si"),
-    }
+    return Attributes(
+        {
+            "scene": lambda: document.told if document is not None else "",
+            "title": lambda: scene.title or "",
+            "application": lambda: application,
+            "model_hash": lambda: model_hash(scene, besides, folder),
+            "conventions": lambda: conventions,
+            "units": lambda: getattr(scene, "units", "si"),
+        }
+    )
 
 
 def energy_variables(strain: str, potential: str, lost: str, work: str) -> list[Variable]:

@@ -217,12 +217,21 @@ def _signature(row: int, kind: types.TypeRef) -> tuple[types.Type, ...]:
     return types.literal(row), kind, types.intp, types.intp
 
 
-def link(groups: tuple[Any, ...], *sums: str) -> Any:
+Laid = tuple[list[list[int]], list[Any]]
+"""Words and forms of groups."""
+
+
+def laid_out(groups: tuple[Any, ...]) -> Laid:
+    """What :func:`link` lays out of the groups, whichever sums it is asked for."""
+    return [words_of(g) for g in groups], [form_of(g) for g in groups]
+
+
+def link(groups: tuple[Any, ...], *sums: str, laid: Laid | None = None) -> Any:
     """Compile the groups' kernels for the sums that are named, or load them, and list where they are.
 
     The list is one array of integers: for each sum the place of its own part, which is a count and, for every group
     that it sums over, the address of the code and that of the group; then the groups themselves. The groups' arrays are
-    referred to and must live on. Without a compiler (``NUMBA_DISABLE_JIT=1``) the groups themselves are the list.
+    referred to and must live on; ``laid`` is what they were laid out as before. Without a compiler (``NUMBA_DISABLE_JIT=1``) the groups themselves are the list.
 
     Raises
     ------
@@ -231,7 +240,7 @@ def link(groups: tuple[Any, ...], *sums: str) -> Any:
     """
     if config.DISABLE_JIT:
         return groups
-    words, forms = [words_of(g) for g in groups], [form_of(g) for g in groups]
+    words, forms = laid or laid_out(groups)
     calls: list[list[tuple[int, int]]] = [[] for _ in SUMS]
     for name in sums:
         for i, g in enumerate(groups):

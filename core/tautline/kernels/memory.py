@@ -57,7 +57,7 @@ def words_of(value: Any) -> list[int]:
     if isinstance(value, tuple):
         return [word for part in value for word in words_of(part)]
     if isinstance(value, np.ndarray) and value.flags.c_contiguous:
-        return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+        return [0, 0, value.size, value.itemsize, value.__array_interface__["data"][0], *value.shape, *value.strides]
     if isinstance(value, (float, np.float64)):
         return [int(np.float64(value).view(np.int64))]
     if isinstance(value, (int, np.int64)) and not isinstance(value, bool):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,7 +17,7 @@ from tautline.results.headline import plain
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
-from tautline.sweeps.verbs import chosen, of_run, tables_of
+from tautline.sweeps.verbs import LIMITS_FAILED, chosen, names_of, of_run, tables_of
 
 DONE, BAD_INPUT, LOST = "done", "bad input", "worker lost"
 
@@ -87,6 +88,7 @@ class Runner:
         self.application = application if application is not None else _application(job.application)
         self.scene = scene if scene is not None else self.application.read(job.document)
         self.cancelled = False
+        self._own = threading.local()
 
     def varied(self, changes: Mapping[str, Any]) -> Any:
         """The scene of a case; raises SceneError."""
@@ -120,8 +122,18 @@ class Runner:
         from tautline.simulation import simulate
 
         model = self.application.build(scene)
-        result = simulate(model, progress=self._go_on)
+        result = simulate(model, progress=self._go_on, brief=self._brief())
         return of_run(result, model, self.job.collected), float(result.attributes["cpu_time"])
+
+    def _brief(self) -> Any:
+        """What is wanted of a run; threads have one each, for the length of batches goes from run to run in it."""
+        from tautline.simulation import Brief
+
+        known = getattr(self._own, "brief", None)
+        if known is None:
+            names = names_of(self.job.collected)
+            known = self._own.brief = Brief(names, not names or LIMITS_FAILED in names)
+        return known
 
     def _go_on(self, simulated: float, wall: float) -> None:
         if self.cancelled:

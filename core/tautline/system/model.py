@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -59,7 +59,7 @@ class Model:
         Descriptions of what is stored (``results.variable.Variable``); ``time`` goes without saying.
     coordinates : dict
         name -> (dimension, values, units, long name).
-    attributes : dict
+    attributes : mapping
         Stored with the result: the scene's text among them.
     observe : callable
         Frames (``integrators.time_loop.Frames``) of a batch -> dict of arrays, leading axis time.
@@ -80,6 +80,9 @@ class Model:
         rope of the length that makes its drawing true.
     limits : callable or None
         Result -> records of what it is judged by (`tautline.results.limits`).
+    figures : callable or None
+        Result, names -> the same as `headline`, of the figures that are named at least; None where no way is
+        quicker to some than to all.
     handles : callable or None
         -> what can be driven, read and changed while it runs; None where an application does not say.
     """
@@ -88,7 +91,7 @@ class Model:
     solver: SolverSettings
     variables: list[Any]
     coordinates: dict[str, tuple[str, np.ndarray, str, str]]
-    attributes: dict[str, Any]
+    attributes: Mapping[str, Any]
     observe: Callable[[Any], dict[str, np.ndarray]]
     headline: Callable[[Any], dict[str, dict[str, Any]]]
     start: str = "static"
@@ -98,4 +101,5 @@ class Model:
     confined: bool = False
     settle: Callable[[Any], None] | None = None
     limits: Callable[[Any], list[dict[str, Any]]] | None = None
+    figures: Callable[[Any, Collection[str]], dict[str, dict[str, Any]]] | None = None
     handles: Callable[[], Handles] | None = None

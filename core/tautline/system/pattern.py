@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -75,12 +76,19 @@ def pattern_of(masters: list[list[tuple[int, float]]], size: int, stencils: Sequ
 
 
 def narrow(pattern: Pattern) -> tuple[np.ndarray, int]:
-    """Order of the unknowns, and how many of the last are to be a border.
+    """Order of the unknowns, and how many of the last are to be a border; found once for scenes of one structure.
 
     The border are those that many more others depend on than is usual; the rest is ordered as the scene was built or by
     reverse Cuthill-McKee, whichever gives the narrower band. The latter is not asked where it cannot gain much: half of
     a row's entries beside the diagonal lie on one side of it in any order.
     """
+    order, border = _narrow(pattern.size, pattern.row.tobytes(), pattern.column.tobytes())
+    return order.copy(), border
+
+
+@functools.lru_cache(maxsize=8)
+def _narrow(size: int, row: bytes, column: bytes) -> tuple[np.ndarray, int]:
+    pattern = Pattern(size, np.frombuffer(row, np.int64), np.frombuffer(column, np.int64))
     natural = np.arange(pattern.size)
     if natural.size == 0:
         return natural, 0

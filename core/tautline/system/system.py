@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tautline.kernels.dofs import HELD, TIED, Dofs
-from tautline.kernels.groups import link, without_friction
+from tautline.kernels.groups import laid_out, link, without_friction
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.pattern import Pattern, narrow, pattern_of
 
@@ -62,6 +62,9 @@ class Degrees:
             for k, further in self.resolved(j):
                 sums[k] = sums.get(k, 0.0) + factor * further
         return [(k, f) for k, f in sums.items() if f != 0.0]
+
+LAID = ("laid out",)
+"""Where a system keeps what its groups were laid out as: no sum is called so."""
 
 
 @dataclass
@@ -135,7 +138,9 @@ class System:
     def link(self, sums: tuple[str, ...]) -> Any:
         """The groups as compiled code calls them for some sums; kernels that were never compiled are compiled now."""
         if sums not in self.linked:
-            self.linked[sums] = link(self.groups, *sums)
+            if LAID not in self.linked:
+                self.linked[LAID] = laid_out(self.groups)
+            self.linked[sums] = link(self.groups, *sums, laid=self.linked[LAID])
         return self.linked[sums]
 
     def link_without_friction(self, sums: tuple[str, ...]) -> Any:
