@@ -25,6 +25,8 @@ class Crane(Packaged):
         }
     )
 
+    sometimes = ("longest_slack", "max_snap", "undamped_snaps", "slipping_share")
+
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with the path of a rope is ours."""
         return "path" in root

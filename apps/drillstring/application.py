@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tautline.application.packaged import Packaged
+
+if TYPE_CHECKING:
+    from tautline.results.finding import Table
 
 
 class Drillstring(Packaged):
@@ -36,6 +39,19 @@ class Drillstring(Packaged):
         from drillstring.verbs.tubulars import tubulars
 
         return (form, torque_drag, campbell, stick_slip, tubulars)
+
+    sometimes = ("bit_stuck", "whirl_ratio", "bit_rotation_mean", "stick_slip_severity", "rotation_stuck")
+
+    @property
+    def tables(self) -> Mapping[str, Table]:
+        """Verbs whose findings a sweep collects."""
+        from drillstring.verbs import campbell, torque_drag
+        from tautline.results.finding import Table
+
+        return {
+            "torque-drag": Table(torque_drag.OPTIONS, torque_drag.read_options, torque_drag.findings),
+            "campbell": Table(campbell.OPTIONS, campbell.read_options, campbell.findings),
+        }
 
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with a well or a string is a drill string."""

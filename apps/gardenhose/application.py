@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tautline.application.packaged import Packaged
+
+if TYPE_CHECKING:
+    from tautline.results.finding import Table
 
 
 class Gardenhose(Packaged):
@@ -28,6 +31,19 @@ class Gardenhose(Packaged):
         from gardenhose.verbs import flutter, static
 
         return (static, flutter)
+
+    sometimes = ("node", "node_amplitude", "node_frequency")
+
+    @property
+    def tables(self) -> Mapping[str, Table]:
+        """Verbs whose findings a sweep collects."""
+        from gardenhose import verbs
+        from tautline.results.finding import Table
+
+        return {
+            "static": Table(("speed",), verbs.read_static, verbs.static_findings),
+            "flutter": Table(("speed", "modes"), verbs.read_flutter, verbs.flutter_findings),
+        }
 
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with a hose is ours."""

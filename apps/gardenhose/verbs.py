@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from gardenhose.flutter import Critical, Stability
     from gardenhose.scene import HoseScene
     from gardenhose.static import Form
+    from tautline.results.finding import Finding
 
 DEFAULT_SPEEDS = 7
 """Speeds of form finding from rest to the scene's fastest flow, where none are given."""
@@ -32,7 +34,8 @@ FlutterSpeeds = Annotated[
         help="Flow speeds in m/s. [dim]\\[default: past the first instability][/]",
     ),
 ]
-Modes = Annotated[int, typer.Option("--modes", min=1, max=100, help="Modes to follow.")]
+USUAL_MODES, MOST_MODES = 8, 100
+Modes = Annotated[int, typer.Option("--modes", min=1, max=MOST_MODES, help="Modes to follow.")]
 
 
 def static(
@@ -67,7 +70,7 @@ def static(
 def flutter(
     scene: Scene,
     speed: FlutterSpeeds = None,
-    modes: Modes = 8,
+    modes: Modes = USUAL_MODES,
     output: Picture = None,
     changes: Changes = None,
     as_json: Json = False,
@@ -207,3 +210,47 @@ def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:
     title = f"{hose.title or path.stem}: stability"
     figure = flutter_figure(found.speed, found.eigenvalues, found.out_of_plane, *marked, title)
     write_figure(figure, path)
+
+
+def read_static(scene: HoseScene, options: Mapping[str, Any]) -> list[float]:
+    """Flow speeds at which a sweep looks for the shape at rest; raises SceneError naming the option."""
+    return parse_speeds(str(options["speed"])) if options.get("speed") is not None else _up_to_fastest(scene)
+
+
+def static_findings(scene: HoseScene, speeds: list[float]) -> dict[str, Finding]:
+    """Where the tip is, and whether the shape is stable, along ``speed``."""
+    from gardenhose.static import forms
+    from tautline.results.finding import Finding
+
+    found = forms(scene, speeds)
+    made = {
+        f"tip_{axis}": Finding([float(one.tip[k]) for one in found], "m", f"{axis} of the tip at rest", "speed")
+        for k, axis in enumerate("xyz")
+    }
+    negative = [None if one.negative < 0 else float(one.negative) for one in found]
+    made["negative_pivots"] = Finding(negative, "", "negative pivots of the tangent: 0 is stable", "speed")
+    return made | {"speed": Finding([float(speed) for speed in speeds], "m/s", "flow speed", "speed")}
+
+
+def read_flutter(scene: HoseScene, options: Mapping[str, Any]) -> tuple[list[float] | None, int]:
+    """Flow speeds and number of modes of a search for flutter in a sweep; raises SceneError naming the option."""
+    speeds = parse_speeds(str(options["speed"])) if options.get("speed") is not None else None
+    modes = options.get("modes", USUAL_MODES)
+    if isinstance(modes, bool) or not isinstance(modes, int) or not 1 <= modes <= MOST_MODES:
+        raise option_error("--modes", str(modes), "is no number of modes", f"give 1 to {MOST_MODES}")
+    return speeds, modes
+
+
+def flutter_findings(scene: HoseScene, asked: tuple[list[float] | None, int]) -> dict[str, Finding]:
+    """Critical speed and frequency; None where the hose is stable."""
+    from gardenhose.flutter import stability
+    from tautline.results.finding import Finding
+
+    critical = stability(scene, *asked).critical
+    first = critical[0] if critical else None
+    return {
+        "critical_speed": Finding(first and first.speed, "m/s", "critical flow speed"),
+        "critical_frequency": Finding(first and first.frequency, "Hz", "frequency at the critical speed"),
+        "kind": Finding(first and first.kind, "", "flutter or divergence"),
+        "plane": Finding(first and first.plane, "", "plane of the motion"),
+    }

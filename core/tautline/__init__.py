@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from tautline.scene.errors import Problem, SceneError, SceneWarning
     from tautline.study.accuracy.precision import Grid, Study
     from tautline.study.robustness.stability import Stability
-    from tautline.sweeps.sweep import sweep
+    from tautline.sweeps.sweep import SweepInterrupted, sweep
 
 __all__ = [
     "Grid",
@@ -43,6 +43,7 @@ __all__ = [
     "Status",
     "StoppedEarly",
     "Study",
+    "SweepInterrupted",
     "TautlineError",
     "UnknownName",
     "WriteError",
@@ -73,6 +74,7 @@ _PLACES = {
     "UnknownName": "tautline.live.errors",
     "WriteError": "tautline.results.errors",
     "rollout": "tautline.live.rollout",
+    "SweepInterrupted": "tautline.sweeps.sweep",
     "sweep": "tautline.sweeps.sweep",
 }
 """Where a public name stands that is imported when it is asked for: nothing heavy is loaded before."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,6 +16,7 @@ from tautline.scene.errors import option_error
 if TYPE_CHECKING:
     from drillstring.modes.campbell import Campbell
     from drillstring.scene.scene import DrillstringScene
+    from tautline.results.finding import Finding
 
 USUAL_SPEEDS, USUAL_ORDERS = (0.0, 200.0), (1.0, 2.0, 3.0)
 """Rotary speeds, rpm, and multiples of them where none are given."""
@@ -277,3 +279,50 @@ def _write(found: Campbell, path: Path) -> None:
     from drillstring.view.campbell_summary import header, rows
 
     write_table(header(found), rows(found), path)
+
+
+OPTIONS = ("speed", "modes", "orders", "blades", "up-to", "from", "hold", "model")
+"""Options that the findings of a sweep can have."""
+
+
+def read_options(scene: DrillstringScene, options: Mapping[str, Any]) -> tuple[Any, ...]:
+    """What `campbell` is to compute in a sweep; raises SceneError naming the option."""
+    from drillstring.modes.natural_modes import KINDS
+    from drillstring.scene.scene import of_kind
+    from tautline.cli.lists import number, one_of, words
+
+    text = {name: None if value is None else str(value) for name, value in options.items()}
+    blades = options.get("blades")
+    if blades is not None and (not isinstance(blades, int) or not 1 <= blades <= MOST_BLADES):
+        raise option_error("--blades", str(blades), "is no number of blades", f"give 1 to {MOST_BLADES}")
+    kinds = tuple(words(text.get("modes"), "--modes", one_of(KINDS))) or ("lateral",)
+    _check_sideways(kinds, {"--from": text.get("from"), "--hold": text.get("hold")})
+    highest = text.get("up-to")
+    model = parse_model(text.get("model")) or scene.model.kind
+    varied = of_kind(scene, model)
+    return (
+        model, parse_speeds(text.get("speed")), parse_orders(text.get("orders"), blades), kinds,
+        number(highest, "--up-to", "Hz", HIGHEST, "ask for what the string is shaken at") if highest else None,
+        parse_depth(varied, text.get("from")), parse_held(varied, text.get("hold")),
+    )  # fmt: skip
+
+
+def findings(scene: DrillstringScene, asked: tuple[Any, ...]) -> dict[str, Finding]:
+    """Natural frequencies along ``mode``, and the rotary speeds that excite them along ``crossing``, rising."""
+    from drillstring.modes.campbell import campbell as compute
+    from drillstring.scene.scene import of_kind
+    from tautline.results.finding import Finding
+
+    model, *rest = asked
+    found = compute(of_kind(scene, model), *rest)
+    frequencies = [mode.frequency if mode.frequency > 0.0 else None for mode in found.modes]
+    speeds = sorted(one.speed for one in found.critical)
+    return {
+        "frequency": Finding(frequencies, "Hz", "natural frequency at rest", "mode"),
+        "mode": Finding([float(k) for k in range(1, len(frequencies) + 1)], "", "number of the mode", "mode"),
+        "first_frequency": Finding(frequencies[0] if frequencies else None, "Hz", "first natural frequency"),
+        "critical_speed": Finding(speeds, "rad/s", "rotary speed that excites a mode", "crossing"),
+        "crossing": Finding([float(k) for k in range(1, len(speeds) + 1)], "", "number of the crossing", "crossing"),
+        "first_critical_speed": Finding(speeds[0] if speeds else None, "rad/s", "lowest of these rotary speeds"),
+        "critical_speeds": Finding(len(speeds), "", "rotary speeds that excite a mode"),
+    }

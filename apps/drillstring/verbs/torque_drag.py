@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from drillstring.statics.motion import Motion
     from drillstring.statics.torque_drag import Case
     from drillstring.string.factors import Factors
+    from tautline.results.finding import Finding
 
 MOST_DEPTHS, MOST_FACTORS, MOST_ELEMENTS = 1000, 20, 5000
 LARGEST_FACTOR = 2.0
@@ -280,3 +282,57 @@ def _draw(scene: DrillstringScene, cases: list[Case], path: Path, loads: Measure
 
     title = f"{scene.title or path.stem}: torque and drag"
     write_figure(torque_drag_figure(cases, title, scene.units, loads), path)
+
+
+OPTIONS = ("friction", "depth", "elements", "model")
+"""Options that the findings of a sweep can have."""
+LOADS = {"pick_up": "hook load, picked up", "slack_off": "hook load, slacked off", "rotating": "hook load, rotating"}
+
+
+def read_options(scene: DrillstringScene, options: Mapping[str, Any]) -> dict[str, Any]:
+    """What `torque_drag` is to compute in a sweep: depths, one friction factor, links, kind of model.
+
+    Raises
+    ------
+    SceneError
+        Naming the option.
+    """
+    from drillstring.statics.torque_drag import own_friction
+
+    text = {name: None if value is None else str(value) for name, value in options.items()}
+    friction, kinds = text.get("friction"), parse_models(text.get("model"))
+    factors = None if friction is None else parse_frictions(friction, own_friction(scene).shoe)
+    if factors is not None and len(factors) > 1:
+        cure = "give one, and vary well.wall.friction"
+        raise option_error("--friction", str(friction), "are several friction factors", cure)
+    if len(kinds) > 1:
+        raise option_error("--model", str(text["model"]), "are two models", "give one, and vary model.kind")
+    elements = options.get("elements")
+    if elements is not None and (isinstance(elements, bool) or not isinstance(elements, int) or elements < 1):
+        raise option_error("--elements", str(elements), "is no number of elements", "give a whole number above zero")
+    _check_elements(scene, elements)
+    depths = None if text.get("depth") is None else parse_depths(str(text["depth"]))
+    return {"frictions": factors, "depths": depths, "elements": elements, "kinds": kinds}
+
+
+def findings(scene: DrillstringScene, asked: Mapping[str, Any]) -> dict[str, Finding]:
+    """Hook loads and surface torque, with those of the soft string; along ``depth`` where there are several depths."""
+    from drillstring.statics.torque_drag import torque_drag as compute
+    from tautline.results.finding import Finding
+
+    (case,) = compute(scene, **asked)
+    depths = [point.depth for point in case.points]
+    several = len(depths) > 1
+
+    def made(values: list[float], unit: str, text: str) -> Finding:
+        return Finding(values, unit, text, "depth") if several else Finding(values[0], unit, text)
+
+    found = {way: made(case.hook_loads(way).tolist(), "N", text) for way, text in LOADS.items()}
+    found["torque"] = made(case.torques.tolist(), "N m", "surface torque, rotating")
+    for way, text in LOADS.items():
+        found[f"soft_string.{way}"] = made(case.soft_hook_loads(way).tolist(), "N", f"{text}, soft string")
+    found["soft_string.torque"] = made(case.soft_torques.tolist(), "N m", "surface torque, rotating, soft string")
+    found["failures"] = Finding(len(case.failures), "", "motions without an equilibrium")
+    if several:
+        found["depth"] = Finding(depths, "m", "measured depth of the bit", "depth")
+    return found

@@ -231,7 +231,8 @@ def link(groups: tuple[Any, ...], *sums: str, laid: Laid | None = None) -> Any:
 
     The list is one array of integers: for each sum the place of its own part, which is a count and, for every group
     that it sums over, the address of the code and that of the group; then the groups themselves. The groups' arrays are
-    referred to and must live on; ``laid`` is what they were laid out as before. Without a compiler (``NUMBA_DISABLE_JIT=1``) the groups themselves are the list.
+    referred to and must live on; ``laid`` is what they were laid out as before. Without a compiler
+    (``NUMBA_DISABLE_JIT=1``) the groups themselves are the list.
 
     Raises
     ------

@@ -1,7 +1,8 @@
-"""What a verb finds in a scene, by name: the rows that a sweep collects."""
+"""What a verb finds in a scene, by name: what a sweep collects of every case."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 
@@ -24,3 +25,21 @@ class Finding(NamedTuple):
     unit: str = ""
     text: str = ""
     along: str = ""
+
+
+class Table(NamedTuple):
+    """A verb whose findings can be collected.
+
+    Attributes
+    ----------
+    options : tuple of str
+        Names of its options, as on its command line without the dashes.
+    read : callable
+        Scene, options -> what these ask for; raises SceneError naming the option.
+    find : callable
+        Scene, what was read -> findings by name; raises StoppedEarly where nothing is found, and SceneError.
+    """
+
+    options: tuple[str, ...]
+    read: Callable[[Any, Mapping[str, Any]], Any]
+    find: Callable[[Any, Any], dict[str, Finding]]

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from tautline.errors import TautlineError
 from tautline.integrators.status import Interrupted, StoppedEarly
 from tautline.results.finding import Finding
 from tautline.results.headline import plain
@@ -70,7 +71,7 @@ class Job:
     collected: tuple[Collected, ...] = ()
 
 
-class Cancelled(Exception):
+class Cancelled(TautlineError):
     """A run that is not wanted any more."""
 
 
@@ -118,7 +119,8 @@ class Runner:
 
     def _found(self, scene: Any) -> tuple[dict[str, Finding], float]:
         if self.job.verb != SIMULATE:
-            return tables_of(self.application)[self.job.verb](scene, dict(self.job.options)), 0.0
+            table = tables_of(self.application)[self.job.verb]
+            return table.find(scene, table.read(scene, self.job.options)), 0.0
         from tautline.simulation import simulate
 
         model = self.application.build(scene)

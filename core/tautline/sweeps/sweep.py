@@ -21,7 +21,7 @@ from tautline.sweeps.file import SIMULATE, SweepFile, plan_cases, read_sweep, re
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import DATASET, TABLE, dataset, write_csv, write_netcdf
-from tautline.sweeps.verbs import check_outputs, check_verb, of_all, unknown
+from tautline.sweeps.verbs import check_options, check_outputs, check_verb, of_all, unknown
 from tautline.sweeps.workers import Found, Measured, how, in_cluster, in_this_thread, in_threads
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Outcome:
         return self.cpu_time / self.loop_time - 1.0 if self.loop_time > 0.0 else None
 
 
-class Interrupted(TautlineError):
+class SweepInterrupted(TautlineError):
     """A sweep that was interrupted; ``data`` holds the cases that were finished."""
 
     def __init__(self, data: Any) -> None:
@@ -132,7 +132,7 @@ def sweep(
     ------
     SceneError, ResultError
         For bad input; nothing is written then.
-    Interrupted
+    SweepInterrupted
         On Ctrl-C, with the cases that were finished.
     """
     import tautline
@@ -147,7 +147,7 @@ def sweep(
         read_sweep(given), application, read_scene, jobs=jobs, dask=dask, folder=place, resume=resume, progress=progress
     )
     if outcome.interrupted:
-        raise Interrupted(outcome.data)
+        raise SweepInterrupted(outcome.data)
     return outcome.data
 
 
@@ -189,6 +189,7 @@ class _Sweep:
         self.read, self.application, self.scene = read, application, scene
         self.jobs, self.dask, self.folder, self.resume = jobs or _processors(), dask, folder, resume
         check_verb(read, application)
+        check_options(read, application, scene)
         self.collected = read.collected()
         self.cases = plan_cases(read, application, scene)
         self.job = job_of(application, scene, read.verb, read.options, self.collected)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from tautline.results.finding import Finding
+from tautline.results.finding import Finding, Table
 from tautline.sweeps.file import SIMULATE, Collected, SweepFile, percentile
 
 RUN = {
@@ -31,8 +31,8 @@ OF_ONE = re.compile(r" \(.*\)$")
 PART = re.compile(r"(.+)\[(\d+)\]")
 
 
-def tables_of(application: Any) -> Mapping[str, Callable[..., dict[str, Finding]]]:
-    """Verbs of an application besides ``simulate`` whose findings a sweep can collect: name -> (scene, options)."""
+def tables_of(application: Any) -> Mapping[str, Table]:
+    """Verbs of an application besides ``simulate`` whose findings a sweep can collect, by name."""
     return getattr(application, "tables", {})
 
 
@@ -48,10 +48,34 @@ def check_verb(read: SweepFile, application: Any) -> None:
     if read.verb == SIMULATE and read.options:
         cause, cure = "simulate takes none in a sweep", "vary keys of the scene: solver.step, solver.method, solver.end"
         raise SceneError([read.problem_at(("options",), cause, cure)])
+    if read.verb != SIMULATE:
+        of_verb = tables_of(application)[read.verb].options
+        for name in read.options:
+            if name not in of_verb:
+                cure = nearest(name, of_verb) if of_verb else "remove it"
+                raise SceneError([read.problem_at(("options", name), f"{read.verb} has no such option", cure)])
     outputs = [i for i, one in enumerate(read.collected()) if one.output]
     if read.verb != SIMULATE and outputs:
         cause = f"{read.verb} has no outputs over time"
         raise SceneError([read.problem_at(("collect", outputs[0]), cause, "name figures that it finds")])
+
+
+def check_options(read: SweepFile, application: Any, scene: Any) -> None:
+    """Raise SceneError for options of a verb that it cannot read, at their lines."""
+    from tautline.scene.errors import SceneError
+
+    if read.verb == SIMULATE:
+        return
+    try:
+        tables_of(application)[read.verb].read(scene, read.options)
+    except SceneError as error:
+        moved = []
+        for problem in error.problems:
+            name = problem.file.removeprefix("--")
+            there = problem.file.startswith("--") and name in read.options
+            at = read.problem_at(("options", name), problem.cause, problem.cure, problem.value) if there else problem
+            moved.append(at)
+        raise SceneError(moved) from None
 
 
 def names_of(collected: Sequence[Collected]) -> frozenset[str]:
