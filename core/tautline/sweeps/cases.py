@@ -18,7 +18,7 @@ from tautline.results.headline import plain
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
-from tautline.sweeps.verbs import LIMITS_FAILED, chosen, names_of, of_run, tables_of
+from tautline.sweeps.verbs import LIMITS_FAILED, Watch, chosen, names_of, of_run, tables_of
 
 DONE, BAD_INPUT, LOST = "done", "bad input", "worker lost"
 
@@ -124,8 +124,11 @@ class Runner:
         from tautline.simulation import simulate
 
         model = self.application.build(scene)
+        watch = Watch(model, self.job.collected)
         result = simulate(model, progress=self._go_on, brief=self._brief())
-        return of_run(result, model, self.job.collected), float(result.attributes["cpu_time"])
+        sometimes = getattr(self.application, "sometimes", ())
+        found = of_run(result, model, self.job.collected, watch, sometimes)
+        return found, float(result.attributes["cpu_time"])
 
     def _brief(self) -> Any:
         """What is wanted of a run; threads have one each, for the length of batches goes from run to run in it."""

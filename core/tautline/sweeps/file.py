@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -277,16 +278,6 @@ class _Reader:
             return None
         return found if len(self.problems) == before else None
 
-    def _tried(self, key: str, value: Any) -> tuple[Any, Quantity | None, float]:
-        """The scene with a value, the quantity that the key is, and its value in SI; a fault where it cannot be."""
-        try:
-            changed = self.scene.replace({key: value}, origin=ORIGIN)
-        except SceneError as error:
-            self.problems += refused(self.read, error).problems
-            return None, None, math.nan
-        known = quantity_at(self.application, changed, key)
-        return changed, *known
-
     def _base(self, key: str) -> float:
         return quantity_at(self.application, self.scene, key)[1]
 
@@ -294,17 +285,9 @@ class _Reader:
         if not given:
             self.fault((key,), "is an empty list", "give at least one value")
             return None
-        numbers, unit = [], ""
-        for value in given:
-            before = len(self.problems)
-            _, quantity, number = self._tried(key, value)
-            if len(self.problems) > before:
-                continue
-            unit = quantity.unit if quantity is not None else unit
-            if quantity is None and isinstance(value, (int, float)) and not isinstance(value, bool):
-                number = float(value)
-            numbers.append(number)
-        return Parameter(key, unit, tuple(given), tuple(numbers), None, self._base(key))
+        quantity = self._quantity(key, given)
+        numbers = tuple(_number(value, quantity) for value in given)
+        return Parameter(key, _unit(quantity), tuple(given), numbers, None, self._base(key))
 
     def _series(self, key: str, name: str, given: Any) -> Parameter | None:
         at = (key, name)
@@ -341,8 +324,7 @@ class _Reader:
             values: list[Any] = [int(number) for number in numbers]
         else:
             values = numbers
-        unit = quantity.unit if quantity is not None else ""
-        return Parameter(key, unit, tuple(values), tuple(numbers), None, self._base(key))
+        return Parameter(key, _unit(quantity), tuple(values), tuple(numbers), None, self._base(key))
 
     def _spread(self, key: str, name: str, given: Any) -> Parameter | None:
         kind, written = KINDS[name], given if isinstance(given, list) else [given]
@@ -359,19 +341,17 @@ class _Reader:
         except ValueError as error:
             self.fault((key, name), f"is no distribution: {error}", f"write such as {kind.text}")
             return None
-        unit = quantity.unit if quantity is not None else ""
-        return Parameter(key, unit, (), (), spread, self._base(key))
+        return Parameter(key, _unit(quantity), (), (), spread, self._base(key))
 
     def _numbers(
         self, key: str, name: str, given: list[Any], measured: Sequence[bool]
     ) -> tuple[list[float], Quantity | None] | None:
         """Numbers in SI of what is written, those that are measured in the unit of the key."""
-        quantity = self._quantity(key, given)
+        quantity, before = self._quantity(key, given), len(self.problems)
         if quantity is None and any(isinstance(one, (str, dict, list)) or one is None for one in given):
-            if not self.problems:
+            self._why(key, given)
+            if len(self.problems) == before:
                 self.fault((key, name), "is no list of numbers", "this key takes no unit: write plain numbers")
-            return None
-        if self.problems:
             return None
         numbers = []
         for value, counts in zip(given, measured, strict=True):
@@ -383,21 +363,39 @@ class _Reader:
         return (numbers, quantity) if len(numbers) == len(given) else None
 
     def _quantity(self, key: str, given: list[Any]) -> Quantity | None:
-        """The quantity that a key is, found with the scene's own value, or with the first that the key can have."""
+        """The quantity that a key is: of the scene as it is, or with a value that it can have, the others as they are.
+
+        That a value cannot be had beside the others says nothing: they may vary too.
+        """
         known = quantity_at(self.application, self.scene, key)[0]
-        if known is not None:
-            return known
-        error: SceneError | None = None
         for value in given:
-            try:
-                changed = self.scene.replace({key: value}, origin=ORIGIN)
-            except SceneError as refusal_:
-                error = refusal_
-                continue
-            return quantity_at(self.application, changed, key)[0]
-        assert error is not None
-        self.problems += refused(self.read, error).problems
-        return None
+            if known is not None:
+                break
+            with contextlib.suppress(SceneError):
+                known = quantity_at(self.application, self.scene.replace({key: value}, origin=ORIGIN), key)[0]
+        return known
+
+    def _why(self, key: str, given: list[Any]) -> None:
+        """Keep why a key cannot have the first value."""
+        try:
+            self.scene.replace({key: given[0]}, origin=ORIGIN)
+        except SceneError as error:
+            self.problems += refused(self.read, error).problems
+
+
+def _unit(quantity: Quantity | None) -> str:
+    return quantity.unit if quantity is not None else ""
+
+
+def _number(value: Any, quantity: Quantity | None) -> float:
+    """A value of a list in SI; NaN for what is no number, or none that the key can have."""
+    if quantity is None:
+        plain = isinstance(value, (int, float)) and not isinstance(value, bool)
+        return float(value) if plain else math.nan
+    try:
+        return float(Quantity(quantity.unit, any_size=True).read(value))
+    except PydanticCustomError:
+        return math.nan
 
 
 def quantity_at(application: Any, scene: Any, key: str) -> tuple[Quantity | None, float]:

@@ -209,18 +209,18 @@ class _Sweep:
 
     def check(self, announce: Callable[[int], None] | None) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
-        problems: list[Problem] = []
+        problems: dict[Problem, None] = {}
         for case in range(len(self.cases)):
             changes = self.cases.changes(case)
             try:
                 self.runner.varied(changes)
             except SceneError as error:
                 told = ", ".join(f"{key} = {value}" for key, value in changes.items())
-                problems += refused(self.read, error, f"case {case}: {told}").problems
+                problems |= dict.fromkeys(refused(self.read, error, f"case {case}: {told}").problems)
             if len(problems) > SHOWN:
                 break
         if problems:
-            raise SceneError(dict.fromkeys(problems))
+            raise SceneError(problems)
         try:
             model = self.runner.prepare(self.cases.changes(0), announce)
         except SceneError:

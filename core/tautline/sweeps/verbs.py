@@ -83,14 +83,62 @@ def names_of(collected: Sequence[Collected]) -> frozenset[str]:
     return frozenset(one.figure for one in collected if one.figure)
 
 
-def of_run(result: Any, model: Any, collected: Sequence[Collected]) -> dict[str, Finding]:
-    """What ``simulate`` finds, as far as it is asked for."""
-    headline = result.headline
-    found = {
+class Watch:
+    """Outputs of a run over its frames, as far as they are collected.
+
+    Positions and velocities of things are no variables of a result: they are taken out of the frames as they come.
+
+    Parameters
+    ----------
+    model : Model
+        Its ``observe`` is told to look at them too.
+    """
+
+    def __init__(self, model: Any, collected: Sequence[Collected]) -> None:
+        self.asked = [one for one in collected if one.output]
+        self.outputs = {one.name: output_of(_handles(model), one.output) for one in self.asked}
+        self.rows: dict[str, list[np.ndarray]] = {one.name: [] for one in self.asked}
+        if self.asked:
+            observe = model.observe
+            model.observe = lambda frames: self._look(frames, observe(frames))
+
+    def _look(self, frames: Any, variables: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        for name, (output, part) in self.outputs.items():
+            if output.places is not None:
+                vector, places = output.places
+                values = getattr(frames, vector)[:, places]
+                values = values if part is None else values[:, part]
+            else:
+                values = _series(output, part, variables, len(frames.time))
+            self.rows[name].append(np.array(values, float).reshape(len(frames.time)))
+        return variables
+
+    def findings(self, time: np.ndarray) -> dict[str, Finding]:
+        """The statistics that are asked for."""
+        return {
+            one.name: Finding(
+                statistic(np.concatenate(self.rows[one.name]), time, one.statistic),
+                self.outputs[one.name][0].unit, f"{one.statistic} of {one.output}",
+            )
+            for one in self.asked
+        }  # fmt: skip
+
+
+def _findings(headline: Mapping[str, Mapping[str, Any]]) -> dict[str, Finding]:
+    return {
         name: Finding(figure.get("value"), str(figure.get("unit") or ""), str(figure.get("text") or ""))
         for name, figure in headline.items()
     }
+
+
+def of_run(
+    result: Any, model: Any, collected: Sequence[Collected], watch: Watch, sometimes: Sequence[str] = ()
+) -> dict[str, Finding]:
+    """What ``simulate`` finds, as far as it is asked for; all that it could where something of that is not there."""
+    found = _findings(result.headline)
     asked = names_of(collected)
+    if asked - found.keys() - RUN.keys() - {LIMITS_FAILED, *sometimes}:
+        found = _findings(model.headline(result)) | found
     attributes = result.attributes
     for name, (unit, text) in RUN.items():
         if name in asked and name not in found:
@@ -99,20 +147,7 @@ def of_run(result: Any, model: Any, collected: Sequence[Collected]) -> dict[str,
     if limits:
         failed = sum(not record["passed"] for record in limits)
         found[LIMITS_FAILED] = Finding(failed, "", "limits that are not satisfied")
-    outputs = [one for one in collected if one.output]
-    return found | (_of_outputs(result, model, outputs) if outputs else {})
-
-
-def _of_outputs(result: Any, model: Any, collected: Sequence[Collected]) -> dict[str, Finding]:
-    handles = _handles(model)
-    frames = {variable.name: np.asarray(result[variable.name]) for variable in model.variables}
-    found = {}
-    for one in collected:
-        output, part = output_of(handles, one.output)
-        values = _series(output, part, frames, len(result.time))
-        text = f"{one.statistic} of {one.output}"
-        found[one.name] = Finding(statistic(values, np.asarray(result.time), one.statistic), output.unit, text)
-    return found
+    return found | watch.findings(np.asarray(result.time))
 
 
 def _handles(model: Any) -> Mapping[str, Any]:

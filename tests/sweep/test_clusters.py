@@ -1,0 +1,93 @@
+"""Dask: a scheduler and two workers as processes of their own, one of which is killed on the way."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+
+import numpy as np
+import pytest
+from sweep.short_hoist import MASS, hoist
+
+import tautline
+from tautline.scene.errors import SceneError
+from tautline.sweeps.journal import NAME
+
+CASES = 40
+VARY = {MASS: {"linspace": [2000, 8000, CASES]}}
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """Address of a scheduler, and its two workers."""
+    folder = tmp_path_factory.mktemp("cluster")
+    place, processes = folder / "scheduler.json", []
+
+    def begin(*words):
+        process = subprocess.Popen(
+            [sys.executable, "-m", *words, "--scheduler-file", str(place)], cwd=folder,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        processes.append(process)
+        return process
+
+    try:
+        begin("distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard", "--host", "127.0.0.1")
+        worker = ("distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny", "--no-dashboard")
+        workers = [begin(*worker), begin(*worker)]
+        until = time.monotonic() + 30.0
+        while not place.exists() and time.monotonic() < until:
+            time.sleep(0.05)
+        yield json.loads(place.read_text(encoding="utf8"))["address"], workers
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+
+
+def test_a_worker_that_is_killed_loses_nothing_and_nothing_is_twice(cluster, tmp_path):
+    from distributed import Client
+
+    address, workers = cluster
+    with Client(address, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=30)
+    folder, killed = tmp_path / "out", []
+
+    def processes():
+        lines = (folder / NAME).read_text(encoding="utf8").splitlines()
+        return [json.loads(line)["process"] for line in lines if line.startswith('{"case"')]
+
+    def kill_one(done, every):
+        # Both have worked, and much is left.
+        if not killed and done > 4 and {one.pid for one in workers} <= set(processes()):
+            killed.append(workers[0].pid)
+            os.kill(workers[0].pid, signal.SIGKILL)
+
+    data = tautline.sweep(
+        hoist(12.0), VARY, collect=["max_tension"], dask=address, folder=folder, progress=kill_one
+    )  # fmt: skip
+    assert killed and (data["status"].values == "done").all()
+    rows = [json.loads(line) for line in (folder / NAME).read_text(encoding="utf8").splitlines()]
+    rows = [row for row in rows if "case" in row]
+    assert Counter(row["case"] for row in rows) == Counter(range(CASES))
+    by = Counter(row["process"] for row in rows)
+    assert by[workers[1].pid] > by[workers[0].pid] > 0
+    for case in (0, CASES // 2, CASES - 1):
+        alone = tautline.simulate(hoist(12.0, **{MASS: float(data[MASS].values[case])}))
+        assert data["max_tension"].values[case] == alone.headline["max_tension"]["value"]
+
+
+def test_processes_of_this_machine_give_the_same_numbers_as_this_thread():
+    short = {MASS: {"linspace": [2000, 8000, 6]}}
+    here = tautline.sweep(hoist(0.1), short, collect=["max_tension"], jobs=1)
+    there = tautline.sweep(hoist(0.1), short, collect=["max_tension"], jobs=2, dask="local")
+    assert np.array_equal(here["max_tension"].values, there["max_tension"].values)
+
+
+def test_an_address_without_a_scheduler_is_refused_with_a_cure(tmp_path, monkeypatch):
+    monkeypatch.setattr("tautline.sweeps.workers.PATIENCE", 0.5)
+    with pytest.raises(SceneError, match=r"--dask tcp://127.0.0.1:9: no scheduler answers.*dask scheduler"):
+        tautline.sweep(hoist(0.05), VARY, collect=["rise"], dask="tcp://127.0.0.1:9", folder=tmp_path / "out")

@@ -1,0 +1,122 @@
+"""A sweep that is killed goes on: no finished case is run again, and nothing is twice in the result."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+
+import numpy as np
+import pytest
+import xarray
+from sweep.short_hoist import MASS, hoist, write_sweep
+
+import tautline
+from tautline.results.errors import ResultError
+from tautline.sweeps.journal import NAME
+
+CASES = 30
+VARY = {MASS: {"linspace": [2000, 8000, CASES]}}
+
+
+def lines_of(folder):
+    """Whole lines of the journal that are rows."""
+    path = folder / NAME
+    text = path.read_bytes() if path.exists() else b""
+    whole = [json.loads(line) for line in text.split(b"\n")[:-1]]
+    return [line for line in whole if "case" in line]
+
+
+def command(folder, *words):
+    return [sys.executable, "-m", "crane.main", "sweep", "limits.yaml", "-o", "out", "-q", *words], {"cwd": folder}
+
+
+def test_after_kill_9_no_finished_case_runs_again_and_the_result_is_that_of_one_go(tmp_path):
+    write_sweep(tmp_path, f"vary: {{'{MASS}': {{linspace: [2000, 8000, {CASES}]}}}}\ncollect: [max_tension]", "12 s")
+    out = tmp_path / "out"
+    words, where = command(tmp_path, "-j", "2")
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **where)
+    try:
+        while len(lines_of(out)) < 5 and process.poll() is None:
+            time.sleep(0.005)
+    finally:
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+    before = lines_of(out)
+    assert 5 <= len(before) < CASES
+    words, where = command(tmp_path, "-j", "2", "--resume", "--json")
+    done = subprocess.run(words, capture_output=True, text=True, **where)
+    assert done.returncode == 0, done.stderr
+    told, after = json.loads(done.stdout), lines_of(out)
+    assert (told["cases"], told["done"], told["earlier"]) == (CASES, CASES, len(before))
+    assert after[: len(before)] == before
+    assert Counter(line["case"] for line in after) == Counter(range(CASES))
+    assert {line["process"] for line in after[len(before) :]}.isdisjoint({line["process"] for line in before})
+    with xarray.open_dataset(out / "sweep.nc", engine="h5netcdf") as data:
+        assert (data["status"].values == "done").all()
+        for case in (0, before[-1]["case"], CASES - 1):
+            alone = tautline.simulate(hoist(12.0, **{MASS: float(data[MASS].values[case])}))
+            assert data["max_tension"].values[case] == alone.headline["max_tension"]["value"]
+
+
+def run(folder, **options):
+    return tautline.sweep(hoist(0.05), VARY, collect=["max_tension"], jobs=1, folder=folder, **options)
+
+
+def test_a_line_that_was_cut_off_is_run_again_and_stands_once(tmp_path):
+    out = tmp_path / "out"
+    whole = run(out)
+    journal = out / NAME
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(lines[:12]) + lines[12][:20])
+    again = run(out, resume=True)
+    assert Counter(line["case"] for line in lines_of(out)) == Counter(range(CASES))
+    assert np.array_equal(again["max_tension"].values, whole["max_tension"].values)
+
+
+def test_a_sweep_that_is_not_finished_is_not_lost_by_mistake(tmp_path):
+    out = tmp_path / "out"
+    run(out)
+    journal = out / NAME
+    journal.write_bytes(b"".join(journal.read_bytes().splitlines(keepends=True)[:9]))
+    with pytest.raises(ResultError, match="holds 7 finished cases of 30"):
+        run(out)
+    assert len(lines_of(out)) == 7
+
+
+def test_another_sweep_cannot_go_on_in_its_place(tmp_path):
+    out = tmp_path / "out"
+    run(out)
+    with pytest.raises(ResultError, match="another sweep"):
+        tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=1, folder=out, resume=True)
+    with pytest.raises(ResultError, match="another sweep"):
+        tautline.sweep(hoist(0.06), VARY, collect=["max_tension"], jobs=1, folder=out, resume=True)
+
+
+def test_a_finished_sweep_that_is_gone_on_with_runs_nothing(tmp_path):
+    out = tmp_path / "out"
+    run(out)
+    before = (out / NAME).read_bytes()
+    assert (run(out, resume=True)["status"].values == "done").all()
+    assert (out / NAME).read_bytes() == before
+
+
+def test_a_folder_with_other_files_is_left_alone(tmp_path):
+    (tmp_path / "thesis.txt").write_text("years of work", encoding="utf8")
+    with pytest.raises(ResultError, match="holds other files"):
+        run(tmp_path)
+    assert [one.name for one in tmp_path.iterdir()] == ["thesis.txt"]
+
+
+def test_ctrl_c_keeps_what_is_finished_and_says_so(tmp_path):
+    def stop(done, every):
+        if done == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(tautline.SweepInterrupted) as found:
+        tautline.sweep(hoist(0.05), VARY, collect=["rise"], jobs=2, folder=tmp_path / "out", progress=stop)
+    status = found.value.data["status"].values
+    assert (status == "done").sum() == 4 and (status == "not run").sum() == CASES - 4
+    assert len(lines_of(tmp_path / "out")) == 4

@@ -1,0 +1,110 @@
+"""Plans: which values each case has, beside grids made by hand and SciPy itself."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.stats import qmc
+
+from tautline.sweeps.distributions import KINDS, made
+from tautline.sweeps.plans import GRID, LATIN, ONE, RANDOM, SOBOL, ZIP, Parameter, Plan, balanced, cases_of
+
+
+def listed(key, *values):
+    return Parameter(key, "m", values, tuple(float(value) for value in values), None, 7.0)
+
+
+def spread(key, name, *numbers):
+    return Parameter(key, "m", (), (), made(name, numbers), 7.0)
+
+
+def rows(cases):
+    return [tuple(cases.numbers[one.key][case] for one in cases.parameters) for case in range(len(cases))]
+
+
+def test_a_grid_has_every_combination_once_the_last_parameter_changing_fastest():
+    cases = cases_of([listed("a", 1, 2), listed("b", 10, 20, 30)], Plan(GRID))
+    assert rows(cases) == [(1, 10), (1, 20), (1, 30), (2, 10), (2, 20), (2, 30)]
+    assert cases.dims == ("a", "b") and cases.shape == (2, 3)
+    assert cases.changes(4) == {"a": 2, "b": 20}
+
+
+def test_zip_takes_the_nth_value_of_each_and_refuses_unequal_numbers():
+    assert rows(cases_of([listed("a", 1, 2), listed("b", 10, 20)], Plan(ZIP))) == [(1, 10), (2, 20)]
+    with pytest.raises(ValueError, match="a has 2, b has 3"):
+        cases_of([listed("a", 1, 2), listed("b", 1, 2, 3)], Plan(ZIP))
+
+
+def test_one_at_a_time_begins_with_the_scene_and_leaves_the_others_as_they_are():
+    cases = cases_of([listed("a", 1, 2), spread("b", "normal", 5.0, 1.0)], Plan(ONE))
+    tails = stats.norm(5.0, 1.0).ppf([0.1, 0.9])
+    assert rows(cases) == [(7, 7), (1, 7), (2, 7), (7, tails[0]), (7, tails[1])]
+    assert cases.changes(0) == {} and cases.changes(2) == {"a": 2}
+
+
+@pytest.mark.parametrize(("name", "engine"), [(LATIN, qmc.LatinHypercube), (SOBOL, qmc.Sobol)])
+def test_samples_are_quantiles_at_the_points_of_scipy(name, engine):
+    cases = cases_of([spread("a", "normal", 5.0, 2.0), spread("b", "uniform", -1.0, 3.0)], Plan(name, 16, 3))
+    points = engine(2, seed=3).random(16)
+    assert np.allclose(cases.numbers["a"], stats.norm(5.0, 2.0).ppf(points[:, 0]), rtol=1e-14)
+    assert np.allclose(cases.numbers["b"], -1.0 + 4.0 * points[:, 1], rtol=1e-14)
+
+
+def test_a_latin_hypercube_has_one_sample_in_each_slice_of_each_parameter():
+    cases = cases_of([spread("a", "uniform", 0.0, 20.0), spread("b", "weibull", 2.0, 1.5)], Plan(LATIN, 20, 5))
+    assert sorted(np.floor(cases.numbers["a"])) == list(range(20))
+    probability = 1.0 - np.exp(-((cases.numbers["b"] / 2.0) ** 1.5))
+    assert sorted(np.floor(20.0 * probability)) == list(range(20))
+
+
+def test_the_same_seed_gives_the_same_cases_and_another_gives_others():
+    def drawn(seed):
+        return cases_of([spread("a", "uniform", 0.0, 1.0)], Plan(RANDOM, 50, seed)).numbers["a"]
+
+    assert np.array_equal(drawn(1), drawn(1)) and not np.array_equal(drawn(1), drawn(2))
+
+
+def test_values_of_a_list_are_equally_likely_in_a_plan_that_samples():
+    cases = cases_of([listed("a", 1, 2, 3, 4)], Plan(LATIN, 40, 0))
+    assert [list(cases.numbers["a"]).count(k) for k in (1, 2, 3, 4)] == [10, 10, 10, 10]
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers", "mean", "sd"),
+    [
+        ("normal", (5.0, 2.0), 5.0, 2.0),
+        ("lognormal", (5.0, 2.0), 5.0, 2.0),
+        ("uniform", (2.0, 8.0), 5.0, 6.0 / math.sqrt(12.0)),
+        ("triangular", (0.0, 2.0, 4.0), 2.0, 4.0 / math.sqrt(24.0)),
+        ("rayleigh", (2.0,), 2.0 * math.sqrt(math.pi / 2.0), 2.0 * math.sqrt(2.0 - math.pi / 2.0)),
+        ("exponential", (3.0,), 3.0, 3.0),
+        ("gumbel", (1.0, 2.0), 1.0 + 2.0 * 0.5772156649, 2.0 * math.pi / math.sqrt(6.0)),
+        ("weibull", (2.0, 1.5), 2.0 * math.gamma(5 / 3), 2.0 * math.sqrt(math.gamma(7 / 3) - math.gamma(5 / 3) ** 2)),
+        ("truncated_normal", (5.0, 2.0, 3.0, 7.0), 5.0, 2.0 * math.sqrt(1.0 - 2.0 * 0.24197072 / 0.68268949)),
+    ],
+)
+def test_quantiles_have_the_mean_and_the_deviation_of_the_textbook(name, numbers, mean, sd):
+    # Midpoints of equal probabilities; tails beyond the last make the error.
+    values = made(name, numbers).quantiles((np.arange(200_000) + 0.5) / 200_000)
+    assert values.mean() == pytest.approx(mean, rel=1e-4)
+    assert values.std() == pytest.approx(sd, rel=2e-3)
+    assert name in KINDS
+
+
+def test_no_probability_gives_an_infinite_value():
+    assert np.isfinite(made("normal", (0.0, 1.0)).quantiles(np.array([0.0, 1.0]))).all()
+
+
+def test_the_cases_of_sobol_indices_are_in_the_order_that_salib_reads():
+    parameters = [spread("a", "uniform", 0.0, 1.0), spread("b", "uniform", 0.0, 1.0)]
+    table = np.array(rows(cases_of(parameters, Plan(SOBOL, 8, 2), True))).reshape(8, 4, 2)
+    both = qmc.Sobol(4, seed=2).random(8)
+    first, second = both[:, :2], both[:, 2:]
+    assert np.allclose(table[:, 0], first) and np.allclose(table[:, 3], second)
+    assert np.allclose(table[:, 1], np.column_stack([second[:, 0], first[:, 1]]))
+    assert np.allclose(table[:, 2], np.column_stack([first[:, 0], second[:, 1]]))
+
+
+def test_sobol_points_are_balanced_at_powers_of_two_only():
+    assert [n for n in range(1, 20) if balanced(n)] == [1, 2, 4, 8, 16]

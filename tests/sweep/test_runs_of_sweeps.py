@@ -1,0 +1,163 @@
+"""Runs of a sweep: the numbers are those of single runs, a failed case is a row, and what is written is whole."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray
+from sweep.short_hoist import MASS, PERIOD, hoist, write_sweep
+
+import tautline
+from tautline.sweeps.cases import Runner, job_of
+from tautline.sweeps.file import Collected
+from tautline.sweeps.sweep import Outcome
+from tautline.sweeps.workers import Measured, how
+
+VARY = {PERIOD: {"linspace": [5, 9, 3]}, MASS: ["2 t", "5 t"]}
+COLLECT = ["max_tension", "dynamic_amplification", "slack_events", {"output": "winch.tension", "statistic": "max"}]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_six_cases_are_six_single_runs_to_the_bit(jobs):
+    scene = hoist(2.0)
+    data = tautline.sweep(scene, VARY, "grid", COLLECT, jobs=jobs)
+    assert data["max_tension"].shape == (3, 2)
+    for period in data[PERIOD].values:
+        for mass, written in zip(data[MASS].values, VARY[MASS], strict=True):
+            alone = tautline.simulate(scene.replace({PERIOD: float(period), MASS: written}))
+            one = data.sel({PERIOD: period, MASS: mass})
+            assert one["status"].item() == "done"
+            for name in ("max_tension", "dynamic_amplification", "slack_events"):
+                assert one[name].item() == alone.headline[name]["value"]
+            assert one["winch.tension max"].item() == float(alone["drum_tension"].max())
+
+
+def test_every_figure_is_collected_where_none_is_named_and_alike_where_one_is():
+    scene = hoist(0.5)
+    application = tautline._installed().of(scene)
+    alone = tautline.simulate(scene).headline
+
+    def row(*names):
+        runner = Runner(job_of(application, scene, "simulate", {}, [Collected(name=n, figure=n) for n in names]))
+        return runner.run(0, {})[0].values
+
+    whole = row()
+    assert {name: whole[name] for name in alone} == {name: one["value"] for name, one in alone.items()}
+    for name in alone:
+        assert row(name) == {name: alone[name]["value"]}
+
+
+def test_a_case_that_fails_is_a_row_with_status_and_message_and_the_others_go_on():
+    # 25 m of rope at 20 m/s: the hook comes to the sheave after 1.3 s.
+    key = "path[0].drum.pay_out.ramp.to"
+    data = tautline.sweep(hoist(2.0), {key: [-0.5, -20.0, -0.6]}, "grid", ["rise"], jobs=1)
+    assert list(data["status"].values) == ["done", "two blocked", "done"]
+    assert "t = 1." in data["message"].values[1] and data["message"].values[0] == ""
+    assert np.isfinite(data["rise"].values).tolist() == [True, False, True]
+
+
+def test_a_scene_that_cannot_be_built_is_a_row_too():
+    data = tautline.sweep(hoist(0.1), {"path[1].sheave.center[2]": [30.0, 4.0]}, "grid", ["rise"], jobs=1)
+    assert list(data["status"].values) == ["done", "bad input"]
+    assert "hangs from" in data["message"].values[1]
+
+
+def test_the_limits_of_the_scene_are_counted():
+    data = tautline.sweep(hoist(0.1), {"rope.breaking_load": ["1.1 MN", "10 kN"]}, collect=["limits_failed"], jobs=1)
+    ratio = data["limits_failed"].values
+    assert ratio[1] == ratio[0] + 1
+
+
+@pytest.mark.parametrize(
+    ("statistic", "expected"),
+    [
+        ("min", np.min),
+        ("range", np.ptp),
+        ("p90", lambda x: np.percentile(x, 90)),
+        ("last", lambda x: x[-1]),
+        ("mean", lambda x: np.trapezoid(x, dx=1.0) / (len(x) - 1)),
+        ("rms", lambda x: np.sqrt(np.trapezoid(x**2, dx=1.0) / (len(x) - 1))),
+    ],
+)
+def test_a_statistic_is_that_of_the_frames(statistic, expected):
+    scene = hoist(1.0)
+    data = tautline.sweep(
+        scene, {MASS: ["3 t"]}, collect=[{"output": "payload.position[2]", "statistic": statistic, "name": "z"}], jobs=1
+    )
+    frames = tautline.simulate(scene.replace({MASS: "3 t"}))["body_position"][:, 0, 2]
+    assert data["z"].item() == pytest.approx(float(expected(frames)), rel=1e-12)
+
+
+def test_result_and_table_hold_the_same_and_the_json_says_what_it_took(tmp_path, capsys, monkeypatch):
+    from crane.application import Crane
+    from tautline.cli.run import run
+    from tautline.cli.verbs import make_app
+
+    path = write_sweep(
+        tmp_path, f"vary: {{'{MASS}': [2 t, 5 t], '{PERIOD}': [6, 7, 8]}}\ncollect: [max_tension]", "0.2 s"
+    )
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as end:
+        run(make_app(Crane()), ["sweep", path.name, "--json", "-j", "1", "-o", "out"])
+    assert end.value.code == 0
+    told = json.loads(capsys.readouterr().out)
+    keys = {"cases", "done", "failed", "result", "table", "wall_time", "cpu_time", "overhead", "figures", "status"}
+    assert keys <= set(told) and (told["cases"], told["done"], told["failed"]) == (6, 6, 0)
+    with xarray.open_dataset(told["result"], engine="h5netcdf") as data:
+        assert data["max_tension"].dims == (MASS, PERIOD)
+        values = data["max_tension"].values.ravel()
+    lines = (tmp_path / told["table"]).read_text(encoding="utf8").splitlines()
+    assert lines[0].startswith(f"case,{MASS} [kg],{PERIOD} [s],status,max_tension [N]")
+    assert [float(line.split(",")[4]) for line in lines[1:]] == values.tolist()
+    assert [(tmp_path / one).exists() for one in told["figures"]] == [True]
+
+
+def test_work_goes_where_it_pays():
+    assert how(1, 1000, Measured(0.06, 0.1)) == "here"
+    assert how(2, 1000, Measured(0.06, 0.1)) == "threads"
+    assert how(2, 1000, Measured(0.5, 1.0)) == "processes"
+    assert how(2, 10, Measured(0.5, 1.0)) == "threads"
+    assert how(64, 100_000, Measured(0.06, 0.1)) == "processes"
+
+
+def test_the_overhead_is_processor_time_beside_the_loops():
+    assert Outcome(None, None, cpu_time=1.15, loop_time=1.0).overhead == pytest.approx(0.15)
+    assert Outcome(None, None, cpu_time=1.0).overhead is None
+
+
+def test_torque_and_drag_of_a_sweep_are_those_of_the_verb_along_depth():
+    from drillstring.statics.torque_drag import torque_drag
+
+    scene = tautline.read("data/jwell.yaml")
+    depths = [1500.0, 2500.0]
+    data = tautline.sweep(
+        scene, {"well.wall.friction": [0.15, 0.3]}, collect=["pick_up", "torque"], verb="torque-drag",
+        options={"depth": "1500,2500", "elements": 40}, jobs=1,
+    )  # fmt: skip
+    assert data["pick_up"].dims == ("well.wall.friction", "depth") and list(data["depth"].values) == depths
+    for k, friction in enumerate((0.15, 0.3)):
+        (case,) = torque_drag(scene.replace({"well.wall.friction": friction}), None, depths, 40)
+        assert data["pick_up"].values[k].tolist() == case.hook_loads("pick_up").tolist()
+        assert data["torque"].values[k].tolist() == case.torques.tolist()
+
+
+def test_sobol_indices_of_a_weight_are_those_of_a_product():
+    # A load at rest pulls with m g. For independent factors the variance of their product is known in closed form.
+    scene = hoist(
+        0.05, **{"path[0].drum.pay_out": {"constant": 0.0}, "vessel.motion": {}, "rope.mass_per_length": 1e-3}
+    )
+    masses, gravity = (4000.0, 6000.0), (-12.0, -8.0)
+    data = tautline.sweep(
+        scene, {MASS: {"uniform": list(masses)}, "gravity[2]": {"uniform": list(gravity)}},
+        {"sobol": {"samples": 64, "seed": 4}}, ["max_tension_hook"], indices="sobol", jobs=1,
+    )  # fmt: skip
+    assert set(data["status"].values) == {"done"}
+    weight = data[MASS].values * -data["gravity[2]"].values
+    assert np.allclose(data["max_tension_hook"].values, weight, rtol=1e-5)
+    means = np.array([5000.0, 10.0])
+    variances = np.array([(masses[1] - masses[0]) ** 2, (gravity[1] - gravity[0]) ** 2]) / 12.0
+    whole = np.prod(variances + means**2) - np.prod(means**2)
+    first = variances * means[::-1] ** 2 / whole
+    assert np.allclose(data["max_tension_hook_first"].values, first, atol=0.02)
+    assert np.allclose(data["max_tension_hook_total"].values, 1.0 - first[::-1], atol=0.02)
+    assert list(data["parameter"].values) == [MASS, "gravity[2]"]
