@@ -115,7 +115,7 @@ def in_cluster(
     with _client(address, jobs) as client:
         if announce is not None:
             announce(f"{_count(client, jobs)} workers")
-        pending = as_completed()
+        pending = as_completed(loop=client.loop)
         given: dict[str, list[int]] = {}
 
         def submit() -> None:
@@ -171,7 +171,7 @@ def _client(address: str, jobs: int) -> Iterator[Any]:
         if address == LOCAL:
             stack.enter_context(_without_current_folder())
             cluster = LocalCluster(
-                n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
+                n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0,
                 silence_logs=logging.CRITICAL,
             )  # fmt: skip
             place: Any = stack.enter_context(cluster)
