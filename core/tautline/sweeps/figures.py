@@ -184,10 +184,10 @@ def _tornado(data: Any, cases: Cases, name: str) -> Any:
 
 
 def _legend_of_ends(plot: Any) -> None:
-    from matplotlib.patches import Patch
-
-    handles = [Patch(color=COLOURS[0], label="smaller value"), Patch(color=COLOURS[1], label="larger value")]
-    plot.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    """Say what the colours are, by bars of no length."""
+    for k, text in enumerate(("smaller value", "larger value")):
+        plot.barh(0, 0.0, color=COLOURS[k], label=text)
+    plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
 
 
 @styled
