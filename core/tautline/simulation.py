@@ -87,7 +87,7 @@ Look = Callable[[State, float, Any], None]
 class Brief:
     """How one of many runs is made, of which only some figures are wanted.
 
-    Its result says nothing of the scene. The length of batches goes from one run to the next, which is of the same
+    Its result says nothing of the scene, holds no warnings, and cannot be gone on with. The length of batches goes from one run to the next, which is of the same
     kind: it need not be found anew.
 
     Attributes
@@ -209,8 +209,19 @@ class Run:
         self.began: dict[str, Any] = {}
         self._starts_far = False
         self.frames = self._room(1)
-        self.critical = CriticalStep(model.system, method_of(explicit_like(model.solver.method)))
+        self._critical: CriticalStep | None = None
         self.unchecked = FRAMES_UNCHECKED
+
+    @property
+    def critical(self) -> CriticalStep:
+        """What looks for the critical step, made when it is first asked: an implicit run asks for none."""
+        if self._critical is None:
+            self._critical = CriticalStep(self.model.system, method_of(explicit_like(self.model.solver.method)))
+        return self._critical
+
+    @critical.setter
+    def critical(self, given: CriticalStep) -> None:
+        self._critical = given
 
     def _room(self, rows: int) -> Frames:
         return new_frames(rows, self.model.system.q.size, self.model.own)
@@ -426,11 +437,11 @@ class Run:
         part = Frames(*(array[:filled] for array in frames))
         stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
-        if not stopped:
+        if not stopped and self.brief is None:
             if self.places[0] is not self.method:
                 self.places = self.method, places_of(*self._parts())
             self.memory, self.remembered = copied(self.places[1]), self.time
-        store.append(stored, self.memory, self.progress())
+        store.append(stored, self.memory, {} if self.brief is not None else self.progress())
         if self.look is not None:
             self.look(self.state, self.time, self.method)
 
@@ -470,13 +481,17 @@ class Run:
             "energy_error": abs(self.energy_gained()),
             "numerical_dissipation": -self.balance.missing(int(counters[STEPS])),
             "motion_frequency": self.oscillation_frequency() / (2.0 * math.pi),
-            "phase_lag": self.phase_lag(taken),
-            "warnings": [*self._of_start(), *self.warnings(taken), *warnings],
+            "phase_lag": self.phase_lag(taken) if self._tells("phase_lag") else None,
+            "warnings": [*self._of_start(), *self.warnings(taken), *warnings] if self.brief is None else [],
             "headline": without_rounding(self._headline(result), result, taken),
             "limits": self._limits(result),
             **(further or {}),
         }
         return store.finish(attributes, restart=self.memory)
+
+    def _tells(self, name: str) -> bool:
+        """Whether an attribute is wanted."""
+        return self.brief is None or name in self.brief.names
 
     def _headline(self, result: Result) -> dict[str, dict[str, Any]]:
         """The application's figures, or those of them that are wanted."""

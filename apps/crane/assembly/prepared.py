@@ -82,8 +82,10 @@ def compensation_of(scene: CraneScene) -> Compensation | None:
     SceneError
         Where nothing rides on the vessel, and as `motion_of`.
     """
+    if scene.heave_compensation is None:
+        return None
     motion = motion_of(scene)
-    if scene.heave_compensation is None or not motion.frames:
+    if not motion.frames:
         return None
     return scene.once(
         "compensation", (*_of_frames(scene), scene.path, scene.heave_compensation), lambda: _compensation(scene, motion)

@@ -158,7 +158,7 @@ def register(kind: type, *, constant_mass: bool = False, friction: bool = False,
         FRICTION.add(kind)
 
 
-_addresses: dict[Any, int] = {}
+_addresses: dict[Any, dict[str, int]] = {}
 """Where the code is that a kind of group runs for a sum, by the sum and the form of the group."""
 
 
@@ -243,11 +243,13 @@ def link(groups: tuple[Any, ...], *sums: str, laid: Laid | None = None) -> Any:
         return groups
     words, forms = laid or laid_out(groups)
     calls: list[list[tuple[int, int]]] = [[] for _ in SUMS]
+    # A form is hashed part by part each time: once is enough.
+    known = [_addresses.setdefault(form, {}) for form in forms]
     for name in sums:
         for i, g in enumerate(groups):
             code = _code_for(name, type(g))
             if code is not None:
-                calls[ROWS[name]].append((_address_for(code, g, forms[i]), i))
+                calls[ROWS[name]].append((_address_for(code, g, known[i]), i))
     table = np.zeros(len(SUMS) + sum(1 + 2 * len(c) for c in calls) + sum(map(len, words)), dtype=np.int64)
     places = table.size - np.cumsum([len(w) for w in reversed(words)], dtype=np.int64)[::-1]
     for place, word in zip(places, words, strict=True):
@@ -261,12 +263,12 @@ def link(groups: tuple[Any, ...], *sums: str, laid: Laid | None = None) -> Any:
     return table
 
 
-def _address_for(code: str, group: Any, form: Any) -> int:
+def _address_for(code: str, group: Any, of_form: dict[str, int]) -> int:
     """Where the code of a sum is for groups of a form, compiled or loaded now if it was not yet."""
-    if (code, form) not in _addresses:
+    if code not in of_form:
         (kind,) = _kinds_of((group,))
-        _addresses[code, form] = address_of(run_hook, _signature(ROWS[code], kind))
-    return _addresses[code, form]
+        of_form[code] = address_of(run_hook, _signature(ROWS[code], kind))
+    return of_form[code]
 
 
 @intrinsic(prefer_literal=True)

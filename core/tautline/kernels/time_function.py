@@ -288,7 +288,9 @@ def sample_all(functions, numbers, times):
 
 def _sample_written(functions, i, times, out):
     terms = functions.track_to[i] - functions.track_from[i] + functions.wave_to[i] - functions.wave_from[i]
-    if times.size * terms < MANY:
+    if terms == 0:
+        out[:] = 0.0
+    elif times.size * terms < MANY:
         for k, t in enumerate(times.tolist()):
             out[k] = _interpreted(functions, i, t)
     else:

@@ -123,7 +123,10 @@ ROUNDING = 4.0 * np.finfo(float).eps
 
 def _balances(system: System, matrix: Matrix, q: np.ndarray, x: np.ndarray, tolerance: float, worst: int) -> bool:
     """Whether no row's residual is more than the tolerance and rounding; the worst is asked first, for most are not."""
-    limit, size = tolerance * system.scale, np.abs(q)
+    limit = tolerance * system.scale
+    if bool(np.all(np.abs(x) <= limit)):
+        return True  # whatever rounding leaves
+    size = np.abs(q)
     if x.size and abs(x[worst]) > limit[worst] + ROUNDING * size_of_row(matrix, worst, size):
         return False
     return bool(np.all(np.abs(x) <= limit + ROUNDING * (abs(rows_of(matrix)) @ size)))
@@ -156,7 +159,8 @@ def _search(system: System, state: State, step_limit: float, tolerance: float, f
             return nearest._replace(iterations=iteration, loose=True)
         solve_matrix(factors, x)
         # A multiplier is no way gone: it may change as it must.
-        largest = float(np.abs(np.delete(x * lever, system.algebraic)).max(initial=0.0))
+        ways = x * lever if system.algebraic.size == 0 else np.delete(x * lever, system.algebraic)
+        largest = float(np.abs(ways).max(initial=0.0))
         state.q[:] -= x * min(1.0, step_limit / largest) if largest > 0.0 else 0.0
         if shift == 0.0 and system.window.size > 0 and n > 4 * AHEAD:
             _balance_part(system, state, step_limit, tolerance, factors, x)
