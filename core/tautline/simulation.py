@@ -98,12 +98,15 @@ class Brief:
         Whether the limits are.
     batch, work : int
         Frames, and steps, iterations and factorisations, of the first batch.
+    compiled : bool
+        Whether one has come to its end: what others lack, if they differ, is compiled when it is met.
     """
 
     names: frozenset[str] = frozenset()
     limits: bool = True
     batch: int = 1
     work: int = FIRST_WORK
+    compiled: bool = False
 
 
 Afterwards = Callable[[Result], tuple[dict[str, Any], list[str]]]
@@ -160,7 +163,8 @@ def simulate(
     attributes = {} if brief is not None else {**model.attributes, "version": __version__}
     with Store(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
         try:
-            compile_for(run.method, model.system, run.state, announce)
+            if brief is None or not brief.compiled:
+                compile_for(run.method, model.system, run.state, announce)
             if earlier is not None:
                 store.append(earlier, run.memory, run.progress())
             else:
@@ -460,7 +464,7 @@ class Run:
         if result is None:
             return None
         if self.brief is not None and status == "done":
-            self.brief.batch, self.brief.work = self.batch, self.work
+            self.brief.batch, self.brief.work, self.brief.compiled = self.batch, self.work, True
         counters, solver = self.state.counters, self.model.solver
         taken = self.reached / counters[STEPS] if counters[STEPS] else self.step
         attributes: dict[str, Any] = {
