@@ -20,7 +20,7 @@ from tautline.scene.reading.document import Document
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
 from tautline.sweeps.verbs import LIMITS_FAILED, Watch, chosen, names_of, of_run, tables_of
 
-DONE, BAD_INPUT, LOST = "done", "bad input", "worker lost"
+DONE, BAD_INPUT, LOST, FAULT = "done", "bad input", "worker lost", "internal error"
 
 
 @dataclass
@@ -114,6 +114,10 @@ class Runner:
                 row.loop_time = float(stop.result.attributes.get("cpu_time") or 0.0)
         except SceneError as error:
             row.status, row.message = BAD_INPUT, str(error)
+        except Cancelled:
+            raise
+        except Exception as error:  # a fault of the program in one case must not cost the others
+            row.status, row.message = FAULT, " ".join(f"{type(error).__name__}: {error}".split())
         row.wall_time, row.cpu_time = time.perf_counter() - began, time.thread_time() - used
         return row, found
 
