@@ -141,7 +141,7 @@ def test_torque_and_drag_of_a_sweep_are_those_of_the_verb_along_depth():
         assert data["torque"].values[k].tolist() == case.torques.tolist()
 
 
-def test_sobol_indices_of_a_weight_are_those_of_a_product():
+def test_sobol_indices_of_a_weight_are_those_of_a_product(tmp_path):
     # A load at rest pulls with m g. For independent factors the variance of their product is known in closed form.
     scene = hoist(
         0.05, **{"path[0].drum.pay_out": {"constant": 0.0}, "vessel.motion": {}, "rope.mass_per_length": 1e-3}
@@ -150,6 +150,7 @@ def test_sobol_indices_of_a_weight_are_those_of_a_product():
     data = tautline.sweep(
         scene, {MASS: {"uniform": list(masses)}, "gravity[2]": {"uniform": list(gravity)}},
         {"sobol": {"samples": 64, "seed": 4}}, ["max_tension_hook"], indices="sobol", jobs=1,
+        folder=tmp_path / "out",
     )  # fmt: skip
     assert set(data["status"].values) == {"done"}
     weight = data[MASS].values * -data["gravity[2]"].values
@@ -161,3 +162,31 @@ def test_sobol_indices_of_a_weight_are_those_of_a_product():
     assert np.allclose(data["max_tension_hook_first"].values, first, atol=0.02)
     assert np.allclose(data["max_tension_hook_total"].values, 1.0 - first[::-1], atol=0.02)
     assert list(data["parameter"].values) == [MASS, "gravity[2]"]
+    with xarray.open_dataset(tmp_path / "out" / "sweep.nc", engine="h5netcdf") as stored:
+        assert stored["max_tension_hook_first"].equals(data["max_tension_hook_first"])
+    assert len((tmp_path / "out" / "sweep.csv").read_text(encoding="utf8").splitlines()) == 1 + 64 * 4
+
+
+@pytest.mark.parametrize(
+    ("vary", "plan", "expected"),
+    [
+        ({MASS: [4000, 5000, 6000]}, "grid", ["max_tension"]),
+        ({MASS: [4000, 6000], "solver.newton": ["modified", "full"]}, "grid", ["max_tension"]),
+        ({MASS: [4000, 6000], "mesh.elements_per_span": [2, 4]}, "grid", ["max_tension"]),
+        ({MASS: [4000, 6000], PERIOD: [7, 8]}, "one_at_a_time", ["max_tension_tornado"]),
+        ({MASS: [4000, 6000], PERIOD: [7, 8]}, "zip", ["max_tension"]),
+        ({MASS: [4000, 6000], PERIOD: [7, 8], "rope.diameter": ["30 mm", "40 mm"]}, "grid", []),
+    ],
+)
+def test_each_plan_has_its_figure(tmp_path, vary, plan, expected):
+    from tautline.sweeps.figures import draw
+    from tautline.sweeps.file import read_sweep
+    from tautline.sweeps.sweep import run_sweep
+
+    scene = hoist(0.05)
+    read = read_sweep({"scene": "scene", "vary": vary, "plan": plan, "collect": ["max_tension"]})
+    outcome = run_sweep(read, tautline._installed().of(scene), scene, jobs=1)
+    assert set(outcome.data["status"].values.ravel()) == {"done"}, outcome.data["message"].values
+    made = draw(outcome.data, outcome.cases, tmp_path)
+    assert [path.name for path in made] == [f"{name}.png" for name in expected]
+    assert all(path.stat().st_size > 5000 for path in made)

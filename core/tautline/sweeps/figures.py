@@ -179,14 +179,14 @@ def _tornado(data: Any, cases: Cases, name: str) -> Any:
     plot.set_yticks(range(len(spans)), [span[0].key for span in spans])
     plot.grid(axis="y", visible=False)
     plot.set_xlabel(text)
-    _legend_of_ends(plot)
+    _legend_of_ends(plot, values[0])
     return figure
 
 
-def _legend_of_ends(plot: Any) -> None:
+def _legend_of_ends(plot: Any, at: float) -> None:
     """Say what the colours are, by bars of no length."""
     for k, text in enumerate(("smaller value", "larger value")):
-        plot.barh(0, 0.0, color=COLOURS[k], label=text)
+        plot.barh(0, 0.0, left=at, color=COLOURS[k], label=text)
     plot.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
 
 

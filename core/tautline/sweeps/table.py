@@ -131,7 +131,9 @@ def write_csv(data: Any, cases: Cases, path: Path) -> Path:
     heads = heads_of([CASE, *keys_of(cases)], units)
     columns: list[list[Any]] = [list(range(len(cases)))]
     columns += [_cells(cases, one) for one in cases.parameters]
-    for name in ("status", *(name for name in data.data_vars if name not in ("status", "message")), "message"):
+    # Indices are not of cases.
+    of_cases = [name for name, one in data.data_vars.items() if one.dims[: len(cases.dims)] == cases.dims]
+    for name in ("status", *(name for name in of_cases if name not in ("status", "message")), "message"):
         one = data[name]
         unit = f" [{one.attrs['units']}]" if one.attrs.get("units") else ""
         further = one.dims[len(cases.dims) :]
