@@ -34,7 +34,18 @@ from tautline.integrators.statics.relaxation import relax
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
-from tautline.integrators.time_loop import PART, STEP, WORK_LIMIT, Frames, compile_for, new_frames, new_pause, run_steps
+from tautline.integrators.time_loop import (
+    PART,
+    STEP,
+    WORK_LIMIT,
+    Frames,
+    compile_for,
+    frames_of,
+    loop_of,
+    new_frames,
+    new_pause,
+    run_steps,
+)
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import listening
 from tautline.results.balance import ENERGIES, Balance
@@ -87,8 +98,8 @@ Look = Callable[[State, float, Any], None]
 class Brief:
     """How one of many runs is made, of which only some figures are wanted.
 
-    Its result says nothing of the scene, holds no warnings, and cannot be gone on with. The length of batches goes from one run to the next, which is of the same
-    kind: it need not be found anew.
+    Its result says nothing of the scene, holds no warnings, and cannot be gone on with. The length of batches goes from
+    one run to the next, which is of the same kind: it need not be found anew.
 
     Attributes
     ----------
@@ -165,6 +176,8 @@ def simulate(
         try:
             if brief is None or not brief.compiled:
                 compile_for(run.method, model.system, run.state, announce)
+            # The static start asks for a part of what the loop does.
+            model.system.link(loop_of(run.method)[1])
             if earlier is not None:
                 store.append(earlier, run.memory, run.progress())
             else:
@@ -214,6 +227,7 @@ class Run:
         self._starts_far = False
         self.frames = self._room(1)
         self._critical: CriticalStep | None = None
+        self.first: np.ndarray | None = None
         self.unchecked = FRAMES_UNCHECKED
 
     @property
@@ -346,6 +360,9 @@ class Run:
         )  # fmt: skip
         if not np.isfinite(self.frames.rows[0]).all():
             raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
+        if self.brief is not None:
+            self.first = self.frames.rows[:1].copy()
+            return
         self._store(store, self.frames, 1)
 
     def advance(self, store: Store) -> None:
@@ -439,6 +456,9 @@ class Run:
     def _store(self, store: Store, frames: Frames, filled: int, stopped: bool = False) -> None:
         """Store frames, and remember the state unless the run has stopped: then it is no longer that of a frame."""
         part = Frames(*(array[:filled] for array in frames))
+        if self.first is not None:
+            part = frames_of(np.concatenate((self.first, part.rows)), self.model.system.q.size)
+            self.first = None
         stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
         if not stopped and self.brief is None:

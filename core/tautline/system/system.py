@@ -63,8 +63,9 @@ class Degrees:
                 sums[k] = sums.get(k, 0.0) + factor * further
         return [(k, f) for k, f in sums.items() if f != 0.0]
 
-LAID = ("laid out",)
-"""Where a system keeps what its groups were laid out as: no sum is called so."""
+
+LAID, WITHOUT_FRICTION = ("laid out",), "without friction"
+"""Where a system keeps what its groups were laid out as, and the begin of other keys: no sum is called so."""
 
 
 @dataclass
@@ -138,6 +139,11 @@ class System:
     def link(self, sums: tuple[str, ...]) -> Any:
         """The groups as compiled code calls them for some sums; kernels that were never compiled are compiled now."""
         if sums not in self.linked:
+            for known, table in self.linked.items():
+                # What serves more sums serves these: rows that are not asked for are not run.
+                if known is not LAID and known[0] != WITHOUT_FRICTION and set(sums) <= set(known):
+                    self.linked[sums] = table
+                    return table
             if LAID not in self.linked:
                 self.linked[LAID] = laid_out(self.groups)
             self.linked[sums] = link(self.groups, *sums, laid=self.linked[LAID])
@@ -145,7 +151,7 @@ class System:
 
     def link_without_friction(self, sums: tuple[str, ...]) -> Any:
         """The same, of the groups whose damping is no friction."""
-        key = ("without friction", *sums)
+        key = (WITHOUT_FRICTION, *sums)
         if key not in self.linked:
             self.linked[key] = link(without_friction(self.groups), *sums)
         return self.linked[key]
