@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -111,6 +112,9 @@ class Brief:
         Frames, and steps, iterations and factorisations, of the first batch.
     compiled : bool
         Whether one has come to its end: what others lack, if they differ, is compiled when it is met.
+    turn : threading.Lock or None
+        Held by whoever runs it, and free while it is in its compiled loop. Threads that did their Python side by side
+        would take the interpreter from each other at every short kernel, and wait for it.
     """
 
     names: frozenset[str] = frozenset()
@@ -118,6 +122,7 @@ class Brief:
     batch: int = 1
     work: int = FIRST_WORK
     compiled: bool = False
+    turn: Any = None
 
 
 Afterwards = Callable[[Result], tuple[dict[str, Any], list[str]]]
@@ -379,10 +384,11 @@ class Run:
         if not under_way:
             self.at_first, self.since = self._work(), 0.0
         self.pause[WORK_LIMIT] = self._work() + self.work
-        status, filled, reached = run_steps(
-            self.method, system, self.state,
-            self.ends[some], self.steps[some], self.time, self._from(self.waiting), self.pause,
-        )  # fmt: skip
+        with self._turn_of_others():
+            status, filled, reached = run_steps(
+                self.method, system, self.state,
+                self.ends[some], self.steps[some], self.time, self._from(self.waiting), self.pause,
+            )  # fmt: skip
         spent = time.perf_counter() - before
         self.wall += spent
         self.cpu += time.thread_time() - used
@@ -401,6 +407,19 @@ class Run:
         if stopped:
             worst = int(self.state.counters[WORST])
             raise StoppedEarly(Status(status), reached, system.name_of(worst))
+
+    @contextmanager
+    def _turn_of_others(self) -> Iterator[None]:
+        """Let other threads do what is outside of compiled loops meanwhile, one at a time."""
+        turn = None if self.brief is None else self.brief.turn
+        if turn is None:
+            yield
+            return
+        turn.release()
+        try:
+            yield
+        finally:
+            turn.acquire()
 
     def _under_way(self) -> bool:
         """Whether the state is in the middle of a frame: none can go on from there, and frames before it wait."""

@@ -7,6 +7,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -90,6 +91,12 @@ class Runner:
         self.scene = scene if scene is not None else self.application.read(job.document)
         self.cancelled = False
         self._own = threading.local()
+        self._turn: threading.Lock | None = None
+
+    def share(self) -> None:
+        """Have several threads run cases: of a run all but its loop is done by one of them at a time."""
+        if self.job.verb == SIMULATE:
+            self._turn = threading.Lock()
 
     def varied(self, changes: Mapping[str, Any]) -> Any:
         """The scene of a case; raises SceneError."""
@@ -100,7 +107,8 @@ class Runner:
         began, used = time.perf_counter(), time.thread_time()
         row, found = Row(case, DONE, process=os.getpid()), {}
         try:
-            found, row.loop_time = self._found(self.varied(changes))
+            with self._turn or nullcontext():
+                found, row.loop_time = self._found(self.varied(changes))
             kept = chosen(found, self.job.collected)
             row.values = {name: plain(one.value) for name, one in kept.items()}
             # What is told of the columns goes without the values: it is kept, and sent by the workers of a cluster.
@@ -142,6 +150,7 @@ class Runner:
         if known is None:
             names = names_of(self.job.collected)
             known = self._own.brief = Brief(names, not names or LIMITS_FAILED in names)
+        known.turn = self._turn
         return known
 
     def _go_on(self, simulated: float, wall: float) -> None:

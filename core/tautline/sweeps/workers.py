@@ -70,6 +70,7 @@ def in_this_thread(runner: Runner, todo: Todo) -> Iterator[Found]:
 def in_threads(runner: Runner, todo: Todo, jobs: int) -> Iterator[Found]:
     """Run cases on several threads; those that wait are few, however many there are."""
     remaining = iter(todo)
+    runner.share()
     pool = ThreadPoolExecutor(jobs)
     waiting: set[Future[Found]] = set()
     try:
