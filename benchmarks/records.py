@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parent.parent
 START_UP = ROOT / "data" / "records" / "torsional_start_up.csv"
 PAGE = ROOT / "docs" / "records.md"
 BREAK_OFF, TWIST = 5.85930522141777 / (1.0 - 2.0 * (1.0 - torsional_start_up.RATIO)), 27.432806491615665
-"""Published with the curve: torque of all static friction, kN m (least torque by its closed form), and its twist, rad."""
+"""Published with the curve: torque of all static friction, kN m, from their least torque, and its twist, rad."""
 WEAKENING = {"law": "regularised", "slip_velocity": 0.002, "decay_velocity": 0.11}
 """Friction that falls to the kinetic one about the published 1.5 rad/s, at the pipe's surface, m/s."""
 SPANS = ((0.0, 2.0), (2.0, 4.0), (4.0, 8.0), (8.0, 13.0))
@@ -104,12 +104,13 @@ def start_ups(elements: int = 60, step: float = 2e-3) -> list[StartUp]:
     """The published start-up; those of the model, by two friction laws; and the published equations by themselves."""
     time, torque = published()
     found = [features("published", time, torque, None, ())]
-    for name, law in (
-        ("`drillstring`, friction falls at once (default)", {}),
-        ("`drillstring`, friction falls by 1.5 rad/s", WEAKENING),
-    ):
-        scene = tautline.read(torsional_start_up.scene(elements, step, law=law))
-        found.append(compared(tautline.simulate(scene), name, time, torque))
+    scenes = (
+        ("`drillstring`, friction falls at once (default)", torsional_start_up.scene(elements, step)),
+        ("`drillstring`, friction falls by 1.5 rad/s", torsional_start_up.scene(elements, step, law=WEAKENING)),
+        ("`drillstring`, likewise, the well as it lies", torsional_start_up.as_it_lies(elements, step, WEAKENING)),
+    )
+    for name, document in scenes:
+        found.append(compared(tautline.simulate(tautline.read(document)), name, time, torque))
     for name, factor in (
         ("line alone, friction falls by 1.5 rad/s", torsional_reference.faded),
         ("line alone, published friction law", torsional_reference.switched),
@@ -175,13 +176,16 @@ def _rig_part(file: Path | None, found: list[ufrj_rig.Compared], csv: Path | Non
     rows = np.loadtxt(csv, delimiter=",", skiprows=1)
     time, bit = rows[:, 0], rows[:, titles.index("bit_speed")]
     own = ufrj_rig.measured_severity(time, bit)
-    text += f"{time.size} rows over {time[-1] - time[0]:.1f} s. Severity of the measured bit speed over the record: {own:.2f}.\n"
+    text += (
+        f"{time.size} rows over {time[-1] - time[0]:.1f} s. Severity of the measured bit speed over all: {own:.2f}.\n"
+    )
     if not found:
-        return f"{text}\nNo torque and speed of the top were named (--top): the twin's severity from the top is not judged.\n"
+        return f"{text}\nNo torque and speed of the top were named (--top): the twin's severity is not judged.\n"
     lines = [
         (f"{c.time:.1f}", f"{c.measured:.2f}", f"{c.told:.2f}", f"{c.sd:.2f}", f"{c.frequency:.3f}") for c in found
     ]
-    return f"{text}\n{table(['time, s', 'measured at the bit', 'told from the top', 'its deviation', 'frequency, Hz'], lines)}"
+    head = ("time, s", "measured at the bit", "told from the top", "its deviation", "frequency, Hz")
+    return f"{text}\n{table(head, lines)}"
 
 
 def page(found: list[StartUp], rig_text: str) -> str:

@@ -1,8 +1,8 @@
 """The equations of Aarsnes and Shor integrated by themselves: a torsional line with friction along it, nothing else.
 
-It knows nothing of the product's model. Rotary speeds stand at the middle of cells and torques between them, half a time step
-later; friction of a cell takes its motion away, up to what it has. It tells what of a deviation comes from the friction
-law and what from the rest.
+It knows nothing of the product's model. Rotary speeds stand at the middle of cells and torques between them, half a
+time step later; friction of a cell takes its motion away, up to what it has. It tells what of a deviation comes from
+the friction law and what from the rest.
 """
 
 from __future__ import annotations

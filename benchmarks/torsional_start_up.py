@@ -10,6 +10,7 @@ that angle times weight times radius: the factors of the scene are the tangents 
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import asin, exp, pi, radians, sin, tan
 from typing import Any
 
@@ -68,16 +69,18 @@ def scene(
     pipe = pi / 4.0 * (OUTER**2 - INNER**2)
     edges = [0.0, 500.0, *np.arange(500.0 + STRETCH, 1600.1, STRETCH), DEPTH - BHA]
     string: list[dict[str, Any]] = []
-    for top, bottom in zip(edges[:-1], edges[1:], strict=True):
+    for top, bottom in pairwise(edges):
         mass = max(LIGHT, DENSITY * pipe * _mean_sine(top, bottom) / sin(STEEPEST))
         string.append({
             "name": f"pipe at {top:g} m", "length": float(bottom - top), "od": OUTER, "id": INNER,
             "mass_per_length": mass, "shear_modulus": SHEAR_PIPE,
         })  # fmt: skip
     bore = 2.0 * (radius**2 - area / pi) ** 0.5
+    # The program takes the polar moment of the section from its diameters: stiffness and inertia make up for the rest.
+    times_polar = polar / (pi / 32.0 * ((2.0 * radius) ** 4 - bore**4))
     string.append({
-        "name": "assembly", "length": BHA, "od": 2.0 * radius, "id": bore, "second_moment": polar / 2.0,
-        "mass_per_length": DENSITY * area, "shear_modulus": SHEAR_BHA,
+        "name": "assembly", "length": BHA, "od": 2.0 * radius, "id": bore, "mass_per_length": DENSITY * area,
+        "density": DENSITY * times_polar, "shear_modulus": SHEAR_BHA * times_polar,
     })  # fmt: skip
     static, kinetic = (tan(asin(factor)) for factor in (FACTOR, RATIO * FACTOR))
     friction = {"static": static, "kinetic": kinetic} | (law or {})
@@ -103,3 +106,15 @@ def scene(
         "solver": {"method": "generalized-alpha", "rho_inf": 0.5, "step": step, "end": end},
         "output": {"interval": 0.01},
     }  # fmt: skip
+
+
+def as_it_lies(elements: int = 60, step: float = 2e-3, law: dict[str, Any] | None = None) -> dict[str, Any]:
+    """The scene of the well as it lies: its build, tension that presses the string on the wall, masses as they are."""
+    document = scene(elements, step, law=law)
+    pipe = document["string"][0] | {"name": "pipe", "length": DEPTH - BHA}
+    del pipe["mass_per_length"]
+    document["string"] = [pipe, document["string"][-1]]
+    build = {"radius": 1100.0 / STEEPEST, "to": STEEPEST}
+    document["well"] |= {"inclination": 0.0, "sections": [{"hold": 500.0}, {"build": build}, {"hold": 920.0}]}
+    document["well"]["wall"]["friction"] |= {"static": FACTOR, "kinetic": RATIO * FACTOR}
+    return document
