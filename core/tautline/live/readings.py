@@ -2,13 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from tautline.integrators.time_loop import frames_of
 from tautline.live.errors import SimulationError, unknown
 from tautline.system.handles import Output, Parameter
+
+
+class OneFrame(Mapping[str, np.ndarray]):
+    """One of several frames that were observed together: the variables of that frame alone."""
+
+    def __init__(self, observed: Mapping[str, np.ndarray], frame: int) -> None:
+        self._observed, self._part = observed, slice(frame, frame + 1)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self._observed[name][self._part]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._observed)
+
+    def __len__(self) -> int:
+        return len(self._observed)
+
+
+def read_frames(model: Any, outputs: Mapping[str, Output], rows: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:
+    """Outputs of many frames of one model, observed together: what a call costs is paid once for all of them.
+
+    Parameters
+    ----------
+    model : Model
+    outputs : mapping of str to Output
+    rows : (m, width) array
+        Frames, as the loop leaves them.
+    names : sequence of str
+
+    Returns
+    -------
+    list of (m, ...) array
+        For each name.
+    """
+    frames = frames_of(rows, model.system.q.size)
+    vectors = {"q": frames.q, "v": frames.v}
+    wanted = [outputs[name] for name in names]
+    needed = any(one.places is None for one in wanted)
+    observed = model.observe(frames) if needed else {}
+    found = []
+    for one in wanted:
+        if one.places is not None:
+            found.append(vectors[one.places[0]][:, one.places[1]])
+        else:
+            found.append(np.array([one.value(OneFrame(observed, k)) for k in range(len(rows))], float))
+    return found
 
 
 class Outputs(Mapping[str, Any]):
@@ -39,6 +86,11 @@ class Outputs(Mapping[str, Any]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._outputs
+
+    @property
+    def handles(self) -> Mapping[str, Output]:
+        """All that is known of outputs, by name."""
+        return self._outputs
 
     def handle(self, name: str) -> Output:
         """What is known of an output; raises UnknownName."""

@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tautline.live.readings import read_frames
+
 if TYPE_CHECKING:
     from tautline.live.memory import State
     from tautline.live.simulation import Simulation
@@ -90,10 +92,23 @@ class Family:
                 sim.inputs[name] = tuple(state.tolist())
             sim.advance_to(time)
 
+    def frames(self) -> np.ndarray:
+        """Frames (1 + p + b, width) of all, as they stand."""
+        return np.concatenate([sim._frames.rows for sim in self.simulations])
+
     def read(self, names: Sequence[str]) -> list[np.ndarray]:
-        """Outputs of all: one array (1 + p, ...) for each name."""
-        values = [[np.asarray(sim[name], float) for name in names] for sim in self.simulations]
-        return [np.array([row[i] for row in values]) for i in range(len(names))]
+        """Outputs of all: one array (1 + p + b, ...) for each name."""
+        return self.read_frames(self.frames(), names)
+
+    def read_frames(self, frames: np.ndarray, names: Sequence[str]) -> list[np.ndarray]:
+        """Outputs of frames (..., width) of any members: one array (..., shape of the output) for each name.
+
+        What a parameter changes is in the frames: one member's model can observe those of all.
+        """
+        first = self.simulations[0]
+        rows = frames.reshape(-1, frames.shape[-1])
+        found = read_frames(first.model, first.outputs.handles, rows, names)
+        return [one.reshape(*frames.shape[:-1], *one.shape[1:]) for one in found]
 
     def derivatives(self, values: np.ndarray) -> np.ndarray:
         """(..., p + b) of what `read` gave."""

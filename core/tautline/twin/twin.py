@@ -494,21 +494,21 @@ class Twin:
         shift, fresh = (h.mean - h.theta0)[self._seen], self._wild()
         spare.stand(first.states, self.family, shift, apart, late, fresh | self._plain, self._plain)
         kept = deque([Checkpoint(first.time, spare.save())])
-        samples: list[Sample] = []
-        names = [one.name for one in self.plan.measured]
+        rows: list[Logged] = []
+        frames: list[np.ndarray] = []
         reached = first.time
         while True:
             row = next((one for one in self.log if one.time > reached + 1e-12), None)
             if row is None:
                 break
             spare.advance(row.time - self.origin, row.inputs)
-            read = dict(zip(names, spare.read(names), strict=True))
-            y0, J = self._compared(spare, read)
-            samples.append(Sample(row.time, row.y, y0, J, row.use))
+            rows.append(row)
+            frames.append(spare.frames())
             if row.time - kept[-1].time >= CHECKPOINT - 1e-9:
                 kept.append(Checkpoint(row.time, spare.save()))
             reached = row.time
             yield
+        samples = self._samples_of(rows, frames)
         theta0 = h.theta0.copy()
         theta0[p] = spare.at
         # Before the last blow the free motions cannot have any phase.
@@ -525,6 +525,18 @@ class Twin:
         h.replaced(samples, theta0)
         self.family, self.spare = spare, self.family
         self.checkpoints = kept
+
+    def _samples_of(self, rows: Sequence[Logged], frames: Sequence[np.ndarray]) -> list[Sample]:
+        """Samples of rows that the spare family has gone through, of the frames that it left there."""
+        if not rows:
+            return []
+        names = [one.name for one in self.plan.measured]
+        read = self.spare.read_frames(np.array(frames), names)
+        found = []
+        for k, row in enumerate(rows):
+            y0, J = self._compared(self.spare, {name: values[k] for name, values in zip(names, read, strict=True)})
+            found.append(Sample(row.time, row.y, y0, J, row.use))
+        return found
 
     @property
     def _quarter(self) -> float:
