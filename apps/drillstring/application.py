@@ -53,6 +53,12 @@ class Drillstring(Packaged):
             "campbell": Table(campbell.OPTIONS, campbell.read_options, campbell.findings),
         }
 
+    def operation(self, scene: Any) -> Any:
+        """What a twin asks of a rig's work: slips, stands, the bit on and off bottom."""
+        from drillstring.twin.operation import RigOperation
+
+        return RigOperation(scene)
+
     def recognises(self, root: dict[str, Any]) -> bool:
         """A scene with a well or a string is a drill string."""
         return "well" in root or "string" in root

@@ -7,8 +7,9 @@ broomstick plot, from which friction factors are found.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from math import isfinite, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -88,6 +89,15 @@ class Connections:
             self._start = None
         self._was = in_slips
         return ended
+
+    def memory(self) -> dict[str, Any]:
+        """What another process needs to know of the slips under way, for JSON."""
+        return {"start": self._start, "was": self._was}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on with slips that another process saw set."""
+        start = memory["start"]
+        self._start, self._was = None if start is None else (float(start[0]), float(start[1])), memory["was"]
 
 
 class Plateaus:

@@ -8,9 +8,11 @@ load without the string, the largest rotary speed and flow, the noise of each si
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from math import isfinite, nan
+from typing import Any
 
 from drillstring.twin.connections import Connection, Connections, Plateau, Plateaus, Sample
 from drillstring.twin.signals import Noise, Trend
@@ -325,6 +327,31 @@ class RigStates:
     def lost(self) -> list[str]:
         """What cannot be told, for each signal that has not come."""
         return [f"without {name}: {LOST_WITHOUT[name]}" for name in SIGNALS if name not in self._seen]
+
+    def string_weighs(self, weight: float) -> None:
+        """Take notice of what the string adds to the hook load, N, as after a stand was added."""
+        self._hook.with_string = _or(self._hook.without, 0.0) + weight
+
+    def memory(self) -> dict[str, Any]:
+        """What another process needs to go on in the same state, for JSON."""
+        hook = self._hook
+        return {
+            "state": str(self.state), "since": self.since, "in_the_hole": self.in_the_hole, "without": hook.without,
+            "with_string": hook.with_string, "carries": hook.carries, "connection": self._connections.memory(),
+            "largest": [self._turns.largest, self._pumps.largest], "seen": sorted(self._seen),
+        }  # fmt: skip
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from what another process kept; noises and trends are learned anew."""
+        self.state, self.since = RigState(memory["state"]), float(memory["since"])
+        self.in_the_hole, hook = float(memory["in_the_hole"]), self._hook
+        hook.without, hook.with_string = float(memory["without"]), float(memory["with_string"])
+        hook.carries = memory["carries"]
+        self._connections.recall(memory["connection"])
+        self._turns.largest, self._pumps.largest = memory["largest"]
+        self._turns.seen, self._pumps.seen = "rotary_speed" in memory["seen"], "flow" in memory["seen"]
+        self._seen = set(memory["seen"])
+        self._candidate = self.state, self.since
 
     def add(
         self,

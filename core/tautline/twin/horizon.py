@@ -48,13 +48,25 @@ ROUGH = 0.01
 
 @dataclass
 class Sample:
-    """One sample of the window: y, y0 (m,), J (m, k), and which of the m count."""
+    """One sample of the window: y, y0 (m,), J (m, k), which of the m count, and of how many rows each is the mean."""
 
     time: float
     y: np.ndarray
     y0: np.ndarray
     J: np.ndarray
     use: np.ndarray
+    rows: np.ndarray | float = 1.0
+
+
+def mean_of(samples: Sequence[Sample]) -> Sample:
+    """The mean of samples, of each sensor over those that count: what swings about it is no part of it."""
+    use = np.array([one.use & np.isfinite(one.y) for one in samples])
+    rows = use.sum(axis=0)
+    weight = use / np.maximum(rows, 1)
+    y = np.einsum("nm,nm->m", weight, np.where(use, [one.y for one in samples], 0.0))
+    y0 = np.einsum("nm,nm->m", weight, np.array([one.y0 for one in samples]))
+    J = np.einsum("nm,nmk->mk", weight, np.array([one.J for one in samples]))
+    return Sample(samples[-1].time, np.where(rows > 0, y, np.nan), y0, J, rows > 0, np.maximum(rows, 1.0))
 
 
 class Horizon:
@@ -130,6 +142,9 @@ class Horizon:
             self.prior[np.ix_(lasting, lasting)] = known
             self.prior_mean = np.where(self.free, 0.0, self.prior_mean)
             self.mean = np.where(self.free, 0.0, self.mean)
+        else:
+            # What was left unexplained was left by a linearisation elsewhere.
+            self._learned[:] = 0.0
         self.solve()
 
     def cost(self, samples: Sequence[Sample], theta0: np.ndarray, anew: bool) -> float:
@@ -141,7 +156,7 @@ class Horizon:
             Whether free motions are unknown anew in these samples; else they are as far as they are known.
         """
         y, y0, J, use = self._stacked(samples)
-        sd = self.deviations(y0)
+        sd = self._noise(samples, y0)
         weight = np.where(use, 1.0 / sd**2, 0.0)
         lasting = ~self.free
         prior, mean = self.prior, self.prior_mean
@@ -185,6 +200,10 @@ class Horizon:
         guess = np.where(self._variance > 0.0, found, ROUGH * np.abs(y0) + 1e-12)
         return np.where(np.isfinite(given), np.maximum(given, 1e-12), guess)
 
+    def _noise(self, samples: Sequence[Sample], y0: np.ndarray) -> np.ndarray:
+        """Standard deviations of samples (n, m): that of a mean is smaller."""
+        return self.deviations(y0) / np.sqrt(np.array([np.broadcast_to(s.rows, s.y0.shape) for s in samples]))
+
     def _stacked(self, samples: Sequence[Sample]) -> tuple[np.ndarray, ...]:
         y = np.array([s.y for s in samples])
         y0 = np.array([s.y0 for s in samples])
@@ -196,7 +215,7 @@ class Horizon:
         """J' W J and J' W (y - y0 + J theta0) of samples, with the estimate's residuals for the weights."""
         y, y0, J, use = self._stacked(samples)
         residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
-        sd = self.deviations(y0)
+        sd = self._noise(samples, y0)
         # A derivative that scatters is wrong by as much, and what it is multiplied by is not known better than this.
         sd = np.sqrt(sd**2 + np.sum((self.rough * self.deviation) ** 2, axis=-1))
         scale = sd * np.maximum(1.0, np.sqrt(self.spread))
@@ -274,7 +293,7 @@ class Horizon:
         if len(samples) < 8:
             return
         y, y0, J, use = self._stacked(samples)
-        sd = self.deviations(y0)
+        sd = self._noise(samples, y0)
         e = np.where(use, y - y0 - J @ (best - self.theta0), 0.0)
         share = 1.0 / (MEMORY * len(samples))
         for i in range(e.shape[1]):

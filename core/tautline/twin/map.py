@@ -23,6 +23,8 @@ Written = float | str
 """A number, or a text with a unit; it is read when the quantity that it belongs to is known."""
 TIMES_SD = re.compile(r"\s*([0-9.]+(?:[eE][-+]?\d+)?)\s*sd\s*")
 PER_CENT = re.compile(r"\s*([0-9.]+(?:[eE][-+]?\d+)?)\s*%\s*")
+WINDOW = 3.0
+"""Of the estimate, s, where the map gives none and the application's operation none either."""
 OFFSET = "offset "
 """Begins the name of an estimated offset: ``offset winch.tension``."""
 
@@ -30,13 +32,15 @@ OFFSET = "offset "
 class Sensor(Model):
     """A column of the data, and what it is in the scene.
 
-    ``value = scale * (reading - zero)``, both in the unit of the column.
+    ``value = scale * (reading - zero)``, both in the unit of the column. A `signal` is what only the application asks
+    for, to know what the machine is at: the flow of a rig's pumps.
     """
 
     column: str
     unit: str = ""
     input: str | None = None
     output: str | None = None
+    signal: str | None = None
     sd: Written | None = None
     scale: float = 1.0
     zero: Annotated[float | Literal["first"], pydantic.Field(union_mode="left_to_right")] = 0.0
@@ -46,7 +50,7 @@ class Sensor(Model):
 
     @pydantic.model_validator(mode="after")
     def _one_of(self) -> Sensor:
-        if (self.input is None) == (self.output is None):
+        if [self.input, self.output, self.signal].count(None) != 2:
             raise refusal("needs either input or output", "write what the column is in the scene: input: or output:")
         if self.scale == 0.0 or not math.isfinite(self.scale):
             raise refusal("has scale 0", "give the factor by which readings are multiplied, such as -1")
@@ -55,7 +59,7 @@ class Sensor(Model):
     @property
     def name(self) -> str:
         """What it measures in the scene."""
-        return self.input or self.output or ""
+        return self.input or self.output or self.signal or ""
 
 
 class Estimate(Model):
@@ -110,7 +114,7 @@ class TwinMap(Scene):
     sensors: Annotated[list[Sensor], pydantic.Field(min_length=1)]
     time: str = ""
     estimate: tuple[Estimate, ...] = ()
-    window: Seconds = 3.0
+    window: Seconds | None = None
     delay: Wait | None = None
     watch: tuple[Watch, ...] = ()
     keep: tuple[str, ...] = ()
@@ -235,20 +239,22 @@ def driven_by(read: TwinMap) -> list[str]:
     return [sensor.input for sensor in read.sensors if sensor.input is not None]
 
 
-def plan_of(read: TwinMap, names: Names, values: Mapping[str, float]) -> Plan:
+def plan_of(read: TwinMap, names: Names, values: Mapping[str, float], signals: Mapping[str, str] | None = None) -> Plan:
     """Check a map against what the scene has.
 
     Parameters
     ----------
     values : mapping
         Parameters of the scene as it is written, where an estimate says no start.
+    signals : mapping, optional
+        What the application asks for beside inputs and outputs: name -> unit.
 
     Raises
     ------
     SceneError
         Listing every fault with its line, key and cure.
     """
-    reader = _Reader(read, names, dict(values))
+    reader = _Reader(read, names, dict(values), dict(signals or {}))
     plan = reader.plan()
     if reader.problems:
         raise SceneError(reader.problems)
@@ -258,8 +264,8 @@ def plan_of(read: TwinMap, names: Names, values: Mapping[str, float]) -> Plan:
 class _Reader:
     """Turns the texts of a map into numbers, and collects what is wrong."""
 
-    def __init__(self, read: TwinMap, names: Names, values: dict[str, float]) -> None:
-        self.map, self.names, self.values = read, names, values
+    def __init__(self, read: TwinMap, names: Names, values: dict[str, float], signals: dict[str, str]) -> None:
+        self.map, self.names, self.values, self.signals = read, names, values, signals
         self.outputs = names.outputs
         self.problems: list[Problem] = []
 
@@ -299,7 +305,7 @@ class _Reader:
             )
         return Plan(
             channels=[c for c in channels if c], unknowns=[u for u in unknowns if u], alarms=[a for a in alarms if a],
-            keep=list(read.keep), time=read.time, window=read.window, delay=read.delay, lost=read.lost,
+            keep=list(read.keep), time=read.time, window=read.window or WINDOW, delay=read.delay, lost=read.lost,
             forecast_every=read.forecast_every, restrict=read.restrict, run_in=read.run_in, ahead=read.ahead,
         )  # fmt: skip
 
@@ -310,7 +316,7 @@ class _Reader:
 
     def channel(self, i: int, sensor: Sensor) -> Channel | None:
         is_input = sensor.input is not None
-        kinds = {"input": self.names.inputs, "output": self.names.outputs}
+        kinds = {"input": self.names.inputs, "output": self.names.outputs, "signal": self.signals}
         kind = next(one for one in kinds if getattr(sensor, one) is not None)
         known = kinds[kind]
         if not self.known(("sensors", i, kind), kind, sensor.name, known):

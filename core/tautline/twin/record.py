@@ -17,6 +17,7 @@ from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
 from tautline.scene.refusal import nearest
 from tautline.twin.map import Channel, Plan, TwinMap, driven_by, names_of, plan_of
+from tautline.twin.operation import Operation
 
 KINDS = ("stuck", "lost", "bias", "drift", "scale", "clip", "spike")
 """Faults of a sensor."""
@@ -100,9 +101,14 @@ def record(
     StoppedEarly
         Where the simulation stops.
     """
+    from tautline.application.installed import Installed
+
     sim = Simulation(scene, driven_by(map), keep=False)
     names = names_of(sim)
-    plan = plan_of(map, names, {name: sim.parameters[name] for name in names.parameters})
+    own = getattr(Installed().of(sim.scene), "operation", None)
+    operation: Operation | None = own(sim.scene) if own else None
+    signals = operation.signals if operation else {}
+    plan = plan_of(map, names, {name: sim.parameters[name] for name in names.parameters}, signals)
     rng = np.random.default_rng(sensing.seed)
     known = {one.column for one in plan.channels}
     for fault in sensing.faults:
@@ -114,10 +120,10 @@ def record(
         time = k / sensing.rate
         if time > sim.time:
             sim.advance_to(time)
-        earlier.append((time, _values(sim, plan)))
+        earlier.append((time, _values(sim, plan, operation)))
         while len(earlier) > 1 and earlier[1][0] <= time - sensing.delay + 1e-9:
             earlier.popleft()
-        noisy = _noisy(plan.channels, _values(sim, plan), earlier[0][1], sensing, rng)
+        noisy = _noisy(plan.channels, _values(sim, plan, operation), earlier[0][1], sensing, rng)
         readings = {
             one.column: sensing.shown(one.column, time, value / one.scale + one.zero, rng)
             for one, value in zip(plan.channels, noisy, strict=True)
@@ -128,8 +134,16 @@ def record(
             yield stamp, readings
 
 
-def _values(sim: Simulation, plan: Plan) -> np.ndarray:
-    return np.array([float(sim.inputs[c.name]) if c.is_input else float(sim[c.name]) for c in plan.channels])
+def _values(sim: Simulation, plan: Plan, operation: Operation | None) -> np.ndarray:
+    """What sensors without faults would show (c,); NaN for what the scene knows nothing of, such as pumps."""
+    signals = operation.simulated(sim) if operation else {}
+
+    def value(one: Channel) -> float:
+        if one.is_input:
+            return float(sim.inputs[one.name])
+        return float(sim[one.name]) if one.is_output else signals.get(one.name, np.nan)
+
+    return np.array([value(one) for one in plan.channels])
 
 
 def _noisy(

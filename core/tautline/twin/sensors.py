@@ -29,6 +29,8 @@ NOISY = 0.1
 """Noise, over the usual change from value to value, from which on values change at random."""
 ENOUGH = 40
 """Values after which that is judged."""
+GAP = 4.0
+"""Time since the last value, over that before it, that is a gap."""
 ABRUPT = 4.0
 """Change of the step from value to value, over the largest seen, that no motion makes."""
 EDGE = 1e-6
@@ -64,7 +66,7 @@ class Health:
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
         self.mean, self.weight = 0.0, 0.0
-        self._before = np.nan
+        self._before, self._passed = np.nan, np.nan
 
     def check(self, time: float, reading: float) -> float:
         """The value in SI, NaN where it is not to be used.
@@ -81,7 +83,11 @@ class Health:
             if time - since >= self.channel.lost_after:
                 self._set("lost", f"no value of {self.channel.column} since {since:.6g} s")
             return np.nan
-        self.seen = time
+        passed, self.seen = time - self.seen, time
+        if passed > GAP * self._passed:
+            # What was before a gap tells nothing of a motion that stops.
+            self._step, self._same = np.nan, 0
+        self._passed = passed
         if self.fault == "lost":
             self._set("", "")
         low, high = self.channel.low, self.channel.high
@@ -111,8 +117,8 @@ class Health:
         self._values.append(reading)
         self._last = reading
         long = self._same >= SAME and time - self._same_from >= SHORTEST
-        # A slack rope, or a string that stands, shows zero for as long as it likes.
-        if not long or reading == 0.0:
+        # A slack rope, or a string that stands, shows zero for as long as it likes; a depth of the hole is no motion.
+        if not long or reading == 0.0 or not (self.channel.is_input or self.channel.is_output):
             return reading if self.fault != "clipped" else np.nan
         at_edge = np.isfinite(width) and width > 0.0 and (reading <= low + width or reading >= high - width)
         # A ship never stands still to the last digit.

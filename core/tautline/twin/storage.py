@@ -22,7 +22,7 @@ from tautline.twin.horizon import Sample
 if TYPE_CHECKING:
     from tautline.twin.twin import Twin
 
-FORMAT = 1
+FORMAT = 2
 
 
 def save(twin: Twin, path: Path) -> None:
@@ -36,6 +36,7 @@ def save(twin: Twin, path: Path) -> None:
         "zeros": {str(k): v for k, v in twin._zeros.items()}, "rows": twin.rows.memory(),
         "tracks": [one.memory() for one in twin.tracks], "health": [one.memory() for one in twin.health],
         "alarms": twin.alarms.memory(), "blows_due": twin.family._blows_due,
+        "operation": twin.operation.memory() if twin.operation else {}, "paused": twin._paused,
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
@@ -48,6 +49,7 @@ def save(twin: Twin, path: Path) -> None:
         "sample_time": np.array([s.time for s in samples]), "sample_y": np.array([s.y for s in samples]),
         "sample_y0": np.array([s.y0 for s in samples]), "sample_J": np.array([s.J for s in samples]),
         "sample_use": np.array([s.use for s in samples]),
+        "sample_rows": np.array([np.broadcast_to(s.rows, s.y0.shape) for s in samples]),
     }  # fmt: skip
     for name, waves in twin.waves.items():
         arrays[f"waves {name}"] = np.append(np.array(waves._values), [waves._next, waves._time, *waves._state])
@@ -81,6 +83,12 @@ def load(twin: Twin, path: Path) -> float:
         raise ResultError(path, "there is no such file", cure) from None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         raise ResultError(path, "is no state of a twin", cure) from None
+    own = words.get("operation")
+    if twin.operation is not None and own and words.get("unknowns") == [one.name for one in twin.horizon.unknowns]:
+        # What the machine has become meanwhile, such as a string with more stands, is another scene.
+        grown = twin.operation.recall(own)
+        if grown is not None:
+            twin._become(grown)
     mine = twin.family.save()
     same = (
         words["format"] == FORMAT and words["scene"] == mine[0].scene and words["layout"] == mine[0].layout
@@ -107,10 +115,11 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     h._variance, h._alike, h._learned = arrays["variance"], arrays["alike"], arrays["learned"]
     h.prior_time, h.released = (float(x) for x in arrays["numbers"])
     h.samples = deque(
-        Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use")))
+        Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use", "rows")))
         for i in range(len(arrays["sample_time"]))
     )
     twin.origin, twin.now = float(words["origin"]), float(words["now"])
+    twin._paused = bool(words["paused"])
     twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])
     twin._zeros = {int(k): float(v) for k, v in words["zeros"].items()}
     twin.rows.recall(words["rows"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from bisect import bisect_right
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,9 +18,10 @@ from tautline.scene.values.printed import quantity
 from tautline.twin.alarms import Alarms, beyond, bound_said
 from tautline.twin.family import Blow, Family, steps_to
 from tautline.twin.forecast import Forecast, Found, other_speed
-from tautline.twin.horizon import Horizon, Sample
-from tautline.twin.inputs import InputTrack
+from tautline.twin.horizon import Horizon, Sample, mean_of
+from tautline.twin.inputs import SLOW, InputTrack
 from tautline.twin.map import Alarm, Plan, TwinMap, Unknown, driven_by, names_of, plan_of, read_map
+from tautline.twin.operation import Operation
 from tautline.twin.rows import Row, Rows
 from tautline.twin.sensors import Health
 from tautline.twin.waves import Waves
@@ -31,6 +33,10 @@ CHECKPOINT = 0.5
 """How often states are kept, to begin again from, s."""
 CAUGHT_UP = 4
 """Rows of the window that are gone through anew at every sample, while it is linearised elsewhere."""
+OBSERVED = 30
+"""Rows that are observed at a time when a window is gone through anew."""
+CAUGHT_UP_FROM_REST = 12
+"""The same of a window that reaches back to where the machine was at rest."""
 USUAL = 10.0
 """Usual size of a free motion, in blows."""
 WORSE, NOISE = 1.5, 1.0
@@ -44,8 +50,6 @@ FEWEST = 5
 """Rows that are worth going through anew."""
 APART = 0.1
 """How far neighbours are off, over the standard deviation at the start."""
-FINE = 0.01
-"""And at least so much of it: what sticks and slips is not smooth in the small."""
 SWINGING = 0.003
 """How far neighbours are off, over the parameter, where a load may bounce: further off they bounce out of step."""
 LEAST_APART = 1e-4
@@ -74,7 +78,7 @@ class Logged:
     time: float
     inputs: list[tuple[str, np.ndarray]]
     y: np.ndarray
-    use: np.ndarray
+    use: np.ndarray  # which of them can be believed, whatever the simulations do
 
 
 @dataclass
@@ -110,6 +114,8 @@ class Twin:
         self.scene = scene if hasattr(scene, "document") else read(scene)
         self.application = Installed().of(self.scene)
         self.map: TwinMap = map if isinstance(map, TwinMap) else read_map(map)
+        own = getattr(self.application, "operation", None)
+        self.operation: Operation | None = own(self.scene) if own else None
         self.plan = self._planned()
         self._make_simulations()
         plan = self.plan
@@ -135,24 +141,33 @@ class Twin:
         self._restricted: list[dict[str, Any]] = []
         self.notes: list[str] = []
         self._plain = False
+        self._paused = False
+        self._pending: list[Sample] = []
+        self._gathered: list[Sample] = []
+        self._further: dict[str, dict[str, Any]] = {}
         self._slopes: list[deque[np.ndarray]] = []
 
     # -- what it is made of --------------------------------------------------------------------------------------------
 
     def _planned(self) -> Plan:
         """The map, checked against the scene."""
+        signals = self.operation.signals if self.operation else {}
         try:
             first = Simulation(self.scene, driven_by(self.map), keep=False)
         except UnknownName:
             # Told by the line of the map, beside all else that is wrong with it.
             first = Simulation(self.scene, keep=False)
-            plan_of(self.map, names_of(first), {})
+            plan_of(self.map, names_of(first), {}, signals)
             raise
         names = names_of(first)
         self.plan_names = names
-        plan = plan_of(self.map, names, {name: first.parameters[name] for name in names.parameters})
+        plan = plan_of(self.map, names, {name: first.parameters[name] for name in names.parameters}, signals)
         self._first = first
-        self.units = dict(names.outputs)
+        if self.operation is not None:
+            self.operation.built(first)
+            if self.map.window is None:
+                plan = plan.model_copy(update={"window": self.operation.window})
+        self.units = names.outputs | dict(self.operation.outputs if self.operation else {})
         return plan
 
     def _make_simulations(self) -> None:
@@ -190,6 +205,7 @@ class Twin:
         self._read = list(dict.fromkeys([
             *(one.name for one in plan.measured), *(name for name in plan.keep if name in self.plan_names.outputs),
             *(one.target for one in plan.alarms if not one.is_residual and one.target in self.plan_names.outputs),
+            *(self.operation.reads if self.operation else ()),
         ]))  # fmt: skip
 
     def _apart(self, i: int, value: float, width: float) -> float:
@@ -224,6 +240,14 @@ class Twin:
         if np.isfinite(self.now) and row.time <= self.now:
             return None
         values = self._checked(row)
+        use = True
+        if self.operation is not None:
+            guided = self.operation.before(row.time, self._named(values))
+            if guided.paused:
+                return self._wait(row, values)
+            if guided.scene is not None or self._paused:
+                self._go_on(guided.scene)
+            use = guided.use
         inputs = self._inputs(row)
         if not np.isfinite(self.origin) and not self._begin_at(row, inputs):
             return None
@@ -231,7 +255,7 @@ class Twin:
             self._advance(row.time, inputs)
         except StoppedEarly as error:
             self._restart(row, inputs, error)
-        use = self._used(row, values)
+        use = self._used(row, values) & use
         line = self._estimate(row, inputs, values, use)
         self.now = row.time
         self._look_ahead(row, inputs)
@@ -305,6 +329,8 @@ class Twin:
         run_in = 0.0
         for track, (name, state) in zip(self.tracks, inputs, strict=True):
             track.begin(self._input_start[name], row.time)
+            if self.operation is not None and track.channel.zero_first:
+                self._count_anew(track, state)
             run_in = max(run_in, track.joining_from_rest(state, self.plan.run_in))
         begin = self.family.time
         self.origin = row.time - begin - run_in
@@ -316,6 +342,21 @@ class Twin:
             self.unsettled = row.time + SETTLING
         self._keep(row.time)
         return True
+
+    def _count_anew(self, track: InputTrack, state: np.ndarray) -> None:
+        """Let a position count from where the machine begins anew: it takes up its speed on the way there.
+
+        A block that has fetched a stand is elsewhere than it was. Where its motion is under way already, the simulation
+        begins so much before that it reaches the speed by a steady acceleration.
+        """
+        small = abs(state[1]) < SLOW * track.fastest
+        wanted = self._input_start[track.channel.name] + (0.0 if small else 0.5 * state[1] * self.plan.run_in)
+        off = wanted - state[0]
+        state[:] = wanted, 0.0 if small else state[1], 0.0
+        i = track.number
+        self._zeros[i] = self._zeros.get(i, 0.0) - off / track.channel.scale
+        for row in self.rows.past:
+            row.values[i] += off
 
     def _advance(self, time: float, inputs: list[tuple[str, np.ndarray]]) -> None:
         """Go on to a row; a long gap is gone through in pieces, with inputs that come to rest."""
@@ -355,6 +396,44 @@ class Twin:
         while self.log and self.log[0].time <= oldest - 4.0 * CHECKPOINT:
             self.log.popleft()
 
+    # -- the machine apart from its scene ------------------------------------------------------------------------------
+
+    def _wait(self, row: Row, values: np.ndarray) -> dict[str, Any]:
+        """A row while the machine is apart from its scene, such as a string that hangs in slips; its line."""
+        if not self._paused:
+            self._paused = True
+            self._take_in_mean()
+        self._ahead = self._found = None
+        self._relinearise()
+        self._further = {}
+        self.now = row.time
+        self._judge_sensors(row.time)
+        self._judge_operation(row.time)
+        y = np.array([values[i] for i, one in enumerate(self.plan.channels) if one.is_output])
+        return self._line(row, [], y, {}, np.full(len(y), np.nan))
+
+    def _go_on(self, scene: Any) -> None:
+        """Go on from rest after that, with the estimate as it is; a scene is what the machine has become meanwhile."""
+        self._paused = False
+        while self._job is not None:
+            self._relinearise()
+        if scene is not None:
+            self._become(scene)
+        self._rest()
+
+    def _become(self, scene: Any) -> None:
+        """Build the simulations of another scene, begun at the estimate."""
+        self.scene, h = scene, self.horizon
+        self._first = Simulation(scene, driven_by(self.map), keep=False)
+        assert self.operation is not None
+        self.operation.built(self._first)
+        unknowns = [
+            one.model_copy(update={"start": float(np.clip(h.mean[i], one.low, one.high))})
+            for i, one in enumerate(self.plan.unknowns)
+        ]
+        self.plan = self.plan.model_copy(update={"unknowns": unknowns})
+        self._make_simulations()
+
     def _restart(self, row: Row, inputs: list[tuple[str, np.ndarray]], error: StoppedEarly) -> None:
         """Begin again from rest, with the estimate as it is."""
         self.restarts += 1
@@ -362,23 +441,29 @@ class Twin:
         text = f"the simulation stopped: {error}; it was begun again from rest"
         self.alarms.judge("simulation stopped", True, row.time, text)
         self.notes.append(text)
-        at = self.horizon.mean[self._parameters]
-        self.family.stand(
-            self._begin, self._begin_of, np.append(at - self._begin_of.at, np.zeros(len(self.blows))),
-            self._begin_of.apart[: len(at)], self._quarter, np.zeros(len(at), bool),
-        )  # fmt: skip
-        self._job = self._ahead = None
+        self._rest()
         self._found = Found(row.time, stopped=(0.0, name))
-        self.log.clear()
-        self.checkpoints.clear()
-        self.horizon.drop_before(np.inf)
-        self.horizon.theta0[self._parameters] = self.family.at
-        self.origin = np.nan
         try:
             self._begin_at(row, inputs)
         except StoppedEarly as again:
             raise StoppedEarly(again.status, row.time, "the twin, begun again where the sensors are") from again
         self.unsettled = row.time + max(SETTLING, self.plan.window)
+
+    def _rest(self) -> None:
+        """Put the simulations back to rest, with the parameters of the estimate."""
+        h = self.horizon
+        at = np.clip(h.mean, h.low, h.high)[self._parameters]
+        self.family.stand(
+            self._begin, self._begin_of, np.append(at - self._begin_of.at, np.zeros(len(self.blows))),
+            self._begin_of.apart[: len(at)], self._quarter, np.zeros(len(at), bool),
+        )  # fmt: skip
+        self._job = self._ahead = self._found = None
+        self._pending = []
+        self.log.clear()
+        self.checkpoints.clear()
+        h.drop_before(np.inf)
+        h.theta0[self._parameters] = self.family.at
+        self.origin = np.nan
 
     # -- the estimate --------------------------------------------------------------------------------------------------
 
@@ -402,15 +487,69 @@ class Twin:
         read = dict(zip(self._read, self.family.read(self._read), strict=True))
         y = np.array([values[i] for i, one in enumerate(plan.channels) if one.is_output])
         y0, J = self._compared(self.family, read)
-        use = self._compare_units(row.time, y, y0, J, use) & self._tame(J)
+        tells = self._alike(read)
+        believed = self._compare_units(row.time, y, y0, J, use, tells) & self._tame(J)
+        use = believed & tells
         sample = Sample(row.time, np.where(use, y, np.nan), y0, J, use)
         residual, residual_sd = self.horizon.expected(Sample(row.time, y, y0, J, np.isfinite(y)))
-        self.horizon.add(sample)
-        self.log.append(Logged(row.time, inputs, sample.y, use))
+        self._take_in(sample)
+        self.log.append(Logged(row.time, inputs, np.where(believed, y, np.nan), believed))
         self._relinearise()
         outputs = self._outputs(row, read, values)
         self._watch(row.time, outputs, values, residual, residual_sd, use)
+        self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
+
+    def _take_in(self, sample: Sample) -> None:
+        """Add a row to the window: by itself, or with others as their mean."""
+        if self.operation is None:
+            self.horizon.add(sample)
+            return
+        if self._pending and not sample.use.any():
+            self._take_in_mean()
+        if sample.use.any():
+            self._pending.append(sample)
+            if sample.time - self._pending[0].time >= self.operation.mean - 1e-9:
+                self._take_in_mean()
+
+    def _take_in_mean(self) -> None:
+        if len(self._pending) >= FEWEST:
+            self.horizon.add(mean_of(self._pending))
+        self._pending = []
+
+    def _means(self, samples: list[Sample]) -> list[Sample]:
+        """Rows of a window as they are taken in."""
+        if self.operation is None:
+            return samples
+        found: list[Sample] = []
+        begun: list[Sample] = []
+        for one in samples:
+            if one.use.any():
+                begun.append(one)
+            if begun and (not one.use.any() or one.time - begun[0].time >= self.operation.mean - 1e-9):
+                found += [mean_of(begun)] if len(begun) >= FEWEST else []
+                begun = []
+        # What is not whole yet goes on to be gathered.
+        self._gathered = begun
+        return found
+
+    def _alike(self, read: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Of which sensors (m,) the differences of simulations are derivatives: all do what the machine does."""
+        names = [one.name for one in self.plan.measured]
+        return np.ones(len(names), bool) if self.operation is None else self.operation.counts(read, names)
+
+    def _found_by_operation(self, time: float, y: np.ndarray, outputs: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+        """Further estimates, such as the weight on the bit."""
+        if self.operation is None:
+            return {}
+        sd = self.horizon.deviations(np.nan_to_num(y)) * np.sqrt(np.clip(self.horizon.spread, 1.0, 9.0))
+        measured = {
+            one.name: (float(y[m]) if self.health[i].fault == "" else np.nan, float(sd[m]))
+            for m, (i, one) in enumerate((i, one) for i, one in enumerate(self.plan.channels) if one.is_output)
+        }
+        found = self.operation.found(time, measured, outputs)
+        units = self.operation.outputs
+        return {name: {"value": one[0], "sd": one[1], "unit": units[name]} for name, one in found.items()}
 
     def _compared(self, family: Family, read: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Computed values of the sensors (m,), and their derivatives (m, k)."""
@@ -425,8 +564,10 @@ class Twin:
             J[[one.name == self.plan.unknowns[k].target for one in measured], k] = 1.0
         return values[0], J
 
-    def _compare_units(self, time: float, y: np.ndarray, y0: np.ndarray, J: np.ndarray, use: np.ndarray) -> np.ndarray:
-        """Leave out what is in another unit, and follow what drifts."""
+    def _compare_units(
+        self, time: float, y: np.ndarray, y0: np.ndarray, J: np.ndarray, use: np.ndarray, tells: np.ndarray
+    ) -> np.ndarray:
+        """Leave out what is in another unit, and follow what drifts, of sensors (m,) that tell something now."""
         if not len(y):
             return use
         told = y0 + J @ (self.horizon.mean - self.horizon.theta0)
@@ -436,7 +577,7 @@ class Twin:
         settled = self._converged
         for m, i in enumerate(numbers):
             spread = abs(J[m]) @ self.horizon.deviation if self.horizon.unknowns else 0.0
-            if use[m] or self.health[i].fault == "unit":
+            if (use[m] or self.health[i].fault == "unit") and tells[m]:
                 good = self.health[i].compare(time, y[m], told[m], sd[m] + spread, settled and use[m])
                 use[m] = use[m] and (good or self._explained(told[m], y[m], J[m]))
         return use
@@ -467,7 +608,7 @@ class Twin:
             self._job = self._anew()
         if self._job is not None:
             try:
-                for _ in range(CAUGHT_UP):
+                for _ in range(CAUGHT_UP if self.operation is None else CAUGHT_UP_FROM_REST):
                     next(self._job)
             except StopIteration:
                 self._job = None
@@ -486,7 +627,8 @@ class Twin:
         if self.blows:
             widths = [SWINGING * max(abs(h.mean[i]), h.first_sd[i]) for i in p]
         else:
-            widths = [np.clip(3.0 * h.deviation[i], FINE * h.first_sd[i], APART * h.first_sd[i]) for i in p]
+            # What sticks and slips is not smooth in the small.
+            widths = [APART * h.first_sd[i] for i in p]
         apart = np.array([self._apart(i, h.mean[i], width) for i, width in zip(p, widths, strict=True)])
         self._forget(self.log[-1].time)
         first = self.checkpoints[0]
@@ -494,21 +636,26 @@ class Twin:
         shift, fresh = (h.mean - h.theta0)[self._seen], self._wild()
         spare.stand(first.states, self.family, shift, apart, late, fresh | self._plain, self._plain)
         kept = deque([Checkpoint(first.time, spare.save())])
+        samples: list[Sample] = []
         rows: list[Logged] = []
         frames: list[np.ndarray] = []
         reached = first.time
         while True:
-            row = next((one for one in self.log if one.time > reached + 1e-12), None)
-            if row is None:
+            k = bisect_right(self.log, reached + 1e-12, key=lambda one: one.time)
+            if k == len(self.log):
                 break
+            row = self.log[k]
             spare.advance(row.time - self.origin, row.inputs)
             rows.append(row)
             frames.append(spare.frames())
             if row.time - kept[-1].time >= CHECKPOINT - 1e-9:
                 kept.append(Checkpoint(row.time, spare.save()))
             reached = row.time
+            if len(rows) == OBSERVED:
+                samples += self._samples_of(rows, frames)
+                rows, frames = [], []
             yield
-        samples = self._samples_of(rows, frames)
+        samples = self._means(samples + self._samples_of(rows, frames))
         theta0 = h.theta0.copy()
         theta0[p] = spare.at
         # Before the last blow the free motions cannot have any phase.
@@ -522,6 +669,7 @@ class Twin:
         h.drop_before(first.time)
         if spare.trust is not None:
             h.rough[:, p] = spare.rough
+        self._pending = self._gathered if self.operation is not None else []
         h.replaced(samples, theta0)
         self.family, self.spare = spare, self.family
         self.checkpoints = kept
@@ -530,12 +678,14 @@ class Twin:
         """Samples of rows that the spare family has gone through, of the frames that it left there."""
         if not rows:
             return []
-        names = [one.name for one in self.plan.measured]
-        read = self.spare.read_frames(np.array(frames), names)
+        names = [*(one.name for one in self.plan.measured), *(self.operation.reads if self.operation else ())]
+        all_read = dict(zip(names, self.spare.read_frames(np.array(frames), names), strict=True))
         found = []
         for k, row in enumerate(rows):
-            y0, J = self._compared(self.spare, {name: values[k] for name, values in zip(names, read, strict=True)})
-            found.append(Sample(row.time, row.y, y0, J, row.use))
+            read = {name: values[k] for name, values in all_read.items()}
+            y0, J = self._compared(self.spare, read)
+            use = row.use & self._alike(read)
+            found.append(Sample(row.time, np.where(use, row.y, np.nan), y0, J, use))
         return found
 
     @property
@@ -623,6 +773,7 @@ class Twin:
                 self._judge_output(one, time, outputs.get(one.target), measured.get(one.target, np.nan))
         self._judge_sensors(time)
         self._judge_ahead(time)
+        self._judge_operation(time)
         self.alarms.judge("simulation stopped", False, time, "")
 
     def _judge_residual(self, one: Alarm, time: float, r: float, sd: float, use: bool, measured: float) -> None:
@@ -669,6 +820,11 @@ class Twin:
                 text = f"{column} is off by {off} on average lately: the sensor, the weight or friction drifts"
                 self.alarms.judge(f"{column} drifting", health.drifting(alike) and self._converged, time, text)
 
+    def _judge_operation(self, time: float) -> None:
+        """What the application warns of."""
+        for name, holds, text, lasting in self.operation.alarms() if self.operation else ():
+            self.alarms.judge(name, holds, time, text, lasting)
+
     def _judge_ahead(self, time: float) -> None:
         """Where the simulation ahead cannot go on, such as with two blocks together."""
         fresh = self._found is not None and self._fresh(time) and self._converged
@@ -686,7 +842,7 @@ class Twin:
         estimates = {
             one.name: {"value": float(h.mean[k]), "sd": float(h.deviation[k]), "unit": one.unit}
             for k, one in enumerate(plan.unknowns)
-        }
+        } | self._further
         names = [one.name for one in plan.measured]
         shown = list(dict.fromkeys([*names, *plan.keep, *(one.target for one in plan.alarms)]))
         lag = clock.monotonic() - row.arrived if self.rows.live else max(0.0, self.rows._newest - row.time)
@@ -705,6 +861,7 @@ class Twin:
             "not_observable": h.not_observable(),
             "lag": lag,
             "health": self.state_of_health,
+            **(self.operation.told() if self.operation else {}),
         }
 
     @property

@@ -1,0 +1,286 @@
+"""A rig's work as a twin follows it: slips, the string that grows, friction off bottom, weight and torque on bottom.
+
+Hook load and torque show friction while the whole string slides off bottom. In slips the simulation waits. With every
+stand it goes on with a longer string, and what is known of the friction stays. On bottom the bit carries what the hook
+lacks of the load that is computed without it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from math import hypot, nan, sqrt
+from typing import Any
+
+import numpy as np
+
+from drillstring.model.prepared import tubes_of, well_of
+from drillstring.scene.scene import DrillstringScene
+from drillstring.twin.severity import Settings as SeveritySettings
+from drillstring.twin.severity import Severity
+from drillstring.twin.stands import with_stand
+from drillstring.twin.states import IN_THE_SLIPS, RigState, RigStates, Settings
+from drillstring.twin.sticking_limit import sticking_limit
+from drillstring.twin.torsional_line import line_of
+from tautline.twin.operation import Guidance
+
+ASKED = {
+    "block": "m", "hook_load": "N", "rotary_speed": "rad/s", "torque": "N m", "flow": "m^3/s", "bit_depth": "m",
+    "hole_depth": "m",
+}  # fmt: skip
+"""What a rig measures, by the names of its states, and the units."""
+FOUND = {"bit.weight": "N", "bit.torque": "N m", "bit.depth": "m", "bit.stick_slip": ""}
+"""What it finds, and the units."""
+KNOWN_AS = {
+    "top.block": "block", "block_position": "block", "top.hook_load": "hook_load", "hook_load": "hook_load",
+    "top.rotary_speed": "rotary_speed", "top.string_torque": "torque", "surface_torque": "torque",
+    "top.torque": "torque", "drive_torque": "torque", "bit.depth": "bit_depth", "bit_depth": "bit_depth",
+}  # fmt: skip
+"""Names of the scene that are such a signal."""
+STRING_TORQUE = ("top.string_torque", "surface_torque")
+"""Those of the torque in the string, without that of the drive's inertia."""
+OFF_BOTTOM = (
+    RigState.TRIPPING_IN, RigState.TRIPPING_OUT, RigState.ROTATING, RigState.REAMING_DOWN, RigState.REAMING_UP,
+)  # fmt: skip
+"""States in which hook load and torque show the friction."""
+ON_BOTTOM = (RigState.DRILLING, RigState.SLIDING)
+"""States in which they show weight and torque at the bit."""
+STAND = 3.0
+"""Length that counts as a stand, m."""
+STARTING = 1.0
+"""Time at the begin of a motion that does not count, s: when it began is known to the dwell of a state."""
+SLIDES = 0.25
+"""Least speed of any part of the string over the block's, where the whole of it slides. So much may its rotary speed be
+off the rotary table's, over it, where the whole of it turns."""
+SLOWEST, SLOWEST_TURN = 5e-3, 0.1
+"""Speeds of the block m/s and of the rotary rad/s below which nothing is said of sliding."""
+WINDOW = 300.0
+"""Longest time from slips to slips that an estimate looks back over, s."""
+MEAN = 3.0
+"""Time over which weight and torque at the bit are averaged, s."""
+UNEVEN = 0.15
+"""Share of a swing that is left in the mean over a period that is known to so much."""
+STICKING = 0.5
+"""Severity from which on an alarm is raised: the bit's speed swings by half of its mean."""
+SEVERITY_EVERY = 1.0
+"""How often stick-slip is looked for, s."""
+
+
+class RigOperation:
+    """What a twin asks of a rig.
+
+    Parameters
+    ----------
+    scene : DrillstringScene
+        With the bit off bottom.
+
+    Raises
+    ------
+    SceneError
+        As `well_of` and `tubes_of` do.
+
+    Attributes
+    ----------
+    rig : RigStates
+    added : float
+        Pipe added since the begin, m.
+    """
+
+    outputs = FOUND
+    signals = ASKED
+    window, mean = WINDOW, 4.0
+    reads = ("top.block", "top.hook_load", "surface_torque", "bit.depth", "axial_velocity", "rotation_rate")
+
+    def __init__(self, scene: DrillstringScene) -> None:
+        self.scene, self._first = scene, scene
+        self.weight = float(scene.top.weight or 0.0)
+        self.rig = RigStates(Settings(block_weight=self.weight))
+        self.added = 0.0
+        self._connections, self._before = 0, 0
+        self._hook_load = nan
+        self._of_drive = True
+        self._severity: Severity | None = None
+        self._stick_slip: Any = None
+        self._ends: dict[str, Any] = {}
+        self._looked = -np.inf
+        self._lacking: deque[tuple[float, float, float]] = deque()
+        self._weight_on_bit = nan
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        """The string as a spring, and as a line for torsion."""
+        tubes = tubes_of(self.scene, well_of(self.scene).length)
+        self._compliance = sum(tube.length / (tube.youngs_modulus * tube.area) for tube in tubes)
+        line = line_of(self.scene)
+        if self._severity is None:
+            self._severity = Severity(line, SeveritySettings(torque_of_drive=self._of_drive))
+        else:
+            self._severity.line = line
+            self._severity.clear()
+        self._mean_over = max(MEAN, 1.0 / line.frequency)
+
+    def built(self, sim: Any) -> None:
+        """Learn what the string weighs."""
+        self.rig.string_weighs(float(sim["top.hook_load"]))
+
+    # -- a row ---------------------------------------------------------------------------------------------------------
+
+    def before(self, time: float, values: Mapping[str, float]) -> Guidance:
+        """Find the state of the rig, and say how the row is to be taken."""
+        signals = {KNOWN_AS.get(name, name): value for name, value in values.items()}
+        asked = {name: signals.get(name, nan) for name in ASKED}
+        # A rig's hook load has the block's weight in it; that of the scene has not.
+        asked["hook_load"] += self.weight
+        self._hook_load = asked["hook_load"]
+        of_drive = not any(name in values for name in STRING_TORQUE)
+        if of_drive != self._of_drive:
+            self._of_drive, self._severity = of_drive, None
+            self._lay_out()
+        state = self.rig.add(time, **asked)
+        if state in IN_THE_SLIPS:
+            self._lacking.clear()
+            self._stick_slip = None
+            return Guidance(use=False, paused=True)
+        self._look(time, asked)
+        return Guidance(use=state in OFF_BOTTOM and time - self.rig.since >= STARTING, scene=self._longer())
+
+    def _longer(self) -> DrillstringScene | None:
+        """The string that came out of the slips, where it is longer or shorter than before."""
+        new = self.rig.connections[self._connections :]
+        self._connections = len(self.rig.connections)
+        added = sum(one.added for one in new if abs(one.added) >= STAND)
+        return self._grown(added) if added else None
+
+    def _grown(self, added: float) -> DrillstringScene:
+        self.added += added
+        self.scene = with_stand(self.scene, added)
+        self._lay_out()
+        return self.scene
+
+    def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
+        """Which sensors tell of friction: none where parts of the string rest, and the torque where it turns."""
+        around, along = read["rotation_rate"], read["axial_velocity"]
+        turns = np.all(np.abs(around[..., 0]) > SLOWEST_TURN)
+        if turns:
+            tells = np.all(np.abs(around - around[..., :1]) <= SLIDES * np.abs(around[..., :1]))
+        else:
+            slides = np.all(np.abs(along[..., 0]) > SLOWEST)
+            tells = slides and np.all(along * np.sign(along[..., :1]) >= SLIDES * np.abs(along[..., :1]))
+        return np.array([bool(tells and (turns or KNOWN_AS.get(name) != "torque")) for name in sensors])
+
+    def found(
+        self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]]
+    ) -> dict[str, tuple[float, float]]:
+        """Where the bit is; and on bottom its weight and torque: what the hook lacks of what is computed without them.
+
+        The drive has so much more torque. The string is shorter by the weight times its compliance than it is computed.
+        """
+        depth, sd = (float(x) for x in outputs["bit.depth"])
+        if self.rig.state not in ON_BOTTOM:
+            self._lacking.clear()
+            self._weight_on_bit = nan
+            return {"bit.depth": (depth, sd)} | self._swinging()
+        told = self._at_bit(time, measured, outputs)
+        if "bit.weight" in told:
+            self._weight_on_bit, of_weight = told["bit.weight"]
+            depth -= self._weight_on_bit * self._compliance
+            told["bit.depth"] = depth, hypot(sd, of_weight * self._compliance)
+        return told | self._swinging()
+
+    def _at_bit(
+        self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]]
+    ) -> dict[str, tuple[float, float]]:
+        """Weight and torque at the bit: means over a period of the string's torsion, or some seconds."""
+        sensors = {KNOWN_AS[name]: name for name in measured if name in KNOWN_AS}
+        known = {
+            name: (sign, *measured[sensors[kind]], outputs[sensors[kind]])
+            for name, kind, sign in (("bit.weight", "hook_load", -1.0), ("bit.torque", "torque", 1.0))
+            if kind in sensors
+        }
+        self._lacking.append((time, *(
+            known[name][0] * (known[name][1] - float(known[name][3][0])) if name in known else nan
+            for name in ("bit.weight", "bit.torque")
+        )))  # fmt: skip
+        while time - self._lacking[0][0] > self._mean_over:
+            self._lacking.popleft()
+        rows = np.array(self._lacking)
+        told = {}
+        for k, name in enumerate(("bit.weight", "bit.torque"), start=1):
+            values = rows[np.isfinite(rows[:, k]), k]
+            if name not in known or not values.size:
+                continue
+            noise, of_friction = known[name][2], float(known[name][3][1])
+            # What swings goes out of the mean of about a period up to some share.
+            swings = UNEVEN * sqrt(max(0.0, float(values.var()) - noise**2))
+            told[name] = float(values.mean()), sqrt(noise**2 / values.size + swings**2 + of_friction**2)
+        return told
+
+    def simulated(self, sim: Any) -> dict[str, float]:
+        """What a rig would measure of a simulation; of its pumps that knows nothing."""
+        found = {kind: float(sim[name]) for name, kind in KNOWN_AS.items() if name in sim.outputs}
+        found["hook_load"] += self.weight
+        hole = "hole_depth" in sim.outputs
+        return found | {"hole_depth": float(sim["hole_depth"]) if hole else well_of(self.scene).length}
+
+    # -- stick-slip ----------------------------------------------------------------------------------------------------
+
+    def _look(self, time: float, asked: Mapping[str, float]) -> None:
+        """Follow the torque at the surface, while the string turns."""
+        assert self._severity is not None
+        if not abs(asked["rotary_speed"]) > SLOWEST_TURN:
+            self._severity.clear()
+            self._stick_slip, self._ends = None, {}
+            return
+        self._severity.add(time, asked["torque"], asked["rotary_speed"])
+        if time - self._looked >= SEVERITY_EVERY:
+            self._looked = time
+            self._stick_slip = self._severity.stick_slip()
+            drills = self._stick_slip is not None and self.rig.state is RigState.DRILLING
+            self._ends = self._what_ends_it() if drills else {}
+
+    def _swinging(self) -> dict[str, tuple[float, float]]:
+        found = self._stick_slip
+        return {} if found is None else {"bit.stick_slip": (found.severity, found.sd)}
+
+    def told(self) -> dict[str, Any]:
+        """The rig in a line: its state, connections so far, pipe added, what would end stick-slip, what is missing."""
+        rig: dict[str, Any] = {
+            "state": str(self.rig.state), "since": self.rig.since, "added": self.added,
+            "connections": self._before + self._connections, "cannot_be_told": self.rig.lost(),
+        }  # fmt: skip
+        if self._ends:
+            rig["stick_slip_ends"] = self._ends
+        return {"rig": rig}
+
+    def _what_ends_it(self) -> dict[str, Any]:
+        """What would end stick-slip: speed at this weight, weight at this speed, with standard deviations."""
+        assert self._severity is not None
+        if not self._weight_on_bit > 0.0:
+            return {"text": "the weight on the bit is not known"}
+        limit = sticking_limit(self.scene, self._severity.line, self._weight_on_bit, abs(self._stick_slip.mean))
+        if isinstance(limit, str):
+            return {"text": limit}
+        return {
+            "speed": limit.speed_needed, "speed_sd": limit.speed_sd, "weight": limit.weight_allowed,
+            "weight_sd": limit.weight_sd,
+        }  # fmt: skip
+
+    def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
+        """Stick-slip that lasts: what a start of the rotary sets off dies out by itself."""
+        assert self._severity is not None
+        found = self._stick_slip
+        sticks = found is not None and found.severity - found.sd > STICKING
+        text = f"the bit's speed swings by {100.0 * found.severity:.0f} % of its mean" if sticks else ""
+        yield "stick-slip", sticks, text, self._severity.span
+
+    # -- to be kept over a restart -------------------------------------------------------------------------------------
+
+    def memory(self) -> dict[str, Any]:
+        """What a later process needs to go on."""
+        return {"added": self.added, "connections": self._before + self._connections, "rig": self.rig.memory()}
+
+    def recall(self, memory: Mapping[str, Any]) -> DrillstringScene | None:
+        """Go on from what an earlier process kept; gives the string as it had grown."""
+        self.rig.recall(memory["rig"])
+        self._before = int(memory["connections"])
+        return self._grown(float(memory["added"])) if memory["added"] else None

@@ -1,0 +1,92 @@
+"""What an application knows of the work that its machine is at, beside the simulation of it.
+
+A drill string hangs in slips for minutes, gets longer by a stand and goes on. It is on bottom, where the weight on the
+bit is not known, or off bottom, where the hook load shows the friction. The twin asks such an operation of every row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Guidance:
+    """How a row is to be taken.
+
+    Attributes
+    ----------
+    use : bool
+        Whether what is measured says something of what is estimated.
+    paused : bool
+        Whether the machine is apart from its scene, so that the simulation waits. It begins from rest after that.
+    scene : scene or None
+        What the machine has become, such as a string that is a stand longer.
+    """
+
+    use: bool = True
+    paused: bool = False
+    scene: Any = None
+
+
+class Operation(Protocol):
+    """What a twin asks of an application's operation.
+
+    Attributes
+    ----------
+    outputs, signals : mapping
+        Name -> unit: of what it finds, and of what it asks for, beside outputs and inputs of the simulation.
+    reads : sequence of str
+        Outputs of the simulations that `counts` and `found` want.
+    window : float
+        Of the estimate where the map gives none, s: the longest time from one rest to the next.
+    mean : float
+        Time over which rows are averaged before they are compared, s: several periods of what swings in the machine in
+        a phase that nobody knows.
+    """
+
+    outputs: Mapping[str, str]
+    signals: Mapping[str, str]
+    reads: Sequence[str]
+    window: float
+    mean: float
+
+    def built(self, sim: Any) -> None:
+        """Take notice of the simulation that stands for the machine from now on, at its start."""
+
+    def before(self, time: float, values: Mapping[str, float]) -> Guidance:
+        """Take the values of a row in SI, by names of the map, before the simulation goes on to it."""
+
+    def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
+        """Which sensors (m,) tell something: all simulations (n, ...) do then what the machine does."""
+
+    def found(
+        self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]]
+    ) -> dict[str, tuple[float, float]]:
+        """Further estimates of a row: name -> value and standard deviation.
+
+        Parameters
+        ----------
+        measured : mapping
+            Output of a sensor -> value, NaN where it is not believed, and standard deviation.
+        outputs : mapping
+            Computed at the estimate: value and standard deviation; of the sensors' outputs and of `reads`.
+        """
+
+    def simulated(self, sim: Any) -> dict[str, float]:
+        """Signals that a simulation knows, for a record of it."""
+
+    def told(self) -> dict[str, Any]:
+        """Further keys of a line."""
+
+    def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
+        """Further alarms: name, whether it holds, text, and how long it has to hold, s."""
+
+    def memory(self) -> dict[str, Any]:
+        """What a later process needs to go on, for JSON."""
+
+    def recall(self, memory: Mapping[str, Any]) -> Any:
+        """Go on from what an earlier process kept; gives the scene that the machine had become, or None."""

@@ -1,0 +1,204 @@
+"""A rig's twin: friction from connections, weight and torque at the bit, stands, slips, a kill on the way."""
+
+import functools
+
+import numpy as np
+import pytest
+
+import tautline
+from drillstring.twin.records import connections
+from tautline.twin.storage import load, save
+from tautline.twin.twin import Twin
+
+SENSORS = """
+sensors:
+  - {column: block, unit: m, input: top.block, zero: first}
+  - {column: rotary_speed, unit: rad/s, input: top.rotary_speed}
+  - {column: hook_load, unit: N, output: top.hook_load, sd: 1 %}
+  - {column: torque, unit: N m, output: surface_torque, sd: 1 %}
+  - {column: bit_depth, unit: m, signal: bit_depth}
+  - {column: hole_depth, unit: m, signal: hole_depth}
+ahead: 0 s
+"""
+FRICTION = (
+    SENSORS
+    + """
+estimate:
+  - {parameter: wall.friction, start: 0.4, sd: 0.2, range: [0.02, 0.8]}
+  - {parameter: casing.friction, start: 0.1, sd: 0.2, range: [0.02, 0.8]}
+"""
+)
+DRILLED = (
+    SENSORS
+    + """
+estimate:
+  - {parameter: wall.friction, start: 0.2, sd: 0.02, range: [0.02, 0.8]}
+"""
+)
+OPEN, CASED = 0.25, 0.2
+RIGHT = {"wall.friction": OPEN, "casing.friction": CASED}
+
+
+def well(open_hole, cased):
+    """The shipped field well with a casing, and friction factors."""
+    casing = {"shoe": 1200.0, "friction": cased}
+    values = {("well", "wall", "friction"): open_hole, ("well", "wall", "casing"): casing}
+    scene = tautline.read("data/field_well.yaml")
+    return scene.with_values({path: (value, "a test") for path, value in values.items()})
+
+
+@functools.cache
+def record_of_connections(count):
+    """Rows of connections with 1 % noise of hook load and torque: (stamp, readings)."""
+    columns = connections(well(OPEN, CASED), count=count, rate=10)
+    names = [name for name in columns if name != "time"]
+    return [(t, {name: columns[name][i] for name in names}) for i, t in enumerate(columns["time"])]
+
+
+def lines_of(twin, rows):
+    return [line for t, values in rows for line in twin.add(t, values)] + twin.finish()
+
+
+def off(line):
+    """How far friction factors are off, and that in standard deviations."""
+    found = [(line["estimates"][name], right) for name, right in RIGHT.items()]
+    return [abs(one["value"] - right) for one, right in found], [
+        abs(one["value"] - right) / one["sd"] for one, right in found
+    ]
+
+
+@pytest.fixture(scope="module")
+def three():
+    return lines_of(Twin(well(0.4, 0.1), FRICTION), record_of_connections(3))
+
+
+def test_friction_of_cased_and_open_hole_is_found_within_a_hundredth_from_a_wrong_start(three):
+    away, deviations = off(three[-1])
+    assert max(away) < 0.01
+    assert max(deviations) < 2.5
+
+
+def test_friction_is_never_believed_better_than_it_is_known(three):
+    after = [off(line)[1] for line in three if line["rig"]["state"] != "unknown"]
+    assert np.mean(np.max(after, axis=1) < 2.0) > 0.9
+    assert np.max(after) < 4.0
+
+
+def test_the_string_waits_in_slips_and_is_a_stand_longer_after_them(three):
+    in_slips = [line for line in three if line["rig"]["state"] in ("in slips", "connection")]
+    assert len(in_slips) > 1500
+    assert all(line["outputs"] == {} and line["estimates"]["wall.friction"] for line in in_slips)
+    added = [line["rig"]["added"] for line in three]
+    assert added[-1] == pytest.approx(56.0, abs=0.2) and three[-1]["rig"]["connections"] == 2
+    # The string's stretch is all that the bit is deeper than the tally of pipe says.
+    tally = record_of_connections(3)[-1][1]["bit_depth"]
+    assert 0.0 < three[-1]["estimates"]["bit.depth"]["value"] - tally < 2.5
+
+
+def test_rotation_off_bottom_raises_no_alarm(three):
+    assert {alarm["name"] for line in three for alarm in line["alarms"]} == set()
+
+
+@pytest.mark.long
+def test_ten_connections_tell_friction_within_a_hundredth_and_say_how_well():
+    lines = lines_of(Twin(well(0.4, 0.1), FRICTION), record_of_connections(10))
+    away, deviations = off(lines[-1])
+    assert max(away) < 0.01 and max(deviations) < 2.5
+
+
+def test_a_twin_that_was_killed_in_slips_goes_on_with_the_grown_string(tmp_path):
+    rows = record_of_connections(2)
+    twin = Twin(well(0.4, 0.1), FRICTION)
+    # In the second connection, as the stand is being fetched.
+    middle = next(i for i, (t, _) in enumerate(rows) if t > 800.0)
+    lines = lines_of_without_end(twin, rows[:middle])
+    save(twin, tmp_path / "state")
+    again = Twin(well(0.4, 0.1), FRICTION)
+    load(again, tmp_path / "state")
+    assert again.rows.reached == pytest.approx(lines[-1]["time"])
+    through = lines_of(twin, rows[middle:])[-1]
+    resumed = lines_of(again, rows[middle:])[-1]
+    assert resumed["rig"]["added"] == through["rig"]["added"] == pytest.approx(28.0, abs=0.2)
+    for name in RIGHT:
+        one, other = resumed["estimates"][name], through["estimates"][name]
+        assert one["value"] == pytest.approx(other["value"], abs=other["sd"])
+
+
+def test_a_twin_that_was_killed_after_a_stand_goes_on_with_it(tmp_path):
+    rows = record_of_connections(2)
+    twin = Twin(well(0.4, 0.1), FRICTION)
+    middle = next(i for i, (t, _) in enumerate(rows) if t > 895.0)
+    lines_of_without_end(twin, rows[:middle])
+    save(twin, tmp_path / "state")
+    again = Twin(well(0.4, 0.1), FRICTION)
+    load(again, tmp_path / "state")
+    lines = lines_of(again, rows[middle:])
+    assert lines[0]["rig"]["added"] == pytest.approx(28.0, abs=0.2)
+    assert lines[0]["rig"]["connections"] == 1
+    assert max(off(lines[-1])[0]) < 0.01
+
+
+def lines_of_without_end(twin, rows):
+    return [line for t, values in rows for line in twin.add(t, values)]
+
+
+# -- on bottom ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def drilled():
+    """Lines of a string that is drilled with and sticks, and what its bit had at their times: N, N m, m."""
+    sim = tautline.Simulation(tautline.read("data/drilling.yaml"), keep=False)
+    random = np.random.default_rng(1)
+    rows, right = [], {}
+    for k in range(450):
+        if k:
+            sim.advance_to(0.1 * k)
+        noisy = 1.0 + 0.01 * random.standard_normal(2)
+        rows.append((0.1 * k, {
+            "block": sim["top.block"], "rotary_speed": sim["top.rotary_speed"],
+            "hook_load": noisy[0] * sim["top.hook_load"], "torque": noisy[1] * sim["surface_torque"],
+            "bit_depth": sim["bit.depth"], "hole_depth": sim["hole_depth"],
+        }))  # fmt: skip
+        right[round(0.1 * k, 6)] = sim["bit.weight"], sim["bit.torque"], sim["bit.depth"]
+    changes = {("bit", "on_bottom"): False, ("top", "rotation"): 0.0, ("top", "block"): 0.0}
+    scene = tautline.read("data/drilling.yaml").with_values({p: (v, "a test") for p, v in changes.items()})
+    lines = lines_of(Twin(scene, DRILLED), rows)
+    return lines, np.array(list(right.values())), np.array(list(right))
+
+
+@pytest.mark.parametrize(("name", "column", "within"), [("bit.weight", 0, 3e3), ("bit.torque", 1, 400.0)])
+def test_weight_and_torque_at_the_bit_are_those_of_the_run_on_bottom(drilled, name, column, within):
+    lines, right, times = drilled
+    off_by, deviations = [], []
+    for line in lines[100:]:
+        # Both are means over the last period of torsion.
+        near = (times > line["time"] - 4.9) & (times <= line["time"])
+        one = line["estimates"][name]
+        off_by.append(one["value"] - right[near, column].mean())
+        deviations.append(one["sd"])
+    off_by = np.array(off_by)
+    assert np.sqrt(np.mean(off_by**2)) < within
+    assert np.mean(np.abs(off_by) < 2.0 * np.array(deviations)) > 0.9
+
+
+def test_the_bit_is_where_the_run_has_it(drilled):
+    lines, right, times = drilled
+    for line in lines[100::10]:
+        k = int(np.argmin(np.abs(times - line["time"])))
+        one = line["estimates"]["bit.depth"]
+        assert one["value"] == pytest.approx(right[k, 2], abs=0.03)
+
+
+def test_stick_slip_raises_an_alarm_and_is_told_with_what_would_end_it(drilled):
+    line = drilled[0][-1]
+    assert [alarm["name"] for alarm in line["alarms"]] == ["stick-slip"]
+    assert line["rig"]["state"] == "drilling"
+    assert line["estimates"]["bit.stick_slip"]["value"] == pytest.approx(1.0, abs=0.15)
+    ends = line["rig"]["stick_slip_ends"]
+    assert ends["speed"] > 4.0 * np.pi and 0.0 < ends["weight"] < 100e3
+
+
+def test_friction_is_not_estimated_from_what_the_bit_carries(drilled):
+    one = drilled[0][-1]["estimates"]["wall.friction"]
+    assert one["value"] == 0.2 and one["sd"] == pytest.approx(0.02)
