@@ -27,6 +27,8 @@ HISTORY = 400
 """Values that are looked back on."""
 NOISY = 0.1
 """Noise, over the usual change from value to value, from which on values change at random."""
+ROUNDING = 1e-9
+"""Noise, over the largest value seen, that is rounding."""
 ENOUGH = 40
 """Values after which that is judged."""
 GAP = 4.0
@@ -66,7 +68,7 @@ class Health:
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
         self.mean, self.weight = 0.0, 0.0
-        self._before, self._passed = np.nan, np.nan
+        self._before, self._passed, self._largest = np.nan, np.nan, 0.0
 
     def check(self, time: float, reading: float) -> float:
         """The value in SI, NaN where it is not to be used.
@@ -86,7 +88,7 @@ class Health:
         passed, self.seen = time - self.seen, time
         if passed > GAP * self._passed:
             # What was before a gap tells nothing of a motion that stops.
-            self._step, self._same = np.nan, 0
+            self._last = self._step = np.nan
         self._passed = passed
         if self.fault == "lost":
             self._set("", "")
@@ -115,7 +117,7 @@ class Health:
             largest = max(self._changes, default=np.inf) if len(self._changes) >= ENOUGH else np.inf
             self._abrupt = bool(np.isfinite(self._step) and abs(self._step) > ABRUPT * largest)
         self._values.append(reading)
-        self._last = reading
+        self._last, self._largest = reading, max(self._largest, abs(reading))
         long = self._same >= SAME and time - self._same_from >= SHORTEST
         # A slack rope, or a string that stands, shows zero for as long as it likes; a depth of the hole is no motion.
         if not long or reading == 0.0 or not (self.channel.is_input or self.channel.is_output):
@@ -138,7 +140,7 @@ class Health:
         if before.size < ENOUGH:
             return False
         noise = np.median(np.abs(np.diff(before, 5))) / FIFTH
-        return bool(noise > NOISY * np.median(np.abs(np.diff(before))))
+        return bool(noise > max(NOISY * np.median(np.abs(np.diff(before))), ROUNDING * self._largest))
 
     def compare(self, time: float, measured: float, computed: float, sd: float, settled: bool) -> bool:
         """Compare with what is computed; False where the measured value is in another unit."""
