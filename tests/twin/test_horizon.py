@@ -40,7 +40,7 @@ def test_the_estimate_is_that_of_all_data_though_only_a_window_is_kept():
     assert horizon.mean == pytest.approx(mean, abs=0.02)
     # Its own deviation is that of least squares, or larger by what the residuals' likeness tells.
     exact = np.sqrt(np.diag(np.linalg.inv(info)))
-    assert np.all(horizon.deviation >= exact) and np.all(horizon.deviation < 1.6 * exact)
+    assert np.all(horizon.linear_deviation >= exact) and np.all(horizon.linear_deviation < 1.6 * exact)
 
 
 def test_the_truth_lies_within_two_deviations_in_nine_of_ten_trials():
@@ -53,7 +53,7 @@ def test_the_truth_lies_within_two_deviations_in_nine_of_ten_trials():
             noise[k] = 0.6 * noise[k - 1] + 0.2 * rng.standard_normal()
         y = 3.0 + noise
         horizon = fed(Horizon([unknown("a", 6.0, 5.0)], [channel(0.2)], 3.0), t, y, np.ones((100, 1)))
-        within += abs(horizon.mean[0] - 3.0) <= 2.0 * horizon.deviation[0]
+        within += abs(horizon.mean[0] - 3.0) <= 2.0 * horizon.linear_deviation[0]
     assert within >= 54
 
 
@@ -72,8 +72,8 @@ def test_a_random_walk_is_followed():
     truth = 3.0 + np.cumsum(0.02 * np.sqrt(0.1) * rng.standard_normal(600))
     y = truth + 0.05 * rng.standard_normal(600)
     horizon = fed(Horizon([unknown("a", 3.0, 1.0, drift=0.02)], [channel(0.05)], 3.0), t, y, np.ones((600, 1)))
-    assert abs(horizon.mean[0] - truth[-15]) < 3.0 * horizon.deviation[0]
-    assert horizon.deviation[0] > 0.005
+    assert abs(horizon.mean[0] - truth[-15]) < 3.0 * horizon.linear_deviation[0]
+    assert horizon.linear_deviation[0] > 0.005
 
 
 def test_an_estimate_stays_within_its_range():

@@ -42,6 +42,8 @@ UNSURE = 1.25
 """By how much the autocorrelation time of so few residuals may be too short."""
 SHORT = 1.6
 """By how much the sum of autocorrelations of a window is too small."""
+BENT = 0.5
+"""Share of the way from where it was linearised by which an estimate may be wrong."""
 ROUGH = 0.01
 """Standard deviation over the reading where none is given, until residuals tell."""
 
@@ -217,7 +219,7 @@ class Horizon:
         residual = np.where(use, y - y0, 0.0) - J @ (self.mean - self.theta0)
         sd = self._noise(samples, y0)
         # A derivative that scatters is wrong by as much, and what it is multiplied by is not known better than this.
-        sd = np.sqrt(sd**2 + np.sum((self.rough * self.deviation) ** 2, axis=-1))
+        sd = np.sqrt(sd**2 + np.sum((self.rough * self.linear_deviation) ** 2, axis=-1))
         scale = sd * np.maximum(1.0, np.sqrt(self.spread))
         if alone and len(samples) >= 8:
             # What all samples have in common is no outlier.
@@ -319,7 +321,16 @@ class Horizon:
 
     @property
     def deviation(self) -> np.ndarray:
-        """Standard deviations of the estimate (k,)."""
+        """Standard deviations of the estimate (k,), with what it may be off because it was linearised elsewhere."""
+        # The offset of a sensor is added to what is computed, wherever that is.
+        bent = ~self.free & ~np.array([one.is_offset for one in self.unknowns], bool)
+        moved = np.abs(self.mean - self.theta0)[bent] / self.first_sd[bent]
+        off = np.where(bent, BENT * moved.max(initial=0.0) * self.first_sd, 0.0)
+        return np.sqrt(np.diag(self.covariance) + off**2)
+
+    @property
+    def linear_deviation(self) -> np.ndarray:
+        """The same (k,) of a machine that answers to its parameters in proportion."""
         return np.sqrt(np.diag(self.covariance))
 
     def expected(self, sample: Sample) -> tuple[np.ndarray, np.ndarray]:

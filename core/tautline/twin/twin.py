@@ -619,7 +619,7 @@ class Twin:
     def _has_moved(self) -> bool:
         h, p = self.horizon, self._parameters
         moved = np.abs(h.mean - h.theta0)[p]
-        return bool(np.any(moved > np.maximum(MOVED * h.deviation[p], MOVED_FROM_START * h.first_sd[p])))
+        return bool(np.any(moved > np.maximum(MOVED * h.linear_deviation[p], MOVED_FROM_START * h.first_sd[p])))
 
     def _anew(self) -> Iterator[None]:
         """The spare family goes through the window from a state that is extrapolated to the estimate."""
