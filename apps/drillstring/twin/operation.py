@@ -22,6 +22,7 @@ from drillstring.twin.stands import with_stand
 from drillstring.twin.states import IN_THE_SLIPS, RigState, RigStates, Settings
 from drillstring.twin.sticking_limit import sticking_limit
 from drillstring.twin.torsional_line import line_of
+from tautline.scene.errors import SceneError
 from tautline.twin.operation import Guidance
 
 ASKED = {
@@ -120,7 +121,17 @@ class RigOperation:
         self._mean_over = max(MEAN, 1.0 / line.frequency)
 
     def built(self, sim: Any) -> None:
-        """Learn what the string weighs."""
+        """Learn what the string weighs.
+
+        Raises
+        ------
+        SceneError
+            For a bit on bottom.
+        """
+        if self.scene.bit.on_bottom:
+            cause = "begins with the bit on bottom: what it carries would be computed, and not found from the hook load"
+            cure = "write on_bottom: false for a twin; it tells drilling from rotating off bottom by itself"
+            raise SceneError([self.scene.problem("bit.on_bottom", cause, cure)])
         self.rig.string_weighs(float(sim["top.hook_load"]))
 
     # -- a row ---------------------------------------------------------------------------------------------------------

@@ -154,7 +154,7 @@ def _noisy(
     size = np.array([c.sd * (abs(v) if c.relative else 1.0) for c, v in zip(channels, values, strict=True)])
     size = np.where(np.isfinite(size), size, 0.0)
     if sensing.noise > 0.0:
-        measured = np.array([not c.is_input for c in channels])
+        measured = np.array([c.is_output for c in channels])
         size = np.where(measured, sensing.noise * np.abs(values), size)
     return values + size * rng.standard_normal(len(values))
 

@@ -190,3 +190,8 @@ def test_stick_slip_raises_an_alarm_and_is_told_with_what_would_end_it(drilled):
 def test_friction_is_not_estimated_from_what_the_bit_carries(drilled):
     one = drilled[0][-1]["estimates"]["wall.friction"]
     assert one["value"] == 0.2 and one["sd"] == pytest.approx(0.02)
+
+
+def test_a_scene_with_its_bit_on_bottom_is_refused_with_the_cure():
+    with pytest.raises(tautline.TautlineError, match="on_bottom: false"):
+        Twin(tautline.read("data/drilling.yaml"), DRILLED)
