@@ -83,11 +83,13 @@ def calm(end: float) -> Any:
     """A load that is hoisted and lowered again and again in waves, for so long."""
     root = yaml.safe_load(open("data/hoist.yaml"))
     root["rope"]["axial_stiffness"], root["rope"]["damping"] = 8e7, 1e-4
-    times, places = [0.0], [0.0]
+    # Speeds: five metres up and five down, with rests.
+    times, speeds = [0.0], [0.0]
     while times[-1] < end:
-        times += [times[-1] + 20.0, times[-1] + 22.0, times[-1] + 42.0, times[-1] + 44.0]
-        places += [0.0, -0.5, -0.5, 0.0]
-    root["path"][0]["drum"]["pay_out"] = {"table": {"time": times, "value": places}}
+        for speed in (-0.5, 0.5):
+            times += [times[-1] + after for after in (15.0, 17.0, 25.0, 27.0)]
+            speeds += [0.0, speed, speed, 0.0]
+    root["path"][0]["drum"]["pay_out"] = {"table": {"time": times, "value": speeds}}
     root["solver"]["end"] = end
     return root
 
@@ -116,7 +118,8 @@ def hour(length: float) -> None:
         if round(stamp * 10) % 3000 == 0:
             gc.collect()
             memory.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
-            print(f"{stamp:6.0f} s: {memory[-1]:.1f} MB at most, rows {np.median(spent[-3000:]):.1f} ms", file=sys.stderr)
+            middle = np.median(spent[-3000:])
+            print(f"{stamp:6.0f} s: {memory[-1]:.1f} MB at most, rows {middle:.1f} ms", file=sys.stderr)
     quarter = len(off) // 4
     print(f"{length / 3600.0:.2f} h at 10 Hz: alarms {raised or 'none'}; memory {memory[1]:.1f} MB after five minutes, "
           f"{memory[-1]:.1f} MB at the end; weight off by {np.mean(off[:quarter]):.1f} kg in the first quarter, "

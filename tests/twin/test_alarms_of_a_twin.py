@@ -138,3 +138,27 @@ restrict: true
 
     assert largest(0.6 * found["largest"]) < 56e3
     assert largest(1.6 * found["largest"]) > 56e3
+
+
+def test_the_largest_ship_motion_is_that_with_which_the_bound_is_just_not_passed():
+    bounded = (
+        SENSORS
+        + """
+watch:
+  - {output: winch.tension, above: 52.5 kN, ahead: 2 s, name: overload}
+restrict: true
+"""
+    )
+    # The sensors of a ship that has moved for some time, and a load that hangs.
+    lines = lines_of(Twin(hoist(CALM), bounded), rows_of(hoist(CALM), end=32.0))
+    found = next(one for one in lines[-1]["restrict"] if one["name"] == "ship motion")
+    assert found["by"] == "overload" and not found["restrict"]
+
+    def largest(factor):
+        """Of the tension, N, in a run in waves so many times as high, when it no longer knows of its start."""
+        result = tautline.simulate(hoist(CALM, heave=0.5 * factor, end=40.0))
+        return result["tension"][:, 0, 0][result["time"] > 20.0].max()
+
+    assert largest(0.85 * found["largest"]) < 52.5e3
+    # The load bounces now, on top of what the waves do.
+    assert largest(1.3 * found["largest"]) > 52.5e3

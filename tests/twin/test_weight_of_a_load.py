@@ -98,3 +98,31 @@ def test_a_load_that_touches_down_and_is_lifted_off_keeps_its_weight():
         assert found["value"] == pytest.approx(5000.0, rel=0.01)
         assert abs(found["value"] - 5000.0) <= 3.0 * found["sd"]
     assert "irregular" not in alarms(lines)
+
+
+def test_the_winch_may_be_known_by_its_speed():
+    of_place = "{column: winch_pos, unit: m, input: winch.pay_out}"
+    of_speed = "{column: winch_speed, unit: m/min, input: winch.pay_out_speed}"
+    by_speed = NOT_AHEAD.replace(of_place, of_speed).replace("START", "9 t")
+    scene = hoist({"time": [0, 1, 5, 6, 10, 11, 100], "value": [0, -0.2, -1.0, -1.0, -0.5, -0.5, -0.5]})
+    lines = lines_of(weight_twin(scene, "9 t", by_speed), rows_of(scene, end=12.0, map=by_speed))
+    assert at(lines, 11.0)["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
+    assert set(alarms(lines)) <= {"irregular"}
+
+
+def test_a_crane_that_slews_and_luffs_tells_the_weight_of_its_load():
+    root = tautline.read("data/slewing.yaml").replace({"frames[0].luff": {"ramp": {"rate": 0.05, "over": 2.0}}})
+    sensors = """
+sensors:
+  - {column: slew, unit: deg, input: boom.slew}
+  - {column: luff, unit: deg, input: boom.luff}
+  - {column: winch, unit: m, input: winch.pay_out}
+  - {column: rope_tension, unit: kN, output: winch.tension, sd: 1 %}
+estimate:
+  - {parameter: payload.mass, start: 4 t, sd: 2 t, range: [0.2 t, 20 t], drift: 1 kg/s^0.5}
+ahead: 0 s
+"""
+    lines = lines_of(Twin(root, sensors), rows_of(root, end=10.5, map=sensors))
+    one = at(lines, 10.0)["estimates"]["payload.mass"]
+    assert one["value"] == pytest.approx(2000.0, rel=0.01)
+    assert abs(one["value"] - 2000.0) < 2.5 * one["sd"]

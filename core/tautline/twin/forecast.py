@@ -75,7 +75,7 @@ class Forecast:
 
     def run(
         self, begun: float, state: State, parameters: Mapping[str, float], paths: Mapping[str, np.ndarray],
-        bounds: Sequence[Alarm] | None = None,
+        bounds: Sequence[Alarm] | None = None, times: np.ndarray | None = None, judged_after: float = 0.0,
     ) -> Iterator[None]:  # fmt: skip
         """Run ahead; after every piece it can be left. The last is kept in `found`.
 
@@ -83,6 +83,10 @@ class Forecast:
         ----------
         paths : mapping
             Input -> value, rate and second rate (n, 3) at `times`.
+        times : (n,), optional
+            Other times than `times`, at which bounds count however far ahead they are looked for.
+        judged_after : float
+            Time ahead from which on bounds count, s.
         """
         bounds = self.bounds if bounds is None else bounds
         self.found = Found(begun)
@@ -91,7 +95,7 @@ class Forecast:
         for name, value in parameters.items():
             sim.parameters[name] = value
         begin = sim.time
-        for i, after in enumerate(self.times):
+        for i, after in enumerate(self.times if times is None else times):
             for name, path in paths.items():
                 sim.inputs[name] = tuple(path[i].tolist())
             try:
@@ -100,7 +104,8 @@ class Forecast:
                 self.found.stopped = (float(after), error.status.name)
                 return
             for one in bounds:
-                if one.name in self.found.first or after > one.ahead + 1e-9:
+                too_far = times is None and after > one.ahead + 1e-9
+                if one.name in self.found.first or too_far or after < judged_after:
                     continue
                 value = extreme(sim[one.target], one)
                 if value > one.above or value < one.below:
@@ -109,6 +114,7 @@ class Forecast:
 
     def largest(
         self, begun: float, state: State, parameters: Mapping[str, float], paths: Any, bounds: Sequence[Alarm],
+        times: np.ndarray | None = None, judged_after: float = 0.0,
     ) -> Iterator[None]:  # fmt: skip
         """Look for the largest factor of a motion with which no bound is passed; it is kept in `factor`.
 
@@ -121,7 +127,7 @@ class Forecast:
         low, high = 0.0, LARGEST
         for attempt in range(TRIES):
             factor = (0.0, LARGEST)[attempt] if attempt < 2 else 0.5 * (low + high)
-            for _ in self.run(begun, state, parameters, paths(factor), bounds):
+            for _ in self.run(begun, state, parameters, paths(factor), bounds, times, judged_after):
                 yield
                 if self.found.first:
                     break

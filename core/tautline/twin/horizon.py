@@ -149,6 +149,15 @@ class Horizon:
             self._learned[:] = 0.0
         self.solve()
 
+    def begin_again(self) -> None:
+        """Forget all samples, and how well the estimate is known; the estimate is the start of a new one."""
+        self.samples.clear()
+        self.prior_mean = np.where(self.free, 0.0, np.clip(self.mean, self.low, self.high))
+        self.prior = np.diag(1.0 / self.first_sd**2)
+        self.prior_time = np.nan
+        self._learned[:] = 0.0
+        self.mean, self.covariance = self.prior_mean.copy(), np.diag(self.first_sd**2)
+
     def cost(self, samples: Sequence[Sample], theta0: np.ndarray, anew: bool) -> float:
         """Mean square of what a window leaves unexplained, in standard deviations, at its own best estimate.
 

@@ -115,7 +115,9 @@ class Health:
                 self._set("", "")
         if same and self._same == 2:
             largest = max(self._changes, default=np.inf) if len(self._changes) >= ENOUGH else np.inf
-            self._abrupt = bool(np.isfinite(self._step) and abs(self._step) > ABRUPT * largest)
+            # A speed may be held from one sample to the next; a place may not.
+            held = self.channel.is_input and self.channel.unit.endswith("/s")
+            self._abrupt = bool(not held and np.isfinite(self._step) and abs(self._step) > ABRUPT * largest)
         self._values.append(reading)
         self._last, self._largest = reading, max(self._largest, abs(reading))
         long = self._same >= SAME and time - self._same_from >= SHORTEST

@@ -42,6 +42,8 @@ USUAL = 10.0
 WORSE, NOISE = 1.5, 1.0
 """A window gone through anew is taken if what it leaves unexplained is at most so many times what was left before, and
 so much more, in variances of the sensor."""
+FAR_OFF = 0.25
+"""Standard deviations of the start that an estimate has to be away from where it was linearised to begin from rest."""
 WILD = 4.0
 """Size of derivatives over their usual one from which on a neighbour is begun anew."""
 SLOPES = 200
@@ -64,6 +66,9 @@ FRESH = 3.0
 """Forecasts that an answer of one holds good for."""
 RESTRICT_EVERY = 2.0
 """How often the largest speed and heave are looked for, s."""
+REPLAYED, PIECE, INTO = 18.0, 0.125, 6.0
+"""How much of the ship's motion is gone through once more, larger or smaller, in what pieces, and how long it takes to
+go over into it, s: so slowly that the load does not bounce by that."""
 TOLD = {
     "TWO_BLOCKED": "two-blocking ahead", "RUN_OUT": "drum empty ahead", "DRUM_FULL": "drum full ahead",
     "OFF_WHEEL": "rope off its sheave ahead", "SLACK_ON_WHEEL": "slack rope on a sheave ahead",
@@ -140,7 +145,7 @@ class Twin:
         self._next_forecast = self._next_restrict = -np.inf
         self._restricted: list[dict[str, Any]] = []
         self.notes: list[str] = []
-        self._plain = False
+        self._plain = self._from_rest = False
         self._paused = False
         self._pending: list[Sample] = []
         self._gathered: list[Sample] = []
@@ -248,6 +253,9 @@ class Twin:
             if guided.scene is not None or self._paused:
                 self._go_on(guided.scene)
             use = guided.use
+        if self._from_rest:
+            self.horizon.begin_again()
+            self._rest()
         inputs = self._inputs(row)
         if not np.isfinite(self.origin) and not self._begin_at(row, inputs):
             return None
@@ -458,7 +466,7 @@ class Twin:
             self._begin_of.apart[: len(at)], self._quarter, np.zeros(len(at), bool),
         )  # fmt: skip
         self._job = self._ahead = self._found = None
-        self._pending = []
+        self._pending, self._plain, self._from_rest = [], False, False
         self.log.clear()
         self.checkpoints.clear()
         h.drop_before(np.inf)
@@ -663,6 +671,8 @@ class Twin:
         samples = self._unmixed([one for one in samples if one.time >= begin])
         before = [one for one in h.samples if one.time >= begin]
         if not samples or not self._better(samples, theta0, before):
+            # From so far away no state can be extrapolated, neither with the differences nor without: then from rest.
+            self._from_rest = self._plain and bool(np.any(np.abs(h.mean - h.theta0)[p] > FAR_OFF * h.first_sd[p]))
             self._plain = not self._plain
             return
         self._plain = False
@@ -905,23 +915,28 @@ class Twin:
         block = memory.combine(states[0].block, [s.block for s in states[1:]], weights)
         return replace(states[0], block=block), dict(zip(self.family.names, at.tolist(), strict=True))
 
-    def _paths(
-        self, inputs: Mapping[str, np.ndarray], winch: float | None = None, waves: float = 1.0
-    ) -> dict[str, Any]:
-        """Paths of all inputs ahead: with another speed of winches, and another size of the ship's motion."""
+    def _paths(self, inputs: Mapping[str, np.ndarray], winch: float | None = None) -> dict[str, Any]:
+        """Paths of all inputs ahead, with another speed of winches where one is given."""
         assert self.forecast is not None
         times = self.forecast.times
         paths = {}
         for name, state in inputs.items():
             if name in self.waves:
-                ahead = self.waves[name].ahead(times)
-                now = np.stack([state[0] + 0.0 * times, 0.0 * times, 0.0 * times], axis=-1)
-                paths[name] = ahead if waves == 1.0 else now + waves * (ahead - now)
+                paths[name] = self.waves[name].ahead(times)
             elif winch is not None and name.endswith(".pay_out"):
                 paths[name] = other_speed(state, times, winch)
             else:
                 paths[name] = other_speed(state, times, state[1])
         return paths
+
+    def _replayed(self, inputs: Mapping[str, np.ndarray], times: np.ndarray, factor: float) -> dict[str, Any]:
+        """The same with the ship's motion of the last seconds once more, so many times as large."""
+        return {
+            name: self.waves[name].replayed(times, REPLAYED, factor, INTO)
+            if name in self.waves
+            else other_speed(state, times, state[1])
+            for name, state in inputs.items()
+        }
 
     def _run_ahead(self, time: float, inputs: dict[str, np.ndarray]) -> Iterator[None]:
         assert self.forecast is not None
@@ -946,10 +961,11 @@ class Twin:
                 time, state, parameters, lambda f: self._paths(inputs, -f * unit_speed), self.forecast.bounds
             )
             found.append(self._restriction("hoisting speed", self.forecast.factor * unit_speed, now, "m/s"))
-        moved = [name for name in inputs if name in self.waves]
-        if moved:
+        moved = [self.waves[name] for name in inputs if name in self.waves]
+        if moved and all(one.lasting(REPLAYED) for one in moved):
+            times = np.arange(PIECE, REPLAYED + 1e-9, PIECE)
             yield from self.forecast.largest(
-                time, state, parameters, lambda f: self._paths(inputs, waves=f), self.forecast.bounds
+                time, state, parameters, lambda f: self._replayed(inputs, times, f), self.forecast.bounds, times, INTO
             )
             found.append(self._restriction("ship motion", self.forecast.factor, 1.0, ""))
         self._restricted = [one for one in found if one]

@@ -63,8 +63,49 @@ class Waves:
         found = np.stack([spline(times, k) for k in range(3)], axis=-1)
         # What the prediction is off by now fades within a second.
         off = self._state - np.array([spline(0.0, k) for k in range(3)])
-        found[:, 0] += (off[0] + off[1] * times) * np.exp(-times)
+        fades = np.exp(-times)
+        found[:, 0] += (off[0] + off[1] * times) * fades
+        found[:, 1] += (off[1] - off[0] - off[1] * times) * fades
+        found[:, 2] += (off[0] - 2.0 * off[1] + off[1] * times) * fades
         return found
+
+    def lasting(self, span: float) -> bool:
+        """Whether so many seconds of the motion are known."""
+        return len(self._values) * STEP > span + STEP
+
+    def replayed(self, times: np.ndarray, span: float, factor: float, join: float) -> np.ndarray:
+        """The motion of the last seconds once more, times a factor about its mean.
+
+        Parameters
+        ----------
+        times : (n,)
+            Times ahead, up to `span`, s.
+        span : float
+            How much of the motion that was measured, s.
+        factor : float
+            Times its size.
+        join : float
+            Time in which the motion goes over from what it is now, s.
+
+        Returns
+        -------
+        (n, 3)
+            Value, rate and second rate.
+        """
+        from scipy.interpolate import CubicSpline
+
+        from tautline.twin.smoothing import joined
+
+        x = np.array(self._values)
+        begin = self._next - STEP - self._time - STEP * np.arange(len(x))[::-1]
+        spline, mean = CubicSpline(begin + span, x), x.mean()
+
+        def scaled(t: float) -> np.ndarray:
+            now = np.array([spline(t, k) for k in range(3)])
+            return np.array([mean + factor * (now[0] - mean), factor * now[1], factor * now[2]])
+
+        apart = self._state - scaled(0.0)
+        return np.array([scaled(t) + joined(apart, t / join, join) for t in times])
 
     def _fit(self, x: np.ndarray) -> np.ndarray:
         """Coefficients (ORDER,), found anew every few samples."""
