@@ -25,13 +25,14 @@ POLL = 0.05
 """How long a record is waited for at a time, s."""
 PIECE = 0.002
 """How long is looked ahead between two looks at the source, s."""
+MOST_PORT = 65535
 SILENCE = 1.0
 """After how long without records those that wait for others are answered, s."""
 
 
 def twin(
     catalogue: Catalogue, path: Path, map: Path, source: str, output: Path | None, changes: Sequence[str] | None,
-    speed: float | None, resume: Path | None, state: Path | None, as_json: bool, quiet: bool,
+    speed: float | None, resume: Path | None, state: Path | None, serve: str | None, as_json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Run a scene beside the machine.
 
@@ -57,8 +58,9 @@ def twin(
         begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None
         if begin is not None:
             say(f"going on from {begin:.6g} s")
+        page = _page(serve, path, made)
         series = Series(output, made) if output is not None else None
-        _Loop(made, opened, series, state, as_json, quiet).run()
+        _Loop(made, opened, series, page, state, as_json, quiet).run()
     except StoppedEarly as stop:
         say(f"{path}: stopped at {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
         raise Ended(ExitCode.STOPPED_EARLY) from None
@@ -66,11 +68,27 @@ def twin(
         opened.close()
 
 
+def _page(where: str | None, path: Path, made: Twin) -> Any:
+    """The page at a port, or at a host and a port; None where none was asked for."""
+    if where is None:
+        return None
+    from tautline.twin.page.server import Page
+
+    host, _, port = where.rpartition(":")
+    if not port.isdecimal() or int(port) > MOST_PORT:
+        raise option_error("--serve", where, "is no port", "write a number such as 8080, or 0.0.0.0:8080")
+    page = Page(int(port), path.stem, made.units, made.application, host or "127.0.0.1")
+    say(f"the twin is shown at {page.address}")
+    return page
+
+
 class _Loop:
     """Takes records, prints lines, looks ahead while it waits, saves the state."""
 
-    def __init__(self, made: Twin, source: Source, series: Any, state: Path | None, as_json: bool, quiet: bool) -> None:
-        self.twin, self.source, self.series, self.state = made, source, series, state
+    def __init__(
+        self, made: Twin, source: Source, series: Any, page: Any, state: Path | None, as_json: bool, quiet: bool
+    ) -> None:
+        self.twin, self.source, self.series, self.page, self.state = made, source, series, page, state
         self.as_json, self.quiet = as_json, quiet
         self.told: dict[str, float] = {}
         self.begin = self.twin.now
@@ -107,6 +125,9 @@ class _Loop:
                 print_text(json.dumps(finite(line), allow_nan=False) + "\n")
             if self.series is not None:
                 self.series.add(line)
+            if self.page is not None:
+                first = self.twin.family.simulations[0]
+                self.page.publish(finite(line), first.model, first._frames.rows[0])
             self._tell(line)
         now = clock.monotonic()
         if self.state is not None and lines and now - self.saved > SAVE_EVERY:
@@ -140,6 +161,8 @@ class _Loop:
             self._save()
         if self.series is not None:
             self.series.finish(status)
+        if self.page is not None:
+            self.page.close()
         self._summarise()
         if status == "interrupted":
             raise Ended(ExitCode.INTERRUPTED)

@@ -136,6 +136,12 @@ ResumeState = Annotated[
 StateFile = Annotated[
     Path | None, typer.Option("--state", metavar="STATE", help="Keep the state here, every few seconds.")
 ]
+Serve = Annotated[
+    str | None,
+    typer.Option(
+        "--serve", metavar="PORT", help="Show it in a browser; 0: a free port. HOST:PORT to be seen from elsewhere."
+    ),
+]
 Lines = Annotated[bool, typer.Option("--json", help="Print a JSON object a sample on standard output, SI units.")]
 RecordFile = Annotated[Path, typer.Option("-o", "--output", metavar="FILE.csv", help="Where to.")]
 RowRate = Annotated[str, typer.Option("--rate", help="Rows a second.")]
@@ -414,6 +420,7 @@ def twin(
     speed: ReplaySpeed = None,
     resume: ResumeState = None,
     state: StateFile = None,
+    serve: Serve = None,
     as_json: Lines = False,
     quiet: Quiet = False,
 ) -> None:
@@ -421,7 +428,7 @@ def twin(
     from tautline.cli import twin as verb
 
     kept = state or resume
-    verb.twin(context.obj, scene, map, source, output, changes, speed, resume, kept, as_json, quiet)
+    verb.twin(context.obj, scene, map, source, output, changes, speed, resume, kept, serve, as_json, quiet)
 
 
 def record(

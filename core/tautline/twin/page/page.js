@@ -1,0 +1,372 @@
+"use strict";
+// What a twin tells, line by line, in a browser. Numbers arrive in SI; they are shown with a prefix that reads well.
+
+const SPAN = 60, KEPT = 4000;
+const $ = (id) => document.getElementById(id);
+const lines = [];
+let units = {}, shape = null, picture = null, changed = false, trouble = "";
+
+// -- numbers ---------------------------------------------------------------------------------------------------------
+
+const PREFIXED = new Set(["N", "N m", "W", "Pa", "J", "N/m", "N s/m"]);
+
+/** Factor and unit in which a quantity of about this size is read most easily. */
+function readable(size, unit) {
+  if (unit === "kg" && size >= 1000) return [1e-3, "t"];
+  if (unit === "rad/s") return [30 / Math.PI, "rpm"];
+  if (PREFIXED.has(unit) && size >= 1e6) return [1e-6, "M" + unit];
+  if (PREFIXED.has(unit) && size >= 1e3) return [1e-3, "k" + unit];
+  return [1, unit];
+}
+
+/** A number with as many digits as its deviation deserves, or four. */
+function digits(value, sd) {
+  if (sd > 0) return value.toFixed(Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(sd)))));
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-4 || size >= 1e6)) return value.toExponential(3);
+  return value.toFixed(size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : size >= 1 ? 3 : 4);
+}
+
+function said(value, unit, sd = 0) {
+  if (value === null || value === undefined) return "–";
+  if (Array.isArray(value)) return value.map((x) => said(x, "", sd)).join("  ") + (unit ? " " + unit : "");
+  const [factor, shown] = readable(Math.abs(value), unit || "");
+  return digits(factor * value, factor * sd) + (shown ? " " + shown : "");
+}
+
+// -- cards with a trace ------------------------------------------------------------------------------------------------
+
+function element(parent, tag, kind, text) {
+  const made = document.createElement(tag);
+  if (kind) made.className = kind;
+  if (text !== undefined) made.textContent = text;
+  parent.append(made);
+  return made;
+}
+
+const cards = new Map();
+
+function card(section, name, parts) {
+  const key = section + " " + name;
+  if (cards.has(key)) return cards.get(key);
+  const box = element(document.querySelector(`#${section} .cards`), "div", "card");
+  box.dataset.name = name;
+  element(box, "div", "name", name);
+  const row = element(box, "div", "row"), made = { canvas: null };
+  for (const part of parts) made[part] = element(row, "span", part);
+  made.canvas = element(box, "canvas");
+  cards.set(key, made);
+  return made;
+}
+
+function put(node, value, text) {
+  node.textContent = text;
+  node.dataset.value = value === null || value === undefined ? "" : value;
+}
+
+function colour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+/** Canvas of the size it is shown at, cleared; its pen in units of the page. */
+function cleared(canvas) {
+  const ratio = window.devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
+  if (canvas.width !== Math.round(w * ratio) || canvas.height !== Math.round(h * ratio)) {
+    canvas.width = Math.round(w * ratio);
+    canvas.height = Math.round(h * ratio);
+  }
+  const pen = canvas.getContext("2d");
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, w, h);
+  return [pen, w, h];
+}
+
+/** A trace over the last seconds: points, a line, a band about it. */
+function trace(canvas, shown, { points, line, band, unit }) {
+  const [pen, w, h] = cleared(canvas);
+  const end = shown[shown.length - 1].time, begin = end - SPAN, left = 52, bottom = h - 4;
+  let low = Infinity, high = -Infinity;
+  const reach = (v) => { if (v !== null && v !== undefined && isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); } };
+  for (const one of shown) {
+    if (points) reach(points(one));
+    const value = line(one), wide = band ? band(one) : 0;
+    reach(value);
+    if (value !== null && value !== undefined && one.time > end - 0.7 * SPAN) { reach(value - wide); reach(value + wide); }
+  }
+  if (!(low <= high)) return;
+  const least = 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1e-9), room = Math.max(0.08 * (high - low), least);
+  low -= room;
+  high += room;
+  const x = (t) => left + (w - left) * (t - begin) / SPAN, y = (v) => bottom - (bottom - 4) * (v - low) / (high - low);
+  pen.font = "11px system-ui, sans-serif";
+  pen.fillStyle = colour("--soft");
+  pen.strokeStyle = colour("--line");
+  const [factor] = readable(Math.max(Math.abs(low), Math.abs(high)), unit);
+  for (const v of [low + room, high - room]) {
+    pen.beginPath();
+    pen.moveTo(left, y(v));
+    pen.lineTo(w, y(v));
+    pen.stroke();
+    pen.fillText(digits(factor * v, 0.3 * factor * (high - low)), 0, y(v) + 4);
+  }
+  pen.save();
+  pen.beginPath();
+  pen.rect(left, 0, w - left, h);
+  pen.clip();
+  const known = shown.filter((one) => line(one) !== null && line(one) !== undefined);
+  if (band && known.length) {
+    pen.fillStyle = colour("--band");
+    pen.beginPath();
+    for (const one of known) pen.lineTo(x(one.time), y(Math.min(line(one) + band(one), high + (high - low))));
+    for (const one of known.slice().reverse()) pen.lineTo(x(one.time), y(Math.max(line(one) - band(one), low - (high - low))));
+    pen.fill();
+  }
+  if (points) {
+    pen.fillStyle = colour("--measured");
+    for (const one of shown) {
+      const v = points(one);
+      if (v !== null && v !== undefined) pen.fillRect(x(one.time) - 1, y(v) - 1, 2.2, 2.2);
+    }
+  }
+  pen.strokeStyle = colour("--computed");
+  pen.lineWidth = 1.6;
+  pen.beginPath();
+  let before = null;
+  for (const one of known) {
+    if (before === null || one.time - before > 2) pen.moveTo(x(one.time), y(line(one)));
+    else pen.lineTo(x(one.time), y(line(one)));
+    before = one.time;
+  }
+  pen.stroke();
+  pen.restore();
+}
+
+// -- the page ------------------------------------------------------------------------------------------------------------
+
+function show() {
+  const line = lines[lines.length - 1];
+  if (!line) return;
+  const shown = lines.filter((one) => one.time > line.time - SPAN);
+  put($("time"), line.time, line.time.toFixed(1) + " s");
+  put($("lag"), line.lag, line.lag.toFixed(2) + " s");
+  $("health").textContent = trouble || line.health;
+  $("health").dataset.health = trouble ? "none" : line.health;
+  $("state").hidden = !line.rig;
+  if (line.rig) $("state").textContent = line.rig.state + (line.rig.added ? `, ${line.rig.added.toFixed(1)} m added` : "");
+  for (const [name, one] of Object.entries(line.estimates)) {
+    const made = card("estimates", name, ["value", "with"]);
+    const [factor, unit] = readable(Math.abs(one.value), one.unit);
+    put(made.value, one.value, digits(factor * one.value, factor * one.sd) + (unit ? " " + unit : ""));
+    put(made.with, one.sd, "± " + digits(2 * factor * one.sd, 2 * factor * one.sd) + (unit ? " " + unit : ""));
+    const of = (row) => row.estimates[name];
+    trace(made.canvas, shown, { line: (row) => of(row) ? of(row).value : null, band: (row) => 2 * of(row).sd, unit: one.unit });
+  }
+  for (const [name, value] of Object.entries(line.measured)) {
+    const made = card("traces", name, ["measured", "computed"]), computed = line.outputs[name];
+    put(made.measured, value, said(value, units[name]));
+    put(made.computed, computed, said(computed, units[name]));
+    trace(made.canvas, shown, { points: (row) => row.measured[name], line: (row) => row.outputs[name], unit: units[name] || "" });
+  }
+  const others = Object.entries(line.inputs).concat(Object.entries(line.outputs).filter(([name]) => !(name in line.measured)));
+  table(document.querySelector("#others table"), others);
+  alarms(line);
+  list($("unseen"), line.not_observable.map((text) => [text, false]));
+  const ends = line.rig && line.rig.stick_slip_ends;
+  const limits = line.restrict.map((one) => [one.text, one.restrict]);
+  if (ends && ends.text) limits.push(["stick-slip: " + ends.text, false]);
+  if (ends && ends.speed) {
+    limits.push([`stick-slip ends above ${said(ends.speed, "rad/s")}` +
+      (ends.weight ? `, or below ${said(ends.weight, "N")} on the bit` : ""), false]);
+  }
+  $("limits").hidden = !limits.length;
+  list(document.querySelector("#limits ul"), limits);
+}
+
+function table(node, rows) {
+  while (node.rows.length > rows.length) node.deleteRow(-1);
+  rows.forEach(([name, value], k) => {
+    const row = node.rows[k] || node.insertRow();
+    while (row.cells.length < 2) row.insertCell();
+    row.dataset.name = name;
+    row.cells[0].textContent = name;
+    put(row.cells[1], value, said(value, units[name]));
+  });
+}
+
+function list(node, rows) {
+  node.replaceChildren();
+  for (const [text, passed] of rows) element(node, "li", passed ? "passed" : "", text);
+}
+
+function alarms(line) {
+  const node = document.querySelector("#alarms ul");
+  $("alarms").hidden = !line.alarms.length;
+  node.replaceChildren();
+  for (const one of line.alarms) {
+    const row = element(node, "li");
+    row.dataset.name = one.name;
+    element(row, "b", "", one.name);
+    element(row, "span", "", "since " + one.since.toFixed(1) + " s");
+    element(row, "span", "cause", one.text);
+  }
+}
+
+// -- the picture -----------------------------------------------------------------------------------------------------------
+
+const view = { around: 0, up: 0, zoom: 1 };
+let first = null;
+
+function begin() {
+  const [x, y, z] = shape.eye;
+  first = { around: Math.atan2(y, x), up: Math.atan2(z, Math.hypot(x, y)), zoom: 1 };
+  if (!view.moved) Object.assign(view, first);
+}
+
+function rgb(text) {
+  return [1, 3, 5].map((k) => parseInt(text.slice(k, k + 2), 16));
+}
+
+/** Points of all solids and lines on the screen, far ones first. */
+function draw() {
+  const canvas = document.querySelector("#picture canvas");
+  const [pen, w, h] = cleared(canvas);
+  if (!shape || !picture || picture.number !== shape.number) return;
+  const ca = Math.cos(view.around), sa = Math.sin(view.around), cu = Math.cos(view.up), su = Math.sin(view.up);
+  const eye = [ca * cu, sa * cu, su], right = [-sa, ca, 0], over = [-ca * su, -sa * su, cu];
+  const middle = shape.low.map((low, k) => 0.5 * (low + shape.high[k]));
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  // The box of all that there is fills the canvas.
+  let wide = 1e-6, tall = 1e-6;
+  for (let k = 0; k < 8; k++) {
+    const corner = [0, 1, 2].map((axis) => ((k >> axis) & 1 ? shape.high : shape.low)[axis] - middle[axis]);
+    wide = Math.max(wide, Math.abs(dot(corner, right)));
+    tall = Math.max(tall, Math.abs(dot(corner, over)));
+  }
+  const scale = 0.46 * view.zoom * Math.min(w / wide, h / tall);
+  const place = (p) => {
+    const q = [p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]];
+    return [w / 2 + scale * dot(q, right), h / 2 - scale * dot(q, over), dot(q, eye)];
+  };
+  const things = [];
+  let moving = 0;
+  for (const solid of shape.solids) {
+    const m = solid.moves ? picture.poses[moving++] : null;
+    const world = m ? solid.points.map((p) => [0, 4, 8].map((r) => m[r] * p[0] + m[r + 1] * p[1] + m[r + 2] * p[2] + m[r + 3])) : solid.points;
+    const spots = world.map(place), paint = rgb(solid.colour);
+    for (const [a, b, c] of solid.triangles) {
+      const u = [0, 1, 2].map((k) => world[b][k] - world[a][k]), v = [0, 1, 2].map((k) => world[c][k] - world[a][k]);
+      const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+      const facing = dot(n, eye);
+      if (facing <= 0) continue;
+      const light = 0.55 + 0.45 * Math.max(0, (0.35 * n[0] - 0.45 * n[1] + 0.82 * n[2]) / Math.hypot(...n));
+      things.push({ depth: (spots[a][2] + spots[b][2] + spots[c][2]) / 3, corners: [spots[a], spots[b], spots[c]],
+        paint: `rgba(${paint.map((x) => Math.round(light * x)).join(",")},${solid.opacity})` });
+    }
+  }
+  shape.lines.forEach((line, k) => {
+    const spots = picture.lines[k].map(place), thick = Math.min(24, Math.max(line.hollow ? 1 : 1.6, 2 * scale * line.radius));
+    for (let i = 1; i < spots.length; i++) {
+      things.push({ depth: 0.5 * (spots[i - 1][2] + spots[i][2]) + (line.hollow ? -1e3 : 0), ends: [spots[i - 1], spots[i]],
+        paint: line.hollow ? line.colour + "55" : line.colour, thick });
+    }
+  });
+  levels(pen, w, h, place, middle);
+  things.sort((a, b) => a.depth - b.depth);
+  pen.lineCap = "round";
+  for (const one of things) {
+    pen.beginPath();
+    if (one.corners) {
+      one.corners.forEach((p) => pen.lineTo(p[0], p[1]));
+      pen.closePath();
+      pen.fillStyle = pen.strokeStyle = one.paint;
+      pen.lineWidth = 0.6;
+      pen.fill();
+    } else {
+      pen.moveTo(one.ends[0][0], one.ends[0][1]);
+      pen.lineTo(one.ends[1][0], one.ends[1][1]);
+      pen.strokeStyle = one.paint;
+      pen.lineWidth = one.thick;
+    }
+    pen.stroke();
+  }
+  pen.fillStyle = colour("--soft");
+  pen.font = "11px system-ui, sans-serif";
+  pen.fillText(`${(shape.high[2] - shape.low[2]).toFixed(0)} m high`, 8, h - 8);
+}
+
+/** Sea and ground: a square as wide as all else. */
+function levels(pen, w, h, place, middle) {
+  const reach = 0.75 * Math.max(shape.high[0] - shape.low[0], shape.high[1] - shape.low[1], shape.high[2] - shape.low[2]);
+  for (const level of shape.levels) {
+    pen.beginPath();
+    for (const [x, y] of [[-1, -1], [1, -1], [1, 1], [-1, 1]]) {
+      const spot = place([middle[0] + reach * x, middle[1] + reach * y, level.height]);
+      pen.lineTo(spot[0], spot[1]);
+    }
+    pen.fillStyle = level.colour + Math.round(255 * level.opacity).toString(16).padStart(2, "0");
+    pen.fill();
+  }
+}
+
+function turn() {
+  const canvas = document.querySelector("#picture canvas");
+  let from = null;
+  canvas.addEventListener("pointerdown", (e) => { from = [e.clientX, e.clientY]; canvas.setPointerCapture(e.pointerId); });
+  canvas.addEventListener("pointerup", () => { from = null; });
+  canvas.addEventListener("pointermove", (e) => {
+    if (!from) return;
+    view.around -= 0.008 * (e.clientX - from[0]);
+    view.up = Math.max(-1.5, Math.min(1.5, view.up + 0.008 * (e.clientY - from[1])));
+    from = [e.clientX, e.clientY];
+    view.moved = changed = true;
+  });
+  canvas.addEventListener("wheel", (e) => {
+    e.preventDefault();
+    view.zoom = Math.max(0.3, Math.min(40, view.zoom * Math.exp(-0.0012 * e.deltaY)));
+    view.moved = changed = true;
+  }, { passive: false });
+  canvas.addEventListener("dblclick", () => { Object.assign(view, first); view.moved = false; changed = true; });
+}
+
+// -- what comes ------------------------------------------------------------------------------------------------------------
+
+function take(line) {
+  if (lines.length && line.time <= lines[lines.length - 1].time) lines.length = 0;
+  lines.push(line);
+  if (lines.length > KEPT) lines.splice(0, lines.length - KEPT);
+  changed = true;
+}
+
+function listen() {
+  const source = new EventSource("events");
+  const on = (kind, what) => source.addEventListener(kind, (e) => { what(JSON.parse(e.data)); changed = true; });
+  on("about", (about) => { units = about.units; $("title").textContent = document.title = about.title; });
+  on("lines", (all) => { trouble = ""; lines.length = 0; all.forEach(take); });
+  on("line", (line) => { trouble = ""; take(line); });
+  on("shape", (made) => { shape = made; begin(); $("notes").textContent = made.notes.join("; "); });
+  on("picture", (made) => { picture = made; });
+  on("ended", () => { source.close(); lost("the data have ended"); });
+  source.onerror = () => lost("no connection to the twin");
+}
+
+/** Say that nothing comes any more; what came last stays on the page. */
+function lost(text) {
+  trouble = text;
+  $("health").textContent = text;
+  $("health").dataset.health = "none";
+}
+
+function paint() {
+  if (changed) {
+    changed = false;
+    show();
+    draw();
+  }
+  window.requestAnimationFrame(paint);
+}
+
+$("span").textContent = SPAN;
+window.addEventListener("resize", () => { changed = true; });
+turn();
+listen();
+paint();

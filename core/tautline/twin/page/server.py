@@ -1,0 +1,200 @@
+"""The server of the page: lines of the twin go to every browser that looks, as events (server-sent events).
+
+It runs in a thread of its own. The twin hands lines over and never waits: a browser that does not read loses the oldest
+lines, and what nobody looks at is not drawn. One who comes late gets the last minutes at once.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+import threading
+from collections import deque
+from collections.abc import AsyncIterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tautline.scene.errors import option_error
+from tautline.twin.page.picture import Picture
+
+HERE = Path(__file__).parent
+FILES = {"/": ("page.html", "text/html"), "/page.js": ("page.js", "text/javascript"),
+         "/page.css": ("page.css", "text/css")}  # fmt: skip
+LATEST = 3000
+"""Lines that are kept for those who come late."""
+WAITING = 400
+"""Lines that wait for a browser before the oldest are left out."""
+DRAWN_EVERY = 0.5
+"""Time between two pictures, s."""
+STARTS_WITHIN = 10.0
+"""How long the server may take to start, s."""
+
+
+class Page:
+    """A page that shows a twin.
+
+    Parameters
+    ----------
+    port : int
+        0 for a free one; the one taken is in ``port``.
+    title : str
+    units : mapping
+        Name -> unit of what lines hold.
+    application : Application
+        Says what the machine looks like.
+    host : str
+        Address that is listened at; by default nobody can see it from another computer.
+
+    Raises
+    ------
+    SceneError
+        Where the port is taken, and where what serves pages is not installed.
+    """
+
+    def __init__(
+        self, port: int, title: str, units: Mapping[str, str], application: Any, host: str = "127.0.0.1"
+    ) -> None:
+        try:
+            import uvicorn
+        except ImportError:
+            cure = "pip install 'tautline[live]'"
+            raise option_error("--serve", str(port), "needs starlette and uvicorn", cure) from None
+        self.title, self.units = title, dict(units)
+        self.host, self._socket = host, _bound(host, port)
+        self.port = int(self._socket.getsockname()[1])
+        self._picture = Picture(application)
+        self._lines: deque[str] = deque(maxlen=LATEST)
+        self._watching: set[asyncio.Queue[tuple[str, str]]] = set()
+        self._newest: tuple[Any, np.ndarray] | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        # Neither logging nor signals of the process are touched.
+        config = uvicorn.Config(self._app(), log_config=None, access_log=False, lifespan="off", loop="asyncio",
+                                timeout_graceful_shutdown=1)  # fmt: skip
+        self._server = uvicorn.Server(config)
+        self._up = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="page of the twin", daemon=True)
+        self._thread.start()
+        self._up.wait(STARTS_WITHIN)
+
+    @property
+    def address(self) -> str:
+        """Where a browser finds it."""
+        return f"http://{self.host}:{self.port}"
+
+    def publish(self, line: Mapping[str, Any], model: Any = None, row: np.ndarray | None = None) -> None:
+        """Hand a line over, and the frame that it belongs to; returns at once.
+
+        Parameters
+        ----------
+        line : mapping
+            As the twin tells it; what is not finite is None.
+        model, row : Model, (width,) array
+            Of the simulation and its frame, which is copied.
+        """
+        text = json.dumps(line, allow_nan=False)
+        self._lines.append(text)
+        if model is not None and row is not None:
+            self._newest = model, row.copy()
+        if self._loop is not None and self._watching:
+            self._loop.call_soon_threadsafe(self._send, "line", text)
+
+    def close(self) -> None:
+        """End the server; browsers are told that it has ended."""
+        if self._loop is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._send, "ended", "{}")
+        self._server.should_exit = True
+        self._thread.join(5.0)
+        self._socket.close()
+
+    # -- in the server's thread ----------------------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        async def serve() -> None:
+            self._loop = asyncio.get_running_loop()
+            drawing = asyncio.create_task(self._draw())
+            self._up.set()
+            await self._server.serve(sockets=[self._socket])
+            drawing.cancel()
+
+        asyncio.run(serve())
+
+    def _send(self, kind: str, text: str) -> None:
+        """Give every browser an event; one that does not read loses its oldest."""
+        for queue in self._watching:
+            if queue.full():
+                queue.get_nowait()
+            queue.put_nowait((kind, text))
+
+    async def _draw(self) -> None:
+        """Draw the newest frame again and again, while somebody looks."""
+        loop, drawn, told = asyncio.get_running_loop(), None, 0
+        while True:
+            await asyncio.sleep(DRAWN_EVERY)
+            newest = self._newest
+            if not self._watching or newest is None or newest is drawn:
+                continue
+            drawn = newest
+            picture = await loop.run_in_executor(None, self._picture.of, *newest)
+            if picture["number"] != told:
+                told = picture["number"]
+                self._send("shape", json.dumps(self._picture.shape))
+            self._send("picture", json.dumps(picture))
+
+    async def _events(self) -> AsyncIterator[str]:
+        """What one browser gets: all that is known, and then what comes."""
+        queue: asyncio.Queue[tuple[str, str]] = asyncio.Queue(WAITING)
+        about = {"title": self.title, "units": self.units}
+        yield _event("about", json.dumps(about))
+        yield _event("lines", "[" + ",".join(list(self._lines)) + "]")
+        if self._picture.shape:
+            yield _event("shape", json.dumps(self._picture.shape))
+        self._watching.add(queue)
+        try:
+            while not (self._server.should_exit and queue.empty()):
+                try:
+                    kind, text = await asyncio.wait_for(queue.get(), 1.0)
+                except TimeoutError:
+                    # A word now and then tells the browser that the server lives, and the server that the browser does.
+                    yield ": still here\n\n"
+                    continue
+                yield _event(kind, text)
+        finally:
+            self._watching.discard(queue)
+
+    def _app(self) -> Any:
+        from starlette.applications import Starlette
+        from starlette.responses import Response, StreamingResponse
+        from starlette.routing import Route
+
+        async def events(_request: Any) -> StreamingResponse:
+            headers = {"Cache-Control": "no-store"}
+            return StreamingResponse(self._events(), media_type="text/event-stream", headers=headers)
+
+        async def file(request: Any) -> Response:
+            name, kind = FILES[request.url.path]
+            # Nothing but what comes from here is run or asked for.
+            rules = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:"
+            headers = {"Content-Security-Policy": rules, "Cache-Control": "no-store"}
+            return Response((HERE / name).read_bytes(), media_type=kind, headers=headers)
+
+        return Starlette(routes=[*(Route(path, file) for path in FILES), Route("/events", events)])
+
+
+def _event(kind: str, text: str) -> str:
+    return f"event: {kind}\ndata: {text}\n\n"
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    """A socket at a port; raises SceneError where it is taken."""
+    made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        made.bind((host, port))
+    except (OSError, OverflowError) as error:
+        made.close()
+        cause = f"cannot be listened at on {host}: {getattr(error, 'strerror', None) or error}"
+        raise option_error("--serve", str(port), cause, "give another port, or 0 for a free one") from None
+    return made
