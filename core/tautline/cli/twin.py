@@ -77,7 +77,8 @@ def _page(where: str | None, path: Path, made: Twin) -> Any:
     host, _, port = where.rpartition(":")
     if not port.isdecimal() or int(port) > MOST_PORT:
         raise option_error("--serve", where, "is no port", "write a number such as 8080, or 0.0.0.0:8080")
-    page = Page(int(port), path.stem, made.units, made.application, host or "127.0.0.1")
+    units = {**made.plan_names.inputs, **made.units}
+    page = Page(int(port), path.stem, units, made.application, host or "127.0.0.1")
     say(f"the twin is shown at {page.address}")
     return page
 

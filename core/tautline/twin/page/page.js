@@ -23,7 +23,8 @@ function readable(size, unit) {
 function digits(value, sd) {
   if (sd > 0) return value.toFixed(Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(sd)))));
   const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-4 || size >= 1e6)) return value.toExponential(3);
+  if (size < 1e-9) return "0";
+  if (size < 1e-4 || size >= 1e6) return value.toExponential(3);
   return value.toFixed(size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : size >= 1 ? 3 : 4);
 }
 
@@ -86,12 +87,15 @@ function trace(canvas, shown, { points, line, band, unit }) {
   const [pen, w, h] = cleared(canvas);
   const end = shown[shown.length - 1].time, begin = end - SPAN, left = 52, bottom = h - 4;
   let low = Infinity, high = -Infinity;
+  // What is long past may leave the picture: a start that was far off would make all else a line.
+  const recent = end - 0.5 * Math.min(SPAN, end - shown[0].time);
   const reach = (v) => { if (v !== null && v !== undefined && isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); } };
   for (const one of shown) {
+    if (one.time < recent) continue;
     if (points) reach(points(one));
     const value = line(one), wide = band ? band(one) : 0;
     reach(value);
-    if (value !== null && value !== undefined && one.time > end - 0.7 * SPAN) { reach(value - wide); reach(value + wide); }
+    if (value !== null && value !== undefined) { reach(value - wide); reach(value + wide); }
   }
   if (!(low <= high)) return;
   const least = 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1e-9), room = Math.max(0.08 * (high - low), least);

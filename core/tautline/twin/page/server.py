@@ -193,6 +193,7 @@ def _bound(host: str, port: int) -> socket.socket:
     made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         made.bind((host, port))
+        made.listen()
     except (OSError, OverflowError) as error:
         made.close()
         cause = f"cannot be listened at on {host}: {getattr(error, 'strerror', None) or error}"
