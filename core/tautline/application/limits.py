@@ -146,7 +146,8 @@ class _Reader:
             cause = f"{output.name} has several components"
             self.fault((i, "output"), cause, f"name one of its numbers: {output.name}[{indices}] is the first")
             return None
-        return _Read(output.unit, series_of(output), self.places(output.dims) if output.shape else ("",))
+        places = self.places(output.dims) if output.shape else (_thing(output.name),)
+        return _Read(output.unit, series_of(output), places)
 
     def part(self, i: int, output: Output, at: tuple[int, ...]) -> _Read | None:
         """One number of an output, or those of its places that are left."""
@@ -160,7 +161,8 @@ class _Reader:
                 self.fault((i, "output"), f"{output.name} has {size} of these", f"count from 0 to {size - 1}")
                 return None
         all_of = series_of(output)
-        return _Read(output.unit, lambda frames: all_of(frames)[(slice(None), *at)], self.places(left) or ("",))
+        places = self.places(left) if left else (_thing(output.name),)
+        return _Read(output.unit, lambda frames: all_of(frames)[(slice(None), *at)], places)
 
     def example(self, output: Output) -> str:
         """How a number of an output is named."""
@@ -190,6 +192,11 @@ class _Reader:
 def _plain(model: Model) -> dict[str, Output]:
     """Outputs of an application that names none: its variables."""
     return outputs_of(model.variables, model.coordinates)
+
+
+def _thing(name: str) -> str:
+    """What an output belongs to, by its name: ``winch`` of ``winch.tension``; empty where it belongs to none."""
+    return name.rpartition(".")[0]
 
 
 def _counted(axes: int) -> str:

@@ -11,6 +11,7 @@ Between two frames a value is taken as linear, for durations alone. What happens
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +22,8 @@ from tautline.results.limits import AT_MOST
 
 ROUNDED = 1.0e-9
 """Share of a bound by which rounding may pass it."""
+OF_ONE = re.compile(r" \(([^()]*)\)$")
+"""Place and time at the end of a figure's text."""
 HALVINGS = 60
 """Of the interval in which the value is looked for that was held for so long."""
 
@@ -133,9 +136,11 @@ def _of_figure(bound: Bound, figure: Mapping[str, Any] | None, time: np.ndarray)
         return _record(bound, time, note=f"this run has no {bound.output}")
     way = 1.0 if bound.sense == AT_MOST else -1.0
     margin = way * (bound.limit - float(value))
+    where = OF_ONE.search(str((figure or {}).get("text") or ""))
     return _record(
-        bound, time, value=float(value), margin=margin, passed=margin >= -ROUNDED * max(abs(bound.limit), abs(value))
-    )
+        bound, time, value=float(value), margin=margin, place=where[1] if where else "",
+        passed=bool(margin >= -ROUNDED * max(abs(bound.limit), abs(value))),
+    )  # fmt: skip
 
 
 def _of_frames(bound: Bound, frames: Frames, time: np.ndarray) -> dict[str, Any]:
