@@ -541,7 +541,9 @@ class Run:
     def _headline(self, result: Result) -> dict[str, dict[str, Any]]:
         """The application's figures, or those of them that are wanted."""
         if self.brief is not None and self.brief.names and self.model.figures is not None:
-            judged = {bound.output for bound in self.model.bounds if not bound.of_frames} if self.brief.limits else set()
+            judged = (
+                {bound.output for bound in self.model.bounds if not bound.of_frames} if self.brief.limits else set()
+            )
             return self.model.figures(result, self.brief.names | judged)
         return self.model.headline(result)
 

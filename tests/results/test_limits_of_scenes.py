@@ -331,7 +331,9 @@ def test_two_limits_of_one_name_are_refused_and_two_sides_of_one_have_names_of_t
 
 # -- runs --------------------------------------------------------------------------------------------------------------
 
-LIMITED = short() + "limits: [{output: winch.tension, above: 52 kN, name: overload}, {output: min_tension, below: 1 kN}]\n"
+LIMITED = (
+    short() + "limits: [{output: winch.tension, above: 52 kN, name: overload}, {output: min_tension, below: 1 kN}]\n"
+)
 
 
 def test_simulate_prints_kept_and_failed_limits_gives_them_in_json_and_ends_well(tmp_path, capfd, monkeypatch):

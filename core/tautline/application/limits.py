@@ -153,7 +153,9 @@ class _Reader:
         """One number of an output, or those of its places that are left."""
         left = output.dims[len(at) :]
         if len(at) > len(output.shape) or (len(at) < len(output.shape) and (not left or COMPONENTS & set(left))):
-            cause = f"{output.name} has {_counted(len(output.shape))}" if output.shape else f"{output.name} is one number"
+            cause = (
+                f"{output.name} has {_counted(len(output.shape))}" if output.shape else f"{output.name} is one number"
+            )
             self.fault((i, "output"), cause, f"write {self.example(output)}")
             return None
         for k, size in zip(at, output.shape, strict=False):

@@ -237,7 +237,9 @@ def _print_limits(report: dict[str, Any], system: str) -> None:
     console().print()
     console().print(limits_of_scene(records, system))
     if report["status"] != "done" and records[0]["until"] is not None:
-        say(f"the limits are judged until t = {quantity(records[0]['until'], 's')}, where the run ended early", "yellow")
+        say(
+            f"the limits are judged until t = {quantity(records[0]['until'], 's')}, where the run ended early", "yellow"
+        )
 
 
 def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None, as_json: bool, quiet: bool) -> None:

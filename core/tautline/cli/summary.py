@@ -131,7 +131,13 @@ def limits_of_scene(records: Iterable[dict[str, Any]], system: str = "si") -> Ta
     from rich.table import Table
     from rich.text import Text
 
-    laid_out = Table(title="limits of the scene, at the stored frames", title_justify="left", show_header=False, box=None, pad_edge=False)
+    laid_out = Table(
+        title="limits of the scene, at the stored frames",
+        title_justify="left",
+        show_header=False,
+        box=None,
+        pad_edge=False,
+    )
     laid_out.add_column(style="cyan", overflow="fold")
     laid_out.add_column(no_wrap=True)
     laid_out.add_column(overflow="fold")
