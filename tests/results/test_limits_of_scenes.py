@@ -2,6 +2,7 @@
 
 import json
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -185,7 +186,7 @@ def test_a_value_held_is_never_more_than_the_largest_and_falls_with_time():
     values = np.cumsum(random.normal(size=400))
     found = [held(time, values, lasting) for lasting in (0.0, 0.05, 0.3, 1.0, 5.0)]
     assert found[0] == pytest.approx(values.max(), abs=1e-9)
-    assert all(one >= two - 1e-9 for one, two in zip(found[:-1], found[1:], strict=True))
+    assert all(one >= two - 1e-9 for one, two in pairwise(found))
 
 
 # -- scenes ------------------------------------------------------------------------------------------------------------
@@ -228,7 +229,8 @@ def test_the_hook_load_of_a_plumb_string_is_judged_against_its_weight():
     read = scene(
         PLUMB,
         [f"{{output: hook_load, above: {1.01 * weight / 4448.2216:.4f} klbf, name: more}}",
-         f"{{output: top.hook_load, below: {1.01 * weight} N, name: less}}", "{output: tension, above: 1 N, name: pull}",
+         f"{{output: top.hook_load, below: {1.01 * weight} N, name: less}}",
+         "{output: tension, above: 1 N, name: pull}",
          "{output: hook_load_max, above: 1 N, name: figure}", "{output: surface_torque_max, above: 1 N m, name: none}"],
     )  # fmt: skip
     found = given(tautline.simulate(read))
@@ -252,8 +254,11 @@ def test_the_axial_force_of_a_hanging_hose_is_judged_against_its_weight():
 
 def test_an_element_of_a_hanging_cable_is_judged_against_the_weight_below_it():
     below = 2.0 * 9.81 * 2.5
-    limits = [f"{{output: element 1.axial_force, above: {0.9 * below}, name: lower}}",
-              f"{{output: axial_force, above: {10 * below}, name: all}}", "{output: displacement_max, above: 1 m}"]  # fmt: skip
+    limits = [
+        f"{{output: element 1.axial_force, above: {0.9 * below}, name: lower}}",
+        f"{{output: axial_force, above: {10 * below}, name: all}}",
+        "{output: displacement_max, above: 1 m}",
+    ]
     found = given(tautline.simulate(scene(CABLE, limits)))
     assert found["lower"]["passed"] is False and found["lower"]["value"] == pytest.approx(below, rel=0.01)
     assert (found["lower"]["place"], found["all"]["place"]) == ("element 1", "element 0")
@@ -331,9 +336,8 @@ def test_two_limits_of_one_name_are_refused_and_two_sides_of_one_have_names_of_t
 
 # -- runs --------------------------------------------------------------------------------------------------------------
 
-LIMITED = (
-    short() + "limits: [{output: winch.tension, above: 52 kN, name: overload}, {output: min_tension, below: 1 kN}]\n"
-)
+OVERLOAD = "{output: winch.tension, above: 52 kN, name: overload}"
+LIMITED = f"{short()}limits: [{OVERLOAD}, {{output: min_tension, below: 1 kN}}]\n"
 
 
 def test_simulate_prints_kept_and_failed_limits_gives_them_in_json_and_ends_well(tmp_path, capfd, monkeypatch):
@@ -345,8 +349,8 @@ def test_simulate_prints_kept_and_failed_limits_gives_them_in_json_and_ends_well
     found = {one["name"]: one for one in json.loads(out)["limits"] if "output" in one}
     assert found["overload"]["passed"] is False and found["min_tension below 1 kN"]["passed"] is True
     assert set(found["overload"]) == {
-        "name", "text", "unit", "sense", "limit", "value", "passed", "time", "place", "output", "margin", "for", "since",
-        "longest", "exceeded", "until", "note",
+        "name", "text", "unit", "sense", "limit", "value", "passed", "time", "place", "output", "margin", "for",
+        "since", "longest", "exceeded", "until", "note",
     }  # fmt: skip
     flat = " ".join(err.split())
     assert "overload (winch.tension) FAILED" in flat and "not at most 52 kN (winch, t = 0.4 s)" in flat
