@@ -4,12 +4,14 @@ import json
 import math
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import tautline
 from tautline.application.installed import Installed
+from tautline.application.limits import read_limits
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.simulate import simulate as verb
 from tautline.results.bounds import Bound, held, judge, stretches
@@ -17,6 +19,7 @@ from tautline.results.limits import AT_LEAST, AT_MOST
 from tautline.results.result import Result
 from tautline.results.variable import Variable
 from tautline.scene.errors import SceneError
+from tautline.scene.limits import Limit
 
 DATA = Path(__file__).parents[2] / "data"
 HOIST = (DATA / "hoist.yaml").read_text(encoding="utf8")
@@ -323,6 +326,17 @@ def test_a_limit_that_cannot_be_is_refused_with_file_line_key_and_cure_and_nothi
     assert f"lift.yaml:{line}: " in str(error.value)
     assert all(word in str(error.value) for word in BROKEN[limit]), str(error.value)
     assert [one.name for one in tmp_path.iterdir()] == ["lift.yaml"]
+
+
+def test_an_application_that_does_not_say_how_many_places_there_are_is_judged_too():
+    axes = [Variable("position", ("time", "node", "axis"), "m", ""), Variable("load", ("time", "node"), "N", "")]
+    model = SimpleNamespace(handles=None, variables=axes, coordinates={}, figure_units={}, nothing=())
+    wanted = ["position[1,2]", "load", "load[1]", "load[7]"]
+    bounds = read_limits([Limit(output=name, above=1.0) for name in wanted], model, None)
+    arrays = {"time": np.zeros(1), "position": np.arange(6.0).reshape(1, 2, 3), "load": np.array([[7.0, 8.0]])}
+    found = judge(bounds, Result(None, ([Variable("time", ("time",), "s", ""), *axes], arrays, {}, {}, {})), {})
+    assert [one["value"] for one in found] == [5.0, 8.0, 8.0, None]
+    assert found[1]["place"] == "number 1" and found[3]["passed"] is None and found[3]["note"] == "there is no load[7]"
 
 
 def test_two_limits_of_one_name_are_refused_and_two_sides_of_one_have_names_of_their_own():

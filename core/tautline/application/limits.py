@@ -159,7 +159,8 @@ class _Reader:
             self.fault((i, "output"), cause, f"write {self.example(output)}")
             return None
         for k, size in zip(at, output.shape, strict=False):
-            if k >= size:
+            # A size of 0 is one that is not known.
+            if k >= size > 0:
                 self.fault((i, "output"), f"{output.name} has {size} of these", f"count from 0 to {size - 1}")
                 return None
         all_of = series_of(output)

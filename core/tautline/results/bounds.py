@@ -148,7 +148,11 @@ def _of_frames(bound: Bound, frames: Frames, time: np.ndarray) -> dict[str, Any]
     assert bound.series is not None
     if not time.size:
         return _record(bound, time, note="no frame was stored")
-    values = np.asarray(bound.series(frames), float).reshape(time.size, -1)
+    try:
+        values = np.asarray(bound.series(frames), float).reshape(time.size, -1)
+    except IndexError:
+        # How many places there are, an application need not say before it runs.
+        return _record(bound, time, note=f"there is no {bound.output}")
     if not values.shape[1]:
         return _record(bound, time, note=f"{bound.output} has no places in this scene")
     way = 1.0 if bound.sense == AT_MOST else -1.0
@@ -176,9 +180,9 @@ def _of_frames(bound: Bound, frames: Frames, time: np.ndarray) -> dict[str, Any]
 
 def _place(bound: Bound, frames: Frames, place: int, at: int, value: float) -> str:
     """Name of the place of a value: of an extreme that where the variable has it."""
-    if not bound.source:
-        return bound.places[place]
-    return bound.places[int(np.argmin(np.abs(np.ravel(frames[bound.source][at]) - value)))]
+    if bound.source:
+        place = int(np.argmin(np.abs(np.ravel(frames[bound.source][at]) - value)))
+    return bound.places[place] if place < len(bound.places) else f"number {place}"
 
 
 def worst(time: np.ndarray, up: np.ndarray, lasting: float) -> tuple[int, float, int]:
