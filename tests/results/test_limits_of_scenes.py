@@ -368,7 +368,7 @@ def test_simulate_prints_kept_and_failed_limits_gives_them_in_json_and_ends_well
     assert found["overload"]["passed"] is False and found["min_tension below 1 kN"]["passed"] is True
     assert set(found["overload"]) == {
         "name", "text", "unit", "sense", "limit", "value", "passed", "time", "place", "output", "margin", "for",
-        "since", "longest", "exceeded", "until", "note",
+        "variable", "since", "longest", "exceeded", "until", "note",
     }  # fmt: skip
     flat = " ".join(err.split())
     assert "overload (winch.tension) FAILED" in flat and "not at most 52 kN (winch, t = 0.4 s)" in flat

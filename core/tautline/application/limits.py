@@ -68,6 +68,7 @@ class _Read:
     series: Any = None
     places: tuple[str, ...] = ("",)
     source: str = ""
+    variable: str = ""
     absent: float | None = None
 
 
@@ -99,7 +100,7 @@ class _Reader:
         return [
             Bound(
                 side.name, name, AT_MOST if side.key == ABOVE else AT_LEAST, to, read.unit, limit.for_, read.series,
-                read.places, read.source, read.absent,
+                read.places, read.source, read.variable, read.absent,
             )
             for side, to in zip(limit.sides, found, strict=True)
             if to is not None
@@ -140,14 +141,14 @@ class _Reader:
         """An output with all of its places."""
         if output.source:
             whole = next(variable for variable in self.model.variables if variable.name == output.source)
-            return _Read(output.unit, series_of(output), self.places(whole.dims[1:]), output.source)
+            return _Read(output.unit, series_of(output), self.places(whole.dims[1:]), output.source, output.source)
         if output.shape and (not output.dims or COMPONENTS & set(output.dims)):
             indices = ",".join("0" for _ in output.shape)
             cause = f"{output.name} has several components"
             self.fault((i, "output"), cause, f"name one of its numbers: {output.name}[{indices}] is the first")
             return None
         places = self.places(output.dims) if output.shape else (_thing(output.name),)
-        return _Read(output.unit, series_of(output), places)
+        return _Read(output.unit, series_of(output), places, variable=output.variable)
 
     def part(self, i: int, output: Output, at: tuple[int, ...]) -> _Read | None:
         """One number of an output, or those of its places that are left."""

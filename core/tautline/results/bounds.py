@@ -1,10 +1,10 @@
 """A run judged by the limits of its scene: what each bound came to, when and where, and how long it was passed.
 
-The records stand beside those of `tautline.results.limits`, with the same keys and more: ``output``; ``margin``, what
-was left to the bound, negative where it was passed; ``for`` s; ``since`` s, ``longest`` s and ``exceeded`` s, when the
-longest stretch beyond the bound began, how long it was, and how long all of them were, at that place; ``until`` s, the
-last frame that was looked at; ``note``, why something could not be judged. ``passed`` is None then: what is not known
-is neither kept nor broken.
+The records stand beside those of `tautline.results.limits`, with the same keys and more: ``output``; ``variable``, that
+of the result which a figure draws the bound with; ``margin``, what was left to the bound, negative where it was passed;
+``for`` s; ``since`` s, ``longest`` s and ``exceeded`` s, when the longest stretch beyond the bound began, how long it
+was, and how long all of them were, at that place; ``until`` s, the last frame that was looked at; ``note``, why
+something could not be judged. ``passed`` is None then: what is not known is neither kept nor broken.
 
 Between two frames a value is taken as linear, for durations alone. What happens between two frames is not seen.
 """
@@ -51,6 +51,8 @@ class Bound:
         Names of its places; empty texts where it is one number.
     source : str
         Variable of which it is the largest or smallest, and whose places `places` then are; empty else.
+    variable : str
+        Variable of the result whose values it bounds, for figures; empty where there is none.
     absent : float or None
         Of a figure: what a run without it has, such as no slack; None where nothing is known then.
     """
@@ -64,6 +66,7 @@ class Bound:
     series: Callable[[Frames], np.ndarray] | None = None
     places: tuple[str, ...] = ("",)
     source: str = ""
+    variable: str = ""
     absent: float | None = None
 
     @property
@@ -124,7 +127,8 @@ def _record(bound: Bound, times: np.ndarray, /, **found: Any) -> dict[str, Any]:
     }  # fmt: skip
     about = {
         "name": bound.name, "text": bound.text, "unit": bound.unit, "sense": bound.sense, "limit": bound.limit,
-        "output": bound.output, "for": bound.lasting, "until": float(times[-1]) if times.size else None,
+        "output": bound.output, "variable": bound.variable, "for": bound.lasting,
+        "until": float(times[-1]) if times.size else None,
     }  # fmt: skip
     return about | nothing | found
 

@@ -47,6 +47,8 @@ class Output:
         Dimensions of its value, as the variables of results name them; empty where they are not known.
     series : callable or None
         The same of many frames at once: variables of m frames -> (m, ...) array; None where that is no quicker.
+    variable : str
+        Variable of results that it is, or a part of; empty where it is made otherwise.
     source : str
         Variable of which it is the largest or the smallest; empty where it is no such thing.
     """
@@ -59,6 +61,7 @@ class Output:
     places: tuple[str, np.ndarray] | None = None
     dims: tuple[str, ...] = ()
     series: Callable[[Mapping[str, np.ndarray]], np.ndarray] | None = None
+    variable: str = ""
     source: str = ""
 
 
@@ -136,7 +139,7 @@ def outputs_of(
         shape = tuple(sizes.get(dim, 0) for dim in variable.dims[1:])
         made[variable.name] = Output(
             variable.name, variable.units, variable.long_name, shape, _whole(variable.name), None, variable.dims[1:],
-            _all_of(variable.name),
+            _all_of(variable.name), variable.name,
         )  # fmt: skip
     for variable in variables:
         what = (things or {}).get(variable.name)
@@ -170,7 +173,7 @@ def part_of(variable: Any, name: str, k: int, shape: tuple[int, ...] = (), text:
     """An output that is the k-th of a variable."""
     return Output(
         name, variable.units, text or variable.long_name, shape, _part(variable.name, k), None, variable.dims[2:],
-        _part_of_all(variable.name, k),
+        _part_of_all(variable.name, k), variable.name,
     )  # fmt: skip
 
 
