@@ -20,6 +20,7 @@ from tautline.results.result import Result
 from tautline.results.variable import Variable
 from tautline.scene.errors import SceneError
 from tautline.scene.limits import Limit
+from tautline.study.trials.trial import Setting, Subject
 
 DATA = Path(__file__).parents[2] / "data"
 HOIST = (DATA / "hoist.yaml").read_text(encoding="utf8")
@@ -414,6 +415,16 @@ def test_limits_do_not_count_in_what_a_scene_is(text):
     bare, judged = (build(one) for one in (tautline.read(text), scene(text, ["{output: kinetic_energy, above: 1 J}"])))
     assert bare.attributes["model_hash"] == judged.attributes["model_hash"]
     assert len(bare.bounds) == 0 and len(judged.bounds) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "output"), [(short(HOIST, "0.1 s"), "axial_force[7]"), (CABLE, "element 1.axial_force")]
+)
+def test_a_study_runs_other_meshes_of_a_scene_whose_limit_names_an_element_that_they_lack(text, output):
+    read = scene(text, [f"{{output: '{output}', above: 1 N}}"])
+    for elements in (1.0, 0.5):
+        trial = Subject(Installed().of(read), read).run(Setting(elements=elements))
+        assert trial.done and not given(trial.result)
 
 
 def test_a_simulation_that_is_stepped_judges_what_it_has_kept():

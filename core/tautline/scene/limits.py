@@ -6,6 +6,7 @@ and `tautline.application.limits` reads them.
 
 from __future__ import annotations
 
+from dataclasses import is_dataclass, replace
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import AfterValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
@@ -107,3 +108,10 @@ def _named_once(limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
 
 Limits = Annotated[tuple[Limit, ...], AfterValidator(_named_once), Field(examples=[EXAMPLE])]
 """The key ``limits`` of a scene."""
+
+
+def without_limits(scene: Any) -> Any:
+    """A scene, or a dataclass of one, that gives no limits; itself where it gives none."""
+    if not getattr(scene, "limits", ()):
+        return scene
+    return replace(scene, limits=()) if is_dataclass(scene) else scene.model_copy(update={"limits": ()})
