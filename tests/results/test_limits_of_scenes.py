@@ -180,7 +180,7 @@ def test_a_figure_that_a_run_has_not_is_not_judged_unless_it_has_nothing_of_the_
     assert judge([nothing], stored([0], [0]), {})[0]["passed"] is True
     told = {"longest_slack": {"value": 0.3, "unit": "s", "text": "longest slack event (hook, at 2 s)"}}
     (record,) = judge([nothing], stored([0], [0]), told)
-    assert (record["passed"], record["place"]) == (False, "hook, at 2 s")
+    assert (record["passed"], record["note"]) == (False, "longest slack event (hook, at 2 s)")
     assert record["margin"] == pytest.approx(-0.2)
 
 

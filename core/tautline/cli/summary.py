@@ -110,8 +110,10 @@ def limit_said(record: dict[str, Any], system: str = "si") -> str:
     value, lasting = write(record["value"], record["unit"]), record.get("for")
     held = f" for {quantity(lasting, 's')}" if lasting else ""
     verdict = "" if record["passed"] else "not "
-    place = when_and_where(record)
-    return f"{value}{held}, {verdict}{record['sense']} {limit}" + (f" ({place})" if place else "")
+    where = in_words(when_and_where(record), system)
+    about = in_words(record.get("note", ""), system)
+    told = f"{value}{held}, {verdict}{record['sense']} {limit}"
+    return told + (f" ({where})" if where else "") + (f"; {about}" if about else "")
 
 
 def when_and_where(record: dict[str, Any]) -> str:
@@ -143,9 +145,8 @@ def limits_of_scene(records: Iterable[dict[str, Any]], system: str = "si") -> Ta
     laid_out.add_column(overflow="fold")
     for record in records:
         word, style = VERDICTS[record["passed"]]
-        said = in_words(limit_said(record, system), system)
         beyond = f"; beyond it for {quantity(record['longest'], 's')}" if record["longest"] else ""
-        laid_out.add_row(Text(record["text"]), Text(word, style=style), Text(said + beyond))
+        laid_out.add_row(Text(record["text"]), Text(word, style=style), Text(limit_said(record, system) + beyond))
     return laid_out
 
 

@@ -4,14 +4,14 @@ The records stand beside those of `tautline.results.limits`, with the same keys 
 of the result which a figure draws the bound with; ``margin``, what was left to the bound, negative where it was passed;
 ``for`` s; ``since`` s, ``longest`` s and ``exceeded`` s, when the longest stretch beyond the bound began, how long it
 was, and how long all of them were, at that place; ``until`` s, the last frame that was looked at; ``note``, why
-something could not be judged. ``passed`` is None then: what is not known is neither kept nor broken.
+something could not be judged, and of a figure what it is, with its place and time. ``passed`` is None of what could not
+be judged: what is not known is neither kept nor broken.
 
 Between two frames a value is taken as linear, for durations alone. What happens between two frames is not seen.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -22,8 +22,6 @@ from tautline.results.limits import AT_MOST
 
 ROUNDED = 1.0e-9
 """Share of a bound by which rounding may pass it."""
-OF_ONE = re.compile(r" \(([^()]*)\)$")
-"""Place and time at the end of a figure's text."""
 HALVINGS = 60
 """Of the interval in which the value is looked for that was held for so long."""
 
@@ -140,9 +138,8 @@ def _of_figure(bound: Bound, figure: Mapping[str, Any] | None, time: np.ndarray)
         return _record(bound, time, note=f"this run has no {bound.output}")
     way = 1.0 if bound.sense == AT_MOST else -1.0
     margin = way * (bound.limit - float(value))
-    where = OF_ONE.search(str((figure or {}).get("text") or ""))
     return _record(
-        bound, time, value=float(value), margin=margin, place=where[1] if where else "",
+        bound, time, value=float(value), margin=margin, note=str((figure or {}).get("text") or ""),
         passed=bool(margin >= -ROUNDED * max(abs(bound.limit), abs(value))),
     )  # fmt: skip
 

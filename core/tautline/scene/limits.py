@@ -114,4 +114,6 @@ def without_limits(scene: Any) -> Any:
     """A scene, or a dataclass of one, that gives no limits; itself where it gives none."""
     if not getattr(scene, "limits", ()):
         return scene
-    return replace(scene, limits=()) if is_dataclass(scene) else scene.model_copy(update={"limits": ()})
+    if is_dataclass(scene) and not isinstance(scene, type):
+        return replace(scene, limits=())
+    return scene.model_copy(update={"limits": ()})
