@@ -256,7 +256,7 @@ def test_the_axial_force_of_a_hanging_hose_is_judged_against_its_weight():
     found = given(tautline.simulate(scene(HANGING, limits)))
     # In the middle of the uppermost of ten elements 95 % of it hang.
     assert found["root"]["passed"] is False and found["root"]["value"] == pytest.approx(0.95 * weight, rel=0.01)
-    assert found["root"]["place"].startswith("element")
+    assert found["root"]["place"] == "element 1 at 0.025 m"
     assert found["axial_force_max above 3 N"]["passed"] is True
 
 

@@ -188,9 +188,14 @@ class _Reader:
             named = np.arange(len(next(iter(along.values()))) if along else 0)
         if named.dtype.kind in "USO":
             return [str(one) for one in named]
-        lengths = along.get("arc_length")
+        lengths = along.get("arc_length", self.middles(len(named)) if dim == "element" else None)
         at = [""] * len(named) if lengths is None else [f" at {x:.4g} m" for x in lengths]
         return [f"{dim} {number}{where}" for number, where in zip(named, at, strict=True)]
+
+    def middles(self, count: int) -> np.ndarray | None:
+        """Arc lengths of the middles of so many elements between nodes in a row; None where nodes have none."""
+        _, nodes, *_ = self.model.coordinates.get("arc_length", ((), np.zeros(0)))
+        return 0.5 * (nodes[1:] + nodes[:-1]) if len(nodes) == count + 1 else None
 
 
 def _plain(model: Model) -> dict[str, Output]:

@@ -173,9 +173,8 @@ def _of_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
             f"{begin}.margin": Finding(
                 record["margin"] if judged else None, record["unit"], f"{text}: what was left to the bound"
             ),
+            f"{begin}.longest": Finding(record["longest"], "s", f"{text}: longest time beyond the bound"),
         }
-        if record["longest"] is not None:
-            found[f"{begin}.longest"] = Finding(record["longest"], "s", f"{text}: longest time beyond the bound")
     return found
 
 
