@@ -12,7 +12,8 @@ from gardenhose.estimates import average, speeds
 from gardenhose.limits import limits
 from gardenhose.observe import Observer, variables
 from gardenhose.scene import HoseScene
-from gardenhose.summary import headline
+from gardenhose.summary import FIGURES, headline
+from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.model.build import Assembly, assemble_cables
 from tautline.cable.model.elements import records
@@ -76,12 +77,13 @@ def build(scene: HoseScene) -> Model:
         observe=observer.observe,
         headline=headline,
         limits=limits,
+        figure_units=FIGURES,
         start=STARTS[scene.start],
         step_limit=0.5 * float(np.diff(arc_lengths(scene)).min()),
         notes=notes,
         handles=lambda: _handles(made, model),
     )  # fmt: skip
-    return within_rounding(model)
+    return with_limits(within_rounding(model), scene)
 
 
 def _handles(made: Assembly, model: Model) -> Handles:

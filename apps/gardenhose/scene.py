@@ -14,6 +14,7 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.functions import Constant, FunctionOfTime, time_function
+from tautline.scene.limits import Limits
 from tautline.scene.model import Model, Scene, UnitSystem, Whole, validate, word
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault, raise_all
@@ -204,6 +205,7 @@ class HoseScene(Scene):
     start: Annotated[Literal["straight", "static", "relaxed"], word("straight", "static", "relaxed")] = "straight"
     solver: Solver = Field(examples=["{method: generalized-alpha, rho_inf: 0.9, step: 1 ms, end: 5 s}"])
     output: Output = Field(examples=["{interval: 5 ms}"])
+    limits: Limits = ()
 
     @model_validator(mode="after")
     def _flow(self) -> HoseScene:

@@ -9,6 +9,11 @@ import numpy as np
 from gardenhose.motion.limit_cycle import limit_cycle
 from tautline.study.trials.errors import first_mode
 
+FIGURES = {
+    "tip_amplitude": "m", "frequency": "Hz", "cycles": "", "tip_speed_max": "m/s", "axial_force_max": "N",
+    "axial_force_min": "N", "flow_speed": "m/s", "node": "", "node_amplitude": "m", "node_frequency": "Hz",
+}  # fmt: skip
+"""Figures of a run that are one number, and their units: a scene may set limits of these."""
 MOVES = 1.0e-6
 """Share of the length that the nodes of a hose whose tip rests must move for it to be told."""
 

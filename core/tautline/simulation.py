@@ -50,6 +50,7 @@ from tautline.integrators.time_loop import (
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import listening
 from tautline.results.balance import ENERGIES, Balance
+from tautline.results.bounds import judge
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.results.rounding import without_rounding
@@ -506,6 +507,7 @@ class Run:
             self.brief.batch, self.brief.work, self.brief.compiled = self.batch, self.work, True
         counters, solver = self.state.counters, self.model.solver
         taken = self.reached / counters[STEPS] if counters[STEPS] else self.step
+        headline = without_rounding(self._headline(result), result, taken)
         attributes: dict[str, Any] = {
             "status": status,
             "start": self.began,
@@ -526,8 +528,8 @@ class Run:
             "motion_frequency": self.oscillation_frequency() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken) if self._tells("phase_lag") else None,
             "warnings": [*self._of_start(), *self.warnings(taken), *warnings] if self.brief is None else [],
-            "headline": without_rounding(self._headline(result), result, taken),
-            "limits": self._limits(result),
+            "headline": headline,
+            "limits": self._limits(result, headline),
             **(further or {}),
         }
         return store.finish(attributes, restart=self.memory)
@@ -539,13 +541,18 @@ class Run:
     def _headline(self, result: Result) -> dict[str, dict[str, Any]]:
         """The application's figures, or those of them that are wanted."""
         if self.brief is not None and self.brief.names and self.model.figures is not None:
-            return self.model.figures(result, self.brief.names)
+            judged = (
+                {bound.output for bound in self.model.bounds if not bound.of_frames} if self.brief.limits else set()
+            )
+            return self.model.figures(result, self.brief.names | judged)
         return self.model.headline(result)
 
-    def _limits(self, result: Result) -> list[dict[str, Any]]:
-        if self.model.limits is None or (self.brief is not None and not self.brief.limits):
+    def _limits(self, result: Result, headline: dict[str, dict[str, Any]]) -> list[dict[str, Any]]:
+        """Records of the application's limits, and then of those that the scene gives itself."""
+        if self.brief is not None and not self.brief.limits:
             return []
-        return self.model.limits(result)
+        of_application = self.model.limits(result) if self.model.limits is not None else []
+        return [*of_application, *judge(self.model.bounds, result, headline)]
 
     def energy_gained(self) -> float:
         """Energy created numerically, over what went through the system."""

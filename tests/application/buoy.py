@@ -6,9 +6,11 @@ import numpy as np
 from pydantic import Field
 
 from tautline.application.defaults import Defaults
+from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, energies_of, energy_variables, settings_of
 from tautline.elements.nodal.node import Anchors, PointMasses
 from tautline.results.variable import Variable
+from tautline.scene.limits import Limits
 from tautline.scene.model import Model as Part
 from tautline.scene.model import Scene
 from tautline.scene.solver import Output, Solver, check_output
@@ -42,6 +44,7 @@ class BuoyScene(Scene):
     gravity: Gravity = (0.0, 0.0, -9.81)
     solver: Solver
     output: Output
+    limits: Limits = ()
 
 
 class Buoys(Defaults):
@@ -69,7 +72,7 @@ class Buoys(Defaults):
             seen = {"time": frames.time, "position": frames.q[:, None, :], "velocity": frames.v[:, None, :]}
             return seen | energies_of(frames)
 
-        return Model(
+        model = Model(
             system=system,
             solver=settings_of(solver, scene.output.interval, tolerance=1e-9, criterion="force"),
             variables=[
@@ -83,3 +86,4 @@ class Buoys(Defaults):
             headline=lambda result: {},
             start="as given",
         )
+        return with_limits(model, scene)

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 import xarray
-from sweep.short_hoist import MASS, PERIOD, hoist, write_sweep
+from sweep.short_hoist import HOIST, MASS, PERIOD, hoist, write_sweep
 
 import tautline
 from tautline.sweeps.cases import Runner, job_of
@@ -190,3 +190,38 @@ def test_each_plan_has_its_figure(tmp_path, vary, plan, expected):
     made = draw(outcome.data, outcome.cases, tmp_path)
     assert [path.name for path in made] == [f"{name}.png" for name in expected]
     assert all(path.stat().st_size > 5000 for path in made)
+
+
+def limited(end=0.6):
+    """The hoist with a limit that some loads pass, and one of a figure, which is not collected by its own name."""
+    text = HOIST.read_text(encoding="utf8").replace("end: 12 s", f"end: {end}")
+    limits = (
+        "{output: winch.tension, above: 52 kN, name: overload}, {output: dynamic_amplification, above: 3, name: jerk}"
+    )
+    return tautline.read(f"{text}limits: [{limits}]\n")
+
+
+def test_what_limits_of_a_scene_come_to_is_that_of_single_runs():
+    scene, masses = limited(), ["2 t", "5 t"]
+    collect = ["limits_failed", "limit.overload.margin", "limit.overload.failed", "limit.jerk.value"]
+    data = tautline.sweep(scene, {MASS: masses}, collect=collect, jobs=2)
+    failed = []
+    for k, mass in enumerate(masses):
+        alone = tautline.simulate(scene.replace({MASS: mass}))
+        overload = 52e3 - alone["drum_tension"].max()
+        assert data["limit.overload.margin"].values[k] == overload
+        assert data["limit.overload.failed"].values[k] == (overload < 0.0)
+        assert data["limit.jerk.value"].values[k] == alone.headline["dynamic_amplification"]["value"]
+        failed.append(sum(record["passed"] is False for record in alone.limits))
+    assert data["limit.overload.failed"].values.tolist() == [0.0, 1.0]
+    assert data["limits_failed"].values.tolist() == failed
+    assert data["limit.overload.margin"].attrs["units"] == "N"
+
+
+def test_limits_may_be_varied_are_collected_where_nothing_is_named_and_a_slip_in_their_name_is_refused():
+    data = tautline.sweep(limited(), {"limits[0].above": ["40 kN", "90 kN"]}, jobs=1)
+    margins = data["limit.overload.margin"].values
+    assert margins[1] - margins[0] == pytest.approx(50e3) and margins[0] < 0.0 < margins[1]
+    assert {"limit.jerk.margin", "limit.overload.longest"} <= set(data.data_vars)
+    with pytest.raises(tautline.SceneError, match=r"did you mean 'limit\.overload\.margin'"):
+        tautline.sweep(limited(), {MASS: ["2 t"]}, collect=["limit.overlaod.margin"], jobs=1)

@@ -18,9 +18,10 @@ from crane.model.handles import handles
 from crane.results.course import Course, course_of
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
-from crane.results.summary import headline
+from crane.results.summary import NOTHING, figure_units, headline
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
+from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.time_function import sample_all
@@ -66,6 +67,8 @@ def build(scene: CraneScene) -> Model:
         headline=told.headline,
         limits=told.limits,
         figures=told.headline,
+        figure_units=figure_units(scene),
+        nothing=NOTHING,
         start="static" if scene.start == "static" else "as given",
         step_limit=0.3 * float(layout.path.chords.min()),
         own=observer.own,
@@ -73,7 +76,7 @@ def build(scene: CraneScene) -> Model:
         settle=lambda state: draw_true(layout, system, state),
         handles=lambda: handles(made, model),
     )  # fmt: skip
-    return within_rounding(model)
+    return with_limits(within_rounding(model), scene)
 
 
 class _Told:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from crane.groups.winch import Drums
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.surroundings import Motion, Vessel
 from tautline.scene.errors import SceneError
-from tautline.system.handles import Handles, Output, Parameter, extreme_of, inputs_of, number, outputs_of
+from tautline.system.handles import Handles, Output, Parameter, extreme_of, inputs_of, number, outputs_of, part_of
 
 THINGS = {
     "body_position": "position", "body_velocity": "velocity", "body_turn": "turn", "sheave_load": "force",
@@ -25,7 +26,7 @@ THINGS = {
 }  # fmt: skip
 """Variables of bodies, sheaves and drums, and what each is of one of them."""
 VESSEL = "vessel."
-PLACES = {"position": ("q", "m"), "velocity": ("v", "m/s")}
+PLACES = {"position": "q", "velocity": "v"}
 
 
 def driven(scene: CraneScene, names: tuple[str, ...]) -> CraneScene:
@@ -65,19 +66,19 @@ def _outputs(layout: Layout, model: Any) -> dict[str, Output]:
     tension = next(variable for variable in model.variables if variable.name == "tension")
     for name, text, choose in (("max_tension", "largest", np.max), ("min_tension", "smallest", np.min)):
         made[name] = extreme_of(tension, name, f"{text} tension at the ends of spans", choose)
-    places = {body.name: layout.body[body.name] for body in scene.bodies}
+    known = {variable.name: variable for variable in model.variables}
+    places = {body.name: (layout.body[body.name], "body_", k) for k, body in enumerate(scene.bodies)}
     places |= {
-        item.name: layout.station[layout.item[i]] for i, item in enumerate(scene.path) if item.name not in places
+        item.name: (layout.station[layout.item[i]], "", layout.item[i])
+        for i, item in enumerate(scene.path)
+        if item.name not in places
     }
-    for thing, place in places.items():
-        for what, (vector, unit) in PLACES.items():
+    for thing, (place, of, k) in places.items():
+        for what, vector in PLACES.items():
             name, at = f"{thing}.{what}", (vector, place + np.arange(AXES))
-            made[name] = Output(name, unit, f"{what} of {thing}", (AXES,), _never, at)
+            whole = part_of(known[of + what], name, k, (AXES,), f"{what} of {thing}")
+            made[name] = replace(whole, places=at)
     return made
-
-
-def _never(frame: Any) -> Any:
-    raise AssertionError("is read by its places")
 
 
 def _parameters(layout: Layout, groups: tuple[Any, ...]) -> Iterator[Parameter]:

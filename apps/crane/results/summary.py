@@ -31,6 +31,19 @@ NO_ANGLE = 1.0e-9
 """Rounding of an angle, rad."""
 METRE, MOST_BINS = 1.0, 2000
 
+FIGURES = {
+    "max_tension": "N", "min_tension": "N", "dynamic_amplification": "", "safety_factor": "",
+    "slack_events": "", "longest_slack": "s", "max_snap": "N", "undamped_snaps": "",
+    "max_sheave_load": "N", "max_fleet_angle": "rad", "slipping_share": "",
+    "equivalent_tension_range": "N", "max_bending_cycles": "", "smallest_bending_ratio": "",
+    "max_offlead": "rad", "max_sidelead": "rad",
+}  # fmt: skip
+OF_DRUMS = {"max_winch_power": "W", "mean_winch_power": "W", "energy_hoisted": "J", "energy_regenerated": "J"}
+OF_BODIES = {"rise": "m", "max_displacement": "m"}
+"""Figures and their units: of the rope, of each drum, of each body. Some of them only some runs have."""
+NOTHING = frozenset({"longest_slack", "max_snap", "undamped_snaps", "slipping_share"})
+"""Those that a run is without because there is no slack and no slip."""
+
 Row = tuple[str, Any, str, str]
 """Name, value, unit and text of a figure."""
 
@@ -74,6 +87,18 @@ def headline(
         name: {"value": int(value) if isinstance(value, int) else float(value), "unit": unit, "text": text}
         for name, value, unit, text in rows
     }
+
+
+def figure_units(scene: CraneScene) -> dict[str, str]:
+    """Names of all figures that a run of a scene can have, and their units."""
+    drums, bodies = scene.drums, scene.bodies[:MOST_BODIES]
+    found = dict(FIGURES) | {f"max_tension_{key}": "N" for key, _ in _places(scene)}
+    for drum in drums:
+        found |= {f"{name}_{slug(drum.name)}" if len(drums) > 1 else name: unit for name, unit in OF_DRUMS.items()}
+    for body in bodies:
+        several = len(scene.bodies) > 1
+        found |= {f"{name}_{slug(body.name)}" if several else name: unit for name, unit in OF_BODIES.items()}
+    return found
 
 
 def span_ends(scene: CraneScene) -> list[str]:

@@ -28,6 +28,7 @@ from crane.scene.surroundings import Limits as Limits
 from crane.scene.surroundings import Motion as Motion
 from crane.scene.surroundings import MotionFile as MotionFile
 from crane.scene.surroundings import SeaMotion as SeaMotion
+from tautline.scene.limits import Limits as LimitsOfRun
 from tautline.scene.model import MARK, Model, Scene, UnitSystem, Whole, word
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
@@ -132,6 +133,7 @@ class CraneScene(Scene):
     )
     solver: Solver = Field(examples=["{method: generalized-alpha, rho_inf: 0.6, step: 5 ms, end: 12 s}"])
     output: Output = Field(examples=["{interval: 50 ms}"])
+    limits: LimitsOfRun = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> CraneScene:

@@ -10,9 +10,10 @@ from drillstring.model.lumped_model import assemble_lumps
 from drillstring.model.prepared import prepared
 from drillstring.results.drilling import variables_of_ends
 from drillstring.results.limits import limits
-from drillstring.results.observe import COORDINATE_UNITS, headline, variables
+from drillstring.results.observe import COORDINATE_UNITS, FIGURES, NOTHING, headline, variables
 from drillstring.scene.scene import BEAM, DrillstringScene
 from drillstring.string.factors import factors_of
+from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.kernels.groups import offers
@@ -60,6 +61,8 @@ def build(scene: DrillstringScene) -> Model:
         observe=observer.observe,
         headline=lambda result: headline(result, lumps, scene.top.weight),
         limits=lambda result: limits(result, scene, lumps),
+        figure_units=FIGURES,
+        nothing=NOTHING,
         start="as given" if scene.start == "straight" else scene.start,
         step_limit=string.step_limit,
         confined=True,
@@ -67,7 +70,7 @@ def build(scene: DrillstringScene) -> Model:
         notes=notes,
         handles=lambda: handles(scene, model),
     )  # fmt: skip
-    return within_rounding(model)
+    return with_limits(within_rounding(model), scene)
 
 
 def _assembler(kind: str) -> Any:

@@ -17,6 +17,18 @@ from tautline.application.modelling import energies_of, energy_variables
 from tautline.lumped.curve import PER_BODY
 from tautline.results.variable import Variable
 
+FIGURES = {
+    "hook_load_start": "N", "hook_load_max": "N", "hook_load_min": "N", "hook_load_max_with_block": "N",
+    "stretch_start": "m", "bit_displacement": "m", "bit_speed_max": "m/s", "bit_stuck": "", "contact_force_max": "N",
+    "surface_torque_max": "N m", "surface_torque_end": "N m",
+    "break_away_stroke": "m", "break_away_hook_load": "N", "break_away_time": "s",
+    "weight_on_bit_start": "N", "weight_on_bit_mean": "N", "torque_on_bit_mean": "N m", "drilled": "m",
+    "rate_of_penetration_mean": "m/s", "bit_rotation_mean": "rad/s", "stick_slip_severity": "", "rotation_stuck": "",
+    "lateral_offset_max": "m", "lateral_offset_depth": "m", "lateral_acceleration_max": "m/s^2", "whirl_ratio": "",
+}  # fmt: skip
+"""Figures of a run and their units, of which a scene may set limits; some only some runs have."""
+NOTHING = frozenset({"surface_torque_max", "surface_torque_end", "drilled"})
+"""Those of them that a run is without because they are 0."""
 STUCK = 1.0e-8
 """Bit speed, m/s, below which the bit counts as stuck."""
 TORQUE_SHOWN = 1.0e-3

@@ -16,6 +16,7 @@ from drillstring.scene.ends import Bit, Top
 from drillstring.scene.hole import MOST_ELEMENTS, Well
 from drillstring.scene.tubulars import EXAMPLE, NoSuchTubular, find
 from tautline.scene.errors import SceneError
+from tautline.scene.limits import Limits
 from tautline.scene.model import Model, Scene, Switch, UnitSystem, Whole, word
 from tautline.scene.reading.document import Document
 from tautline.scene.refusal import fault
@@ -192,6 +193,7 @@ class DrillstringScene(Scene):
     start: Annotated[Literal["static", "relaxed", "straight"], word("static", "relaxed", "straight")] = "static"
     solver: Solver = Field(examples=["{method: generalized-alpha, step: 1 ms, end: 40 s}"])
     output: Output = Field(examples=["{interval: 50 ms}"])
+    limits: Limits = ()
 
     @model_validator(mode="after")
     def _string(self) -> DrillstringScene:

@@ -12,7 +12,7 @@ from tautline.cli.console import console, print_json, say
 from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.summary import limit_said, table, two_columns
+from tautline.cli.summary import limit_said, limits_of_scene, table, two_columns
 from tautline.scene.values.printed import in_words, quantity
 
 if TYPE_CHECKING:
@@ -229,11 +229,25 @@ def _report(scene: Path, result: Result | None, end: float | None, warnings: Seq
     return report | {name: value for name, value in figures.items() if name not in report}
 
 
+def _print_limits(report: dict[str, Any], system: str) -> None:
+    """Print what came of the limits that the scene gives itself, and until when they were looked at."""
+    records = [record for record in report["limits"] if "output" in record]
+    if not records:
+        return
+    console().print()
+    console().print(limits_of_scene(records, system))
+    if report["status"] != "done" and records[0]["until"] is not None:
+        say(
+            f"the limits are judged until t = {quantity(records[0]['until'], 's')}, where the run ended early", "yellow"
+        )
+
+
 def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None, as_json: bool, quiet: bool) -> None:
     if result is None:
         say("nothing was stored", "yellow")
     elif not quiet:
         console().print(table(report, result.attributes, result.headline))
+        _print_limits(report, str(result.attributes.get("units") or "si"))
         frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
         say(f"wrote {result.path}: {frames}. Next: {catalogue.name} plot {result.path}", "green")
     system = str(result.attributes.get("units") or "si") if result is not None else "si"

@@ -13,6 +13,8 @@ from tautline.scene.values.printed import in_words, quantity, shown, significant
 if TYPE_CHECKING:
     from rich.table import Table
 
+VERDICTS = {True: ("kept", "green"), False: ("FAILED", "red"), None: ("not judged", "yellow")}
+"""What came of a limit, and its colour."""
 FEWEST = 24
 """Letters in a line that a value has at least, beside what it is of, and that this has in a narrow window."""
 
@@ -59,8 +61,9 @@ def table(report: dict[str, Any], attributes: dict[str, Any], headline: dict[str
         label = in_words(str(figure.get("text") or name.replace("_", " ")), system)
         rows.append((label, shown(figure.get("value"), str(figure.get("unit") or ""), system)))
     if limits := report.get("limits"):
-        failed = [record for record in limits if not record["passed"]]
-        rows += [("limits satisfied", f"{len(limits) - len(failed)} of {len(limits)}")]
+        rows += [("limits satisfied", f"{sum(record['passed'] is True for record in limits)} of {len(limits)}")]
+        # Those of the scene have a table of their own.
+        failed = [record for record in limits if not record["passed"] and "output" not in record]
         rows += [(record["text"], limit_said(record, system)) for record in failed]
     return two_columns([*rows, ("", ""), *_numbers(report, attributes, system)])
 
@@ -101,9 +104,50 @@ def limit_said(record: dict[str, Any], system: str = "si") -> str:
     def write(value: float, unit: str) -> str:
         return f"{significant(math.degrees(value))} deg" if unit == "rad" else shown(value, unit, system)
 
-    value, limit = (write(record[key], record["unit"]) for key in ("value", "limit"))
+    limit = write(record["limit"], record["unit"])
+    if record["passed"] is None:
+        return f"{record['sense']} {limit} is not judged: {record['note']}"
+    value, lasting = write(record["value"], record["unit"]), record.get("for")
+    held = f" for {quantity(lasting, 's')}" if lasting else ""
     verdict = "" if record["passed"] else "not "
-    return f"{value}, {verdict}{record['sense']} {limit} ({record['place']}, t = {significant(record['time'])} s)"
+    where = in_words(when_and_where(record), system)
+    about = in_words(record.get("note", ""), system)
+    told = f"{value}{held}, {verdict}{record['sense']} {limit}"
+    return told + (f" ({where})" if where else "") + (f"; {about}" if about else "")
+
+
+def when_and_where(record: dict[str, Any]) -> str:
+    """Place and time of a limit's worst value: ``boom tip, t = 3.2 s``; empty where neither is known."""
+    time = "" if record["time"] is None else f"{'from ' * bool(record.get('for'))}t = {significant(record['time'])} s"
+    return ", ".join(word for word in (record["place"], time) if word)
+
+
+def limits_of_scene(records: Iterable[dict[str, Any]], system: str = "si") -> Table:
+    """Lay out what came of the limits that a scene gives itself: each, whether it was kept, and what was worst.
+
+    Parameters
+    ----------
+    records : iterable of dict
+        Of `tautline.results.bounds`.
+    """
+    from rich.table import Table
+    from rich.text import Text
+
+    laid_out = Table(
+        title="limits of the scene, at the stored frames",
+        title_justify="left",
+        show_header=False,
+        box=None,
+        pad_edge=False,
+    )
+    laid_out.add_column(style="cyan", overflow="fold")
+    laid_out.add_column(no_wrap=True)
+    laid_out.add_column(overflow="fold")
+    for record in records:
+        word, style = VERDICTS[record["passed"]]
+        beyond = f"; beyond it for {quantity(record['longest'], 's')}" if record["longest"] else ""
+        laid_out.add_row(Text(record["text"]), Text(word, style=style), Text(limit_said(record, system) + beyond))
+    return laid_out
 
 
 def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:

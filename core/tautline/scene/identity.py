@@ -21,7 +21,7 @@ SOLVED_BY = (
     "max_iterations", "max_halvings", "newton", "criterion",
 )  # fmt: skip
 """Keys of ``solver`` that say how a scene is solved, and for how long."""
-BESIDES = frozenset({"title", "units", "output", *(f"solver.{key}" for key in SOLVED_BY)})
+BESIDES = frozenset({"title", "units", "output", "limits", *(f"solver.{key}" for key in SOLVED_BY)})
 """What does not count in the scenes of applications, by key path without places in lists."""
 
 

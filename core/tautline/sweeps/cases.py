@@ -19,7 +19,7 @@ from tautline.results.headline import plain
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
-from tautline.sweeps.verbs import LIMITS_FAILED, Watch, chosen, names_of, of_run, tables_of
+from tautline.sweeps.verbs import Watch, asks_limits, chosen, names_of, of_run, tables_of
 
 DONE, BAD_INPUT, LOST, FAULT = "done", "bad input", "worker lost", "internal error"
 
@@ -149,7 +149,7 @@ class Runner:
         known = getattr(self._own, "brief", None)
         if known is None:
             names = names_of(self.job.collected)
-            known = self._own.brief = Brief(names, not names or LIMITS_FAILED in names)
+            known = self._own.brief = Brief(names, not names or any(asks_limits(name) for name in names))
         known.turn = self._turn
         return known
 

@@ -26,6 +26,8 @@ RUN = {
 }
 """Attributes of a run that ``simulate --json`` tells and that are numbers: unit and text."""
 LIMITS_FAILED = "limits_failed"
+OF_LIMIT = "limit."
+"""Begins the names of what a limit of the scene came to: ``limit.overload.margin``."""
 OF_ONE = re.compile(r" \(.*\)$")
 """Place and time at the end of a figure's text."""
 PART = re.compile(r"(.+)\[(\d+)\]")
@@ -137,7 +139,7 @@ def of_run(
     """What ``simulate`` finds, as far as it is asked for; all that it could where something of that is not there."""
     found = _findings(result.headline)
     asked = names_of(collected)
-    if asked - found.keys() - RUN.keys() - {LIMITS_FAILED, *sometimes}:
+    if {name for name in asked if not asks_limits(name)} - found.keys() - RUN.keys() - {*sometimes}:
         found = _findings(model.headline(result)) | found
     attributes = result.attributes
     for name, (unit, text) in RUN.items():
@@ -145,9 +147,35 @@ def of_run(
             found[name] = Finding(attributes.get(name), unit, text)
     limits = result.limits
     if limits:
-        failed = sum(not record["passed"] for record in limits)
+        failed = sum(record["passed"] is False for record in limits)
         found[LIMITS_FAILED] = Finding(failed, "", "limits that are not satisfied")
-    return found | watch.findings(np.asarray(result.time))
+    return found | _of_limits(limits) | watch.findings(np.asarray(result.time))
+
+
+def asks_limits(name: str) -> bool:
+    """Whether a name that is collected is of what limits came to."""
+    return name == LIMITS_FAILED or name.startswith(OF_LIMIT)
+
+
+def _of_limits(records: Sequence[Mapping[str, Any]]) -> dict[str, Finding]:
+    """What each limit that the scene gives itself came to; no number where it could not be judged."""
+    found = {}
+    for record in records:
+        if "output" not in record:
+            continue
+        # A NetCDF file takes a slash for a group.
+        begin, text = f"{OF_LIMIT}{record['name'].replace('/', ' per ')}", record["text"]
+        failed = None if record["passed"] is None else int(not record["passed"])
+        judged = failed is not None
+        found |= {
+            f"{begin}.failed": Finding(failed, "", f"{text}: 1 where it failed"),
+            f"{begin}.value": Finding(record["value"] if judged else None, record["unit"], f"{text}: worst value"),
+            f"{begin}.margin": Finding(
+                record["margin"] if judged else None, record["unit"], f"{text}: what was left to the bound"
+            ),
+            f"{begin}.longest": Finding(record["longest"], "s", f"{text}: longest time beyond the bound"),
+        }
+    return found
 
 
 def _handles(model: Any) -> Mapping[str, Any]:

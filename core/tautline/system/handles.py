@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -43,6 +43,14 @@ class Output:
         Variables of one frame, name -> array with time as the leading axis, -> the value.
     places : tuple of str and int array, or None
         ``q`` or ``v`` and full degrees of freedom, where it is nothing else than these: it is read in a microsecond.
+    dims : tuple of str
+        Dimensions of its value, as the variables of results name them; empty where they are not known.
+    series : callable or None
+        The same of many frames at once: variables of m frames -> (m, ...) array; None where that is no quicker.
+    variable : str
+        Variable of results that it is, or a part of; empty where it is made otherwise.
+    source : str
+        Variable of which it is the largest or the smallest; empty where it is no such thing.
     """
 
     name: str
@@ -51,6 +59,10 @@ class Output:
     shape: tuple[int, ...]
     value: Callable[[Mapping[str, np.ndarray]], Any]
     places: tuple[str, np.ndarray] | None = None
+    dims: tuple[str, ...] = ()
+    series: Callable[[Mapping[str, np.ndarray]], np.ndarray] | None = None
+    variable: str = ""
+    source: str = ""
 
 
 @dataclass(frozen=True)
@@ -125,7 +137,10 @@ def outputs_of(
     made = {}
     for variable in variables:
         shape = tuple(sizes.get(dim, 0) for dim in variable.dims[1:])
-        made[variable.name] = Output(variable.name, variable.units, variable.long_name, shape, _whole(variable.name))
+        made[variable.name] = Output(
+            variable.name, variable.units, variable.long_name, shape, _whole(variable.name), None, variable.dims[1:],
+            _all_of(variable.name), variable.name,
+        )  # fmt: skip
     for variable in variables:
         what = (things or {}).get(variable.name)
         if what is None:
@@ -134,7 +149,7 @@ def outputs_of(
         shape = tuple(sizes.get(dim, 0) for dim in variable.dims[2:])
         for k, thing in enumerate((names or {}).get(dim) or coordinates[dim][1]):
             name = f"{thing}.{what}"
-            made[name] = Output(name, variable.units, variable.long_name, shape, _part(variable.name, k))
+            made[name] = part_of(variable, name, k, shape)
     return made
 
 
@@ -146,20 +161,34 @@ def _part(name: str, k: int) -> Callable[[Mapping[str, np.ndarray]], Any]:
     return lambda frame: frame[name][0, k]
 
 
+def _all_of(name: str) -> Callable[[Mapping[str, np.ndarray]], np.ndarray]:
+    return lambda frames: frames[name]
+
+
+def _part_of_all(name: str, k: int) -> Callable[[Mapping[str, np.ndarray]], np.ndarray]:
+    return lambda frames: frames[name][:, k]
+
+
 def part_of(variable: Any, name: str, k: int, shape: tuple[int, ...] = (), text: str = "") -> Output:
     """An output that is the k-th of a variable."""
-    return Output(name, variable.units, text or variable.long_name, shape, _part(variable.name, k))
+    return Output(
+        name, variable.units, text or variable.long_name, shape, _part(variable.name, k), None, variable.dims[2:],
+        _part_of_all(variable.name, k), variable.name,
+    )  # fmt: skip
 
 
 def same_as(output: Output, name: str) -> Output:
     """An output under another name."""
-    return Output(name, output.unit, output.text, output.shape, output.value, output.places)
+    return replace(output, name=name)
 
 
 def extreme_of(variable: Any, name: str, text: str, choose: Callable[[np.ndarray], Any]) -> Output:
     """An output that is the largest, or the smallest, of a variable."""
     source = variable.name
-    return Output(name, variable.units, text, (), lambda frame: choose(frame[source][0]))
+    return Output(
+        name, variable.units, text, (), lambda frame: choose(frame[source][0]),
+        series=lambda frames: np.array([choose(one) for one in frames[source]]), source=source,
+    )  # fmt: skip
 
 
 def number(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -85,6 +85,12 @@ class Model:
         quicker to some than to all.
     handles : callable or None
         -> what can be driven, read and changed while it runs; None where an application does not say.
+    figure_units : mapping
+        Figures of `headline` that are one number, by name, with their SI units: those that only some runs have too.
+    nothing : collection of str
+        Those of them without which a run has nothing of the kind: they are 0 then, such as the longest slack.
+    bounds : sequence of tautline.results.bounds.Bound
+        Limits that the scene gives itself.
     """
 
     system: System
@@ -103,3 +109,6 @@ class Model:
     limits: Callable[[Any], list[dict[str, Any]]] | None = None
     figures: Callable[[Any, Collection[str]], dict[str, dict[str, Any]]] | None = None
     handles: Callable[[], Handles] | None = None
+    figure_units: Mapping[str, str] = field(default_factory=dict)
+    nothing: Collection[str] = ()
+    bounds: Sequence[Any] = ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -126,12 +126,22 @@ class TwinMap(Scene):
 
 
 class Names(pydantic.BaseModel):
-    """Names and units of a simulation: all that a map can refer to."""
+    """Names and units of a simulation: all that a map can refer to.
+
+    Attributes
+    ----------
+    limits : tuple of Watch
+        Limits that the scene gives itself, as far as a twin can watch them.
+    unwatched : tuple of str
+        Names of those that it cannot: of figures of a whole run, and of single numbers of an array.
+    """
 
     inputs: dict[str, str]
     outputs: dict[str, str]
     shapes: dict[str, tuple[int, ...]]
     parameters: dict[str, str]
+    limits: tuple[Watch, ...] = ()
+    unwatched: tuple[str, ...] = ()
 
 
 class Channel(pydantic.BaseModel):
@@ -296,7 +306,7 @@ class _Reader:
         measured = {sensor.output for sensor in read.sensors if sensor.output}
         unknowns = [self.unknown(i, one, measured) for i, one in enumerate(read.estimate)]
         self.repeated("estimate", [one.name for one in read.estimate], "parameter")
-        alarms = [self.alarm(i, one, measured) for i, one in enumerate(read.watch)]
+        alarms = [self.alarm(i, one, measured) for i, one in enumerate([*read.watch, *self.limits()])]
         for i, name in enumerate(read.keep):
             self.known(("keep", i), "output", name, self.outputs)
         if read.estimate and not measured:
@@ -308,6 +318,16 @@ class _Reader:
             keep=list(read.keep), time=read.time, window=read.window or WINDOW, delay=read.delay, lost=read.lost,
             forecast_every=read.forecast_every, restrict=read.restrict, run_in=read.run_in, ahead=read.ahead,
         )  # fmt: skip
+
+    def limits(self) -> list[Watch]:
+        """The scene's own limits, looked for as far ahead as the map says; what the map names itself comes first."""
+        own = {(one.output, side) for one in self.map.watch for side in _sides(one)}
+        called = {one.name for one in self.map.watch if one.name}
+        return [
+            one.model_copy(update={"ahead": self.map.ahead})
+            for one in self.names.limits
+            if one.name not in called and not own & {(one.output, side) for side in _sides(one)}
+        ]
 
     def repeated(self, key: str, names: list[str], what: str) -> None:
         for i, name in enumerate(names):
@@ -426,6 +446,32 @@ class _Reader:
         )  # fmt: skip
 
 
+def _sides(one: Watch) -> list[str]:
+    return [side for side in ("above", "below") if getattr(one, side) is not None]
+
+
+def watches_of(bounds: Sequence[Any], outputs: Collection[str]) -> tuple[list[Watch], list[str]]:
+    """Limits of a scene as entries of ``watch``, and the names of those that no twin can watch.
+
+    Parameters
+    ----------
+    bounds : sequence of tautline.results.bounds.Bound
+    outputs : collection of str
+        Names of what can be read while a simulation runs.
+    """
+    from tautline.results.limits import AT_MOST
+
+    entries = [
+        Watch.model_validate({
+            "output": one.output, "above" if one.sense == AT_MOST else "below": one.limit, "for": one.lasting,
+            "name": one.name,
+        })
+        for one in bounds if one.of_frames and one.output in outputs
+    ]  # fmt: skip
+    kept = {one.name for one in entries}
+    return entries, [one.name for one in bounds if one.name not in kept]
+
+
 def _is_number(text: str) -> bool:
     try:
         return math.isfinite(float(text))
@@ -440,7 +486,10 @@ def names_of(sim: Any) -> Names:
         return {name: one["unit"] for name, one in told.items()}
 
     outputs = sim.outputs.describe()
+    limits, unwatched = watches_of(sim.model.bounds, outputs)
     return Names(
+        limits=tuple(limits),
+        unwatched=tuple(unwatched),
         inputs=units(sim.inputs.describe()),
         outputs=units(outputs),
         parameters=units(sim.parameters.describe()),

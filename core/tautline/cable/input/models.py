@@ -39,6 +39,7 @@ from tautline.cable.input.plots import SubPlot
 from tautline.cable.input.solver import CableSolver
 from tautline.scene.extensions import load_extensions
 from tautline.scene.functions import FunctionOfTime, time_function
+from tautline.scene.limits import Limits
 from tautline.scene.model import Branch, Model, OneOf, Switch, word
 from tautline.scene.refusal import fault
 from tautline.scene.values.quantity import quantity
@@ -268,13 +269,14 @@ Items = Annotated[tuple[Annotated[Any, ITEM], ...], listed(None, "nodes, element
 
 
 class WrittenCable(Model):
-    """The whole file."""
+    """The whole file; ours: `title` and `limits`."""
 
     title: str | None = None
     CableModelMaterial: Material = Field(examples=["{Gravity: [0, 0, -9.81]}"])
     CableModel: Items = Field(examples=[f"[{EXAMPLE}]"])
     Plots: Annotated[tuple[SubPlot, ...], Field()] = ()
     GeneralizedAlpha: CableSolver = Field(examples=["{type: G-alpha, rho_inf: 0.8, time_step: 0.005, time_end: 10}"])
+    limits: Limits = ()
 
 
 def file_model() -> type[WrittenCable]:

@@ -15,6 +15,7 @@ from typing import Any, Literal
 from tautline.cable.input.nodal import NodalPart, item_of
 from tautline.cable.input.solver import CableSolver
 from tautline.scene.errors import Problem, SceneError, SceneWarning
+from tautline.scene.limits import Limit
 from tautline.scene.model import WITHOUT_TEXT
 from tautline.scene.reading.document import Document
 
@@ -160,6 +161,8 @@ class CableScene:
         For messages, and for a scene with other values.
     made_by : callable or None
         What made the scene of its document; None for one that was put together in Python.
+    limits : tuple of Limit
+        By which a run is judged.
     """
 
     title: str | None
@@ -175,6 +178,7 @@ class CableScene:
     warnings: tuple[SceneWarning, ...]
     document: Document = field(repr=False, compare=False)
     made_by: Callable[[Document], CableScene] | None = field(default=None, repr=False, compare=False)
+    limits: tuple[Limit, ...] = ()
 
     @property
     def text(self) -> str:
@@ -239,7 +243,7 @@ HOW_SOLVED = (
 """Fields of ``GeneralizedAlpha`` that say how a scene is solved, and what is kept."""
 PARTS = ("nodes", "elements", "ties", "couplings", "nodal", "motions")
 BESIDES_MODEL = frozenset(
-    {"title", "plots", "warnings", "document", "made_by", *(f"solver.{name}" for name in HOW_SOLVED)}
+    {"title", "plots", "warnings", "document", "made_by", "limits", *(f"solver.{name}" for name in HOW_SOLVED)}
     | {f"{part}.{where}" for part in PARTS for where in ("line", "place")}
 )
 """What does not count in a cable's model (`tautline.scene.identity`): where things stand in the file, too."""

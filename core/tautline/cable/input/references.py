@@ -62,6 +62,7 @@ def resolve(written: w.WrittenCable, meant: Document, document: Document, before
         nodal=tuple(part for item in NODAL.values() for part in register.make(item.model, item.made)),
         plots=_plots(written, register),
         warnings=(*before, *warnings, *ignored),
+        limits=written.limits,
     )
     register.report()
     _check_loose(scene, register)

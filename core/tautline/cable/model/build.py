@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.nodal import NODAL, item_of
@@ -16,7 +17,7 @@ from tautline.cable.model.eyelets import eyelets
 from tautline.cable.model.handles import handles
 from tautline.cable.model.layout import Layout
 from tautline.cable.model.limits import limits
-from tautline.cable.model.observe import Observer, headline, variables
+from tautline.cable.model.observe import FIGURES, Observer, headline, variables
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of
 from tautline.constraints.multiplier import Multipliers
 from tautline.integrators.statics.attainable import within_rounding
@@ -118,12 +119,13 @@ def build(scene: CableScene) -> Model:
         observe=observer.observe,
         headline=lambda result: headline(result),
         limits=lambda result: limits(result, scene),
+        figure_units=FIGURES,
         start=solver.start,
         step_limit=max(0.5 * min(lengths), 1e-9),
         notes=notes,
         handles=lambda: handles(layout, system.groups, model),
     )  # fmt: skip
-    return within_rounding(model, "eps_energy")
+    return with_limits(within_rounding(model, "eps_energy"), scene)
 
 
 def _mass(scene: CableScene, material: dict[int, float]) -> float:

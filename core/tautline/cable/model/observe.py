@@ -12,6 +12,8 @@ from tautline.constraints.multiplier import Multipliers
 from tautline.kernels.hermite import FIRST, SECOND, table
 from tautline.results.variable import Variable
 
+FIGURES = {"axial_force_max": "N", "axial_force_min": "N", "displacement_max": "m", "speed_max": "m/s"}
+"""Figures of a run and their units, of which a scene may set limits."""
 SHORTEST_SLOPE = 1.0e-90
 """Slope below which a curve has no direction, and no curvature to speak of."""
 

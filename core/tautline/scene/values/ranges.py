@@ -65,6 +65,7 @@ RANGES: dict[str, Range] = {
     "frames a second": Range("", 1e-4, 1e7, (), "as the interval of frames"),
     "parameter of the method": _any("bounds are those of the method, and what is outside of them is refused"),
     "control gain": _any("has the unit and the size of the machine that it controls"),
+    "bound of an output": _any("the unit is that of the output, which is a result: anything can come out"),
     # Geometry.
     "position": Range("m", 0.0, 12_000.0, _LONG, "the deepest sea, and above the highest crane by far"),
     "length": Range("m", 1e-6, 30_000.0, _LONG, "a rod of the laboratory, to the longest well or umbilical"),

@@ -14,6 +14,7 @@ from tautline.integrators.state import State
 from tautline.integrators.status import StoppedEarly
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
+from tautline.scene.limits import without_limits
 from tautline.scene.methods import explicit_like, implicit_like
 from tautline.simulation import Look, simulate
 from tautline.system.model import Model
@@ -187,8 +188,8 @@ class Subject:
         return None if scene is None else replace(self, scene=scene)
 
     def model(self, setting: Setting) -> Model:
-        """The model of a setting; raises SceneError."""
-        return self.change(self.application.build(self.arranged(setting)))
+        """The model of a setting, without limits, which may name elements that it lacks; raises SceneError."""
+        return self.change(self.application.build(without_limits(self.arranged(setting))))
 
     def run(self, setting: Setting, repetitions: int = 1, **further: Any) -> Trial:
         """Run a setting, again and again for its time where it is short; bad input and stops become a status."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
-from tautline.view.figures.choice import Chosen, choose
+from tautline.view.figures.choice import Chosen, choose, split
 from tautline.view.figures.comparison import marker, over_time
 from tautline.view.figures.figure import (
     COLOURS,
@@ -72,7 +72,9 @@ def variable_figure(results: Sequence[Result], names: Sequence[str], what: str, 
         if not chosen[0].changes:
             cure = "name what to draw it against with --vs"
             raise ResultError("--what", f"'{what}' does not change with time", cure)
-        return _history(chosen, times, names, title)
+        figure = _history(chosen, times, names, title)
+        _draw_limits(figure.axes, chosen, results, split(what)[0])
+        return figure
     against = _against(results, vs)
     if all(_pairs(one, other, against) for one, other in zip(chosen, against.chosen, strict=True)):
         return _loop(chosen, against, times, names, title)
@@ -122,6 +124,20 @@ def _history(chosen: Sequence[Chosen], times: Sequence[np.ndarray], names: Seque
         plot.set_ylabel(label(parts[0][0], unit or DASH, LETTERS))
     legend_above(plots[0, 0])
     return over_time(figure, plots, times)
+
+
+def _draw_limits(plots: Sequence[Axes], chosen: Sequence[Chosen], results: Sequence[Result], name: str) -> None:
+    """Draw the limits that the scenes of results give of a variable, where they are not far from its values."""
+    bounds = {(one["name"], one["limit"]) for run in results for one in run.limits if one.get("variable") == name}
+    if not bounds or len(plots) != 1:
+        return
+    factor, _ = scale([one.values for one in chosen], chosen[0].unit)
+    low, high = plots[0].get_ylim()
+    for words, bound in sorted(bounds, key=lambda pair: pair[1]):
+        # One that is far away would press the curves into a line.
+        if low - (high - low) <= bound / factor <= high + (high - low):
+            plots[0].axhline(bound / factor, color="black", lw=1.2, ls="--", label=words)
+    legend_above(plots[0])
 
 
 def _looks(

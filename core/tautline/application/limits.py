@@ -1,0 +1,240 @@
+"""The limits of a scene, read by what its model has: names of outputs and figures, units, places."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from itertools import product
+from typing import Any
+
+import numpy as np
+from pydantic_core import PydanticCustomError
+
+from tautline.results.bounds import Bound
+from tautline.results.limits import AT_LEAST, AT_MOST
+from tautline.scene.errors import LONGEST, Problem, SceneError
+from tautline.scene.limits import ABOVE, Limit
+from tautline.scene.values.quantity import Quantity
+from tautline.system.handles import Handles, Output, outputs_of
+from tautline.system.model import Model
+
+PART = re.compile(r"(.+)\[(\d+(?:\s*,\s*\d+)*)\]")
+"""One of the numbers of an output: ``payload.position[2]``."""
+COMPONENTS = frozenset({"axis", "side", "part"})
+"""Dimensions of components: a bound of all of them together would mean nothing."""
+CLOSE, OFFERED, MOST_LISTED = 0.5, 3, 40
+"""Likeness of names that are offered, and how many are."""
+
+
+def with_limits(model: Model, scene: Any) -> Model:
+    """The model of a scene with the limits that the scene gives itself; every application's `build` ends with it.
+
+    Raises
+    ------
+    SceneError
+        Listing every limit of an output that there is not, or of another unit, with its line, key and cure.
+    """
+    limits = getattr(scene, "limits", ())
+    return replace(model, bounds=tuple(read_limits(limits, model, scene))) if limits else model
+
+
+def read_limits(limits: Sequence[Limit], model: Model, scene: Any) -> list[Bound]:
+    """Limits as bounds in SI on outputs and figures of a model.
+
+    Parameters
+    ----------
+    scene
+        For messages: its ``problem`` knows the file.
+
+    Raises
+    ------
+    SceneError
+        As `with_limits` does.
+    """
+    reader = _Reader(model, scene)
+    found = [bound for i, limit in enumerate(limits) for bound in reader.read(i, limit)]
+    if reader.problems:
+        raise SceneError(reader.problems)
+    return found
+
+
+@dataclass(frozen=True)
+class _Read:
+    """What a name stands for: unit, and of an output how it is read of frames, and its places."""
+
+    unit: str
+    series: Any = None
+    places: tuple[str, ...] = ("",)
+    source: str = ""
+    variable: str = ""
+    absent: float | None = None
+
+
+class _Reader:
+    """Reads limits by the outputs and figures of a model, and collects what is wrong with them."""
+
+    def __init__(self, model: Model, scene: Any) -> None:
+        self.model, self.scene = model, scene
+        handles = model.handles() if model.handles is not None else Handles(outputs=_plain(model))
+        self.outputs: Mapping[str, Output] = handles.outputs
+        self.problems: list[Problem] = []
+
+    def fault(self, key: tuple[str | int, ...], cause: str, cure: str) -> None:
+        self.problems.append(self.scene.problem(("limits", *key), cause, cure))
+
+    def read(self, i: int, limit: Limit) -> list[Bound]:
+        """The bounds of a limit."""
+        name = limit.output.strip()
+        read = self.named(i, name)
+        if read is None:
+            return []
+        if read.series is None and limit.for_ > 0.0:
+            cause = f"{name} is a figure of the whole run: it does not last"
+            self.fault((i, "for"), cause, "remove it, or name an output over time")
+        found = [self.number((i, side.key), side.written, read.unit) for side in limit.sides]
+        if len(found) == 2 and None not in found and not found[0] > found[1]:
+            cause = "is not more than `below`: every value would be beyond one of the two"
+            self.fault((i, ABOVE), cause, "a value passes the limit where it is above `above`, or below `below`")
+        return [
+            Bound(
+                side.name, name, AT_MOST if side.key == ABOVE else AT_LEAST, to, read.unit, limit.for_, read.series,
+                read.places, read.source, read.variable, read.absent,
+            )
+            for side, to in zip(limit.sides, found, strict=True)
+            if to is not None
+        ]  # fmt: skip
+
+    def number(self, key: tuple[str | int, ...], written: float | str, unit: str) -> float | None:
+        """A bound in SI; a fault where it is none."""
+        try:
+            return float(Quantity(unit).read(written))
+        except PydanticCustomError as error:
+            self.fault(key, error.message(), str((error.context or {}).get("cure", "")))
+            return None
+
+    def named(self, i: int, name: str) -> _Read | None:
+        """What an output or a figure is; a fault where it is none that can have a bound."""
+        if name in self.outputs:
+            return self.whole(i, self.outputs[name])
+        part = PART.fullmatch(name)
+        if part and part[1] in self.outputs:
+            return self.part(i, self.outputs[part[1]], tuple(int(k) for k in part[2].split(",")))
+        known = self.model.figure_units
+        if name in known:
+            return _Read(known[name], absent=0.0 if name in self.model.nothing else None)
+        self.fault((i, "output"), "there is no such output, and no such figure", self.nearest(name))
+        return None
+
+    def nearest(self, name: str) -> str:
+        """The names that were probably meant, or those that there are."""
+        known = sorted({*self.outputs, *self.model.figure_units})
+        lower = {one.lower(): one for one in known}
+        close = get_close_matches(name[:LONGEST].lower(), list(lower), OFFERED, CLOSE)
+        if close:
+            return "did you mean " + " or ".join(f"'{lower[one]}'" for one in close) + "?"
+        more = f", and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""
+        return f"known: {', '.join(known[:MOST_LISTED])}{more}"
+
+    def whole(self, i: int, output: Output) -> _Read | None:
+        """An output with all of its places."""
+        if output.source:
+            whole = next(variable for variable in self.model.variables if variable.name == output.source)
+            return _Read(output.unit, series_of(output), self.places(whole.dims[1:]), output.source, output.source)
+        if output.shape and (not output.dims or COMPONENTS & set(output.dims)):
+            indices = ",".join("0" for _ in output.shape)
+            cause = f"{output.name} has several components"
+            self.fault((i, "output"), cause, f"name one of its numbers: {output.name}[{indices}] is the first")
+            return None
+        places = self.places(output.dims) if output.shape else (_thing(output.name),)
+        return _Read(output.unit, series_of(output), places, variable=output.variable)
+
+    def part(self, i: int, output: Output, at: tuple[int, ...]) -> _Read | None:
+        """One number of an output, or those of its places that are left."""
+        left = output.dims[len(at) :]
+        if len(at) > len(output.shape) or (len(at) < len(output.shape) and (not left or COMPONENTS & set(left))):
+            cause = (
+                f"{output.name} has {_counted(len(output.shape))}" if output.shape else f"{output.name} is one number"
+            )
+            self.fault((i, "output"), cause, f"write {self.example(output)}")
+            return None
+        for k, size in zip(at, output.shape, strict=False):
+            # A size of 0 is one that is not known.
+            if k >= size > 0:
+                self.fault((i, "output"), f"{output.name} has {size} of these", f"count from 0 to {size - 1}")
+                return None
+        all_of = series_of(output)
+        places = self.places(left) if left else (_thing(output.name),)
+        return _Read(output.unit, lambda frames: all_of(frames)[(slice(None), *at)], places)
+
+    def example(self, output: Output) -> str:
+        """How a number of an output is named."""
+        return f"{output.name}[{','.join('0' for _ in output.shape)}]" if output.shape else output.name
+
+    def places(self, dims: Sequence[str]) -> tuple[str, ...]:
+        """Names of all places of some dimensions, in the order of a value's numbers."""
+        return tuple(", ".join(words) for words in product(*(self.labels(dim) for dim in dims)))
+
+    def labels(self, dim: str) -> list[str]:
+        """Names of the places of a dimension: as the coordinates have them, with the arc length where that is known."""
+        along = {
+            name: np.asarray(values)
+            for name, (dims, values, *_) in self.model.coordinates.items()
+            if dims in (dim, (dim,))
+        }
+        named = along.get(f"{dim}_name", along.get(dim))
+        if named is None:
+            named = np.arange(len(next(iter(along.values()))) if along else 0)
+        if named.dtype.kind in "USO":
+            return [str(one) for one in named]
+        lengths = along.get("arc_length", self.middles(len(named)) if dim == "element" else None)
+        at = [""] * len(named) if lengths is None else [f" at {x:.4g} m" for x in lengths]
+        return [f"{dim} {number}{where}" for number, where in zip(named, at, strict=True)]
+
+    def middles(self, count: int) -> np.ndarray | None:
+        """Arc lengths of the middles of so many elements between nodes in a row; None where nodes have none."""
+        _, nodes, *_ = self.model.coordinates.get("arc_length", ((), np.zeros(0)))
+        return 0.5 * (nodes[1:] + nodes[:-1]) if len(nodes) == count + 1 else None
+
+
+def _plain(model: Model) -> dict[str, Output]:
+    """Outputs of an application that names none: its variables."""
+    return outputs_of(model.variables, model.coordinates)
+
+
+def _thing(name: str) -> str:
+    """What an output belongs to, by its name: ``winch`` of ``winch.tension``; empty where it belongs to none."""
+    return name.rpartition(".")[0]
+
+
+def _counted(axes: int) -> str:
+    return "one index" if axes == 1 else f"{axes} indices"
+
+
+def series_of(output: Output) -> Any:
+    """What reads an output of many frames: variables of m frames -> (m, ...)."""
+    if output.series is not None:
+        return output.series
+
+    def one_by_one(frames: Mapping[str, np.ndarray]) -> np.ndarray:
+        count = len(frames["time"])
+        return np.array([output.value(_Frame(frames, k)) for k in range(count)], float)
+
+    return one_by_one
+
+
+class _Frame(Mapping[str, np.ndarray]):
+    """One frame of many."""
+
+    def __init__(self, frames: Mapping[str, np.ndarray], k: int) -> None:
+        self._frames, self._part = frames, slice(k, k + 1)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self._frames[name][self._part]
+
+    def __iter__(self) -> Any:
+        return iter(self._frames)
+
+    def __len__(self) -> int:
+        return len(self._frames)

@@ -1,0 +1,61 @@
+"""A twin watches the limits that its scene gives itself, but for what its map names."""
+
+import pytest
+import yaml
+from twin.rehearsal import CALM, SENSORS, alarms, at, calm_rows, changed, hoist, lines_of
+
+import tautline
+from tautline.live.simulation import Simulation
+from tautline.twin.map import names_of, plan_of, read_map
+from tautline.twin.twin import Twin
+
+LIMITS = [
+    {"output": "winch.tension", "above": "80 kN", "for": "0.2 s", "name": "overload"},
+    {"output": "min_tension", "below": "1 kN", "name": "slack"},
+    {"output": "tension", "above": "90 kN", "name": "anywhere"},
+    {"output": "payload.position[2]", "above": "29 m", "name": "height"},
+    {"output": "dynamic_amplification", "above": 1.5, "name": "jerk"},
+]
+
+
+@pytest.fixture(scope="module")
+def names():
+    return names_of(Simulation(tautline.read(hoist(CALM) | {"limits": LIMITS}), keep=False))
+
+
+def planned(names, more=""):
+    return {one.name: one for one in plan_of(read_map(SENSORS + more), names, {}).alarms}
+
+
+def test_limits_of_a_scene_are_watched_in_si_as_far_ahead_as_the_map_looks(names):
+    found = planned(names, "ahead: 3 s\n")
+    assert set(found) == {"overload", "slack", "anywhere"}
+    overload, slack = found["overload"], found["slack"]
+    assert (overload.target, overload.above, overload.lasting, overload.ahead) == ("winch.tension", 80e3, 0.2, 3.0)
+    assert (slack.target, slack.below, slack.ahead) == ("min_tension", 1e3, 3.0)
+    assert slack.above == float("inf") and overload.below == -float("inf")
+
+
+def test_a_figure_of_a_whole_run_and_a_number_of_an_array_are_named_as_not_watched(names):
+    assert names.unwatched == ("height", "jerk")
+
+
+def test_what_the_map_watches_itself_takes_the_place_of_the_scene_s_limit(names):
+    own = yaml.safe_dump({"watch": [
+        {"output": "winch.tension", "above": "70 kN", "name": "mine"},
+        {"output": "max_tension", "above": "95 kN", "name": "anywhere"},
+        {"output": "min_tension", "above": "60 kN", "name": "other side"},
+        {"residual": "winch.tension", "above": "4 sd", "name": "irregular"},
+    ]})  # fmt: skip
+    found = planned(names, own)
+    assert set(found) == {"mine", "anywhere", "other side", "irregular", "slack"}
+    assert found["mine"].above == 70e3 and found["anywhere"].target == "max_tension"
+
+
+def test_an_overload_by_the_scene_s_own_limit_raises_an_alarm():
+    rows = changed(calm_rows(), lambda t, r: {**r, "rope_tension": r["rope_tension"] + 45.0 * (10.0 < t < 11.05)})
+    lines = lines_of(Twin(hoist(CALM) | {"limits": LIMITS[:1]}, SENSORS), rows)
+    raised = alarms(lines)["overload"]
+    # It has to last for 0.2 s; rows come every 0.1 s.
+    assert raised == pytest.approx(10.3, abs=0.11)
+    assert "above 80 kN" in next(one["text"] for one in at(lines, raised)["alarms"] if one["name"] == "overload")
