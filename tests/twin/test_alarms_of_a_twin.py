@@ -106,17 +106,9 @@ def test_a_sensor_that_clips_is_reported():
     assert "rope_tension clipped" in raised
 
 
-def test_the_largest_hoisting_speed_is_that_with_which_the_bound_is_just_not_passed():
-    bounded = (
-        SENSORS
-        + """
-watch:
-  - {output: winch.tension, above: 56 kN, ahead: 2 s, name: overload}
-restrict: true
-"""
-    )
-    scene = hoist(CALM)
-    lines = lines_of(Twin(scene, bounded), calm_rows()[:160])
+def test_the_largest_hoisting_speed_is_that_with_which_a_limit_of_the_scene_is_just_not_passed():
+    scene = hoist(CALM) | {"limits": [{"output": "winch.tension", "above": "56 kN", "name": "overload"}]}
+    lines = lines_of(Twin(scene, SENSORS + "ahead: 2 s\n"), calm_rows()[:160])
     line = next(line for line in reversed(lines) if line["restrict"])
     found = next(one for one in line["restrict"] if one["name"] == "hoisting speed")
     assert found["now"] == pytest.approx(0.0, abs=0.01) and not found["restrict"]

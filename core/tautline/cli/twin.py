@@ -58,6 +58,8 @@ def twin(
         begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None
         if begin is not None:
             say(f"going on from {begin:.6g} s")
+        if made.plan_names.unwatched:
+            say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
         page = _page(serve, path, made)
         series = Series(output, made) if output is not None else None
         _Loop(made, opened, series, page, state, as_json, quiet).run()

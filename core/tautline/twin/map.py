@@ -120,7 +120,7 @@ class TwinMap(Scene):
     keep: tuple[str, ...] = ()
     lost: Seconds = 5.0
     forecast_every: Seconds = 0.5
-    restrict: Switch = False
+    restrict: Switch | None = None
     run_in: Seconds = 10.0
     ahead: Wait = 2.0
 
@@ -316,7 +316,7 @@ class _Reader:
         return Plan(
             channels=[c for c in channels if c], unknowns=[u for u in unknowns if u], alarms=[a for a in alarms if a],
             keep=list(read.keep), time=read.time, window=read.window or WINDOW, delay=read.delay, lost=read.lost,
-            forecast_every=read.forecast_every, restrict=read.restrict, run_in=read.run_in, ahead=read.ahead,
+            forecast_every=read.forecast_every, restrict=bool(self.names.limits) if read.restrict is None else read.restrict, run_in=read.run_in, ahead=read.ahead,
         )  # fmt: skip
 
     def limits(self) -> list[Watch]:
