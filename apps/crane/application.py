@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -34,6 +35,12 @@ class Crane(Packaged):
     def driven(self, scene: Any, names: Any) -> Any:
         """The scene with what is named free to be driven; a vessel comes under it where its motion is named."""
         return self._module("handles").driven(scene, tuple(names))
+
+    def operation(self, scene: Any, account: Path | None = None) -> Any:
+        """What a twin keeps of a crane's work: the account of its rope, where one is asked for."""
+        from crane.twin.operation import CraneOperation
+
+        return None if account is None else CraneOperation(scene, account)
 
     def free_motions(self, scene: Any) -> Any:
         """What moves freely, by blows that no sensor sees: loads bounce on their ropes."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.packaged import Packaged
+from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
     from tautline.results.finding import Table
@@ -53,8 +55,16 @@ class Drillstring(Packaged):
             "campbell": Table(campbell.OPTIONS, campbell.read_options, campbell.findings),
         }
 
-    def operation(self, scene: Any) -> Any:
-        """What a twin asks of a rig's work: slips, stands, the bit on and off bottom."""
+    def operation(self, scene: Any, account: Path | None = None) -> Any:
+        """What a twin asks of a rig's work: slips, stands, the bit on and off bottom.
+
+        Raises
+        ------
+        SceneError
+            Where an account is asked for.
+        """
+        if account is not None:
+            raise option_error("--account", str(account), "is for ropes: a drill string keeps none", "leave it out")
         from drillstring.twin.operation import RigOperation
 
         return RigOperation(scene)

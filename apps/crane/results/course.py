@@ -89,21 +89,24 @@ def nodes_of(scene: CraneScene) -> np.ndarray:
     return np.concatenate(([0], np.cumsum(scene.elements)))
 
 
-def course_of(result: Any, layout: Layout, frames: Any = slice(None)) -> Course:
+def course_of(result: Any, layout: Layout, frames: Any = slice(None), columns: np.ndarray | None = None) -> Course:
     """Find the rope's course at some frames.
 
     Parameters
     ----------
-    result : Result
+    result : Result, or mapping of variables
     layout : Layout
         Of its scene.
     frames : slice or int array
+    columns : (m, n, 3, 3) array, optional
+        Of the rotation of what each item rides on; by default as the scene moves it.
     """
     scene, wheels = layout.scene, layout.wheels
     node = nodes_of(scene)
     position = result["position"][frames]
     center = position[:, node]
-    columns = _columns(layout, np.ascontiguousarray(result.time[frames]))
+    if columns is None:
+        columns = _columns(layout, np.ascontiguousarray(result.time[frames]))
     axis = np.einsum("mijc,ij->mic", columns, wheels.axis)
     rho = np.array(wheels.radius)
     first, last = node[:-1], node[1:]

@@ -61,6 +61,9 @@ class Rope(Model):
         m and N.
     compression : str
         ``none``: no compression, or ``elastic``.
+    bending_life : float or None
+        Bending cycles that the rope lasts at a fifth of its breaking load, by its maker's tests: for the account of a
+        twin (`crane.rope_life.account`).
     length : float or None
         Unstretched, m, from end to end of the path at the start, a drum counting where the rope leaves it; None for the
         length with which the load rests where it is drawn, or `as drawn` the path's own.
@@ -75,6 +78,7 @@ class Rope(Model):
     diameter: Annotated[float, quantity("m", positive=True, of="rope diameter")] | None = None
     breaking_load: Annotated[float, quantity("N", positive=True, of="breaking load")] | None = None
     compression: Annotated[Literal["none", "elastic"], word("none", "elastic")] = "none"
+    bending_life: Annotated[float, quantity("", positive=True, of="number of cycles")] | None = None
     length: Annotated[float, quantity("m", positive=True, of="length")] | None = None
 
     @model_validator(mode="after")

@@ -89,7 +89,7 @@ class RigOperation:
 
     outputs = FOUND
     signals = ASKED
-    window, mean = WINDOW, 4.0
+    window, mean, anywhere = WINDOW, 4.0, True
     reads = ("top.block", "top.hook_load", "surface_torque", "bit.depth", "axial_velocity", "rotation_rate")
 
     def __init__(self, scene: DrillstringScene) -> None:
@@ -180,8 +180,9 @@ class RigOperation:
         return np.array([bool(tells and (turns or KNOWN_AS.get(name) != "torque")) for name in sensors])
 
     def found(
-        self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]]
-    ) -> dict[str, tuple[float, float]]:
+        self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]],
+        sim: Any,
+    ) -> dict[str, tuple[float, float]]:  # fmt: skip
         """Where the bit is; and on bottom its weight and torque: what the hook lacks of what is computed without them.
 
         The drive has so much more torque. The string is shorter by the weight times its compliance than it is computed.
@@ -283,6 +284,9 @@ class RigOperation:
         sticks = found is not None and found.severity - found.sd > STICKING
         text = f"the bit's speed swings by {100.0 * found.severity:.0f} % of its mean" if sticks else ""
         yield "stick-slip", sticks, text, self._severity.span
+
+    def save(self) -> None:
+        """Nothing is kept over operations."""
 
     # -- to be kept over a restart -------------------------------------------------------------------------------------
 

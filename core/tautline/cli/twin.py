@@ -32,7 +32,8 @@ SILENCE = 1.0
 
 def twin(
     catalogue: Catalogue, path: Path, map: Path, source: str, output: Path | None, changes: Sequence[str] | None,
-    speed: float | None, resume: Path | None, state: Path | None, serve: str | None, as_json: bool, quiet: bool,
+    speed: float | None, resume: Path | None, state: Path | None, account: Path | None,
+    serve: str | None, as_json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Run a scene beside the machine.
 
@@ -54,7 +55,7 @@ def twin(
     read = read_map(map)
     opened = open_source(source, [one.column for one in read.sensors], time=read.time, speed=speed)
     try:
-        made = Twin(scene, read, live=opened.live)
+        made = Twin(scene, read, live=opened.live, account=account)
         begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None
         if begin is not None:
             say(f"going on from {begin:.6g} s")
@@ -133,7 +134,7 @@ class _Loop:
                 self.page.publish(finite(line), first.model, first._frames.rows[0])
             self._tell(line)
         now = clock.monotonic()
-        if self.state is not None and lines and now - self.saved > SAVE_EVERY:
+        if lines and now - self.saved > SAVE_EVERY:
             self._save()
 
     def _tell(self, line: dict[str, Any]) -> None:
@@ -152,16 +153,17 @@ class _Loop:
         self.told = {name: float(one["since"]) for name, one in active.items()}
 
     def _save(self) -> None:
+        """Keep what goes over operations, and then the state: what it has counted is not counted again."""
         from tautline.twin.storage import save
 
-        assert self.state is not None
-        if self.lines:
+        if self.lines and self.twin.operation is not None:
+            self.twin.operation.save()
+        if self.lines and self.state is not None:
             save(self.twin, self.state)
         self.saved = clock.monotonic()
 
     def _end(self, status: str) -> None:
-        if self.state is not None:
-            self._save()
+        self._save()
         if self.series is not None:
             self.series.finish(status)
         if self.page is not None:

@@ -136,6 +136,9 @@ ResumeState = Annotated[
 StateFile = Annotated[
     Path | None, typer.Option("--state", metavar="STATE", help="Keep the state here, every few seconds.")
 ]
+AccountFile = Annotated[
+    Path | None, typer.Option("--account", metavar="FILE", help="Keep the rope's damage here, over all operations.")
+]
 Serve = Annotated[
     str | None,
     typer.Option(
@@ -420,6 +423,7 @@ def twin(
     speed: ReplaySpeed = None,
     resume: ResumeState = None,
     state: StateFile = None,
+    account: AccountFile = None,
     serve: Serve = None,
     as_json: Lines = False,
     quiet: Quiet = False,
@@ -428,7 +432,7 @@ def twin(
     from tautline.cli import twin as verb
 
     kept = state or resume
-    verb.twin(context.obj, scene, map, source, output, changes, speed, resume, kept, serve, as_json, quiet)
+    verb.twin(context.obj, scene, map, source, output, changes, speed, resume, kept, account, serve, as_json, quiet)
 
 
 def record(

@@ -322,6 +322,11 @@ class Simulation:
         record_now(self._run.method, self.model.system, self._state, self._time, self._frames.rows[0])
         self._observed = None
 
+    @property
+    def driven_scene(self) -> Any:
+        """The scene that runs: with what is named free to be driven."""
+        return self._application.driven(self.scene, self._named)
+
     # -- what there is to read -----------------------------------------------------------------------------------------
 
     def _observe(self) -> Mapping[str, np.ndarray]:

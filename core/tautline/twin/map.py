@@ -249,7 +249,10 @@ def driven_by(read: TwinMap) -> list[str]:
     return [sensor.input for sensor in read.sensors if sensor.input is not None]
 
 
-def plan_of(read: TwinMap, names: Names, values: Mapping[str, float], signals: Mapping[str, str] | None = None) -> Plan:
+def plan_of(
+    read: TwinMap, names: Names, values: Mapping[str, float], signals: Mapping[str, str] | None = None,
+    further: Collection[str] = (),
+) -> Plan:  # fmt: skip
     """Check a map against what the scene has.
 
     Parameters
@@ -258,13 +261,15 @@ def plan_of(read: TwinMap, names: Names, values: Mapping[str, float], signals: M
         Parameters of the scene as it is written, where an estimate says no start.
     signals : mapping, optional
         What the application asks for beside inputs and outputs: name -> unit.
+    further : collection of str
+        What it finds itself, which can be kept too.
 
     Raises
     ------
     SceneError
         Listing every fault with its line, key and cure.
     """
-    reader = _Reader(read, names, dict(values), dict(signals or {}))
+    reader = _Reader(read, names, dict(values), dict(signals or {}), further)
     plan = reader.plan()
     if reader.problems:
         raise SceneError(reader.problems)
@@ -274,8 +279,10 @@ def plan_of(read: TwinMap, names: Names, values: Mapping[str, float], signals: M
 class _Reader:
     """Turns the texts of a map into numbers, and collects what is wrong."""
 
-    def __init__(self, read: TwinMap, names: Names, values: dict[str, float], signals: dict[str, str]) -> None:
-        self.map, self.names, self.values, self.signals = read, names, values, signals
+    def __init__(
+        self, read: TwinMap, names: Names, values: dict[str, float], signals: dict[str, str], further: Collection[str]
+    ) -> None:
+        self.map, self.names, self.values, self.signals, self.further = read, names, values, signals, further
         self.outputs = names.outputs
         self.problems: list[Problem] = []
 
@@ -308,15 +315,16 @@ class _Reader:
         self.repeated("estimate", [one.name for one in read.estimate], "parameter")
         alarms = [self.alarm(i, one, measured) for i, one in enumerate([*read.watch, *self.limits()])]
         for i, name in enumerate(read.keep):
-            self.known(("keep", i), "output", name, self.outputs)
+            self.known(("keep", i), "output", name, {**self.outputs, **dict.fromkeys(self.further)})
         if read.estimate and not measured:
             self.fault(
                 ("estimate",), "nothing is measured that an estimate could come from", "add a sensor with output:"
             )
+        restrict = bool(self.names.limits) if read.restrict is None else read.restrict
         return Plan(
             channels=[c for c in channels if c], unknowns=[u for u in unknowns if u], alarms=[a for a in alarms if a],
             keep=list(read.keep), time=read.time, window=read.window or WINDOW, delay=read.delay, lost=read.lost,
-            forecast_every=read.forecast_every, restrict=bool(self.names.limits) if read.restrict is None else read.restrict, run_in=read.run_in, ahead=read.ahead,
+            forecast_every=read.forecast_every, restrict=restrict, run_in=read.run_in, ahead=read.ahead,
         )  # fmt: skip
 
     def limits(self) -> list[Watch]:

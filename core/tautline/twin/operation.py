@@ -41,18 +41,21 @@ class Operation(Protocol):
         Name -> unit: of what it finds, and of what it asks for, beside outputs and inputs of the simulation.
     reads : sequence of str
         Outputs of the simulations that `counts` and `found` want.
-    window : float
-        Of the estimate where the map gives none, s: the longest time from one rest to the next.
+    window : float or None
+        Of the estimate where the map gives none, s: the longest time from one rest to the next. None for the usual one.
     mean : float
         Time over which rows are averaged before they are compared, s: several periods of what swings in the machine in
-        a phase that nobody knows.
+        a phase that nobody knows. A window is gone through anew from rest then. 0 for rows one by one.
+    anywhere : bool
+        Whether positions with ``zero: first`` count from where the machine stands whenever it begins anew.
     """
 
     outputs: Mapping[str, str]
     signals: Mapping[str, str]
     reads: Sequence[str]
-    window: float
+    window: float | None
     mean: float
+    anywhere: bool
 
     def built(self, sim: Any) -> None:
         """Take notice of the simulation that stands for the machine from now on, at its start."""
@@ -64,8 +67,9 @@ class Operation(Protocol):
         """Which sensors (m,) tell something: all simulations (n, ...) do then what the machine does."""
 
     def found(
-        self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]]
-    ) -> dict[str, tuple[float, float]]:
+        self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]],
+        sim: Any,
+    ) -> dict[str, tuple[float, float]]:  # fmt: skip
         """Further estimates of a row: name -> value and standard deviation.
 
         Parameters
@@ -74,6 +78,8 @@ class Operation(Protocol):
             Output of a sensor -> value, NaN where it is not believed, and standard deviation.
         outputs : mapping
             Computed at the estimate: value and standard deviation; of the sensors' outputs and of `reads`.
+        sim : Simulation
+            The simulation itself, near the estimate.
         """
 
     def simulated(self, sim: Any) -> dict[str, float]:
@@ -84,6 +90,9 @@ class Operation(Protocol):
 
     def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
         """Further alarms: name, whether it holds, text, and how long it has to hold, s."""
+
+    def save(self) -> None:
+        """Write what is kept over operations; raises ResultError where that is not possible."""
 
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on, for JSON."""

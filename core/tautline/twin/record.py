@@ -106,7 +106,7 @@ def record(
     sim = Simulation(scene, driven_by(map), keep=False)
     names = names_of(sim)
     own = getattr(Installed().of(sim.scene), "operation", None)
-    operation: Operation | None = own(sim.scene) if own else None
+    operation: Operation | None = own(sim.scene, None) if own else None
     signals = operation.signals if operation else {}
     plan = plan_of(map, names, {name: sim.parameters[name] for name in names.parameters}, signals)
     rng = np.random.default_rng(sensing.seed)

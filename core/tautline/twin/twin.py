@@ -7,6 +7,7 @@ from bisect import bisect_right
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from tautline.integrators.status import StoppedEarly
 from tautline.live.errors import UnknownName
 from tautline.live.simulation import Simulation
+from tautline.scene.errors import option_error
 from tautline.scene.values.printed import quantity
 from tautline.twin.alarms import Alarms, beyond, bound_said
 from tautline.twin.family import Blow, Family, steps_to
@@ -103,6 +105,8 @@ class Twin:
     map : path, text, dict or TwinMap
     live : bool
         Whether data arrive while they are measured.
+    account : Path, optional
+        File of what the application keeps over operations: the damage of a rope.
 
     Raises
     ------
@@ -112,7 +116,7 @@ class Twin:
         Where the scene has no start.
     """
 
-    def __init__(self, scene: Any, map: Any, *, live: bool = False) -> None:
+    def __init__(self, scene: Any, map: Any, *, live: bool = False, account: Path | None = None) -> None:
         from tautline import read
         from tautline.application.installed import Installed
 
@@ -120,7 +124,11 @@ class Twin:
         self.application = Installed().of(self.scene)
         self.map: TwinMap = map if isinstance(map, TwinMap) else read_map(map)
         own = getattr(self.application, "operation", None)
-        self.operation: Operation | None = own(self.scene) if own else None
+        self.operation: Operation | None = own(self.scene, account) if own else None
+        if account is not None and self.operation is None:
+            raise option_error("--account", str(account), f"{self.application.name} keeps none", "leave it out")
+        # Rows are compared one by one, or as means.
+        self._mean = self.operation.mean if self.operation is not None else 0.0
         self.plan = self._planned()
         self._make_simulations()
         plan = self.plan
@@ -157,20 +165,21 @@ class Twin:
     def _planned(self) -> Plan:
         """The map, checked against the scene."""
         signals = self.operation.signals if self.operation else {}
+        further = self.operation.outputs if self.operation else {}
         try:
             first = Simulation(self.scene, driven_by(self.map), keep=False)
         except UnknownName:
             # Told by the line of the map, beside all else that is wrong with it.
             first = Simulation(self.scene, keep=False)
-            plan_of(self.map, names_of(first), {}, signals)
+            plan_of(self.map, names_of(first), {}, signals, further)
             raise
         names = names_of(first)
         self.plan_names = names
-        plan = plan_of(self.map, names, {name: first.parameters[name] for name in names.parameters}, signals)
+        plan = plan_of(self.map, names, {name: first.parameters[name] for name in names.parameters}, signals, further)
         self._first = first
         if self.operation is not None:
             self.operation.built(first)
-            if self.map.window is None:
+            if self.map.window is None and self.operation.window is not None:
                 plan = plan.model_copy(update={"window": self.operation.window})
         self.units = names.outputs | dict(self.operation.outputs if self.operation else {})
         return plan
@@ -337,7 +346,7 @@ class Twin:
         run_in = 0.0
         for track, (name, state) in zip(self.tracks, inputs, strict=True):
             track.begin(self._input_start[name], row.time)
-            if self.operation is not None and track.channel.zero_first:
+            if self.operation is not None and self.operation.anywhere and track.channel.zero_first:
                 self._count_anew(track, state)
             run_in = max(run_in, track.joining_from_rest(state, self.plan.run_in))
         begin = self.family.time
@@ -510,14 +519,14 @@ class Twin:
 
     def _take_in(self, sample: Sample) -> None:
         """Add a row to the window: by itself, or with others as their mean."""
-        if self.operation is None:
+        if not self._mean:
             self.horizon.add(sample)
             return
         if self._pending and not sample.use.any():
             self._take_in_mean()
         if sample.use.any():
             self._pending.append(sample)
-            if sample.time - self._pending[0].time >= self.operation.mean - 1e-9:
+            if sample.time - self._pending[0].time >= self._mean - 1e-9:
                 self._take_in_mean()
 
     def _take_in_mean(self) -> None:
@@ -527,14 +536,14 @@ class Twin:
 
     def _means(self, samples: list[Sample]) -> list[Sample]:
         """Rows of a window as they are taken in."""
-        if self.operation is None:
+        if not self._mean:
             return samples
         found: list[Sample] = []
         begun: list[Sample] = []
         for one in samples:
             if one.use.any():
                 begun.append(one)
-            if begun and (not one.use.any() or one.time - begun[0].time >= self.operation.mean - 1e-9):
+            if begun and (not one.use.any() or one.time - begun[0].time >= self._mean - 1e-9):
                 found += [mean_of(begun)] if len(begun) >= FEWEST else []
                 begun = []
         # What is not whole yet goes on to be gathered.
@@ -555,7 +564,7 @@ class Twin:
             one.name: (float(y[m]) if self.health[i].fault == "" else np.nan, float(sd[m]))
             for m, (i, one) in enumerate((i, one) for i, one in enumerate(self.plan.channels) if one.is_output)
         }
-        found = self.operation.found(time, measured, outputs)
+        found = self.operation.found(time, measured, outputs, self.family.simulations[0])
         units = self.operation.outputs
         return {name: {"value": one[0], "sd": one[1], "unit": units[name]} for name, one in found.items()}
 
@@ -616,7 +625,7 @@ class Twin:
             self._job = self._anew()
         if self._job is not None:
             try:
-                for _ in range(CAUGHT_UP if self.operation is None else CAUGHT_UP_FROM_REST):
+                for _ in range(CAUGHT_UP_FROM_REST if self._mean else CAUGHT_UP):
                     next(self._job)
             except StopIteration:
                 self._job = None
@@ -679,7 +688,7 @@ class Twin:
         h.drop_before(first.time)
         if spare.trust is not None:
             h.rough[:, p] = spare.rough
-        self._pending = self._gathered if self.operation is not None else []
+        self._pending = self._gathered
         h.replaced(samples, theta0)
         self.family, self.spare = spare, self.family
         self.checkpoints = kept

@@ -95,6 +95,7 @@ RANGES: dict[str, Range] = {
     "damping coefficient": Range("N s/m", 1e-9, 1e11, ("kN s/m", "lbf s/ft"), "of the springs above"),
     "quadratic drag": Range("N s^2/m^2", 1e-9, 1e9, ("kN s^2/m^2",), "half of density, area and drag coefficient"),
     "share": Range("", 0.0, 1.0, ("%",), "a part of a whole"),
+    "number of cycles": Range("", 1e-6, 1e10, (), "a rope over sheaves lasts some hundred to some million"),
     # Ropes, hoses and cables.
     "axial stiffness": Range("N", 1e-6, 1e12, ("kN", "MN", "lbf", "klbf"), "EA: a rubber thread, to a tunnel's tube"),
     "bending stiffness": Range("N m^2", 1e-16, 1e12, ("N mm^2", "kN m^2"), "EJ: a thread, to a tunnel's tube"),

@@ -1,0 +1,1 @@
+"""What a twin of a crane keeps besides the estimate: the account of its rope."""

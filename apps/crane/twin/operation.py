@@ -1,0 +1,121 @@
+"""A crane's work as a twin follows it: what its rope has run over, kept over operations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+
+from crane.assembly.layout import Layout
+from crane.results.course import contacts_of, course_of, laid_out
+from crane.rope_life.account import RopeAccount, RopeOf
+from crane.scene.scene import CraneScene, Drum
+from tautline.scene.errors import SceneError
+from tautline.twin.operation import Guidance
+
+FOUND = {"rope.damage": "", "rope.damage_place": "m"}
+"""What it finds, and the units."""
+COLUMNS = 3 + np.arange(9)
+"""Where the columns of a rotation are behind the place of a frame."""
+
+
+class CraneOperation:
+    """The account of a crane's rope.
+
+    Parameters
+    ----------
+    scene : CraneScene
+    account : Path
+        The file; a new one is made where there is none.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For a rope that has no diameter or no breaking load, and for the account of another rope.
+    """
+
+    outputs = FOUND
+    signals: Mapping[str, str] = {}
+    reads: Sequence[str] = ()
+    window, mean, anywhere = None, 0.0, False
+
+    def __init__(self, scene: CraneScene, account: Path) -> None:
+        self.path = account
+        self.name = uuid4().hex
+        rope = _rope_of(scene)
+        # Of a rope that ends at a load the end is the same whatever was paid out.
+        self._end_is_fixed = not isinstance(scene.path[-1], Drum)
+        self.account = RopeAccount.load(account, rope, self.name) if account.exists() else RopeAccount(rope, self.name)
+        self._layout: Layout | None = None
+
+    def built(self, sim: Any) -> None:
+        """Lay out the scene that the simulation runs."""
+        self._layout = laid_out(sim.driven_scene)
+
+    def before(self, time: float, values: Mapping[str, float]) -> Guidance:
+        """Nothing is left out."""
+        return Guidance()
+
+    def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
+        """All sensors tell something."""
+        return np.ones(len(sensors), bool)
+
+    def found(
+        self, time: float, measured: Mapping[str, Any], outputs: Mapping[str, Any], sim: Any
+    ) -> dict[str, tuple[float, float]]:
+        """Count a row: where the rope lies on what, and under which tension."""
+        assert self._layout is not None
+        frames, layout = sim._frames, self._layout
+        rows = len(frames.time)
+        observed = {"time": frames.time, **sim.model.observe(frames)}
+        columns = frames.q[:, layout.wheels.frame[:, None] + COLUMNS].reshape(rows, -1, 3, 3)
+        course = course_of(observed, layout, columns=columns)
+        end = float(observed["material_coordinate"][0, -1]) if self._end_is_fixed else 0.0
+        self.account.add(time, contacts_of(observed, course), end)
+        damage, place = self.account.worst
+        return {"rope.damage": (damage, 0.0), "rope.damage_place": (place, 0.0)}
+
+    def simulated(self, sim: Any) -> dict[str, float]:
+        """No signals."""
+        return {}
+
+    def told(self) -> dict[str, Any]:
+        """Nothing further."""
+        return {}
+
+    def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
+        """A rope that has done what it lasts."""
+        damage, place = self.account.worst
+        worn = self.account.rope.life is not None and damage >= 1.0
+        text = f"the rope {place:.1f} m from the load has had {100.0 * damage:.0f} % of the bending that it lasts"
+        yield "rope worn", worn, text, 0.0
+
+    def save(self) -> None:
+        """Write the account; raises ResultError where that is not possible."""
+        self.account.save(self.path)
+
+    def memory(self) -> dict[str, Any]:
+        """What a later process needs to go on."""
+        return {"operation": self.name}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on with the operation that an earlier process began: what it has counted is not counted again."""
+        self.name = str(memory["operation"])
+        if self.path.exists():
+            self.account = RopeAccount.load(self.path, self.account.rope, self.name)
+        else:
+            self.account.operations.clear()
+            self.account.begin(self.name)
+
+
+def _rope_of(scene: CraneScene) -> RopeOf:
+    rope = scene.rope
+    missing = [name for name in ("diameter", "breaking_load") if getattr(rope, name) is None]
+    if missing:
+        cause = f"has no {missing[0]}: what bends a rope cannot be told without it"
+        raise SceneError([scene.problem("rope", cause, f"give {missing[0]} of the rope, by its maker's certificate")])
+    assert rope.diameter is not None and rope.breaking_load is not None
+    return RopeOf(rope.diameter, rope.breaking_load, rope.mass_per_length, rope.axial_stiffness, rope.bending_life)
