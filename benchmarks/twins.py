@@ -1,4 +1,4 @@
-"""How long a twin takes for a row, and what an hour of data does to it: the tables of docs/twin.md.
+"""How long a twin takes for a row, and what an hour of data does to it: written into docs/twin.md.
 
 ``python benchmarks/twins.py [--hour]``. Time is that of the thread: what else runs on the machine is not in it.
 """
@@ -10,17 +10,20 @@ import gc
 import resource
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
+from page import table
 
 import tautline
 from tautline.twin.map import read_map
 from tautline.twin.record import Sensing, record
 from tautline.twin.twin import Twin
 
+PAGE = Path(__file__).parents[1] / "docs" / "twin.md"
 RATE = 20.0
 HOIST = """
 sensors:
@@ -71,12 +74,13 @@ def timed(scene: Any, map: str, end: float, rate: float = RATE) -> tuple[np.ndar
     return np.array(spent[int(rate) :]), lines
 
 
-def rows_of_scenes() -> None:
-    """Print the table of times."""
-    print("| scene | row, median | 99th percentile | allowed |\n|---|---|---|---|")
+def rows_of_scenes() -> str:
+    """The table of times."""
+    rows = []
     for name, (map, allowed, end) in SCENES.items():
         spent, _ = timed(tautline.read(f"data/{name}.yaml"), map, end)
-        print(f"| {name}, 20 Hz | {np.median(spent):.1f} ms | {np.percentile(spent, 99):.1f} ms | {allowed:.0f} ms |")
+        rows.append((name, f"{np.median(spent):.1f} ms", f"{np.percentile(spent, 99):.1f} ms", f"{allowed:.0f} ms"))
+    return table(("scene, 20 Hz", "a row, median", "99th percentile", "wanted"), rows)
 
 
 def calm(end: float) -> Any:
@@ -94,8 +98,8 @@ def calm(end: float) -> Any:
     return root
 
 
-def hour(length: float) -> None:
-    """Feed an hour at 10 Hz; print alarms, how far the weight is off, and how memory grows."""
+def hour(length: float) -> str:
+    """Feed an hour at 10 Hz: alarms, how far the weight is off, and how memory grows."""
     scene = calm(length)
     twin = Twin(scene, HOIST)
     raised: dict[str, int] = {}
@@ -121,20 +125,34 @@ def hour(length: float) -> None:
             middle = np.median(spent[-3000:])
             print(f"{stamp:6.0f} s: {memory[-1]:.1f} MB at most, rows {middle:.1f} ms", file=sys.stderr)
     quarter = len(off) // 4
-    print(f"{length / 3600.0:.2f} h at 10 Hz: alarms {raised or 'none'}; memory {memory[1]:.1f} MB after five minutes, "
-          f"{memory[-1]:.1f} MB at the end; weight off by {np.mean(off[:quarter]):.1f} kg in the first quarter, "
-          f"{np.mean(off[-quarter:]):.1f} kg in the last (rms {np.std(off):.1f} kg), within two deviations in "
-          f"{100.0 * np.mean(within):.0f} % of rows; restarts {twin.restarts}")  # fmt: skip
+    said = ", ".join(f"{name} ({count})" for name, count in raised.items()) or "none"
+    first, last = np.mean(off[:quarter]), np.mean(off[-quarter:])
+    return (
+        f"{length / 3600.0:.2g} h of hoisting and lowering in waves at 10 Hz, start off by 80 %: alarms {said}; memory "
+        f"{memory[1]:.0f} MB after five minutes, {memory[-1]:.0f} MB at the end; the weight of 5 t off by {first:.1f} kg on "
+        f"average in the first quarter, {last:.1f} kg in the last, with a standard deviation of {np.std(off):.1f} kg; within "
+        f"two stated deviations in {100.0 * np.mean(within):.0f} % of rows; {twin.restarts} restarts.\n"
+    )
+
+
+def write(mark: str, text: str) -> None:
+    """Put a text between its marks in the page."""
+    begin, end = f"<!-- {mark}: written by benchmarks/twins.py -->\n", f"<!-- end of {mark} -->\n"
+    before, _, rest = PAGE.read_text(encoding="utf8").partition(begin)
+    PAGE.write_text(before + begin + text + end + rest.partition(end)[2], encoding="utf8")
+    print(text)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Print what was asked for."""
+    """Measure what was asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--hour", action="store_true", help="an hour of calm hoisting in waves, in place of times")
     parser.add_argument("--length", type=float, default=3600.0, help="of it, s")
     given = parser.parse_args(arguments)
-    what: Callable[[], None] = (lambda: hour(given.length)) if given.hour else rows_of_scenes
-    what()
+    if given.hour:
+        write("hour", hour(given.length))
+    else:
+        write("times", rows_of_scenes())
 
 
 if __name__ == "__main__":
