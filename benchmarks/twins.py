@@ -127,12 +127,14 @@ def hour(length: float) -> str:
     quarter = len(off) // 4
     said = ", ".join(f"{name} ({count})" for name, count in raised.items()) or "none"
     first, last = np.mean(off[:quarter]), np.mean(off[-quarter:])
-    return (
-        f"{length / 3600.0:.2g} h of hoisting and lowering in waves at 10 Hz, start off by 80 %: alarms {said}; memory "
-        f"{memory[1]:.0f} MB after five minutes, {memory[-1]:.0f} MB at the end; the weight of 5 t off by {first:.1f} kg on "
-        f"average in the first quarter, {last:.1f} kg in the last, with a standard deviation of {np.std(off):.1f} kg; within "
-        f"two stated deviations in {100.0 * np.mean(within):.0f} % of rows; {twin.restarts} restarts.\n"
+    parts = (
+        f"{length / 3600.0:.2g} h of hoisting and lowering in waves at 10 Hz, start off by 80 %: alarms {said}",
+        f"memory {memory[1]:.0f} MB after five minutes, {memory[-1]:.0f} MB at the end",
+        f"the weight of 5 t off by {first:.1f} kg on average in the first quarter, {last:.1f} kg in the last",
+        f"with a standard deviation of {np.std(off):.1f} kg",
+        f"within two stated deviations in {100.0 * np.mean(within):.0f} % of rows; {twin.restarts} restarts",
     )
+    return "; ".join(parts) + ".\n"
 
 
 def write(mark: str, text: str) -> None:

@@ -89,7 +89,7 @@ def test_one_element_drills_and_two_hundred_do():
     rates = []
     for elements in (1, 200):
         bit = {"penetration": {"rate": "20 m/h", "speed": "120 rpm"}, "torque": {"static": 300.0, "kinetic": 200.0}}
-        result = run(scene(bit, 12.566370614359172, end=2.0, elements=elements, top__block={"velocity": "20 m/h"}))
+        result = run(scene(bit, 12.566370614359172, end=0.6, elements=elements, top__block={"velocity": "20 m/h"}))
         rates.append(result["rate_of_penetration"][-1])
     assert rates == pytest.approx([20.0 / 3600.0] * 2, rel=5e-3)
 
@@ -97,6 +97,6 @@ def test_one_element_drills_and_two_hundred_do():
 @pytest.mark.parametrize("blades", [1, 20])
 def test_one_blade_and_twenty_drill_into_hard_rock(blades):
     cutting = {"specific_energy": "2 GPa", "contact_strength": "1 GPa", "wear_flat": "0.2 mm", "blades": blades}
-    result = simulate(build(scene({"cutting": cutting}, 10.0, end=1.0)))
+    result = simulate(build(scene({"cutting": cutting}, 10.0, end=0.4)))
     assert np.isfinite(result["weight_on_bit"]).all() and result["weight_on_bit"].min() >= 0.0
     assert np.all(np.diff(result["hole_depth"]) >= 0.0)

@@ -14,7 +14,7 @@ import pytest
 
 DATA = Path(__file__).parents[2] / "data"
 COMMAND = [sys.executable, "-c", "import sys; from tautline.cli.main import main; sys.argv[0] = 'tautline'; main()"]
-RUNS = {"jwell": "15 s", "hoist": "5 s", "hose": "5 s", "reeled_span": "10 s"}
+RUNS = {"jwell": "8 s", "hoist": "2.5 s", "hose": "2.5 s", "reeled_span": "5 s"}
 STEP = "0.05 ms"
 """So short that a run steps for a second, and is ended in its first tenths."""
 

@@ -142,7 +142,7 @@ restrict: true
 """
     )
     # The sensors of a ship that has moved for some time, and a load that hangs.
-    lines = lines_of(Twin(hoist(CALM), bounded), rows_of(hoist(CALM), end=32.0))
+    lines = lines_of(Twin(hoist(CALM), bounded), rows_of(hoist(CALM), end=24.0))
     found = next(one for one in lines[-1]["restrict"] if one["name"] == "ship motion")
     assert found["by"] == "overload" and not found["restrict"]
 

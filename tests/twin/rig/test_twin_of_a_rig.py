@@ -106,7 +106,7 @@ def test_ten_connections_tell_friction_within_a_hundredth_and_say_how_well():
     assert max(away) < 0.01 and max(deviations) < 2.5
 
 
-@pytest.mark.parametrize("when", [250.0, 285.0])
+@pytest.mark.parametrize("when", [250.0, pytest.param(285.0, marks=pytest.mark.long)])
 def test_a_twin_that_was_killed_goes_on_with_the_string_as_it_has_grown(two, when, tmp_path):
     """While the stand is being fetched, and after it was taken up."""
     rows = record_of_connections(2)
