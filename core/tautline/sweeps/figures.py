@@ -11,7 +11,7 @@ import numpy as np
 
 from tautline.sweeps.indices import PARAMETER
 from tautline.sweeps.plans import GRID, ONE, Cases
-from tautline.sweeps.table import TIMES
+from tautline.sweeps.table import PERCENTILES, TIMES
 from tautline.view.figures.figure import (
     COLOURS,
     QUIET,
@@ -28,6 +28,8 @@ from tautline.view.figures.figure import (
 MOST_FIGURES = 6
 """Figures of one kind that are drawn; the dataset holds all."""
 MOST_CURVES = 8
+DEPTH = "depth"
+"""Axis that is drawn downwards."""
 HEIGHT, WIDTH = 3.2, 6.4
 
 
@@ -50,6 +52,8 @@ def draw(data: Any, cases: Cases, folder: Path, ending: str = "png") -> list[Pat
         made = [(name, draw_one(data, cases, name)) for name in names]
     elif cases.plan.name != GRID:
         made = [(name, _scatter(data, cases, name)) for name in names]
+        bands = [name for name, one in data.data_vars.items() if name.endswith(PERCENTILES) and len(one.dims) == 2]
+        made += [(name, _band(data, name)) for name in bands[:MOST_FIGURES]]
     return [save(figure, folder / f"{_slug(name)}.{ending}") for name, figure in made if figure is not None]
 
 
@@ -202,6 +206,32 @@ def _scatter(data: Any, cases: Cases, name: str) -> Any:
         plot.plot(cases.numbers[one.key], values, ".", ms=4)
         plot.set_xlabel(label(one.key, one.unit, 26))
     plots[0, 0].set_ylabel(text)
+    return figure
+
+
+@styled
+def _band(data: Any, name: str) -> Any:
+    """Percentiles of a number along its axis: against depth as drillers draw it, else from left to right."""
+    along = data[name].dims[1]
+    values, text = _scaled(data, name)
+    places = data[along].values if along in data.coords else np.arange(values.shape[1])
+    unit = str(data[along].attrs.get("units") or "") if along in data.coords else ""
+    factor, unit = scale_in(str(data.attrs.get("units") or "si"), [places], unit)
+    downwards, places = along == DEPTH, places / factor
+    figure, plots = axes(1, 1, WIDTH, HEIGHT + (1.2 if downwards else 0.0), _title(data, name))
+    plot, (low, middle, high) = plots[0, 0], values
+    if downwards:
+        plot.fill_betweenx(places, low, high, color=COLOURS[0], alpha=0.25, lw=0, label="P10 to P90")
+        plot.plot(middle, places, color=COLOURS[0], label="P50")
+        plot.invert_yaxis()
+        plot.set_xlabel(text)
+        plot.set_ylabel(label("measured depth", unit))
+    else:
+        plot.fill_between(places, low, high, color=COLOURS[0], alpha=0.25, lw=0, label="P10 to P90")
+        plot.plot(places, middle, color=COLOURS[0], label="P50")
+        plot.set_xlabel(label(along, unit))
+        plot.set_ylabel(text)
+    plot.legend()
     return figure
 
 

@@ -20,7 +20,7 @@ from tautline.sweeps.cases import DONE, LOST, Row, Runner, job_of
 from tautline.sweeps.file import SIMULATE, SweepFile, plan_cases, read_sweep, refused
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
-from tautline.sweeps.table import DATASET, TABLE, dataset, write_csv, write_netcdf
+from tautline.sweeps.table import DATASET, RANKED, TABLE, dataset, write_csv, write_netcdf, write_percentiles
 from tautline.sweeps.verbs import check_options, check_outputs, check_verb, of_all, unknown
 from tautline.sweeps.workers import Found, Measured, how, in_cluster, in_this_thread, in_threads
 
@@ -343,6 +343,7 @@ class _Sweep:
         if self.folder is not None and self.journal is not None and self.journal.begun:
             outcome.result = write_netcdf(data, self.folder / DATASET)
             outcome.table = write_csv(data, self.cases, self.folder / TABLE)
+            write_percentiles(data, self.folder / RANKED)
         self._close()
         outcome.wall_time = time.perf_counter() - self.began
         outcome.cpu_time = time.process_time() - self.used + self.elsewhere

@@ -14,16 +14,20 @@ from tautline.results.errors import WriteError
 from tautline.results.finding import Finding
 from tautline.results.rows import heads_of, write_rows
 from tautline.sweeps.cases import Row
-from tautline.sweeps.plans import CASE, Cases
+from tautline.sweeps.plans import CASE, SAMPLED, Cases
 from tautline.version import __version__
 
 NOT_RUN = "not run"
+RANKS = (10.0, 50.0, 90.0)
+"""Percentiles over the cases of a plan that samples."""
+PERCENTILE, PERCENTILES = "percentile", "_percentiles"
+"""Their dimension, and the end of their names."""
 TIMES = {
     "case_wall_time": ("wall_time", "run time of the case"),
     "case_cpu_time": ("cpu_time", "processor time of the case"),
 }
 """Times of a case: variable -> field of its row, and text. A run's own, of its loop alone, have other names."""
-DATASET, TABLE = "sweep.nc", "sweep.csv"
+DATASET, TABLE, RANKED = "sweep.nc", "sweep.csv", "percentiles.csv"
 
 
 def dataset(cases: Cases, columns: Mapping[str, Finding], rows: Iterable[Row], attributes: Mapping[str, Any]) -> Any:
@@ -73,7 +77,40 @@ def dataset(cases: Cases, columns: Mapping[str, Finding], rows: Iterable[Row], a
     entries["message"] = (cases.dims, message.reshape(cases.shape), {"long_name": "why it ended early"})
     for name in [name for name in coordinates if name in entries]:
         del entries[name]
+    if cases.plan.name in SAMPLED and not cases.indices:
+        entries |= _percentiles({name: entries[name] for name in columns if name in entries})
+        coordinates[PERCENTILE] = (PERCENTILE, np.array(RANKS), {"units": "%", "long_name": "cases with at most this"})
     return xarray.Dataset(entries, coordinates, {**attributes, "version": __version__})
+
+
+def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Percentiles over the cases that came to their end, of everything that is a number, place by place."""
+    found = {}
+    for name, (dims, array, about) in entries.items():
+        if array.dtype.kind == "f" and np.isfinite(array).any():
+            # Places that no case reached stay empty.
+            known = np.isfinite(array).any(axis=0)
+            ranked = np.full((len(RANKS), *array.shape[1:]), np.nan)
+            ranked[:, known] = np.nanpercentile(array[:, known], RANKS, axis=0)
+            text = f"percentiles of {about['long_name']}"
+            found[name + PERCENTILES] = ((PERCENTILE, *dims[1:]), ranked, {**about, "long_name": text})
+    return found
+
+
+def write_percentiles(data: Any, path: Path) -> Path | None:
+    """Write percentiles as a table: a row for each number, or for each of its places; None where there are none."""
+    heads, rows = ["quantity", "unit", "along", "at", *(f"P{rank:g}" for rank in RANKS)], []
+    for name, one in data.data_vars.items():
+        if not str(name).endswith(PERCENTILES):
+            continue
+        about = [str(name).removesuffix(PERCENTILES), str(one.attrs.get("units") or "")]
+        if one.dims == (PERCENTILE,):
+            rows.append([*about, "", "", *one.values.tolist()])
+            continue
+        along = one.dims[1]
+        places = data[along].values if along in data.coords else range(one.shape[1])
+        rows += [[*about, along, float(at), *column] for at, column in zip(places, one.values.T.tolist(), strict=True)]
+    return _written(path, lambda waiting: write_rows(heads, rows, waiting, "-o", WriteError)) if rows else None
 
 
 def _coordinates(cases: Cases) -> dict[str, Any]:
