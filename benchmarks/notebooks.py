@@ -1,4 +1,4 @@
-"""Notebooks of the pages on stepping, control, linearisation and co-simulation: their text and code, cell by cell."""
+"""Notebooks of the pages on stepping, control, linearisation, co-simulation and sweeps: text and code, cell by cell."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("stepping", "control", "linearisation", "cosimulation")
+PAGES = ("stepping", "control", "linearisation", "cosimulation", "sweep")
 FIRST = "import os\n\nos.chdir('../..')  # scenes are named from the folder of the project"
 
 

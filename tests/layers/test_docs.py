@@ -61,7 +61,7 @@ def test_the_commands_of_the_page_on_scenes_run_as_they_stand(monkeypatch, tmp_p
         assert not left.value.code, (line, capsys.readouterr().err)
 
 
-@pytest.mark.parametrize("name", ["stepping", "control", "linearisation", "cosimulation"])
+@pytest.mark.parametrize("name", ["stepping", "control", "linearisation", "cosimulation", "sweep"])
 def test_the_python_of_a_page_on_live_simulations_runs_and_is_what_its_notebook_holds(name, monkeypatch):
     if name == "cosimulation":
         pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
