@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -174,10 +175,11 @@ def simulate(
     ResultError
         Where ``resume`` holds no state to go on from, or that of another scene, or has come to the end already.
     """
+    attributes = {} if brief is not None else {**model.attributes, "version": __version__}
+    make, model = _store_of(model, brief)
     run = Run(model, look, brief)
     earlier = run.resume_from(resume) if resume is not None else None
-    attributes = {} if brief is not None else {**model.attributes, "version": __version__}
-    with Store(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
+    with make(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
         try:
             if brief is None or not brief.compiled:
                 compile_for(run.method, model.system, run.state, announce)
@@ -207,6 +209,20 @@ def simulate(
         detail = f"{100.0 * gained:.2g} % of it was created numerically"
         raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", detail, result)
     return result
+
+
+def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., Store], Model]:
+    """What takes the frames of a model, and the model as its run is to see it."""
+    if model.keep is None:
+        return Store, model
+    from tautline.statistics.store import StatisticsStore, told_by_digest
+
+    headline, limits = model.headline, model.limits
+    if brief is not None and brief.names and model.figures is not None:
+        headline = partial(model.figures, names=brief.names)
+    if brief is not None and not brief.limits:
+        limits = None
+    return partial(StatisticsStore, keep=model.keep, headline=headline, limits=limits), told_by_digest(model)
 
 
 class Run:

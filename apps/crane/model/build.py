@@ -18,7 +18,7 @@ from crane.model.handles import handles
 from crane.results.course import Course, course_of
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
-from crane.results.summary import headline
+from crane.results.summary import JOINED, figures_of_turns, headline
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
 from tautline.application.modelling import attributes_of, settings_of
@@ -72,6 +72,10 @@ def build(scene: CraneScene) -> Model:
         notes=notes,
         settle=lambda state: draw_true(layout, system, state),
         handles=lambda: handles(made, model),
+        statistics={
+            "watched": ("tension",), "fatigue": ("tension",), "needs": ("tension",), "rules": JOINED,
+            "of_turns": lambda turns: figures_of_turns(turns, scene),
+        },
     )  # fmt: skip
     return within_rounding(model)
 

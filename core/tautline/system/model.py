@@ -85,6 +85,10 @@ class Model:
         quicker to some than to all.
     handles : callable or None
         -> what can be driven, read and changed while it runs; None where an application does not say.
+    keep : tautline.statistics.store.Keep or None
+        What is kept in place of every frame; None for every frame.
+    statistics : mapping
+        Fields of `Keep` that are the application's: variables that are watched where the scene names none, and so on.
     """
 
     system: System
@@ -103,3 +107,5 @@ class Model:
     limits: Callable[[Any], list[dict[str, Any]]] | None = None
     figures: Callable[[Any, Collection[str]], dict[str, dict[str, Any]]] | None = None
     handles: Callable[[], Handles] | None = None
+    keep: Any = None
+    statistics: Mapping[str, Any] = field(default_factory=dict)
