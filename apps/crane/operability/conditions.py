@@ -58,6 +58,12 @@ class SeaKeys(NamedTuple):
             made[self.direction] = condition.heading
         return made
 
+    def ramps(self, scene: CraneScene, length: float) -> dict[str, float]:
+        """A time, s, in which the sea grows from nothing, where the scene gives none: a jump would shake the load."""
+        motion: Any = scene.vessel.motion if scene.vessel is not None else None
+        seas = {key: motion.sea if self.direction else getattr(motion, key.split(".")[2]) for key in self.spectra}
+        return {f"{key}.ramp": length for key, sea in seas.items() if sea.ramp == 0.0 and length > 0.0}
+
 
 def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
     """Where a scene has its sea.

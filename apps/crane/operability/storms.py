@@ -32,8 +32,8 @@ class Asked:
     ----------
     conditions : sequence of Condition
     seeds : sequence of int
-    duration, simulated : float
-        That is asked about, and of each run, s.
+    duration, simulated, lead : float
+        That is asked about, of each run, and before it, in which the sea grows and nothing counts, s.
     limits : sequence of str
         As they are written.
     share, confidence : float
@@ -55,6 +55,7 @@ class Asked:
     compared: str = "percentile"
     scatter: Scatter | None = None
     constant: float | None = None
+    lead: float = 100.0
 
 
 @dataclass
@@ -107,7 +108,7 @@ def operability(
     names = {one.column for one in criteria}
     collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
     collect = list({str(one): one for one in collect}.values())
-    storm = scene.replace(_storm(scene, asked, collect), origin="--duration")
+    storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
     notes = sea_notes(storm.replace(first), keys)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
     for note in notes:
@@ -159,8 +160,8 @@ def _storm(scene: Any, asked: Asked, collect: Sequence[Any]) -> dict[str, Any]:
     interval = float(scene.output.interval)
     output: dict[str, Any] = {"interval": interval}
     if all(kept(one) for one in collect):
-        output |= {"keep": "statistics", "of": [TENSION], "windows": interval}
-    return {"solver.end": asked.simulated, "output": output}
+        output |= {"keep": "statistics", "of": [TENSION], "windows": interval, "begin": asked.lead}
+    return {"solver.end": asked.lead + asked.simulated, "output": output}
 
 
 def _fatigue(data: Any, asked: Asked, scene: Any, table: Table) -> Fatigue:

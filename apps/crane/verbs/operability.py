@@ -41,6 +41,9 @@ Simulated = Annotated[
         help="Length of each run; shorter ones are scaled to the duration. [dim]\\[default: the duration][/]",
     ),
 ]  # fmt: skip
+LeadIn = Annotated[
+    str, typer.Option("--lead-in", metavar="TIME", help="Before each storm: the sea grows, and nothing counts.")
+]
 LimitList = Annotated[
     list[str] | None,
     typer.Option("--limit", metavar="LIMIT", help="Such as 'max_tension < 60 kN'; repeatable."),
@@ -75,6 +78,7 @@ def operability(
     first_seed: FirstSeed = 1,
     duration: Duration = "3h",
     simulated: Simulated = None,
+    lead_in: LeadIn = "100 s",
     limit: LimitList = None,
     percentile: Percentile = "P90",
     confidence: Confidence = "90 %",
@@ -97,7 +101,7 @@ def operability(
 
     application = context.obj.for_scene(scene)
     read = changed(application.read(scene), changes)
-    asked = _asked(hs, tp, heading, seeds, first_seed, duration, simulated, limit, percentile, confidence, scatter,
+    asked = _asked(hs, tp, heading, seeds, first_seed, duration, simulated, lead_in, limit, percentile, confidence, scatter,
                    sn_constant)  # fmt: skip
     folder = output or Path(f"{scene.stem}-operability")
     if not quiet:
@@ -113,7 +117,7 @@ def operability(
 
 def _asked(
     hs: str | None, tp: str | None, heading: str | None, seeds: int, first_seed: int, duration: str,
-    simulated: str | None, limit: Sequence[str] | None, percentile: str, confidence: str, scatter: Path | None,
+    simulated: str | None, lead_in: str, limit: Sequence[str] | None, percentile: str, confidence: str, scatter: Path | None,
     sn_constant: float | None,
 ) -> Asked:  # fmt: skip
     from crane.operability.conditions import conditions_of
@@ -134,7 +138,7 @@ def _asked(
     return Asked(
         conditions_of(heights, periods, headings), range(first_seed, first_seed + seeds), length,
         length if simulated is None else number(simulated, "--simulate", "s"), tuple(limit or ()), share, certain,
-        compared, diagram, sn_constant,
+        compared, diagram, sn_constant, number(lead_in, "--lead-in", "s"),
     )  # fmt: skip
 
 

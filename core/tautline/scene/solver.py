@@ -169,7 +169,7 @@ class Output(Model):
 
     Of statistics, `windows` is the length of the stretches of whole frames around the largest and the smallest of each
     of the variables `of`; `block` the length of the blocks of which these are kept; `begin` the time from which on
-    values count.
+    values count, for figures and limits too; the start of the run stands for what is at rest.
     """
 
     interval: Annotated[float, quantity("s", positive=True, of="interval of frames")]

@@ -2,7 +2,7 @@
 
 It stands in the place of `tautline.results.store.Store`: frames come in batches as the loop makes them, and are given up
 when their statistics are taken. The application's figures and limits are made of pieces of the run, each with the frame
-at the start before it, and joined: the largest of the largest, the smallest of the smallest. Figures that are sums over
+at the start of the run before it, and joined: the largest of the largest, the smallest of the smallest. Figures that are sums over
 all frames, or that count events, cannot be made so and are left out.
 """
 
@@ -133,19 +133,21 @@ class StatisticsStore(Store):
         self._last = {name: values[-1:].copy() for name, values in batch.items()}
         self.frames += len(time)
         self._now |= dict(attributes or {})
-        self._accumulate(batch, time)
-        self._piece.append(batch)
-        self._waiting += sum(values.size for values in batch.values())
-        if self._waiting >= PIECE:
-            self._join()
-
-    def _accumulate(self, batch: dict[str, np.ndarray], time: np.ndarray) -> None:
         keep = self.keep
         watched = {name: _columns(batch[name]) for name in keep.watched}
         self._windows.add(batch, watched, keep.begin)
         start = int(np.searchsorted(time, keep.begin * (1.0 - 1e-12)))
-        if start == len(time):
-            return
+        if start < len(time):
+            self._accumulate(batch, watched, time, start)
+            self._piece.append({name: values[start:] for name, values in batch.items()})
+            self._waiting += sum(values.size for values in batch.values())
+            if self._waiting >= PIECE:
+                self._join()
+
+    def _accumulate(
+        self, batch: dict[str, np.ndarray], watched: dict[str, np.ndarray], time: np.ndarray, start: int
+    ) -> None:
+        """Take the statistics of the frames of a batch from one on."""
         for name, values in batch.items():
             if name != "time":
                 self._moments.setdefault(name, Moments()).add(time[start:], _columns(values)[start:])
