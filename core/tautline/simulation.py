@@ -217,9 +217,11 @@ def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., Store], 
         return Store, model
     from tautline.statistics.store import StatisticsStore, told_by_digest
 
-    headline, limits = model.headline, model.limits
-    if brief is not None and brief.names and model.figures is not None:
-        headline = partial(model.figures, names=brief.names)
+    headline, limits, names = model.headline, model.limits, tuple(model.keep.names)
+    if brief is not None and brief.names:
+        names = tuple(brief.names)
+    if names and model.figures is not None:
+        headline = partial(model.figures, names=names)
     if brief is not None and not brief.limits:
         limits = None
     return partial(StatisticsStore, keep=model.keep, headline=headline, limits=limits), told_by_digest(model)

@@ -107,7 +107,7 @@ def test_maxima_of_a_narrow_banded_process_are_those_of_rayleigh_and_rice():
     # 60 records of 1500 s. Closed form: sqrt(2 m0 ln N) within the interval of the fit; that its intervals hold is
     # shown by the tests above, here is one draw, at 99 % so that it is no matter of luck.
     duration = 1500.0
-    time, rows, (m0, m2, _) = narrow(60, 0.4, duration)
+    _, rows, (m0, m2, _) = narrow(60, 0.4, duration)
     cycles = duration * upcrossing_rate(m0, m2)
     fitted = fit_gumbel(rows.max(axis=1))
     found = fitted.most_probable(0.99)
@@ -125,7 +125,9 @@ def test_most_probable_maximum_is_that_of_rayleigh_peaks():
     # Independent Rayleigh peaks: the mode of the largest of N, by its own density, which no formula here made.
     sigma, count = 3.0, 1000
     x = np.linspace(0.0, 8.0 * sigma, 400_001)
-    log_density = (count - 1) * np.log1p(-np.exp(-0.5 * (x[1:] / sigma) ** 2)) + np.log(x[1:]) - 0.5 * (x[1:] / sigma) ** 2
+    log_density = (
+        (count - 1) * np.log1p(-np.exp(-0.5 * (x[1:] / sigma) ** 2)) + np.log(x[1:]) - 0.5 * (x[1:] / sigma) ** 2
+    )
     mode = x[1:][np.argmax(log_density)]
     assert most_probable_maximum(sigma**2, count) == pytest.approx(mode, rel=0.012)
 

@@ -29,7 +29,8 @@ path:
 mesh: {{elements_per_span: 1}}
 vessel:
   reference: [0, 0, 0]
-  motion: {{heave: {{spectrum: {{significant_height: 1.0, peak_period: {PERIOD}, seed: 1, rao: 0.8, components: 600}}}}}}
+  motion:
+    heave: {{spectrum: {{significant_height: 1.0, peak_period: {PERIOD}, seed: 1, rao: 0.8, components: 600}}}}
 solver: {{method: generalized-alpha, rho_inf: 0.9, step: 50 ms, end: 100 s}}
 output: {{interval: 50 ms}}
 """
@@ -50,7 +51,9 @@ def scene(application, tmp_path_factory):
 
 def asked(heights=(0.3, 0.8, 1.3, 1.8), seeds=12, duration=160.0, simulated=None, limits=(), **more):
     conditions = [Condition(height, PERIOD, None) for height in heights]
-    return Asked(conditions, range(1, seeds + 1), duration, simulated or duration, tuple(limits), SHARE, lead=20.0, **more)
+    return Asked(
+        conditions, range(1, seeds + 1), duration, simulated or duration, tuple(limits), SHARE, lead=20.0, **more
+    )
 
 
 def response(duration, peak_period=PERIOD, rao=0.8):
@@ -70,7 +73,10 @@ def lift(application, scene, tmp_path_factory):
     folder = tmp_path_factory.mktemp("lift") / "storms"
     percentile, _ = response(160.0)
     # The closed form allows 1.05 m for each; the first of them is in the largest, the second in the smallest tension.
-    limits = [f"max_tension < {MASS * (GRAVITY + 1.05 * percentile)}", f"min_tension > {MASS * (GRAVITY - 1.05 * percentile)}"]
+    limits = [
+        f"max_tension < {MASS * (GRAVITY + 1.05 * percentile)}",
+        f"min_tension > {MASS * (GRAVITY - 1.05 * percentile)}",
+    ]
     return operability(application, scene, asked(limits=limits, confidence=0.99), folder=folder, jobs=1)
 
 
@@ -90,7 +96,11 @@ def test_the_most_probable_largest_is_that_of_the_spectrum(lift):
     n = 1
     height = lift.table.heights[n]
     expected = MASS * (GRAVITY + height * probable)
-    assert lift.table.extremes["most_probable_low"][0, 0, 0, n] <= expected <= lift.table.extremes["most_probable_high"][0, 0, 0, n]
+    assert (
+        lift.table.extremes["most_probable_low"][0, 0, 0, n]
+        <= expected
+        <= lift.table.extremes["most_probable_high"][0, 0, 0, n]
+    )
     low, high = (lift.table.extremes[f"exceedance{end}"][0, 0, 0] for end in ("_low", "_high"))
     # At the lowest height the limit is far away, at the highest it is passed by nearly all.
     assert high[0] < 0.05
@@ -135,7 +145,21 @@ def command(capsys, monkeypatch):
     return commands_of(Crane(), capsys)
 
 
-SMALL = ("--hs", "0.5:3:0.5", "--tp", "5", "--seeds", "3", "--duration", "20 s", "--lead-in", "5 s", "-j", "1", "--quiet")
+SMALL = (
+    "--hs",
+    "0.5:3:0.5",
+    "--tp",
+    "5",
+    "--seeds",
+    "3",
+    "--duration",
+    "20 s",
+    "--lead-in",
+    "5 s",
+    "-j",
+    "1",
+    "--quiet",
+)
 
 
 def test_the_command_writes_tables_marks_steep_waves_and_goes_on(command, scene, tmp_path):
@@ -217,7 +241,11 @@ def test_fatigue_over_a_scatter_diagram_is_the_sum_by_occurrence(tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "line", "cause"),
-    [("Hs,7,9\n1,3,x\n", 2, "is no number"), ("Hs,7,9\n1,-3,2\n", 2, "is no number"), ("Hs,9,7\n1,3,2\n", None, "increasing")],
+    [
+        ("Hs,7,9\n1,3,x\n", 2, "is no number"),
+        ("Hs,7,9\n1,-3,2\n", 2, "is no number"),
+        ("Hs,9,7\n1,3,2\n", None, "increasing"),
+    ],
 )
 def test_faults_of_a_scatter_diagram_are_told_by_line(tmp_path, text, line, cause):
     place = tmp_path / "scatter.csv"
@@ -230,7 +258,20 @@ def test_faults_of_a_scatter_diagram_are_told_by_line(tmp_path, text, line, caus
 def test_a_scatter_diagram_gives_the_sea_states(command, scene, tmp_path):
     place = tmp_path / "scatter.csv"
     place.write_text("Hs [m],6,8\n0.5,3,1\n1.0,2,4\n")
-    options = ("--seeds", "1", "--duration", "20 s", "--lead-in", "5 s", "-j", "1", "--quiet", "--json", "--sn-constant", "1e4")
+    options = (
+        "--seeds",
+        "1",
+        "--duration",
+        "20 s",
+        "--lead-in",
+        "5 s",
+        "-j",
+        "1",
+        "--quiet",
+        "--json",
+        "--sn-constant",
+        "1e4",
+    )
     code, out, _ = command("operability", scene.document.path, "--scatter", place, *options, "-o", tmp_path / "f")
     assert code == 0
     told = only_object(out)

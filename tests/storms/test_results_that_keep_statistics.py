@@ -96,7 +96,15 @@ def test_figures_and_limits_are_those_of_all_frames(both, scene, monkeypatch):
     # Pieces of a few frames: what is joined is then joined often.
     monkeypatch.setattr("tautline.statistics.store.PIECE", 3000)
     kept = simulate(Crane().build(scene.replace({"output": {"interval": 0.04, "keep": "statistics"}})))
-    expected = {"max_tension", "min_tension", "safety_factor", "max_offlead", "max_winch_power", "rise", "tension_cycles"}
+    expected = {
+        "max_tension",
+        "min_tension",
+        "safety_factor",
+        "max_offlead",
+        "max_winch_power",
+        "rise",
+        "tension_cycles",
+    }
     assert expected | {"equivalent_tension_range"} <= set(kept.headline)
     for name, figure in kept.headline.items():
         assert figure["value"] == pytest.approx(full.headline[name]["value"], rel=1e-9, abs=1e-9), name
@@ -136,7 +144,7 @@ def test_batches_of_any_length_come_to_the_same():
         assert all(np.array_equal(a, b) for a, b in zip(one[2].extremes(3), other[2].extremes(3), strict=True))
         whole, pieces = one[3].frames([]), other[3].frames([])
         assert np.array_equal(whole["x"], pieces["x"])
-    at, turned = one[1].of(0)
+    _, turned = one[1].of(0)
     ways = np.sign(np.diff(turned))
     assert (ways[1:] * ways[:-1] < 0).all()
     assert turned.max() == values[:, 0].max()

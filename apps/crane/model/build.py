@@ -18,7 +18,7 @@ from crane.model.handles import handles
 from crane.results.course import Course, course_of
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
-from crane.results.summary import JOINED, figures_of_turns, headline
+from crane.results.summary import JOINED, OF_PIECES, figures_of_turns, headline
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
 from tautline.application.modelling import attributes_of, settings_of
@@ -74,6 +74,7 @@ def build(scene: CraneScene) -> Model:
         handles=lambda: handles(made, model),
         statistics={
             "watched": ("tension",), "fatigue": ("tension",), "needs": ("tension",), "rules": JOINED,
+            "names": OF_PIECES,
             "of_turns": lambda turns: figures_of_turns(turns, scene),
         },
     )  # fmt: skip

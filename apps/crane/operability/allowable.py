@@ -35,7 +35,11 @@ class Allowable(NamedTuple):
     bound: str
 
 
-FITTED = ("location", "scale", *(f"{what}{end}" for what in ("most_probable", "percentile", "exceedance") for end in ("", "_low", "_high")))
+FITTED = (
+    "location",
+    "scale",
+    *(f"{what}{end}" for what in ("most_probable", "percentile", "exceedance") for end in ("", "_low", "_high")),
+)
 
 
 def fitted(values: np.ndarray, one: Criterion, ratio: float, share: float, confidence: float) -> dict[str, float]:
@@ -56,7 +60,9 @@ def fitted(values: np.ndarray, one: Criterion, ratio: float, share: float, confi
     return found | {"exceedance": beyond.value, "exceedance_low": beyond.low, "exceedance_high": beyond.high}
 
 
-def allowable(heights: np.ndarray, values: np.ndarray, lows: np.ndarray, highs: np.ndarray, limit: float, top: float) -> Allowable:
+def allowable(
+    heights: np.ndarray, values: np.ndarray, lows: np.ndarray, highs: np.ndarray, limit: float, top: float
+) -> Allowable:
     """The allowable height of one limit, period and heading.
 
     Parameters
@@ -157,7 +163,11 @@ def tabulate(
     for one in conditions:
         if not one.physical:
             continue
-        at = headings.index(one.heading), int(np.searchsorted(periods, one.period)), int(np.searchsorted(heights, one.height))
+        at = (
+            headings.index(one.heading),
+            int(np.searchsorted(periods, one.period)),
+            int(np.searchsorted(heights, one.height)),
+        )
         some = slice(case, case + len(seeds))
         case += len(seeds)
         good = done[some]

@@ -1,4 +1,4 @@
-"""Sea states: significant height, peak period and heading, which of them are physical, and the scenes of their storms."""
+"""Sea states: significant height, peak period and heading, which are physical, and the scenes of their storms."""
 
 from __future__ import annotations
 
@@ -84,7 +84,9 @@ def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
         cure = "give vessel.motion: {sea: {significant_height: 2, peak_period: 9}, rao: vessel.csv}"
         raise SceneError([scene.problem(key, "has no sea, and operability varies one", cure)])
     if headings:
-        cure = "leave --heading out, or give vessel.motion a sea and a file of responses with the column direction [deg]"
+        cure = (
+            "leave --heading out, or give vessel.motion a sea and a file of responses with the column direction [deg]"
+        )
         raise SceneError([scene.problem(("vessel", "motion"), "knows no headings of the sea", cure)])
     return SeaKeys(tuple(f"vessel.motion.{name}.spectrum" for name in spectra), None)
 

@@ -61,7 +61,9 @@ def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str
     return xarray.Dataset(entries, coordinates, dict(attributes))
 
 
-def write_all(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any], folder: Path) -> dict[str, Path]:
+def write_all(
+    table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any], folder: Path
+) -> dict[str, Path]:
     """Write dataset and tables into a folder; raises WriteError."""
     return {
         "result": write_netcdf(dataset(table, criteria, attributes), folder / DATASET),

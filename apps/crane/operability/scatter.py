@@ -1,7 +1,7 @@
 """A scatter diagram, how often each sea state occurs, and the fatigue of a rope over it.
 
-Damage is linear (Palmgren and Miner): of N cycles of the equivalent range S it is N S^m, and over the diagram the sum of
-those of the sea states, each by its share of time.
+Damage is linear (Palmgren and Miner): of N cycles of the equivalent range S it is N S^m, and over the diagram the sum
+of those of the sea states, each by its share of time.
 """
 
 from __future__ import annotations
@@ -72,7 +72,9 @@ def read_scatter(path: Path) -> Scatter:
     table = []
     for line, row in rows[1:]:
         if len(row) > len(head):
-            problems.append(Problem(str(path), line, "", None, f"has {len(row)} cells, and the head {len(head)}", EXAMPLE))
+            problems.append(
+                Problem(str(path), line, "", None, f"has {len(row)} cells, and the head {len(head)}", EXAMPLE)
+            )
         cells = (row + [""] * len(head))[: len(head)]
         table.append([number(line, cells[0]), *(number(line, cell, 0.0) for cell in cells[1:])])
     if problems:

@@ -154,6 +154,7 @@ def _found_by(application: Any, scene: Any) -> tuple[dict[str, str], Mapping[str
 
 def _storm(scene: Any, asked: Asked, collect: Sequence[Any]) -> dict[str, Any]:
     """What a storm has other than the scene: its length, and statistics where they hold all that is asked for."""
+
     def kept(one: Any) -> bool:
         return not isinstance(one, str) or one in OF_TURNS or any(re.fullmatch(rule, one) for rule in JOINED)
 
@@ -184,4 +185,3 @@ def _fatigue(data: Any, asked: Asked, scene: Any, table: Table) -> Fatigue:
         asked.scatter, table.heights, table.periods, *arrays.values(), asked.simulated, scene.rope.breaking_load,
         asked.constant,
     )  # fmt: skip
-

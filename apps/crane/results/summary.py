@@ -243,10 +243,12 @@ def _of_cycles(name: str, cycles: RainflowCycles) -> Iterator[Row]:
 
 JOINED = {
     r"max_(?!snap|bending_cycles).*|dynamic_amplification": "largest",
-    r"min_tension|safety_factor|smallest_bending_ratio": "smallest",
+    r"min_tension|safety_factor": "smallest",
     r"rise.*": "last",
 }
 """How figures of pieces of a run make those of the whole; the others are sums or counts over all frames."""
+OF_PIECES = ("max_tension", "max_sheave_load", "max_winch_power", "rise", "max_offlead")
+"""One figure of each part of the headline that has such figures."""
 OF_TURNS = ("equivalent_tension_range", "tension_cycles")
 """Figures that follow from the turning points of the tensions."""
 

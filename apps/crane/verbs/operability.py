@@ -101,8 +101,10 @@ def operability(
 
     application = context.obj.for_scene(scene)
     read = changed(application.read(scene), changes)
-    asked = _asked(hs, tp, heading, seeds, first_seed, duration, simulated, lead_in, limit, percentile, confidence, scatter,
-                   sn_constant)  # fmt: skip
+    asked = _asked(
+        hs, tp, heading, seeds, first_seed, duration, simulated, lead_in, limit, percentile, confidence, scatter,
+        sn_constant,
+    )  # fmt: skip
     folder = output or Path(f"{scene.stem}-operability")
     if not quiet:
         print_warnings(application.warnings(read))
@@ -117,8 +119,8 @@ def operability(
 
 def _asked(
     hs: str | None, tp: str | None, heading: str | None, seeds: int, first_seed: int, duration: str,
-    simulated: str | None, lead_in: str, limit: Sequence[str] | None, percentile: str, confidence: str, scatter: Path | None,
-    sn_constant: float | None,
+    simulated: str | None, lead_in: str, limit: Sequence[str] | None, percentile: str, confidence: str,
+    scatter: Path | None, sn_constant: float | None,
 ) -> Asked:  # fmt: skip
     from crane.operability.conditions import conditions_of
     from crane.operability.scatter import read_scatter
@@ -225,8 +227,10 @@ def _report(
     written: dict[str, Path] = {}
     figures: list[Path] = []
     if table is not None:
-        attributes = {**outcome.data.attrs, "duration": asked.duration, "simulated": asked.simulated,
-                      "percentile": asked.share, "confidence": asked.confidence, "compared": asked.compared}  # fmt: skip
+        attributes = {
+            **outcome.data.attrs, "duration": asked.duration, "simulated": asked.simulated, "lead_in": asked.lead,
+            "percentile": asked.share, "confidence": asked.confidence, "compared": asked.compared,
+        }  # fmt: skip
         written = write_all(table, found.criteria, attributes, folder)
         figures = draw(table, found.criteria, read.title or "", _compared_said(asked), folder)
         if not quiet:

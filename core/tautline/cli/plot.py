@@ -42,7 +42,6 @@ def plot(
     """
     from tautline.results.errors import ResultError
     from tautline.results.result import Result
-
     from tautline.statistics.store import check_whole
 
     results = [Result.read(path) for path in paths]

@@ -33,7 +33,6 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
         If something asked for is unknown, a file cannot be written, or there is nothing to draw with.
     """
     from tautline.results.result import Result
-
     from tautline.statistics.store import check_whole
 
     result = Result.read(path)

@@ -2,7 +2,7 @@
 
 Peaks above a threshold come in clusters, of which the largest is taken. Clusters come as a Poisson process. What they
 exceed the threshold by follows the generalised Pareto distribution, 1 - G(y) = (1 + xi y / sigma)^(-1/xi), and
-exp(-y / sigma) for xi = 0 (Coles 2001, chapters 4 and 5). The largest of a duration is then below x with the probability
+exp(-y / sigma) for xi = 0 (Coles 2001, chapters 4 and 5). The largest of a duration is then below x with probability
 exp(-rate duration (1 - G(x - u))).
 
 Intervals are those of the profile likelihood of rate, scale and shape together.

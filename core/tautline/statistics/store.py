@@ -1,9 +1,9 @@
 """A result that keeps statistics and windows round the extremes in place of every frame.
 
-It stands in the place of `tautline.results.store.Store`: frames come in batches as the loop makes them, and are given up
-when their statistics are taken. The application's figures and limits are made of pieces of the run, each with the frame
-at the start of the run before it, and joined: the largest of the largest, the smallest of the smallest. Figures that are sums over
-all frames, or that count events, cannot be made so and are left out.
+It stands in the place of `tautline.results.store.Store`: frames come in batches as the loop makes them, and are given
+up when their statistics are taken. The application's figures and limits are made of pieces of the run, each with the
+frame at the start of the run before it, and joined: the largest of the largest, the smallest of the smallest. Figures
+that are sums over all frames, or that count events, cannot be made so and are left out.
 """
 
 from __future__ import annotations
@@ -47,6 +47,8 @@ class Keep:
         Those of them of which rainflow cycles are counted.
     rules : mapping
         Pattern of a figure's name -> how it is joined: `LARGEST`, `SMALLEST`, `LAST`.
+    names : tuple of str
+        Figures that are asked of pieces, where an application has a quicker way to some than to all.
     of_turns : callable or None
         (variable -> Turns) -> figures that follow from turning points.
     """
@@ -57,6 +59,7 @@ class Keep:
     watched: tuple[str, ...] = ()
     fatigue: tuple[str, ...] = ()
     rules: Mapping[str, str] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
     of_turns: Callable[[Mapping[str, Turns]], dict[str, dict[str, Any]]] | None = None
 
 
@@ -222,7 +225,9 @@ class StatisticsStore(Store):
         told = []
         for (name, which), window in self._windows.kept.items():
             shape = self._first[name].shape[1:]
-            place = [self._place(dim, k) for dim, k in zip(dims[name], np.unravel_index(window.place, shape), strict=True)]
+            place = [
+                self._place(dim, k) for dim, k in zip(dims[name], np.unravel_index(window.place, shape), strict=True)
+            ]
             told.append({
                 "variable": name, "extreme": which, "value": window.value, "time": window.time, "place": place,
                 "begin": max(window.begin, float(self._first["time"][0])),
@@ -267,8 +272,18 @@ class StatisticsStore(Store):
         if blocks.whole:
             low, high = blocks.extremes(n)
             made["block"] = (("block",), blocks.begins, "s", "begin of the block")
-            made[f"{name}_block_min"] = (("block", *dims), low.reshape(-1, *shape), unit, f"smallest of a block, {text}")
-            made[f"{name}_block_max"] = (("block", *dims), high.reshape(-1, *shape), unit, f"largest of a block, {text}")
+            made[f"{name}_block_min"] = (
+                ("block", *dims),
+                low.reshape(-1, *shape),
+                unit,
+                f"smallest of a block, {text}",
+            )
+            made[f"{name}_block_max"] = (
+                ("block", *dims),
+                high.reshape(-1, *shape),
+                unit,
+                f"largest of a block, {text}",
+            )
         if name in self.keep.fatigue:
             edges, cycles = rainflow_histogram(turns, n)
             bins = f"{name}_range"

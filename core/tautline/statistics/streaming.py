@@ -188,7 +188,7 @@ class Windows:
         self.kept: dict[tuple[str, str], Window] = {}
 
     def add(self, frames: dict[str, np.ndarray], watched: dict[str, np.ndarray], begin: float) -> None:
-        """Take frames: all variables, and of them what is watched, name -> (m, n); extremes before `begin` do not count."""
+        """Take frames: all variables, and what is watched, name -> (m, n); extremes before `begin` do not count."""
         time = frames["time"]
         counts = time >= begin
         for name, values in watched.items():
