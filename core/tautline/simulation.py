@@ -200,7 +200,7 @@ def simulate(
         except StoppedEarly as stop:
             stop.result = run.finish(store, stop.status.name.lower().replace("_", " "))
             raise
-        stored = store.result
+        stored = store.result if afterwards is not None else None
         further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
         result = run.finish(store, "done", *further)
     assert result is not None

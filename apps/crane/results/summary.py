@@ -253,10 +253,16 @@ OF_TURNS = ("equivalent_tension_range", "tension_cycles")
 """Figures that follow from the turning points of the tensions."""
 
 
+def _without_times(ranges: np.ndarray, count: np.ndarray) -> RainflowCycles:
+    """Cycles of which only range and count are known."""
+    unknown = np.full(ranges.size, np.nan)
+    return RainflowCycles(ranges, unknown, count, unknown, unknown)
+
+
 def figures_of_turns(turns: Any, scene: CraneScene) -> dict[str, dict[str, Any]]:
     """Figures of the most worked span end from the turning points of all tensions (`tautline.statistics.streaming`)."""
     names = span_ends(scene)
-    found = [rainflow_counts(*turns["tension"].of(k)) for k in range(len(names))]
+    found = [_without_times(*turns["tension"].cycles(k)) for k in range(len(names))]
     worked = [float(f"{equivalent_range(cycles, SLOPE, 1.0):.6g}") for cycles in found]
     k = worked.index(max(worked))
     return {

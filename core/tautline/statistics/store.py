@@ -294,17 +294,10 @@ class StatisticsStore(Store):
 
 def rainflow_histogram(turns: Turns, n: int) -> tuple[np.ndarray, np.ndarray]:
     """Rainflow cycles (ASTM E1049-85) of n values by range: edges (bins + 1,), counts (n, bins)."""
-    from rainflow import extract_cycles
-
-    tables = []
-    for k in range(n):
-        value = turns.of(k)[1]
-        # The package takes the end of a history from its third sample on; one more that changes nothing makes up.
-        found = [(cycle[0], cycle[2]) for cycle in extract_cycles([*value.tolist(), float(value[-1])])]
-        tables.append(np.reshape(found, (-1, 2)))
-    most = max((float(table[:, 0].max(initial=0.0)) for table in tables), default=0.0)
+    tables = [turns.cycles(k) for k in range(n)]
+    most = max((float(ranges.max(initial=0.0)) for ranges, _ in tables), default=0.0)
     edges = np.linspace(0.0, most or 1.0, BINS + 1)
-    counts = np.array([np.histogram(table[:, 0], edges, weights=table[:, 1])[0] for table in tables])
+    counts = np.array([np.histogram(ranges, edges, weights=count)[0] for ranges, count in tables])
     return edges, counts
 
 

@@ -116,10 +116,44 @@ class Turns:
         value = np.concatenate([part for _, part in self._parts[k]] + [[self._last[1][k]]])
         return time, value
 
+    def cycles(self, k: int) -> tuple[np.ndarray, np.ndarray]:
+        """Rainflow cycles of one of them: ranges, and counts of 1 for a closed cycle and 0.5 for a half."""
+        return rainflow_cycles(self.of(k)[1])
+
     def upcrossings(self, k: int, level: float) -> int:
         """Times that a value goes from below a level to it or above."""
         _, value = self.of(k)
         return int(((value[:-1] < level) & (value[1:] >= level)).sum())
+
+
+def rainflow_cycles(turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rainflow cycles of turning points (n,): ranges, and counts of 1 for a closed cycle and 0.5 for a half.
+
+    They are those of ASTM E1049-85, section 5.4.4. A range between two that are no smaller is a closed cycle, wherever it
+    stands; it is counted and taken out, all that there are at a time, until none is left. What remains widens and then
+    narrows, and its ranges are halves (Amzallag and others 1994).
+    """
+    x, found = turns[np.concatenate(([True], np.diff(turns) != 0.0))], [np.empty(0)]
+    while x.size > 3:
+        size = np.abs(np.diff(x))
+        inner = np.flatnonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))
+        if inner.size == 0:
+            break
+        # Of equal ranges next to one another, which share a point, every other one.
+        begins = np.concatenate(([True], np.diff(inner) > 1))
+        place = np.arange(inner.size)
+        inner = inner[(place - np.maximum.accumulate(np.where(begins, place, 0))) % 2 == 0]
+        found.append(size[inner + 1])
+        x = np.delete(x, np.concatenate((inner + 1, inner + 2)))
+        x = x[_turning(x)]
+    closed, halves = np.concatenate(found), np.abs(np.diff(x))
+    return np.concatenate((closed, halves)), np.concatenate((np.ones(closed.size), np.full(halves.size, 0.5)))
+
+
+def _turning(x: np.ndarray) -> np.ndarray:
+    """Which of some values are turning points, the first and the last among them."""
+    ways = np.sign(np.diff(x))
+    return np.concatenate(([True], ways[1:] != ways[:-1], [True])) if x.size > 2 else np.ones(x.size, bool)
 
 
 class Blocks:
