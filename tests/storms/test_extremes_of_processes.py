@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -157,3 +158,11 @@ def test_what_cannot_be_fitted_is_refused():
         fit_gumbel(np.array([1.0, 2.0, math.nan]))
     with pytest.raises(ValueError, match="lower threshold"):
         fit_pareto(Peaks(1.0, 10.0, np.zeros(3), np.array([2.0, 3.0, 4.0])))
+
+
+def test_the_python_of_the_page_runs_as_it_stands():
+    page = (Path(__file__).parents[2] / "docs" / "operability.md").read_text()
+    block = page.split("```python\n")[1].split("```")[0]
+    names = {}
+    exec(block, names)
+    assert names["fit"].percentile(0.9).value > names["fit"].most_probable().value > 52.0
