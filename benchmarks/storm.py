@@ -43,6 +43,7 @@ def scene(duration: float, step: float, keep: str) -> str:
     text = (DATA / "sixteen_falls.yaml").read_text()
     head, _, _ = text.partition("vessel:")
     head = head.replace("pay_out: {ramp: {to: -1.0, over: 2.0}}", "pay_out: {constant: 0}")
+    head = head.replace("{name: crown", "{frame: boom, name: crown").replace("{name: dead", "{frame: boom, name: dead")
     return (
         head
         + FRAMES

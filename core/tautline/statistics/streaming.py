@@ -129,9 +129,9 @@ class Turns:
 def rainflow_cycles(turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rainflow cycles of turning points (n,): ranges, and counts of 1 for a closed cycle and 0.5 for a half.
 
-    They are those of ASTM E1049-85, section 5.4.4. A range between two that are no smaller is a closed cycle, wherever it
-    stands; it is counted and taken out, all that there are at a time, until none is left. What remains widens and then
-    narrows, and its ranges are halves (Amzallag and others 1994).
+    They are those of ASTM E1049-85, section 5.4.4. A range between two that are no smaller is a closed cycle, wherever
+    it stands; it is counted and taken out, all that there are at a time, until none is left. What remains widens and
+    then narrows, and its ranges are halves (Amzallag and others 1994).
     """
     x, found = turns[np.concatenate(([True], np.diff(turns) != 0.0))], [np.empty(0)]
     while x.size > 3:
