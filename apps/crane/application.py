@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -25,6 +26,13 @@ class Crane(Packaged):
             "variations": "model.variations",
         }
     )
+
+    @property
+    def verbs(self) -> Sequence[Callable[..., None]]:
+        """Commands that other applications do not have."""
+        from crane.verbs.operability import operability
+
+        return (operability,)
 
     sometimes = ("longest_slack", "max_snap", "undamped_snaps", "slipping_share")
 

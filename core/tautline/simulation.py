@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -175,10 +176,11 @@ def simulate(
     ResultError
         Where ``resume`` holds no state to go on from, or that of another scene, or has come to the end already.
     """
+    attributes = {} if brief is not None else {**model.attributes, "version": __version__}
+    make, model = _store_of(model, brief)
     run = Run(model, look, brief)
     earlier = run.resume_from(resume) if resume is not None else None
-    attributes = {} if brief is not None else {**model.attributes, "version": __version__}
-    with Store(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
+    with make(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
         try:
             if brief is None or not brief.compiled:
                 compile_for(run.method, model.system, run.state, announce)
@@ -199,7 +201,7 @@ def simulate(
         except StoppedEarly as stop:
             stop.result = run.finish(store, stop.status.name.lower().replace("_", " "))
             raise
-        stored = store.result
+        stored = store.result if afterwards is not None else None
         further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
         result = run.finish(store, "done", *further)
     assert result is not None
@@ -208,6 +210,35 @@ def simulate(
         detail = f"{100.0 * gained:.2g} % of it was created numerically"
         raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", detail, result)
     return result
+
+
+def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., Store], Model]:
+    """What takes the frames of a model, and the model as its run is to see it."""
+    if model.keep is None:
+        return Store, model
+    from tautline.statistics.store import StatisticsStore, told_by_digest
+
+    headline: Callable[[Any], dict[str, dict[str, Any]]] = model.headline
+    limits, names = model.limits, tuple(model.keep.names)
+    if brief is not None and brief.names:
+        names = tuple(brief.names)
+    if names and (figures := model.figures) is not None:
+
+        def headline(result: Result) -> dict[str, dict[str, Any]]:
+            return figures(result, names)
+
+    if brief is not None and not brief.limits:
+        limits = None
+    return partial(StatisticsStore, keep=model.keep, headline=headline, limits=limits), told_by_digest(model)
+
+
+def _of_windows(record: dict[str, Any], watched: Collection[str]) -> dict[str, Any]:
+    """A limit judged over windows round the extremes: it holds for the whole run only of what was watched, at once."""
+    whole = not record.get("variable") or (record["variable"] in watched and not record.get("for"))
+    if whole:
+        return record
+    note = "only windows round the extremes are kept: name the variable in output.of, or keep frames"
+    return {**record, "passed": None, "margin": None, "note": note}
 
 
 class Run:
@@ -552,7 +583,10 @@ class Run:
         if self.brief is not None and not self.brief.limits:
             return []
         of_application = self.model.limits(result) if self.model.limits is not None else []
-        return [*of_application, *judge(self.model.bounds, result, headline)]
+        own = judge(self.model.bounds, result, headline)
+        if self.model.keep is not None:
+            own = [_of_windows(record, self.model.keep.watched) for record in own]
+        return [*of_application, *own]
 
     def energy_gained(self) -> float:
         """Energy created numerically, over what went through the system."""

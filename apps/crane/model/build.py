@@ -18,7 +18,7 @@ from crane.model.handles import handles
 from crane.results.course import Course, course_of
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
-from crane.results.summary import NOTHING, figure_units, headline
+from crane.results.summary import JOINED, NOTHING, OF_PIECES, figure_units, figures_of_turns, headline
 from crane.scene.scene import Anchor, CraneScene, Drum, End, Sheave
 from crane.sea.compensation import Compensation
 from tautline.application.limits import with_limits
@@ -75,6 +75,11 @@ def build(scene: CraneScene) -> Model:
         notes=notes,
         settle=lambda state: draw_true(layout, system, state),
         handles=lambda: handles(made, model),
+        statistics={
+            "watched": ("tension",), "fatigue": ("tension",), "needs": ("tension",), "rules": JOINED,
+            "names": OF_PIECES,
+            "of_turns": lambda turns: figures_of_turns(turns, scene),
+        },
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
 

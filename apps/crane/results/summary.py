@@ -35,7 +35,7 @@ FIGURES = {
     "max_tension": "N", "min_tension": "N", "dynamic_amplification": "", "safety_factor": "",
     "slack_events": "", "longest_slack": "s", "max_snap": "N", "undamped_snaps": "",
     "max_sheave_load": "N", "max_fleet_angle": "rad", "slipping_share": "",
-    "equivalent_tension_range": "N", "max_bending_cycles": "", "smallest_bending_ratio": "",
+    "equivalent_tension_range": "N", "tension_cycles": "", "max_bending_cycles": "", "smallest_bending_ratio": "",
     "max_offlead": "rad", "max_sidelead": "rad",
 }  # fmt: skip
 OF_DRUMS = {"max_winch_power": "W", "mean_winch_power": "W", "energy_hoisted": "J", "energy_regenerated": "J"}
@@ -76,7 +76,7 @@ def headline(
         ("slack_events|longest_slack|max_snap|undamped_snaps", lambda: _slack(result, layout)),
         ("max_sheave_load|max_fleet_angle|slipping_share", lambda: _sheaves(result, scene)),
         ("max_winch_power|mean_winch_power|energy_", lambda: _winches(result, scene)),
-        ("equivalent_tension_range", lambda: _fatigue(result, scene)),
+        ("equivalent_tension_range|tension_cycles", lambda: _fatigue(result, scene)),
         ("max_bending_cycles|smallest_bending_ratio", lambda: _bending(result, course())),
         ("rise|max_displacement", lambda: _bodies(result, scene)),
         ("max_offlead|max_sidelead", lambda: _angles(result, course())),
@@ -256,9 +256,44 @@ def most_worked_end(time: np.ndarray, tension: np.ndarray) -> tuple[int, Rainflo
 def _fatigue(result: Any, scene: CraneScene) -> Iterator[Row]:
     """Equivalent range of the most worked span end."""
     k, cycles = most_worked_end(result.time, ends_of(result))
+    yield from _of_cycles(span_ends(scene)[k], cycles)
+
+
+def _of_cycles(name: str, cycles: RainflowCycles) -> Iterator[Row]:
     number = float(cycles.count.sum())
-    text = f"equivalent tension range, {number:g} cycles, m = {SLOPE:g} ({span_ends(scene)[k]})"
+    text = f"equivalent tension range, {number:g} cycles, m = {SLOPE:g} ({name})"
     yield "equivalent_tension_range", equivalent_range(cycles, SLOPE), "N", text
+    yield "tension_cycles", number, "", f"rainflow cycles of the tension ({name})"
+
+
+JOINED = {
+    r"max_(?!snap|bending_cycles).*|dynamic_amplification": "largest",
+    r"min_tension|safety_factor": "smallest",
+    r"rise.*": "last",
+}
+"""How figures of pieces of a run make those of the whole; the others are sums or counts over all frames."""
+OF_PIECES = ("max_tension", "max_sheave_load", "max_winch_power", "rise", "max_offlead")
+"""One figure of each part of the headline that has such figures."""
+OF_TURNS = ("equivalent_tension_range", "tension_cycles")
+"""Figures that follow from the turning points of the tensions."""
+
+
+def _without_times(ranges: np.ndarray, count: np.ndarray) -> RainflowCycles:
+    """Cycles of which only range and count are known."""
+    unknown = np.full(ranges.size, np.nan)
+    return RainflowCycles(ranges, unknown, count, unknown, unknown)
+
+
+def figures_of_turns(turns: Any, scene: CraneScene) -> dict[str, dict[str, Any]]:
+    """Figures of the most worked span end from the turning points of all tensions (`tautline.statistics.streaming`)."""
+    names = span_ends(scene)
+    found = [_without_times(*turns["tension"].cycles(k)) for k in range(len(names))]
+    worked = [float(f"{equivalent_range(cycles, SLOPE, 1.0):.6g}") for cycles in found]
+    k = worked.index(max(worked))
+    return {
+        name: {"value": float(value), "unit": unit, "text": text}
+        for name, value, unit, text in _of_cycles(names[k], found[k])
+    }
 
 
 def bins_of(contacts: list[Any]) -> np.ndarray:

@@ -86,7 +86,12 @@ class Packaged(Defaults):
 
     def build(self, scene: Any) -> Model:
         """Compile a scene; raises SceneError."""
-        return self._module("build").build(scene)
+        model = self._module("build").build(scene)
+        if getattr(getattr(scene, "output", None), "statistics", False):
+            from tautline.application.statistics import keep_of
+
+            model.keep = keep_of(model, scene)
+        return model
 
     @property
     def figure_names(self) -> Mapping[str, str]:

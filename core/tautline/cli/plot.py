@@ -42,8 +42,11 @@ def plot(
     """
     from tautline.results.errors import ResultError
     from tautline.results.result import Result
+    from tautline.statistics.store import check_whole
 
     results = [Result.read(path) for path in paths]
+    for result in results:
+        check_whole(result, "plot")
     application = catalogue.for_result(results[0])
     if form is not None and form not in FORMATS:
         raise ResultError(output or "--format", f"unknown format '{form}'", f"known: {', '.join(FORMATS)}")

@@ -33,8 +33,11 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
         If something asked for is unknown, a file cannot be written, or there is nothing to draw with.
     """
     from tautline.results.result import Result
+    from tautline.statistics.store import check_whole
 
     result = Result.read(path)
+    if asked["movie"] is not None or asked["html"] is not None:
+        check_whole(result, "a film")
     look = in_units_of(result, look_of(asked["view"], asked["exaggerate"]))
     appearance = catalogue.for_result(result).appearance(result, look)
     written: list[Path] = []

@@ -13,6 +13,7 @@ from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
 from tautline.cli.run import Ended, ExitCode
 from tautline.cli.summary import limit_said, limits_of_scene, table, two_columns
+from tautline.scene.errors import option_error
 from tautline.scene.values.printed import in_words, quantity
 
 if TYPE_CHECKING:
@@ -182,6 +183,12 @@ def _other_runs(
     """What estimates a run's error from runs with other steps; None where that is not to be done."""
     if verify is False or (verify is None and earlier is not None) or getattr(model, "system", None) is None:
         return None
+    if getattr(model, "keep", None) is not None:
+        # Runs with other steps are compared frame by frame.
+        if verify:
+            cure = "leave --verify out, or run a shorter stretch of the scene with output.keep: frames"
+            raise option_error("--verify", "", "needs every frame, and the scene keeps statistics", cure)
+        return None
     from tautline.study.trials.step_error import estimate, runs_for
     from tautline.study.trials.trial import Subject
 
@@ -249,7 +256,11 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
         console().print(table(report, result.attributes, result.headline))
         _print_limits(report, str(result.attributes.get("units") or "si"))
         frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
-        say(f"wrote {result.path}: {frames}. Next: {catalogue.name} plot {result.path}", "green")
+        if seen := result.attributes.get("frames_seen"):
+            told = f"statistics of {seen} frames, and {frames} round the extremes"
+            say(f"wrote {result.path}: {told}. Next: {catalogue.name} export --csv {result.path}", "green")
+        else:
+            say(f"wrote {result.path}: {frames}. Next: {catalogue.name} plot {result.path}", "green")
     system = str(result.attributes.get("units") or "si") if result is not None else "si"
     for warning in report["warnings"]:
         say(f"warning: {in_words(warning, system)}", "yellow")

@@ -49,6 +49,7 @@ class Model(pydantic.BaseModel):
     @pydantic.model_validator(mode="wrap")
     @classmethod
     def _say_keys(cls, data: Any, handler: pydantic.ModelWrapValidatorHandler[Self]) -> Self:
+        data = cls._in_full(data)
         if not isinstance(data, (dict, cls)):
             kind = "is empty" if data is None else "is a list" if isinstance(data, list) else "is not a mapping"
             raise refusal(kind, f"write a mapping of keys: {', '.join(cls._keys())}")
@@ -57,6 +58,11 @@ class Model(pydantic.BaseModel):
         except ValidationError as error:
             details = [_detail(cls, e) for e in error.errors(include_url=False)[:MOST_FAULTS]]
             raise ValidationError.from_exception_data(cls.__name__, details) from None
+
+    @classmethod
+    def _in_full(cls, given: Any) -> Any:
+        """The mapping that a short form stands for; anything else as it is."""
+        return given
 
     @classmethod
     def _keys(cls) -> list[str]:

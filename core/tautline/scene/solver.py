@@ -158,10 +158,48 @@ class Solver(Model):
         return alphas_of(self.method, self.rho_inf, self.alpha_m, self.alpha_f)
 
 
+INTERVAL = 0.05
+"""Interval of the frames of which statistics are taken, s, where none is given."""
+FRAMES, STATISTICS = "frames", "statistics"
+OF_STATISTICS = ("windows", "block", "begin", "of")
+
+
 class Output(Model):
-    """What is kept: a frame every `interval`."""
+    """What is kept: a frame every `interval`, or the statistics of these frames.
+
+    Of statistics, `windows` is the length of the stretches of whole frames around the largest and the smallest of each
+    of the variables `of`; `block` the length of the blocks of which these are kept; `begin` the time from which on
+    values count, for figures and limits too; the start of the run stands for what is at rest.
+    """
 
     interval: Annotated[float, quantity("s", positive=True, of="interval of frames")]
+    keep: Annotated[Literal["frames", "statistics"], word(FRAMES, STATISTICS)] = "frames"
+    windows: Annotated[float, quantity("s", positive=True, of="duration")] = 20.0
+    block: Annotated[float, quantity("s", positive=True, of="duration")] = 600.0
+    begin: Annotated[float, quantity("s", nonnegative=True, of="moment")] = 0.0
+    of: tuple[str, ...] = Field((), examples=["[tension]"])
+
+    @classmethod
+    def _in_full(cls, given: Any) -> Any:
+        """`output: statistics` is short for a mapping; statistics need no interval of their own."""
+        if given == STATISTICS:
+            given = {"keep": STATISTICS}
+        if isinstance(given, dict) and given.get("keep") == STATISTICS and "interval" not in given:
+            given = {"interval": INTERVAL, **given}
+        return given
+
+    @model_validator(mode="after")
+    def _fits(self) -> Output:
+        if self.keep == FRAMES:
+            for key in OF_STATISTICS:
+                if key in self.model_fields_set:
+                    raise fault(key, "is for statistics, and every frame is kept", f"add keep: {STATISTICS}")
+        return self
+
+    @property
+    def statistics(self) -> bool:
+        """Whether statistics are kept in place of every frame."""
+        return self.keep == STATISTICS
 
 
 def check_output(solver: Solver, output: Output) -> None:
@@ -173,6 +211,8 @@ def check_output(solver: Solver, output: Output) -> None:
         At ``output.interval``.
     """
     at = ("output", "interval")
+    if output.statistics and output.begin >= solver.end:
+        raise fault(("output", "begin"), f"is not before the end of the run ({solver.end:g} s)", "begin earlier")
     if solver.step != "auto" and output.interval < solver.step * (1.0 - 1e-9):
         cause = f"is shorter than the step ({solver.step:g} s): there is nothing between two steps to keep"
         raise fault(at, cause, "give at least solver.step, or take smaller steps")

@@ -100,11 +100,13 @@ class Watch:
         self.asked = [one for one in collected if one.output]
         self.outputs = {one.name: output_of(_handles(model), one.output) for one in self.asked}
         self.rows: dict[str, list[np.ndarray]] = {one.name: [] for one in self.asked}
+        self.times: list[np.ndarray] = []
         if self.asked:
             observe = model.observe
             model.observe = lambda frames: self._look(frames, observe(frames))
 
     def _look(self, frames: Any, variables: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        self.times.append(np.array(frames.time, float))
         for name, (output, part) in self.outputs.items():
             if output.places is not None:
                 vector, places = output.places
@@ -115,8 +117,11 @@ class Watch:
             self.rows[name].append(np.array(values, float).reshape(len(frames.time)))
         return variables
 
-    def findings(self, time: np.ndarray) -> dict[str, Finding]:
-        """The statistics that are asked for."""
+    def findings(self) -> dict[str, Finding]:
+        """The statistics that are asked for, of all frames, whatever the result keeps."""
+        if not self.asked:
+            return {}
+        time = np.concatenate(self.times)
         return {
             one.name: Finding(
                 statistic(np.concatenate(self.rows[one.name]), time, one.statistic),
@@ -149,7 +154,7 @@ def of_run(
     if limits:
         failed = sum(record["passed"] is False for record in limits)
         found[LIMITS_FAILED] = Finding(failed, "", "limits that are not satisfied")
-    return found | _of_limits(limits) | watch.findings(np.asarray(result.time))
+    return found | _of_limits(limits) | watch.findings()
 
 
 def asks_limits(name: str) -> bool:

@@ -91,6 +91,10 @@ class Model:
         Those of them without which a run has nothing of the kind: they are 0 then, such as the longest slack.
     bounds : sequence of tautline.results.bounds.Bound
         Limits that the scene gives itself.
+    keep : tautline.statistics.store.Keep or None
+        What is kept in place of every frame; None for every frame.
+    statistics : mapping
+        Fields of `Keep` that are the application's: variables that are watched where the scene names none, and so on.
     """
 
     system: System
@@ -112,3 +116,5 @@ class Model:
     figure_units: Mapping[str, str] = field(default_factory=dict)
     nothing: Collection[str] = ()
     bounds: Sequence[Any] = ()
+    keep: Any = None
+    statistics: Mapping[str, Any] = field(default_factory=dict)

@@ -1,0 +1,206 @@
+"""From the maxima of storms to the allowable significant wave height.
+
+Of each sea state Gumbel's distribution is fitted to the maxima over the seeds. What is compared with a limit is the
+most probable largest, or a percentile of the largest. Over the significant height it is made monotone (no higher sea is
+allowed because its draw was lucky) and interpolated by monotone cubics (Fritsch and Carlson 1980): the allowable height
+is where that curve meets the limit. Its interval comes from the bounds of the fit in the same way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from crane.operability.conditions import Condition, highest
+from crane.operability.criteria import Criterion
+from tautline.statistics.gumbel import FEWEST, fit_gumbel
+
+COMPUTED, STEEP, FAILED, FEW = "computed", "not physical: too steep", "failed", "too few storms"
+INSIDE, BELOW, ABOVE, BREAKS, UNKNOWN = (
+    "", "below the lowest calculated", "at least the highest calculated", "at least the steepest wave", "not known",
+)  # fmt: skip
+"""How an allowable height is bounded: found between heights; smaller than all; larger than all of the grid, or than all
+that are physical."""
+
+
+class Allowable(NamedTuple):
+    """An allowable significant height, m, its interval, and how it is bounded."""
+
+    height: float
+    low: float
+    high: float
+    bound: str
+
+
+FITTED = (
+    "location",
+    "scale",
+    *(f"{what}{end}" for what in ("most_probable", "percentile", "exceedance") for end in ("", "_low", "_high")),
+)
+
+
+def fitted(values: np.ndarray, one: Criterion, ratio: float, share: float, confidence: float) -> dict[str, float]:
+    """Extremes of the maxima of storms, (n,), in the sense of a limit; NaN where there are too few."""
+    values = values[np.isfinite(values)]
+    if values.size < FEWEST:
+        return dict.fromkeys(FITTED, math.nan)
+    way = one.way
+    fit = fit_gumbel(way * values, ratio)
+    found = {"location": way * fit.location, "scale": fit.scale}
+    for name, estimate in (
+        ("most_probable", fit.most_probable(confidence)), ("percentile", fit.percentile(share, confidence)),
+    ):  # fmt: skip
+        # Low and high are those of the value, whichever of them is the bad one.
+        low, high = sorted((way * estimate.low, way * estimate.high))
+        found |= {name: way * estimate.value, f"{name}_low": low, f"{name}_high": high}
+    beyond = fit.exceedance(way * one.limit, confidence)
+    return found | {"exceedance": beyond.value, "exceedance_low": beyond.low, "exceedance_high": beyond.high}
+
+
+def allowable(
+    heights: np.ndarray, values: np.ndarray, lows: np.ndarray, highs: np.ndarray, limit: float, top: float
+) -> Allowable:
+    """The allowable height of one limit, period and heading.
+
+    Parameters
+    ----------
+    heights : (n,) array
+        Increasing, of the sea states that were run, m.
+    values, lows, highs : (n,) array
+        What is compared with the limit, with large values bad; infinite where storms failed.
+    limit : float
+    top : float
+        Largest height of the grid, physical or not, m.
+    """
+    known = ~np.isnan(values)
+    if not known.any():
+        return Allowable(math.nan, math.nan, math.nan, UNKNOWN)
+    heights = heights[known]
+    found, bound = crossing(heights, values[known], limit)
+    low, high = (crossing(heights, one[known], limit)[0] for one in (highs, lows))
+    if bound == ABOVE and heights[-1] < top:
+        bound = BREAKS
+    return Allowable(found, min(low, found), max(high, found), bound)
+
+
+def crossing(heights: np.ndarray, values: np.ndarray, limit: float) -> tuple[float, str]:
+    """Where the monotone curve through values (n,) meets a limit, and how that is bounded."""
+    from scipy.interpolate import PchipInterpolator
+    from scipy.optimize import brentq
+
+    rising = np.maximum.accumulate(values)
+    if rising[0] > limit:
+        return 0.0, BELOW
+    if rising[-1] <= limit:
+        return float(heights[-1]), ABOVE
+    k = int(np.argmax(rising > limit))
+    usable = np.isfinite(rising)
+    if not usable[k]:
+        # Storms of that height failed: nothing is known between.
+        return float(heights[k - 1]), INSIDE
+    if rising[k - 1] == limit:
+        return float(heights[k - 1]), INSIDE
+    curve = PchipInterpolator(heights[usable], rising[usable])
+    return float(brentq(lambda height: float(curve(height)) - limit, heights[k - 1], heights[k])), INSIDE
+
+
+class Table(NamedTuple):
+    """All that is found of the storms of a grid.
+
+    Attributes
+    ----------
+    heights, periods : (n,) and (m,) arrays
+    headings : list
+        rad; None for the scene's own.
+    seeds : (s,) array
+    status : (headings, periods, heights) array of str
+    values : (limits, headings, periods, heights, seeds) array
+        The largest or smallest of each storm.
+    extremes : dict
+        `FITTED` -> (limits, headings, periods, heights).
+    allowable : (limits, headings, periods) array of Allowable
+    """
+
+    heights: np.ndarray
+    periods: np.ndarray
+    headings: Sequence[float | None]
+    seeds: np.ndarray
+    status: np.ndarray
+    values: np.ndarray
+    extremes: dict[str, np.ndarray]
+    allowable: np.ndarray
+
+
+def tabulate(
+    rows: Any, conditions: Sequence[Condition], criteria: Sequence[Criterion], seeds: Sequence[int],
+    ratio: float, share: float, confidence: float, compared: str,
+) -> Table:  # fmt: skip
+    """Put the cases of a sweep into the grid of their sea states, fit, and find the allowable heights.
+
+    Parameters
+    ----------
+    rows : xarray.Dataset
+        Of the sweep, a case for each seed of each physical condition.
+    ratio : float
+        Duration that is asked about over that of the runs.
+    share, confidence : float
+        Percentile and confidence, 0 to 1.
+    compared : str
+        ``most_probable`` or ``percentile``: what is compared with the limits.
+    """
+    heights = np.array(sorted({one.height for one in conditions}))
+    periods = np.array(sorted({one.period for one in conditions}))
+    headings = list(dict.fromkeys(one.heading for one in conditions))
+    shape = (len(headings), len(periods), len(heights))
+    status = np.full(shape, STEEP, object)
+    values = np.full((len(criteria), *shape, len(seeds)), np.nan)
+    extremes = {name: np.full((len(criteria), *shape), np.nan) for name in FITTED}
+    done = rows["status"].values == "done"
+    case = 0
+    for one in conditions:
+        if not one.physical:
+            continue
+        at = (
+            headings.index(one.heading),
+            int(np.searchsorted(periods, one.period)),
+            int(np.searchsorted(heights, one.height)),
+        )
+        some = slice(case, case + len(seeds))
+        case += len(seeds)
+        good = done[some]
+        status[at] = COMPUTED if good.all() and good.size >= FEWEST else FEW if good.all() else FAILED
+        for k, criterion in enumerate(criteria):
+            found = rows[criterion.column].values[some] if criterion.column in rows else np.full(len(seeds), np.nan)
+            values[(k, *at)] = np.where(good, found, np.nan)
+            for name, value in fitted(values[(k, *at)], criterion, ratio, share, confidence).items():
+                extremes[name][(k, *at)] = value
+    return Table(
+        heights, periods, headings, np.array(seeds), status, values, extremes,
+        _allowables(criteria, heights, periods, headings, status, extremes, compared),
+    )  # fmt: skip
+
+
+def _allowables(
+    criteria: Sequence[Criterion], heights: np.ndarray, periods: np.ndarray, headings: Sequence[Any],
+    status: np.ndarray, extremes: dict[str, np.ndarray], compared: str,
+) -> np.ndarray:  # fmt: skip
+    found = np.empty((len(criteria), len(headings), len(periods)), object)
+    for k, i, j in np.ndindex(*found.shape):
+        run = status[i, j] != STEEP
+        way = criteria[k].way
+        bounds = [way * extremes[f"{compared}{end}"][k, i, j][run] for end in ("", "_low", "_high")]
+        # A storm that did not come to its end is none to lift in.
+        bounds = [np.where(status[i, j][run] == FAILED, np.inf, one) for one in bounds]
+        low, high = np.minimum(bounds[1], bounds[2]), np.maximum(bounds[1], bounds[2])
+        found[k, i, j] = allowable(heights[run], bounds[0], low, high, way * criteria[k].limit, float(heights[-1]))
+        if not run.any():
+            found[k, i, j] = Allowable(math.nan, math.nan, math.nan, UNKNOWN)
+    return found
+
+
+def steepest(periods: np.ndarray) -> np.ndarray:
+    """Largest significant height of each period, m."""
+    return np.array([highest(float(period)) for period in periods])

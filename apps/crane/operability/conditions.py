@@ -1,0 +1,128 @@
+"""Sea states: significant height, peak period and heading, which are physical, and the scenes of their storms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from crane.scene.scene import CraneScene
+from crane.scene.surroundings import Motion, SeaMotion
+from crane.sea.frames import MOTIONS
+from tautline.scene.errors import SceneError
+from tautline.scene.functions import Spectrum
+from tautline.system.time_functions import jonswap
+
+GRAVITY = 9.81
+STEEP = ((8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0))
+"""Peak period, s, and the largest wave steepness 2 pi Hs / (g Tp^2) there; DNV-RP-C205, section 3.5.4."""
+FEW_WAVES = 60.0
+"""Number of equal waves below which the extremes of a sum of sines lie visibly below those of a Gaussian sea."""
+
+
+class Condition(NamedTuple):
+    """A sea state: m, s, and rad or None for the scene's own heading."""
+
+    height: float
+    period: float
+    heading: float | None
+
+    @property
+    def physical(self) -> bool:
+        """Whether waves of this period can be so high."""
+        return self.height <= highest(self.period) * (1.0 + 1e-9)
+
+
+def highest(period: float) -> float:
+    """Largest significant height, m, of a peak period, s, by the limit of steepness."""
+    steepness = float(np.interp(period, [one[0] for one in STEEP], [one[1] for one in STEEP]))
+    return steepness * GRAVITY * period**2 / (2.0 * math.pi)
+
+
+class SeaKeys(NamedTuple):
+    """Keys of a scene by which its sea is changed."""
+
+    spectra: tuple[str, ...]
+    direction: str | None
+
+    def changes(self, condition: Condition, seed: int) -> dict[str, Any]:
+        """Values of a storm."""
+        made: dict[str, Any] = {}
+        for key in self.spectra:
+            made[f"{key}.significant_height"] = condition.height
+            made[f"{key}.peak_period"] = condition.period
+            made[f"{key}.seed"] = seed
+        if condition.heading is not None and self.direction is not None:
+            made[self.direction] = condition.heading
+        return made
+
+    def ramps(self, scene: CraneScene, length: float) -> dict[str, float]:
+        """A time, s, in which the sea grows from nothing, where the scene gives none: a jump would shake the load."""
+        motion: Any = scene.vessel.motion if scene.vessel is not None else None
+        seas = {key: motion.sea if self.direction else getattr(motion, key.split(".")[2]) for key in self.spectra}
+        return {f"{key}.ramp": length for key, sea in seas.items() if sea.ramp == 0.0 and length > 0.0}
+
+
+def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
+    """Where a scene has its sea.
+
+    Raises
+    ------
+    SceneError
+        For a scene without a sea, and for headings where the responses of the vessel know none.
+    """
+    motion = scene.vessel.motion if scene.vessel is not None else None
+    if isinstance(motion, SeaMotion):
+        return SeaKeys(("vessel.motion.sea",), "vessel.motion.direction")
+    spectra = []
+    if isinstance(motion, Motion):
+        spectra = [name for name in MOTIONS if isinstance(getattr(motion, name), Spectrum)]
+    if not spectra:
+        key: tuple[str, ...] = ("vessel", "motion") if scene.vessel is not None else ("vessel",)
+        cure = "give vessel.motion: {sea: {significant_height: 2, peak_period: 9}, rao: vessel.csv}"
+        raise SceneError([scene.problem(key, "has no sea, and operability varies one", cure)])
+    if headings:
+        cure = (
+            "leave --heading out, or give vessel.motion a sea and a file of responses with the column direction [deg]"
+        )
+        raise SceneError([scene.problem(("vessel", "motion"), "knows no headings of the sea", cure)])
+    return SeaKeys(tuple(f"vessel.motion.{name}.spectrum" for name in spectra), None)
+
+
+def conditions_of(
+    heights: Sequence[float], periods: Sequence[float], headings: Sequence[float | None]
+) -> list[Condition]:
+    """All sea states, physical or not, heading by heading, period by period."""
+    return [Condition(height, period, heading) for heading in headings for period in periods for height in heights]
+
+
+def cases_of(conditions: Sequence[Condition], seeds: Sequence[int], keys: SeaKeys) -> dict[str, list[Any]]:
+    """Values of each key for the plan ``zip``: a case for each seed of each physical condition, in this order.
+
+    Every condition has the same seeds: what differs between two of them is then the sea and not the draw.
+    """
+    rows = [keys.changes(one, seed) for one in conditions if one.physical for seed in seeds]
+    return {key: [row[key] for row in rows] for key in rows[0]} if rows else {}
+
+
+def sea_notes(scene: CraneScene, keys: SeaKeys) -> list[str]:
+    """What is sound of a sea and better done otherwise."""
+    spectra: Mapping[str, Spectrum]
+    motion: Any = scene.vessel.motion if scene.vessel is not None else None
+    if isinstance(motion, SeaMotion):
+        spectra = {"vessel.motion.sea": motion.sea}
+    else:
+        spectra = {key: getattr(motion, key.split(".")[2]) for key in keys.spectra}
+    found = []
+    for key, one in spectra.items():
+        energy = jonswap(one)[0] ** 2
+        number = float(energy.sum() ** 2 / (energy**2).sum()) if energy.any() else math.inf
+        if number < FEW_WAVES:
+            more = math.ceil(one.components * FEW_WAVES / number / 100.0) * 100
+            found.append(
+                f"{key}: {one.components} components carry their energy as {number:.0f} equal waves would. The largest "
+                f"of three hours of so few lies some per cent below that of a Gaussian sea: take components: {more}"
+            )
+    return found

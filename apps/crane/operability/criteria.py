@@ -1,0 +1,139 @@
+"""Limits that a storm is judged by: ``max_tension < 60 kN``, read by what a run of the scene finds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any, NamedTuple
+
+from pydantic_core import PydanticCustomError
+
+from tautline.results.limits import AT_LEAST, AT_MOST
+from tautline.scene.errors import Problem, SceneError, option_error
+from tautline.scene.values.quantity import Quantity
+from tautline.sweeps.verbs import output_of
+
+WRITTEN = re.compile(r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=?|>=?)\s*(?P<value>[^<>=]+?)\s*")
+OPTION, EXAMPLE = "--limit", 'write such as --limit "max_tension < 60 kN"'
+
+
+class Criterion(NamedTuple):
+    """A limit, in SI.
+
+    Attributes
+    ----------
+    text : str
+        As it was written.
+    name : str
+        A figure of ``simulate``, or an output of the simulation.
+    sense : str
+        `AT_MOST` or `AT_LEAST`.
+    limit : float
+    unit : str
+    output : bool
+        Whether it is an output over time, of which the largest or smallest counts.
+    """
+
+    text: str
+    name: str
+    sense: str
+    limit: float
+    unit: str
+    output: bool
+
+    @property
+    def way(self) -> float:
+        """1 where large values are bad, -1 where small ones are."""
+        return 1.0 if self.sense == AT_MOST else -1.0
+
+    @property
+    def column(self) -> str:
+        """Name of what a sweep collects for it."""
+        return f"{self.name} {self.statistic}" if self.output else self.name
+
+    @property
+    def statistic(self) -> str:
+        """Of an output."""
+        return "max" if self.sense == AT_MOST else "min"
+
+    @property
+    def collected(self) -> Any:
+        """What a sweep is asked for."""
+        return {"output": self.name, "statistic": self.statistic, "name": self.column} if self.output else self.name
+
+
+def read_criteria(texts: Sequence[str], figures: Mapping[str, str], outputs: Mapping[str, Any]) -> list[Criterion]:
+    """Read limits.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        ``name < value unit``, or with ``<=``, ``>``, ``>=``.
+    figures : mapping
+        Figures that a run of the scene finds, by name, with their SI units.
+    outputs : mapping
+        Outputs of its simulation (`tautline.system.handles.Output`).
+
+    Raises
+    ------
+    SceneError
+        Listing every limit that cannot be read.
+    """
+    found, problems = [], []
+    for text in texts:
+        try:
+            one = _read(text, figures, outputs)
+        except SceneError as error:
+            problems += error.problems
+            continue
+        if one.text not in [other.text for other in found]:
+            found.append(one)
+    if problems:
+        raise SceneError(problems)
+    return found
+
+
+def _read(text: str, figures: Mapping[str, str], outputs: Mapping[str, Any]) -> Criterion:
+    match = WRITTEN.fullmatch(text)
+    if match is None:
+        raise option_error(OPTION, text, "is no limit", EXAMPLE)
+    name, unit, of_output = match["name"], figures.get(match["name"]), False
+    if unit is None:
+        try:
+            output, part = output_of(outputs, name)
+        except KeyError:
+            close = get_close_matches(name, [*figures, *outputs], n=1, cutoff=0.5)
+            cure = f"did you mean '{close[0]}'?" if close else f"figures: {', '.join(figures)}"
+            raise option_error(OPTION, text, f"a run of this scene finds no '{name}'", cure) from None
+        if output.shape and part is None:
+            raise option_error(OPTION, text, f"{name} is no single number", f"name one of them, {name}[0] the first")
+        unit, of_output = output.unit, True
+    try:
+        value = float(Quantity(unit, any_size=True).read(_plain(match["value"])))
+    except PydanticCustomError as error:
+        raise option_error(OPTION, text, error.message(), str((error.context or {}).get("cure", ""))) from None
+    sense = AT_MOST if match["sense"].startswith("<") else AT_LEAST
+    return Criterion(" ".join(text.split()), name, sense, value, unit, of_output)
+
+
+def _plain(word: str) -> Any:
+    try:
+        return float(word)
+    except ValueError:
+        return word
+
+
+def limits_of_scene(scene: Any) -> list[str]:
+    """Limits that a scene gives itself under ``limits``, as ``--limit`` takes them: here they join those given.
+
+    A limit that has to be passed for some time to count is taken as one that must not be passed at all.
+    """
+    given = getattr(scene, "limits", ())
+    sides = [(one.output, side) for one in given or () if hasattr(one, "sides") for side in one.sides]
+    return [f"{name} {'<' if side.key == 'above' else '>'} {side.written}" for name, side in sides]
+
+
+def none_given(scene: Any) -> SceneError:
+    """What is raised where there is no limit at all."""
+    return SceneError([Problem(OPTION, None, "", None, "there is no limit to judge the storms by", EXAMPLE)])

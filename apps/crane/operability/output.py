@@ -1,0 +1,128 @@
+"""What operability writes: all sea states in one NetCDF and one CSV, the allowable heights in a CSV, and figures."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crane.operability.allowable import FITTED, Table, steepest
+from crane.operability.criteria import Criterion
+from tautline.results.errors import WriteError
+from tautline.results.rows import heads_of, write_rows
+from tautline.sweeps.table import write_netcdf
+from tautline.view.figures.figure import QUIET, axes, colour, save, styled
+
+DATASET, STATES, HEIGHTS = "operability.nc", "operability.csv", "allowable.csv"
+OWN = "as in the scene"
+
+
+def degrees(heading: float | None) -> str:
+    """A heading in words."""
+    return OWN if heading is None else f"{math.degrees(heading):.6g} deg"
+
+
+def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any]) -> Any:
+    """All that was found as an ``xarray.Dataset``: dimensions limit, heading, peak_period, significant_height, seed."""
+    import xarray
+
+    state = ("heading", "peak_period", "significant_height")
+    of_limit = ("limit", *state)
+    entries: dict[str, Any] = {
+        "status": (state, table.status, {"long_name": "whether the sea state was computed"}),
+        "value": ((*of_limit, "seed"), table.values, {"long_name": "largest or smallest of each storm, SI units"}),
+    }
+    for name in FITTED:
+        about = {"long_name": name.replace("_", " ")} | ({"units": "1"} if name.startswith("exceedance") else {})
+        entries[name] = (of_limit, table.extremes[name], about)
+    for name, get in (
+        ("allowable_height", lambda one: one.height), ("allowable_height_low", lambda one: one.low),
+        ("allowable_height_high", lambda one: one.high),
+    ):  # fmt: skip
+        values = np.array([get(one) for one in table.allowable.ravel()], float).reshape(table.allowable.shape)
+        entries[name] = (of_limit[:3], values, {"units": "m", "long_name": name.replace("_", " ")})
+    bounds = np.array([one.bound for one in table.allowable.ravel()], object).reshape(table.allowable.shape)
+    entries["allowable_bound"] = (of_limit[:3], bounds, {"long_name": "how the allowable height is bounded"})
+    entries["steepest"] = (("peak_period",), steepest(table.periods), {"units": "m", "long_name": "limit of steepness"})
+    headings = [math.nan if one is None else one for one in table.headings]
+    coordinates = {
+        "limit": ("limit", np.array([one.text for one in criteria], object)),
+        "limit_value": ("limit", np.array([one.limit for one in criteria])),
+        "limit_units": ("limit", np.array([one.unit for one in criteria], object)),
+        "heading": ("heading", np.array(headings), {"units": "rad"}),
+        "peak_period": ("peak_period", table.periods, {"units": "s"}),
+        "significant_height": ("significant_height", table.heights, {"units": "m"}),
+        "seed": ("seed", table.seeds),
+    }
+    return xarray.Dataset(entries, coordinates, dict(attributes))
+
+
+def write_all(
+    table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any], folder: Path
+) -> dict[str, Path]:
+    """Write dataset and tables into a folder; raises WriteError."""
+    return {
+        "result": write_netcdf(dataset(table, criteria, attributes), folder / DATASET),
+        "table": _write_states(table, criteria, folder / STATES),
+        "allowable": _write_heights(table, criteria, folder / HEIGHTS),
+    }
+
+
+def _write_states(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:
+    heads = heads_of(["limit", "unit", "heading", "peak_period", "significant_height"], {
+        "heading": "deg", "peak_period": "s", "significant_height": "m",
+    })  # fmt: skip
+    rows = []
+    for k, i, j, n in np.ndindex(*table.values.shape[:4]):
+        heading = table.headings[i]
+        fits = [float(table.extremes[name][k, i, j, n]) for name in FITTED]
+        place = [math.nan if heading is None else math.degrees(heading), table.periods[j], table.heights[n]]
+        rows.append([criteria[k].text, criteria[k].unit, *place, table.status[i, j, n], *fits])
+    return write_rows([*heads, "status", *FITTED], rows, path, "-o", WriteError)
+
+
+def _write_heights(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:
+    """A row for each limit, heading and period; the smallest of all limits last."""
+    rows = []
+    heads = ["limit", "heading [deg]", "peak_period [s]", "allowable_height [m]", "low [m]", "high [m]", "bound"]
+    for k, i, j in np.ndindex(*table.allowable.shape):
+        one, heading = table.allowable[k, i, j], table.headings[i]
+        place = [math.nan if heading is None else math.degrees(heading), table.periods[j]]
+        rows.append([criteria[k].text, *place, one.height, one.low, one.high, one.bound])
+    return write_rows(heads, rows, path, "-o", WriteError)
+
+
+def draw(table: Table, criteria: Sequence[Criterion], title: str, compared: str, folder: Path) -> list[Path]:
+    """A figure for each limit: allowable significant height against peak period, a curve for each heading."""
+    made = []
+    for k, one in enumerate(criteria):
+        name = re.sub(r"[^A-Za-z0-9]+", "_", one.text).strip("_")
+        made.append(save(_figure(table, k, one, title, compared), folder / f"allowable_{name}.png"))
+    return made
+
+
+@styled
+def _figure(table: Table, k: int, one: Criterion, title: str, compared: str) -> Any:
+    figure, plots = axes(1, 1, 6.8, 4.4, f"{title}: {one.text}" if title else one.text)
+    plot, periods = plots[0, 0], table.periods
+    for i, heading in enumerate(table.headings):
+        found = table.allowable[k, i]
+        height = np.array([each.height for each in found])
+        low, high = np.array([each.low for each in found]), np.array([each.high for each in found])
+        shade = colour(i, len(table.headings))
+        plot.plot(periods, height, "o-", ms=4, color=shade, label=degrees(heading))
+        plot.fill_between(periods, low, high, color=shade, alpha=0.18, lw=0)
+        open_ = np.array([bool(each.bound) for each in found])
+        plot.plot(periods[open_], height[open_], "o", ms=4, mfc="white", color=shade)
+    fine = np.linspace(periods[0], periods[-1], 100)
+    plot.plot(fine, steepest(fine), "--", lw=1, color=QUIET, label="steepest waves")
+    plot.set_ylim(0.0, 1.15 * float(table.heights[-1]))
+    plot.set_xlabel("peak period Tp [s]")
+    plot.set_ylabel("allowable significant wave height Hs [m]")
+    plot.legend(title="heading", fontsize=8)
+    plot.set_title(f"{compared}; shaded: its confidence interval; open: bounded by the grid", fontsize=8, loc="left")
+    return figure

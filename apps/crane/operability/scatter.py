@@ -1,0 +1,160 @@
+"""A scatter diagram, how often each sea state occurs, and the fatigue of a rope over it.
+
+Damage is linear (Palmgren and Miner): of N cycles of the equivalent range S it is N S^m, and over the diagram the sum
+of those of the sea states, each by its share of time.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from crane.results.summary import SLOPE
+from tautline.scene.errors import Problem, SceneError, option_error
+
+OPTION = "--scatter"
+YEAR = 365.25 * 86400.0
+COLLECTED = ("equivalent_tension_range", "tension_cycles")
+EXAMPLE = "the first row: Hs [m], then peak periods in s; each further row: a height in m, then occurrences"
+
+
+class Scatter(NamedTuple):
+    """Occurrences of sea states.
+
+    Attributes
+    ----------
+    heights, periods : (n,), (m,) arrays
+        Centres of the cells, increasing, m and s.
+    share : (n, m) array
+        Of time; sums to 1.
+    """
+
+    heights: np.ndarray
+    periods: np.ndarray
+    share: np.ndarray
+
+
+def read_scatter(path: Path) -> Scatter:
+    """Read a CSV table of occurrences, in any number: they are made shares of time.
+
+    Raises
+    ------
+    SceneError
+        Naming the line of what is no number, negative, missing, or not increasing.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = [(reader.line_num, row) for reader in [csv.reader(file)] for row in reader]
+    except (OSError, UnicodeDecodeError) as error:
+        cause = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+        raise option_error(OPTION, str(path), cause, "name a CSV file") from None
+    rows = [(line, [cell.strip() for cell in row]) for line, row in rows if any(cell.strip() for cell in row)]
+    problems: list[Problem] = []
+
+    def number(line: int, cell: str, empty: float = math.nan) -> float:
+        try:
+            value = float(cell) if cell else empty
+        except ValueError:
+            value = math.nan
+        if not (math.isfinite(value) and value >= 0.0):
+            cause = "is empty" if not cell else "is no number that is zero or more"
+            problems.append(Problem(str(path), line, "", cell or None, cause, EXAMPLE))
+        return value
+
+    if len(rows) < 2 or len(rows[0][1]) < 2:
+        raise SceneError([Problem(str(path), None, "", None, "is no scatter diagram", EXAMPLE)])
+    line, head = rows[0]
+    periods = np.array([number(line, cell) for cell in head[1:]])
+    table = []
+    for line, row in rows[1:]:
+        if len(row) > len(head):
+            problems.append(
+                Problem(str(path), line, "", None, f"has {len(row)} cells, and the head {len(head)}", EXAMPLE)
+            )
+        cells = (row + [""] * len(head))[: len(head)]
+        table.append([number(line, cells[0]), *(number(line, cell, 0.0) for cell in cells[1:])])
+    if problems:
+        raise SceneError(problems)
+    heights, count = np.array(table)[:, 0], np.array(table)[:, 1:]
+    for values, what in ((heights, "heights"), (periods, "periods")):
+        if not (np.all(np.diff(values) > 0.0) and values[0] > 0.0):
+            cause = f"{what} are not above zero and increasing"
+            raise SceneError([Problem(str(path), None, "", None, cause, "sort them, each once")])
+    if not count.sum() > 0.0:
+        raise SceneError([Problem(str(path), None, "", None, "has no occurrence above zero", EXAMPLE)])
+    return Scatter(heights, periods, count / count.sum())
+
+
+class Fatigue(NamedTuple):
+    """What a scatter diagram does to a rope.
+
+    Attributes
+    ----------
+    damage : (headings, periods, heights) array
+        Sum of n S^m in a year, by sea state with its share of time, N^m.
+    range : float
+        Constant range that does the damage in as many cycles, N.
+    cycles : float
+        In a year.
+    covered : float
+        Share of time of the sea states that were run.
+    life : float or None
+        Years to the damage 1; None without an S-N curve.
+    """
+
+    damage: np.ndarray
+    range: float
+    cycles: float
+    covered: float
+    life: float | None
+
+
+def fatigue_over(
+    scatter: Scatter, heights: np.ndarray, periods: np.ndarray, ranges: np.ndarray, cycles: np.ndarray, length: float,
+    breaking_load: float | None = None, constant: float | None = None,
+) -> Fatigue:  # fmt: skip
+    """Sum rainflow damage over a scatter diagram.
+
+    Parameters
+    ----------
+    heights, periods : (n,), (m,) arrays
+        Of the sea states that were run.
+    ranges, cycles : (headings, m, n, seeds) arrays
+        Equivalent range, N, and its number of cycles in each storm; NaN where there is none. Headings count alike.
+    length : float
+        Of each storm, s.
+    breaking_load, constant : float, optional
+        S-N curve N (S / breaking load)^m = constant.
+    """
+    share = np.zeros((len(periods), len(heights)))
+    for i, height in enumerate(scatter.heights):
+        for j, period in enumerate(scatter.periods):
+            at = np.flatnonzero(np.isclose(periods, period)), np.flatnonzero(np.isclose(heights, height))
+            if at[0].size and at[1].size:
+                share[at[0][0], at[1][0]] = scatter.share[i, j]
+    with np.errstate(invalid="ignore"):
+        known = np.isfinite(ranges)
+        number = np.maximum(known.sum(axis=-1), 1)
+        rate = np.where(known, cycles, 0.0).sum(axis=-1) / number / length
+        damage = np.where(known, cycles * ranges**SLOPE, 0.0).sum(axis=-1) / number / length
+    run = known.any(axis=-1)
+    each = YEAR / len(ranges) * share * run
+    total, count = float((each * damage).sum()), float((each * rate).sum())
+    found = (total / count) ** (1.0 / SLOPE) if count > 0.0 else 0.0
+    life = None
+    if constant is not None and breaking_load is not None and total > 0.0:
+        life = constant * breaking_load**SLOPE / total
+    covered = float((share * run).sum() / len(ranges))
+    return Fatigue(each * damage, found, count, covered, life)
+
+
+def told(found: Fatigue) -> dict[str, Any]:
+    """Keys of ``--json``."""
+    return {
+        "equivalent_tension_range": found.range, "cycles_per_year": found.cycles, "slope": SLOPE,
+        "share_of_time": found.covered, "life_years": found.life,
+    }  # fmt: skip

@@ -1,0 +1,187 @@
+"""Run the storms of all sea states by a sweep, and judge them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crane.operability.allowable import Table, tabulate
+from crane.operability.conditions import Condition, cases_of, sea_keys, sea_notes
+from crane.operability.criteria import Criterion, limits_of_scene, none_given, read_criteria
+from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over
+from crane.results.summary import JOINED, OF_TURNS
+from tautline.scene.errors import option_error
+from tautline.statistics.gumbel import FEWEST
+
+PROBE = 3.0
+"""Time, s, of a run that tells which figures there are, and their units."""
+TENSION = "tension"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of a scene.
+
+    Attributes
+    ----------
+    conditions : sequence of Condition
+    seeds : sequence of int
+    duration, simulated, lead : float
+        That is asked about, of each run, and before it, in which the sea grows and nothing counts, s.
+    limits : sequence of str
+        As they are written.
+    share, confidence : float
+        Percentile and confidence, 0 to 1.
+    compared : str
+        ``most_probable`` or ``percentile``.
+    scatter : Scatter or None
+    constant : float or None
+        Of the S-N curve.
+    """
+
+    conditions: Sequence[Condition]
+    seeds: Sequence[int]
+    duration: float
+    simulated: float
+    limits: Sequence[str]
+    share: float = 0.9
+    confidence: float = 0.9
+    compared: str = "percentile"
+    scatter: Scatter | None = None
+    constant: float | None = None
+    lead: float = 100.0
+
+
+@dataclass
+class Found:
+    """What came of it; ``table`` is None where the sweep was interrupted, or no case came to its end."""
+
+    outcome: Any
+    criteria: list[Criterion]
+    table: Table | None = None
+    fatigue: Fatigue | None = None
+    notes: list[str] = field(default_factory=list)
+
+
+def operability(
+    application: Any,
+    scene: Any,
+    asked: Asked,
+    *,
+    jobs: int | None = None,
+    dask: str | None = None,
+    folder: Path | None = None,
+    resume: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+    announce: Callable[[int], None] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> Found:
+    """Run storms over sea states and seeds, and find what is allowed.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For bad input; nothing is written then.
+    """
+    from tautline.sweeps.file import read_sweep
+    from tautline.sweeps.sweep import run_sweep
+
+    keys = sea_keys(scene, any(one.heading is not None for one in asked.conditions))
+    _check(asked)
+    vary = cases_of(asked.conditions, asked.seeds, keys)
+    if not vary:
+        cause = "no sea state of these heights and periods is physical: all are steeper than waves can be"
+        raise option_error("--hs", "", cause, "give lower waves or longer periods")
+    first = {key: values[0] for key, values in vary.items()}
+    figures, outputs = _found_by(application, scene.replace(first, origin="--hs, --tp, --heading, --seeds"))
+    texts = [*asked.limits, *limits_of_scene(scene)]
+    if not texts and asked.scatter is None:
+        raise none_given(scene)
+    criteria = read_criteria(texts, figures, outputs)
+    collect = [one.collected for one in criteria]
+    names = {one.column for one in criteria}
+    collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
+    collect = list({str(one): one for one in collect}.values())
+    storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
+    notes = sea_notes(storm.replace(first), keys)
+    read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
+    for note in notes:
+        (say or (lambda text: None))(f"note: {note}")
+    outcome = run_sweep(
+        read, application, storm, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=progress,
+        announce=announce, say=say,
+    )  # fmt: skip
+    found = Found(outcome, criteria, notes=notes)
+    if outcome.interrupted or not outcome.done:
+        return found
+    ratio = asked.duration / asked.simulated
+    found.table = tabulate(
+        outcome.data, asked.conditions, criteria, asked.seeds, ratio, asked.share, asked.confidence, asked.compared
+    )
+    if asked.scatter is not None:
+        found.fatigue = _fatigue(outcome.data, asked, scene, found.table)
+    return found
+
+
+def _check(asked: Asked) -> None:
+    if len(asked.seeds) < FEWEST and asked.limits:
+        cure = f"give {FEWEST} at least; 10 give an interval of use"
+        raise option_error("--seeds", str(len(asked.seeds)), "are too few storms for a distribution", cure)
+    if asked.simulated > asked.duration:
+        cure = "simulate as long as --duration, or less"
+        raise option_error("--simulate", f"{asked.simulated:g} s", f"is longer than {asked.duration:g} s", cure)
+
+
+def _found_by(application: Any, scene: Any) -> tuple[dict[str, str], Mapping[str, Any]]:
+    """Figures that a run of the scene finds, with their units, and its outputs; by a run of a moment."""
+    from tautline.live.simulation import handles_of
+    from tautline.simulation import simulate
+
+    interval = min(float(scene.output.interval), 0.1 * PROBE)
+    short = scene.replace({"solver.end": PROBE, "output": {"interval": interval}})
+    model = application.build(short)
+    result = simulate(model)
+    figures = {name: str(one.get("unit") or "") for name, one in result.headline.items()}
+    sometimes = {"slack_events": "", "longest_slack": "s", "max_snap": "N", "slipping_share": ""}
+    return {**sometimes, **figures}, handles_of(model).outputs
+
+
+def _storm(scene: Any, asked: Asked, collect: Sequence[Any]) -> dict[str, Any]:
+    """What a storm has other than the scene: its length, and statistics where they hold all that is asked for."""
+
+    def kept(one: Any) -> bool:
+        return not isinstance(one, str) or one in OF_TURNS or any(re.fullmatch(rule, one) for rule in JOINED)
+
+    interval = float(scene.output.interval)
+    output: dict[str, Any] = {"interval": interval}
+    if all(kept(one) for one in collect):
+        output |= {"keep": "statistics", "of": [TENSION], "windows": interval, "begin": asked.lead}
+    return {"solver.end": asked.lead + asked.simulated, "output": output}
+
+
+def _fatigue(data: Any, asked: Asked, scene: Any, table: Table) -> Fatigue:
+    assert asked.scatter is not None
+    shape = (len(table.headings), len(table.periods), len(table.heights), len(asked.seeds))
+    arrays = {name: np.full(shape, math.nan) for name in COLLECTED}
+    case = 0
+    for one in asked.conditions:
+        if not one.physical:
+            continue
+        at = (
+            table.headings.index(one.heading), int(np.searchsorted(table.periods, one.period)),
+            int(np.searchsorted(table.heights, one.height)),
+        )  # fmt: skip
+        some = slice(case, case + len(asked.seeds))
+        case += len(asked.seeds)
+        for name, array in arrays.items():
+            array[at] = data[name].values[some]
+    return fatigue_over(
+        asked.scatter, table.heights, table.periods, *arrays.values(), asked.simulated, scene.rope.breaking_load,
+        asked.constant,
+    )  # fmt: skip

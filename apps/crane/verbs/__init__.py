@@ -1,0 +1,1 @@
+"""Verbs that other applications do not have."""

@@ -1,0 +1,310 @@
+"""The verb ``operability``: in which sea a lift can be done. What it prints with ``--json`` is a contract."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tautline.cli.verbs import Changes, GoOn, Json, Quiet, Scene, Scheduler, Workers
+from tautline.scene.errors import option_error
+
+if TYPE_CHECKING:
+    from crane.operability.storms import Asked, Found
+
+MOST = 200
+"""Values that one of the lists may have."""
+Heights = Annotated[
+    str | None,
+    typer.Option("--hs", metavar="FROM:TO:STEP", help="Significant wave heights, m or with a unit; or A,B,C."),
+]
+Periods = Annotated[
+    str | None, typer.Option("--tp", metavar="FROM:TO:STEP", help="Peak periods, s; or A,B,C.")
+]  # fmt: skip
+Headings = Annotated[
+    str | None,
+    typer.Option(
+        "--heading", metavar="A,B,C", help="Directions of the sea in the file of responses, degrees. "
+        "[dim]\\[default: the scene's][/]",
+    ),
+]  # fmt: skip
+Seeds = Annotated[int, typer.Option("--seeds", min=1, max=10000, help="Storms of each sea state.")]
+FirstSeed = Annotated[int, typer.Option("--first-seed", min=0, help="Of these seeds; the others follow.")]
+Duration = Annotated[str, typer.Option("--duration", metavar="TIME", help="Of the operation.")]
+Simulated = Annotated[
+    str | None,
+    typer.Option(
+        "--simulate", metavar="TIME",
+        help="Length of each run; shorter ones are scaled to the duration. [dim]\\[default: the duration][/]",
+    ),
+]  # fmt: skip
+LeadIn = Annotated[
+    str, typer.Option("--lead-in", metavar="TIME", help="Before each storm: the sea grows, and nothing counts.")
+]
+LimitList = Annotated[
+    list[str] | None,
+    typer.Option("--limit", metavar="LIMIT", help="Such as 'max_tension < 60 kN'; repeatable."),
+]  # fmt: skip
+Percentile = Annotated[
+    str,
+    typer.Option(
+        "--percentile", metavar="P", help="What is compared with limits: P90 of the largest, or most-probable."
+    ),
+]
+Confidence = Annotated[str, typer.Option("--confidence", help="Of the intervals.")]
+ScatterFile = Annotated[
+    Path | None, typer.Option("--scatter", metavar="FILE.csv", help="Occurrences of Hs and Tp: fatigue over them.")
+]
+SnConstant = Annotated[
+    float | None,
+    typer.Option("--sn-constant", metavar="K", help="S-N curve N (S / breaking load)^5 = K: gives a life."),
+]  # fmt: skip
+Folder = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="FOLDER", help="[dim]\\[default: the scene's name, -operability][/]"),
+]
+
+
+def operability(
+    context: typer.Context,
+    scene: Scene,
+    hs: Heights = None,
+    tp: Periods = None,
+    heading: Headings = None,
+    seeds: Seeds = 10,
+    first_seed: FirstSeed = 1,
+    duration: Duration = "3h",
+    simulated: Simulated = None,
+    lead_in: LeadIn = "100 s",
+    limit: LimitList = None,
+    percentile: Percentile = "P90",
+    confidence: Confidence = "90 %",
+    scatter: ScatterFile = None,
+    sn_constant: SnConstant = None,
+    jobs: Workers = None,
+    dask: Scheduler = None,
+    output: Folder = None,
+    resume: GoOn = False,
+    changes: Changes = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Storms over sea states: extremes, and the allowable significant wave height against period and heading."""
+    from crane.operability.storms import operability as run
+    from tautline.cli.changes import changed
+    from tautline.cli.console import say
+    from tautline.cli.progress import Counter
+    from tautline.cli.simulate import FIRST_RUN, print_warnings
+
+    application = context.obj.for_scene(scene)
+    read = changed(application.read(scene), changes)
+    asked = _asked(
+        hs, tp, heading, seeds, first_seed, duration, simulated, lead_in, limit, percentile, confidence, scatter,
+        sn_constant,
+    )  # fmt: skip
+    folder = output or Path(f"{scene.stem}-operability")
+    if not quiet:
+        print_warnings(application.warnings(read))
+        _introduce(asked)
+    with Counter("storms", shown=not quiet) as bar:
+        found = run(
+            application, read, asked, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
+            announce=lambda _: say(FIRST_RUN, "cyan"), say=(lambda text: None) if quiet else say,
+        )  # fmt: skip
+    _report(scene, read, asked, found, folder, as_json, quiet, output is not None)
+
+
+def _asked(
+    hs: str | None, tp: str | None, heading: str | None, seeds: int, first_seed: int, duration: str,
+    simulated: str | None, lead_in: str, limit: Sequence[str] | None, percentile: str, confidence: str,
+    scatter: Path | None, sn_constant: float | None,
+) -> Asked:  # fmt: skip
+    from crane.operability.conditions import conditions_of
+    from crane.operability.scatter import read_scatter
+    from crane.operability.storms import Asked
+    from tautline.cli.lists import number
+
+    diagram = None if scatter is None else read_scatter(scatter)
+    heights = _range(hs, "--hs", "m", "0.5:4:0.5", None if diagram is None else diagram.heights.tolist())
+    periods = _range(tp, "--tp", "s", "5:15:1", None if diagram is None else diagram.periods.tolist())
+    headings: list[float | None] = list(_headings(heading)) if heading is not None else [None]
+    length = number(duration, "--duration", "s")
+    compared, share = _compared(percentile)
+    certain = _share(confidence, "--confidence", "90 %")
+    if sn_constant is not None and diagram is None:
+        cause = "is for the fatigue over a scatter diagram, and none is given"
+        raise option_error("--sn-constant", f"{sn_constant:g}", cause, "give --scatter, or leave it out")
+    return Asked(
+        conditions_of(heights, periods, headings), range(first_seed, first_seed + seeds), length,
+        length if simulated is None else number(simulated, "--simulate", "s"), tuple(limit or ()), share, certain,
+        compared, diagram, sn_constant, number(lead_in, "--lead-in", "s"),
+    )  # fmt: skip
+
+
+def _range(text: str | None, option: str, unit: str, example: str, other: list[float] | None) -> list[float]:
+    """Increasing values of ``FROM:TO:STEP`` or ``A,B,C``; `other` where nothing is given."""
+    from tautline.cli.lists import number, numbers, stepped, three_of
+
+    if text is None:
+        if other is None:
+            raise option_error(option, "", "is missing", f"give {option} {example}")
+        return other
+    if ":" not in text:
+        return sorted(numbers(text, option, unit))
+    first, last, step = (number(word, option, unit) for word in three_of(text, option, f"write {option} {example}"))
+    if last < first:
+        raise option_error(option, text, "goes downwards", f"write {option} {example}")
+    # Without the rounding of sums: 0.30000000000000004 is no height that anybody gave.
+    return [float(f"{value:.12g}") for value in stepped((first, last, step), text, option, MOST, "values")]
+
+
+def _headings(text: str) -> list[float]:
+    """Headings between commas, in degrees where they have no unit, as rad."""
+    from pydantic_core import PydanticCustomError
+
+    from tautline.scene.values.quantity import Quantity
+
+    found = []
+    for word in text.split(","):
+        written = word.strip()
+        try:
+            plain = written.replace(".", "", 1).lstrip("+-").isdigit()
+            found.append(float(Quantity("rad", any_size=True).read(f"{written} deg" if plain else written)))
+        except PydanticCustomError as error:
+            cure = "write such as --heading 0,90,180"
+            raise option_error("--heading", written or text, error.message(), cure) from None
+    return sorted(dict.fromkeys(found))
+
+
+def _compared(text: str) -> tuple[str, float]:
+    """What is compared with limits, and the percentile."""
+    word = text.strip().lower().replace("_", "-").replace(" ", "-")
+    if word in ("most-probable", "mpm"):
+        return "most_probable", 0.9
+    return "percentile", _share(word.removeprefix("p"), "--percentile", "P90", given=text)
+
+
+def _share(text: str, option: str, example: str, given: str | None = None) -> float:
+    """A percentage between 0 and 100, as a share."""
+    try:
+        value = float(text.strip().removesuffix("%"))
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < 100.0:
+        raise option_error(option, given or text, "is no percentage between 0 and 100", f"write such as {example}")
+    return value / 100.0
+
+
+def _introduce(asked: Asked) -> None:
+    from tautline.cli.console import say
+    from tautline.scene.values.printed import quantity
+
+    steep = [one for one in asked.conditions if not one.physical]
+    count = len(asked.conditions) - len(steep)
+    say(f"{count} sea states, {len(asked.seeds)} storms of {quantity(asked.simulated, 's')} each")
+    if steep:
+        say(f"{len(steep)} more are steeper than waves can be (DNV-RP-C205, 3.5.4), and are not run")
+    if asked.simulated < asked.duration:
+        say(
+            f"extremes are scaled to {quantity(asked.duration, 's')}: the largest of n times the duration has Gumbel's "
+            "location more by its scale times ln n; this holds for a steady state"
+        )
+
+
+def _report(
+    scene: Path, read: Any, asked: Asked, found: Found, folder: Path, as_json: bool, quiet: bool, named: bool
+) -> None:
+    from crane.operability.output import draw, write_all
+    from crane.operability.scatter import told
+    from tautline.cli.console import console, print_json, say
+    from tautline.cli.run import Ended, ExitCode
+    from tautline.cli.summary import two_columns
+
+    outcome, table = found.outcome, found.table
+    written: dict[str, Path] = {}
+    figures: list[Path] = []
+    if table is not None:
+        attributes = {
+            **outcome.data.attrs, "duration": asked.duration, "simulated": asked.simulated, "lead_in": asked.lead,
+            "percentile": asked.share, "confidence": asked.confidence, "compared": asked.compared,
+        }  # fmt: skip
+        written = write_all(table, found.criteria, attributes, folder)
+        figures = draw(table, found.criteria, read.title or "", _compared_said(asked), folder)
+        if not quiet:
+            console().print(two_columns(_rows(found, asked)))
+            for path in (*written.values(), *figures):
+                say(f"wrote {path}", "green")
+    if outcome.failed:
+        say(f"{outcome.failed} storms did not come to their end: {folder / 'sweep.csv'} says why", "yellow")
+    status = "interrupted" if outcome.interrupted else "done" if outcome.done else "no case came to its end"
+    if outcome.interrupted:
+        say(f"interrupted; give the same command with --resume{f' -o {folder}' if named else ''}", "yellow")
+    if as_json:
+        print_json({
+            "scene": str(scene), "status": status, "cases": len(outcome.cases), "done": outcome.done,
+            "failed": outcome.failed, "earlier": outcome.earlier,
+            **{name: str(path) for name, path in written.items()}, "figures": [str(path) for path in figures],
+            "limits": _allowed(found), "fatigue": None if found.fatigue is None else told(found.fatigue),
+            "notes": found.notes, "wall_time": outcome.wall_time, "cpu_time": outcome.cpu_time,
+        })  # fmt: skip
+    if outcome.interrupted:
+        raise Ended(ExitCode.INTERRUPTED)
+    if not outcome.done:
+        raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def _compared_said(asked: Asked) -> str:
+    if asked.compared == "most_probable":
+        return "most probable largest"
+    return f"P{100.0 * asked.share:g} of the largest in {asked.duration / 3600.0:.3g} h"
+
+
+def _allowed(found: Found) -> list[dict[str, Any]]:
+    """Allowable heights, m, heading by heading and period by period; null where not known."""
+    import numpy as np
+
+    table, told = found.table, []
+    if table is None:
+        return []
+    for k, i, j in np.ndindex(*table.allowable.shape):
+        one = table.allowable[k, i, j]
+        told.append({
+            "limit": found.criteria[k].text, "heading": table.headings[i], "peak_period": float(table.periods[j]),
+            "allowable_height": _known(one.height), "low": _known(one.low), "high": _known(one.high),
+            "bound": one.bound,
+        })  # fmt: skip
+    return told
+
+
+def _known(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
+    """Rows of the summary: allowable heights, and what it took."""
+    from crane.operability.output import degrees
+    from tautline.scene.values.printed import quantity, significant
+
+    rows: list[tuple[str, str]] = []
+    for one in _allowed(found):
+        height = one["allowable_height"]
+        said = "not known" if height is None else f"{significant(height)} m"
+        if height is not None and not one["bound"]:
+            said += f" ({significant(one['low'])} to {significant(one['high'])} m)"
+        elif one["bound"] and height is not None:
+            said = one["bound"] if height == 0.0 else f"{said}, {one['bound']}"
+        rows.append((f"Hs for {one['limit']}, Tp {one['peak_period']:g} s, {degrees(one['heading'])}", said))
+    if found.fatigue is not None:
+        one_year = found.fatigue
+        rows += [
+            ("equivalent tension range over the scatter diagram", quantity(one_year.range, "N")),
+            ("cycles in a year", significant(one_year.cycles)),
+            ("share of time that was run", f"{significant(100.0 * one_year.covered)} %"),
+        ]
+        if one_year.life is not None:
+            rows.append(("fatigue life", f"{significant(one_year.life)} years"))
+    rows += [("compared with limits", _compared_said(asked)), ("storms", str(found.outcome.done))]
+    return [*rows, ("wall time", quantity(found.outcome.wall_time, "s"))]

@@ -1,0 +1,48 @@
+"""Extremes of a Gaussian process, in closed form.
+
+Rice (1945): a level is up-crossed nu0 exp(-x^2 / 2 m0) times a second, with nu0 = sqrt(m2 / m0) / 2 pi for a spectrum
+over angular frequency. Peaks of a narrow-banded process are Rayleigh distributed, and the most probable largest of N of
+them is sqrt(2 m0 ln N). See also DNV-RP-C205, sections 2.3 and 3.5.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+
+def moments(frequency: np.ndarray, density: np.ndarray) -> tuple[float, float, float]:
+    """Moments m0, m2, m4 of a one-sided spectrum over angular frequency, by the trapezoidal rule.
+
+    Parameters
+    ----------
+    frequency : (n,) array
+        rad/s, increasing.
+    density : (n,) array
+        Unit squared times s/rad.
+    """
+    found = [float(np.trapezoid(density * frequency**k, frequency)) for k in (0, 2, 4)]
+    return found[0], found[1], found[2]
+
+
+def upcrossing_rate(m0: float, m2: float, level: float = 0.0) -> float:
+    """Up-crossings of a level above the mean in a second."""
+    return math.sqrt(m2 / m0) / (2.0 * math.pi) * math.exp(-0.5 * level**2 / m0)
+
+
+def most_probable_maximum(m0: float, cycles: float) -> float:
+    """Most probable largest above the mean of so many cycles, sqrt(2 m0 ln N)."""
+    if cycles < 1.0:
+        raise ValueError(f"cycles = {cycles}: must be 1 at least")
+    return math.sqrt(2.0 * m0 * math.log(cycles))
+
+
+def maximum_percentile(m0: float, cycles: float, share: float) -> float:
+    """What the largest of so many cycles does not exceed with the probability `share`: up-crossings are Poisson's."""
+    return math.sqrt(2.0 * m0 * math.log(cycles / -math.log(share)))
+
+
+def exceedance(m0: float, m2: float, duration: float, level: float) -> float:
+    """Probability that a level is exceeded in a duration, s."""
+    return -math.expm1(-duration * upcrossing_rate(m0, m2, level))

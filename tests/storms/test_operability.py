@@ -1,0 +1,297 @@
+"""Allowable sea states are those of the closed form where there is one, and what is not known is said."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import xarray
+from cli.in_process import commands_of, leave_out_pixels, only_object
+
+from crane.application import Crane
+from crane.operability.allowable import ABOVE, BELOW, FAILED, INSIDE, crossing
+from crane.operability.conditions import Condition, highest
+from crane.operability.scatter import YEAR, fatigue_over, read_scatter
+from crane.operability.storms import Asked, operability
+from tautline.scene.errors import SceneError
+from tautline.sweeps.file import read_sweep
+
+MASS, GRAVITY, PERIOD = 5000.0, 9.81, 8.0
+SCENE = f"""
+title: Stiff rope, heave alone
+rope: {{mass_per_length: 0.01, axial_stiffness: 4.0e8, damping: 2.0e-3, diameter: 36 mm, breaking_load: 1.1 MN}}
+bodies:
+  - {{name: load, mass: {MASS} kg, position: [0, 0, 0]}}
+path:
+  - anchor: {{name: tip, position: [0, 0, 10]}}
+  - end: {{name: hook, body: load}}
+mesh: {{elements_per_span: 1}}
+vessel:
+  reference: [0, 0, 0]
+  motion:
+    heave: {{spectrum: {{significant_height: 1.0, peak_period: {PERIOD}, seed: 1, rao: 0.8, components: 600}}}}
+solver: {{method: generalized-alpha, rho_inf: 0.9, step: 50 ms, end: 100 s}}
+output: {{interval: 50 ms}}
+"""
+SHARE = 0.9
+
+
+@pytest.fixture(scope="module")
+def application():
+    return Crane()
+
+
+@pytest.fixture(scope="module")
+def scene(application, tmp_path_factory):
+    place = tmp_path_factory.mktemp("scene") / "heave.yaml"
+    place.write_text(SCENE)
+    return application.read(place)
+
+
+def asked(heights=(0.3, 0.8, 1.3, 1.8), seeds=12, duration=160.0, simulated=None, limits=(), **more):
+    conditions = [Condition(height, PERIOD, None) for height in heights]
+    return Asked(
+        conditions, range(1, seeds + 1), duration, simulated or duration, tuple(limits), SHARE, lead=20.0, **more
+    )
+
+
+def response(duration, peak_period=PERIOD, rao=0.8):
+    """Percentile of the largest acceleration of the tip at Hs = 1 m, m/s^2, from the spectrum alone (JONSWAP, Rice)."""
+    peak = 2.0 * math.pi / peak_period
+    w = np.linspace(0.4 * peak, 5.0 * peak, 200_001)
+    width = np.where(w <= peak, 0.07, 0.09)
+    density = w**-5.0 * np.exp(-1.25 * (peak / w) ** 4) * 3.3 ** np.exp(-0.5 * ((w - peak) / (width * peak)) ** 2)
+    density *= 1.0 / 16.0 / np.trapezoid(density, w)
+    m4, m6 = (np.trapezoid(density * w**k, w) * rao**2 for k in (4, 6))
+    cycles = duration / (2.0 * math.pi) * math.sqrt(m6 / m4)
+    return math.sqrt(m4) * math.sqrt(2.0 * math.log(cycles / -math.log(SHARE))), math.sqrt(m4 * 2.0 * math.log(cycles))
+
+
+@pytest.fixture(scope="module")
+def lift(application, scene, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lift") / "storms"
+    percentile, _ = response(160.0)
+    # The closed form allows 1.05 m for each; the first of them is in the largest, the second in the smallest tension.
+    limits = [
+        f"max_tension < {MASS * (GRAVITY + 1.05 * percentile)}",
+        f"min_tension > {MASS * (GRAVITY - 1.05 * percentile)}",
+    ]
+    return operability(application, scene, asked(limits=limits, confidence=0.99), folder=folder, jobs=1)
+
+
+def test_the_allowable_height_of_a_linear_response_is_that_of_its_spectrum(lift):
+    # T = m (g + a): a rope of 89 rad/s under waves below 4 rad/s. Twelve storms leave an interval of some per cent; a
+    # draw in a hundred is outside of it.
+    for k in (0, 1):
+        found = lift.table.allowable[k, 0, 0]
+        assert found.bound == INSIDE
+        assert found.low <= 1.05 <= found.high
+        assert found.height == pytest.approx(1.05, rel=0.12)
+        assert 0.02 < found.high - found.low < 0.6
+
+
+def test_the_most_probable_largest_is_that_of_the_spectrum(lift):
+    _, probable = response(160.0)
+    n = 1
+    height = lift.table.heights[n]
+    expected = MASS * (GRAVITY + height * probable)
+    assert (
+        lift.table.extremes["most_probable_low"][0, 0, 0, n]
+        <= expected
+        <= lift.table.extremes["most_probable_high"][0, 0, 0, n]
+    )
+    low, high = (lift.table.extremes[f"exceedance{end}"][0, 0, 0] for end in ("_low", "_high"))
+    # At the lowest height the limit is far away, at the highest it is passed by nearly all.
+    assert high[0] < 0.05
+    assert low[-1] > 0.5
+
+
+def test_shorter_storms_scale_to_the_duration(application, scene):
+    limit = f"max_tension < {MASS * (GRAVITY + 1.0)}"
+    short = operability(application, scene, asked((1.0,), 12, 480.0, 120.0, [limit], confidence=0.99), jobs=1)
+    _, probable = response(480.0)
+    low, high = (short.table.extremes[f"most_probable{end}"][0, 0, 0, 0] for end in ("_low", "_high"))
+    assert low <= MASS * (GRAVITY + probable) <= high
+
+
+@pytest.mark.parametrize("values", [(1.0, 2.0, 4.0, 5.0), (1.0, 2.5, 2.4, 5.0), (1.0, 1.0, 1.0, 5.0)])
+def test_the_allowable_height_grows_with_the_limit(values):
+    heights = np.array([0.5, 1.0, 1.5, 2.0])
+    found = [crossing(heights, np.array(values), limit)[0] for limit in np.linspace(1.0, 5.0, 40)]
+    assert np.all(np.diff(found) >= -1e-12)
+    assert crossing(heights, np.array(values), 0.9) == (0.0, BELOW)
+    assert crossing(heights, np.array(values), 5.1) == (2.0, ABOVE)
+
+
+def test_storms_that_fail_are_none_to_lift_in():
+    heights = np.array([0.5, 1.0, 1.5])
+    assert crossing(heights, np.array([1.0, 2.0, np.inf]), 3.0) == (1.0, INSIDE)
+    assert FAILED == "failed"
+
+
+def test_waves_steeper_than_they_can_be_are_not_run():
+    # DNV-RP-C205, 3.5.4: 1/15 to 8 s, 1/25 from 15 s, linear between.
+    assert highest(6.0) == pytest.approx(9.81 * 36.0 / (2.0 * math.pi) / 15.0)
+    assert highest(20.0) == pytest.approx(9.81 * 400.0 / (2.0 * math.pi) / 25.0)
+    assert highest(11.5) == pytest.approx(9.81 * 11.5**2 / (2.0 * math.pi) * 0.5 * (1 / 15 + 1 / 25))
+    assert not Condition(4.0, 5.0, None).physical
+    assert Condition(2.0, 6.0, None).physical
+
+
+@pytest.fixture
+def command(capsys, monkeypatch):
+    leave_out_pixels(monkeypatch)
+    return commands_of(Crane(), capsys)
+
+
+SMALL = (
+    "--hs",
+    "0.5:3:0.5",
+    "--tp",
+    "5",
+    "--seeds",
+    "3",
+    "--duration",
+    "20 s",
+    "--lead-in",
+    "5 s",
+    "-j",
+    "1",
+    "--quiet",
+)
+
+
+def test_the_command_writes_tables_marks_steep_waves_and_goes_on(command, scene, tmp_path):
+    folder = tmp_path / "storms"
+    limit = ("--limit", "max_tension < 60 kN", "--limit", "load.position[2] < 5 m")
+    code, out, _ = command("operability", scene.document.path, *SMALL, *limit, "-o", folder, "--json")
+    assert code == 0
+    told = only_object(out)
+    # At 5 s the steepest are 2.6 m.
+    assert (told["cases"], told["done"], told["failed"]) == (15, 15, 0)
+    assert {one["limit"] for one in told["limits"]} == {"max_tension < 60 kN", "load.position[2] < 5 m"}
+    with xarray.open_dataset(folder / "operability.nc") as data:
+        assert data["status"].values[0, 0].tolist() == ["computed"] * 5 + ["not physical: too steep"]
+        assert data["value"].dims == ("limit", "heading", "peak_period", "significant_height", "seed")
+        high = data["percentile"].values[1, 0, 0, :5]
+        assert np.all(np.diff(high) > 0.0)
+    head = (folder / "allowable.csv").read_text().splitlines()
+    assert head[0].startswith("limit,heading [deg],peak_period [s],allowable_height [m]")
+    assert len(head) == 3
+    assert len(list(folder.glob("allowable_*.png"))) == 2
+    # What was finished is not run again.
+    journal = folder / "journal.ndjson"
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(lines[:-4]))
+    code, out, _ = command("operability", scene.document.path, *SMALL, *limit, "-o", folder, "--json", "--resume")
+    assert code == 0
+    again = only_object(out)
+    assert again["earlier"] == 11
+    assert again["limits"] == told["limits"]
+
+
+@pytest.mark.parametrize(
+    ("more", "cause", "cure"),
+    [
+        (("--limit", "max_tensoin < 60 kN"), "finds no 'max_tensoin'", "did you mean 'max_tension'"),
+        (("--limit", "max_tension < 60 m"), "60 m", "60"),
+        (("--limit", "max_tension"), "is no limit", "max_tension < 60 kN"),
+        ((), "there is no limit", "--limit"),
+        (("--limit", "max_tension < 60 kN", "--heading", "0,90"), "knows no headings", "leave --heading out"),
+        (("--limit", "max_tension < 60 kN", "--seeds", "2"), "too few storms", "10 give"),
+        (("--limit", "max_tension < 60 kN", "--hs", "9,10"), "steeper than waves", "longer periods"),
+        (("--limit", "max_tension < 60 kN", "--percentile", "P100"), "no percentage", "P90"),
+        (("--limit", "max_tension < 60 kN", "--simulate", "40 s"), "is longer than 20 s", "or less"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_is_written(command, scene, tmp_path, more, cause, cure):
+    folder = tmp_path / "storms"
+    code, _, told = command("operability", scene.document.path, *SMALL, *more, "-o", folder)
+    told = " ".join(told.split())
+    assert code == 2
+    assert cause in told
+    assert cure in told
+    assert not folder.exists()
+
+
+def test_a_scene_without_a_sea_is_refused(application, scene):
+    still = scene.replace({"vessel.motion.heave": {"harmonic": {"amplitude": 0.5, "period": 8}}})
+    with pytest.raises(SceneError, match="has no sea"):
+        operability(application, still, asked(limits=["max_tension < 60 kN"]))
+
+
+def test_fatigue_over_a_scatter_diagram_is_the_sum_by_occurrence(tmp_path):
+    place = tmp_path / "scatter.csv"
+    place.write_text("Hs,7,9\n1,30,10\n2,0,60\n")
+    diagram = read_scatter(place)
+    assert diagram.share.tolist() == [[0.3, 0.1], [0.0, 0.6]]
+    # By hand: two headings of which each is there half of the time; one storm of 100 s each, a cell that was not run.
+    ranges = np.array([[[[10.0], [np.nan]], [[20.0], [40.0]]], [[[10.0], [np.nan]], [[20.0], [80.0]]]])
+    cycles = np.full((2, 2, 2, 1), 50.0)
+    found = fatigue_over(diagram, diagram.heights, diagram.periods, ranges, cycles, 100.0, 1000.0, 2.0e6)
+    storms = YEAR / 100.0 * 50.0
+    damage = storms * (0.3 * 10.0**5 + 0.1 * 20.0**5 + 0.6 * 0.5 * (40.0**5 + 80.0**5))
+    assert found.damage.sum() == pytest.approx(damage, rel=1e-12)
+    assert found.cycles == pytest.approx(storms, rel=1e-12)
+    assert found.range == pytest.approx((damage / storms) ** 0.2, rel=1e-12)
+    assert found.life == pytest.approx(2.0e6 * 1000.0**5 / damage, rel=1e-12)
+    assert found.covered == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "cause"),
+    [
+        ("Hs,7,9\n1,3,x\n", 2, "is no number"),
+        ("Hs,7,9\n1,-3,2\n", 2, "is no number"),
+        ("Hs,9,7\n1,3,2\n", None, "increasing"),
+    ],
+)
+def test_faults_of_a_scatter_diagram_are_told_by_line(tmp_path, text, line, cause):
+    place = tmp_path / "scatter.csv"
+    place.write_text(text)
+    with pytest.raises(SceneError, match=cause) as error:
+        read_scatter(place)
+    assert error.value.problems[0].line == line
+
+
+def test_a_scatter_diagram_gives_the_sea_states(command, scene, tmp_path):
+    place = tmp_path / "scatter.csv"
+    place.write_text("Hs [m],6,8\n0.5,3,1\n1.0,2,4\n")
+    options = (
+        "--seeds",
+        "1",
+        "--duration",
+        "20 s",
+        "--lead-in",
+        "5 s",
+        "-j",
+        "1",
+        "--quiet",
+        "--json",
+        "--sn-constant",
+        "1e4",
+    )
+    code, out, _ = command("operability", scene.document.path, "--scatter", place, *options, "-o", tmp_path / "f")
+    assert code == 0
+    told = only_object(out)
+    assert told["cases"] == 4
+    assert told["fatigue"]["equivalent_tension_range"] > 0.0
+    assert told["fatigue"]["share_of_time"] == pytest.approx(1.0)
+    assert told["fatigue"]["life_years"] > 0.0
+
+
+def test_the_sweep_of_storms_is_a_plain_one():
+    # What is handed to the sweep reads as the file of one: every key varies together.
+    read = read_sweep({"scene": "scene", "vary": {"a": [1, 2], "b": [3, 4]}, "plan": "zip", "collect": ["max_tension"]})
+    assert read.chosen_plan().name == "zip"
+
+
+def test_limits_of_the_scene_are_those_that_storms_are_judged_by(scene):
+    from crane.operability.criteria import limits_of_scene
+
+    limited = scene.replace({"limits": [
+        {"output": "max_tension", "above": "60 kN", "name": "overload"}, {"output": "min_tension", "below": 500.0},
+    ]})  # fmt: skip
+    assert limits_of_scene(limited) == ["max_tension < 60 kN", "min_tension > 500.0"]
+    assert limits_of_scene(scene) == []

@@ -1,0 +1,214 @@
+"""A result that keeps statistics holds what the same run with every frame has, to rounding."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cli.in_process import commands_of
+
+import tautline
+from crane.application import Crane
+from crane.rope_life.fatigue import rainflow_counts
+from tautline.scene.errors import SceneError
+from tautline.simulation import simulate
+from tautline.statistics.streaming import Blocks, Moments, Turns, Windows
+
+DATA = Path(__file__).parents[2] / "data"
+SEA = {"vessel.motion.heave": {"spectrum": {"significant_height": 1.5, "peak_period": 8.0, "seed": 4, "rao": 0.6}}}
+LENGTH = {"solver.end": 40.0, "solver.step": 0.02, "path[0].drum.pay_out": {"constant": 0.0}, "output.interval": 0.04}
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return Crane().read(DATA / "hoist.yaml").replace(SEA | LENGTH)
+
+
+@pytest.fixture(scope="module")
+def both(scene, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("kept")
+    asked = {"interval": 0.04, "keep": "statistics", "windows": 4.0, "block": 10.0, "begin": 6.0}
+    build = Crane().build
+    full = simulate(build(scene), folder / "full.nc")
+    return full, simulate(build(scene.replace({"output": asked})), folder / "kept.nc")
+
+
+def trapezoid(values, time):
+    return np.trapezoid(values, time, axis=0) / (time[-1] - time[0])
+
+
+def test_means_deviations_and_extremes_are_those_of_all_frames(both):
+    full, kept = both
+    some = full.time >= 6.0
+    time = full.time[some]
+    for name in ("tension", "body_position", "position", "kinetic_energy"):
+        values = full[name][some]
+        mean = trapezoid(values, time)
+        scale = float(np.abs(values).max())
+        assert kept[f"{name}_mean"] == pytest.approx(mean, abs=1e-12 * scale)
+        assert kept[f"{name}_sd"] == pytest.approx(np.sqrt(trapezoid((values - mean) ** 2, time)), abs=1e-9 * scale)
+        assert np.array_equal(kept[f"{name}_max"], values.max(axis=0))
+        assert np.array_equal(kept[f"{name}_min"], values.min(axis=0))
+        assert np.array_equal(kept[f"{name}_max_time"], time[values.argmax(axis=0)])
+        assert np.array_equal(kept[f"{name}_min_time"], time[values.argmin(axis=0)])
+
+
+def test_crossings_blocks_and_rainflow_cycles_are_those_of_all_frames(both):
+    full, kept = both
+    some = full.time >= 6.0
+    time, tension = full.time[some], full["tension"][some]
+    mean = kept["tension_mean"]
+    crossings = ((tension[:-1] < mean) & (tension[1:] >= mean)).sum(axis=0)
+    assert crossings.min() > 3
+    assert np.array_equal(kept["tension_crossings"], crossings)
+    assert kept["tension_period"] == pytest.approx((time[-1] - time[0]) / crossings)
+    assert kept["block"] == pytest.approx([6.0, 16.0, 26.0])
+    for k, begin in enumerate(kept["block"]):
+        inside = (time >= begin - 1e-9) & (time < begin + 10.0 - 1e-9)
+        assert np.array_equal(kept["tension_block_max"][k], tension[inside].max(axis=0))
+        assert np.array_equal(kept["tension_block_min"][k], tension[inside].min(axis=0))
+    edges = np.concatenate(([0.0], kept["tension_range"]))
+    for i, j in np.ndindex(tension.shape[1:]):
+        cycles = rainflow_counts(time, tension[:, i, j])
+        expected = np.histogram(cycles.range, edges, weights=cycles.count)[0]
+        assert np.array_equal(kept["tension_rainflow"][i, j], expected)
+
+
+def test_windows_hold_the_whole_frames_round_the_extremes(both):
+    full, kept = both
+    windows = json.loads(kept.attributes["windows"])
+    assert {(one["variable"], one["extreme"]) for one in windows} == {("tension", "largest"), ("tension", "smallest")}
+    for one in windows:
+        inside = (full.time >= one["time"] - 2.0) & (full.time <= one["time"] + 2.0)
+        stored = np.isin(kept.time, full.time[inside])
+        assert stored.sum() == inside.sum() > 90
+        for name in ("tension", "position", "sheave_load"):
+            assert np.array_equal(kept[name][stored], full[name][inside])
+    some = full.time >= 6.0
+    assert max(one["value"] for one in windows) == full["tension"][some].max()
+    assert len(kept.time) < 0.3 * len(full.time)
+
+
+def test_figures_and_limits_are_those_of_all_frames(both, scene, monkeypatch):
+    full = both[0]
+    # Pieces of a few frames: what is joined is then joined often.
+    monkeypatch.setattr("tautline.statistics.store.PIECE", 3000)
+    kept = simulate(Crane().build(scene.replace({"output": {"interval": 0.04, "keep": "statistics"}})))
+    expected = {
+        "max_tension",
+        "min_tension",
+        "safety_factor",
+        "max_offlead",
+        "max_winch_power",
+        "rise",
+        "tension_cycles",
+    }
+    assert expected | {"equivalent_tension_range"} <= set(kept.headline)
+    for name, figure in kept.headline.items():
+        assert figure["value"] == pytest.approx(full.headline[name]["value"], rel=1e-9, abs=1e-9), name
+        assert figure["text"] == full.headline[name]["text"]
+    worst = {record["name"]: record for record in full.limits}
+    for record in kept.limits:
+        assert record["value"] == pytest.approx(worst[record["name"]]["value"], rel=1e-12)
+        assert record["passed"] == worst[record["name"]]["passed"]
+    assert {record["name"] for record in kept.limits} == set(worst)
+
+
+def test_figures_leave_out_what_is_before_the_begin(both):
+    full, kept = both
+    some = full.time >= 6.0
+    assert kept.headline["max_tension"]["value"] == full["tension"][some].max()
+    assert kept.headline["max_tension"]["value"] < full.headline["max_tension"]["value"]
+
+
+def test_batches_of_any_length_come_to_the_same():
+    generator = np.random.default_rng(6)
+    time = np.cumsum(generator.uniform(0.5, 1.5, 1000))
+    values = np.round(np.cumsum(generator.standard_normal((1000, 3)), axis=0), 1) + 1e6
+    made = []
+    for cuts in ([], [1, 2, 3, 500], sorted(generator.choice(np.arange(1, 1000), 80, replace=False))):
+        moments, turns, blocks, windows = Moments(), Turns(), Blocks(50.0), Windows(40.0)
+        for part in np.split(np.arange(1000), cuts):
+            frames = {"time": time[part], "x": values[part]}
+            moments.add(time[part], values[part])
+            turns.add(time[part], values[part])
+            blocks.add(time[part], values[part])
+            windows.add(frames, {"x": values[part]}, 0.0)
+        made.append((moments, turns, blocks, windows))
+    one = made[0]
+    for other in made[1:]:
+        assert other[0].sd == pytest.approx(one[0].sd, rel=1e-9)
+        assert all(np.array_equal(a, b) for k in range(3) for a, b in zip(one[1].of(k), other[1].of(k), strict=True))
+        assert all(np.array_equal(a, b) for a, b in zip(one[2].extremes(3), other[2].extremes(3), strict=True))
+        whole, pieces = one[3].frames([]), other[3].frames([])
+        assert np.array_equal(whole["x"], pieces["x"])
+    _, turned = one[1].of(0)
+    ways = np.sign(np.diff(turned))
+    assert (ways[1:] * ways[:-1] < 0).all()
+    assert turned.max() == values[:, 0].max()
+
+
+@pytest.mark.parametrize("digits", [12, 1, 0])
+def test_rainflow_cycles_of_turning_points_are_those_of_the_standard(digits):
+    # Against the package that crane uses for whole histories; with few digits many ranges are equal.
+    generator = np.random.default_rng(21)
+    for _ in range(20):
+        values = np.round(np.cumsum(generator.standard_normal(400)) + 2.0 * generator.standard_normal(400), digits)
+        turns = Turns()
+        turns.add(np.arange(400.0), values[:, None])
+        ranges, count = turns.cycles(0)
+        expected = rainflow_counts(np.arange(400.0), values)
+        table = {}
+        for size, number in [*zip(ranges, count, strict=True), *zip(expected.range, -expected.count, strict=True)]:
+            key = round(size, 9)
+            table[key] = table.get(key, 0.0) + number
+        assert all(left == 0.0 for left in table.values())
+        assert count.sum() == expected.count.sum()
+
+
+def test_the_short_form_reads_and_keys_of_statistics_need_it(scene):
+    assert scene.replace({"output": "statistics"}).output.statistics
+    with pytest.raises(SceneError, match="add keep: statistics"):
+        scene.replace({"output": {"interval": 0.04, "windows": 3.0}})
+    with pytest.raises(SceneError, match="did you mean 'tension'"):
+        Crane().build(scene.replace({"output": {"keep": "statistics", "of": ["tensoin"]}}))
+
+
+@pytest.mark.parametrize("verb", [("plot",), ("render", "--movie", "x.mp4")])
+def test_verbs_that_need_every_frame_say_so(both, verb, capsys):
+    code, _, told = commands_of(Crane(), capsys)(verb[0], both[1].path, *verb[1:])
+    assert code == 2
+    told = " ".join(told.split())
+    assert "keeps statistics" in told
+    assert "keep: frames" in told
+
+
+def test_a_run_does_not_go_on_from_statistics(both, capsys):
+    source = DATA / "hoist.yaml"
+    code, _, told = commands_of(Crane(), capsys)("simulate", source, "--resume", both[1].path)
+    assert code == 2
+    assert "holds no state to go on from" in " ".join(told.split())
+
+
+def test_the_file_reads_as_a_data_set(both):
+    data = tautline.Result.read(both[1].path).data
+    assert data["tension_max"].dims == ("span", "end")
+    assert data["tension_block_max"].dims == ("block", "span", "end")
+    assert data.attrs["kept"] == "statistics"
+
+
+def test_limits_of_the_scene_are_judged_by_what_is_kept_and_no_more(scene):
+    limits = [
+        {"output": "max_tension", "above": 1.0e3, "name": "figure"},
+        {"output": "tension", "above": 1.0e3, "name": "watched"},
+        {"output": "tension", "above": 1.0e3, "for": 0.5, "name": "lasting"},
+        {"output": "paid_out", "above": 1.0e3, "name": "not watched"},
+    ]
+    asked = {"interval": 0.04, "keep": "statistics", "windows": 4.0, "block": 10.0, "begin": 6.0}
+    result = simulate(Crane().build(scene.replace({"output": asked, "limits": limits, "solver.end": 20.0})))
+    found = {one["name"]: one for one in result.limits if "output" in one}
+    assert found["figure"]["passed"] is False and found["watched"]["passed"] is False
+    for name in ("lasting", "not watched"):
+        assert found[name]["passed"] is None and "keep frames" in found[name]["note"]
