@@ -77,7 +77,9 @@ def whole_run(tmp_path_factory):
     return made
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(
+    "name", ["jwell", "hoist", *(pytest.param(x, marks=pytest.mark.long) for x in ("hose", "reeled_span"))]
+)
 def test_a_run_that_was_killed_or_told_to_end_goes_on_to_the_bit(name, whole_run, tmp_path):
     end, whole = RUNS[name], whole_run(name)
     for number, code in ((signal.SIGKILL, -signal.SIGKILL), (signal.SIGTERM, 130), (signal.SIGINT, 130)):

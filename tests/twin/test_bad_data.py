@@ -32,7 +32,7 @@ BAD = {
     "clock 1 % fast": (lambda rows: [(1.01 * t, r) for t, r in rows], ""),
     "NaN now and then": (now_and_then_nan, ""),
 }
-LONG = ("slower sampling", "clock 1 % fast", "NaN now and then")
+LONG = ("doubled", "future stamps", "slower sampling", "clock 1 % fast", "NaN now and then")
 
 
 @pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.long if k in LONG else ()) for k in BAD])

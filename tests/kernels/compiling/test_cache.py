@@ -248,7 +248,7 @@ DAMAGE = {
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize("kind", ["nbi", pytest.param("nbc", marks=pytest.mark.long)])
 def test_a_damaged_file_is_written_anew(tmp_path, kind, damage):
     """The results are those of before; the run after it compiles nothing."""
     script = tmp_path / "parts.py"
