@@ -35,17 +35,23 @@ LENGTH, PATH, PSI1, PSI2, COS1, COS2, RATE, FOUND = range(8)
 """Places in ``number``: l, Lambda (m), both psi (rad), both cosines of fleet angles, the rate of Lambda at which wheels
 that turn with their frames change it (m/s), and whether a line exists (1 or 0)."""
 MOST_ITERATIONS = 60
-SETTLED = 1.0e-15
+SETTLED, STALLED = 1.0e-15, 1.0e-11
+"""Distance across the line between where it ends and where it should, over its size, at which it is found; and at which
+it is, too, when an iteration brings it no nearer."""
 TURNED = 0.5
 """Largest change of a direction in one iteration."""
+NO_LENGTH = 1.0e-9
+"""Length, m, in place of that of a line which does not exist."""
+ZERO = (0.0, 0.0, 0.0)
 
 
 class Line(NamedTuple):
     """A line, and scratch.
 
     ``e, g, drift`` (3,): direction, gradient of its length, and the rate of e that turning wheels cause, 1/s; ``turn``
-    (3, 3) is E, 1/m; ``wheel`` (2, 8, 3) holds of each wheel axis, mark, w, e' / c, the rates of axis and mark, b = a x
-    m and the drift of w; ``number`` (8,) is indexed by names above.
+    (3, 3) is E, 1/m, where :func:`write_turn` was asked for it; ``wheel`` (2, 8, 3) holds of each wheel axis, mark, w,
+    e' / c, the rates of axis and mark, b = a x m and the drift of w; ``bend`` (2, 2, 3) holds of each wheel the
+    vectors of :class:`Bend`; ``number`` (8,) is indexed by names above.
     """
 
     e: np.ndarray
@@ -53,156 +59,199 @@ class Line(NamedTuple):
     drift: np.ndarray
     turn: np.ndarray
     wheel: np.ndarray
+    bend: np.ndarray
     number: np.ndarray
 
 
 AXIS, MARK, W, PLANE, AXIS_RATE, MARK_RATE, B, DRIFT = range(8)
+U, ACROSS = range(2)
 
 
 def new_line() -> Line:
     """Room for a line."""
-    return Line(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros((2, 8, 3)), np.zeros(8))
+    return Line(
+        np.zeros(3), np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros((2, 8, 3)), np.zeros((2, 2, 3)), np.zeros(8)
+    )
 
 
-@kernel
+# Vectors are tuples of three numbers here, which stay in registers; where they are kept they are rows of arrays.
+
+
+@kernel(forceinline=True)
 def dot(a, b):
     """Product of two vectors (3,)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
-def _cross(a, b, out):
-    out[0] = a[1] * b[2] - a[2] * b[1]
-    out[1] = a[2] * b[0] - a[0] * b[2]
-    out[2] = a[0] * b[1] - a[1] * b[0]
+@kernel(forceinline=True)
+def cross(a, b):
+    """Vector product of two vectors (3,)."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel(forceinline=True)
+def scaled(x, a):
+    """x times a vector (3,)."""
+    return x * a[0], x * a[1], x * a[2]
+
+
+@kernel(forceinline=True)
+def plus(a, x, b):
+    """Vector a + x b."""
+    return a[0] + x * b[0], a[1] + x * b[1], a[2] + x * b[2]
+
+
+@kernel(forceinline=True)
+def row(a):
+    """A row of an array as a vector."""
+    return a[0], a[1], a[2]
+
+
+@kernel(forceinline=True)
+def place(q, i):
+    """Three numbers of a full vector from a place on."""
+    return q[i], q[i + 1], q[i + 2]
+
+
+@kernel(forceinline=True)
+def write(a, out):
+    """Keep a vector in a row of an array."""
+    out[0], out[1], out[2] = a
+
+
+@kernel(forceinline=True)
+def difference(a, b, q):
+    """What leads from place b of a full vector to place a."""
+    return plus(place(q, a), -1.0, place(q, b))
+
+
+@kernel(forceinline=True)
+def _turned(x, f, q):
+    """A vector of a frame, or its rate, by the frame's columns in a full vector; f is where the frame begins."""
+    a, b, c = f + COLUMNS, f + COLUMNS + 3, f + COLUMNS + 6
+    return plus(plus(scaled(x[0], place(q, a)), x[1], place(q, b)), x[2], place(q, c))
+
+
+class Rim(NamedTuple):
+    """Where a line touches a wheel of signed radius ``rho``, m: w, e' / c and c. Of a point zeros, and c = 1.
+
+    c is 0 where a line runs along the axis, and touches nowhere.
+    """
+
+    rho: float
+    w: tuple
+    plane: tuple
+    c: float
+
+
+@kernel(forceinline=True)
+def _rim(e, axis, rho):
+    """Where a line of direction e touches a wheel."""
+    if rho == 0.0:
+        return Rim(rho, ZERO, ZERO, 1.0)
+    across = cross(e, axis)
+    c = sqrt(dot(across, across))
+    w = scaled(1.0 / c if c > 0.0 else 0.0, across)
+    return Rim(rho, w, cross(axis, w), c)
+
+
+class Bend(NamedTuple):
+    """E in parts: E x = (x - e (e.x) - u1 (t1.x) - u2 (t2.x)) / l, by Woodbury's formula."""
+
+    e: tuple
+    over_l: float
+    u1: tuple
+    t1: tuple
+    u2: tuple
+    t2: tuple
+
+
+@kernel(forceinline=True)
+def _bend(e, l, one, two):
+    """E of a line of length l between two rims: u_i = rho_i (e'_i - c_i e) / c_i^2, and u_1 with the other sign."""
+    f1, f2 = -one.rho / one.c, two.rho / two.c
+    s12, s21 = f2 * dot(one.w, two.plane), f1 * dot(two.w, one.plane)
+    over = 1.0 / (l * l - s12 * s21)
+    return Bend(
+        e,
+        1.0 / l,
+        scaled(f1, plus(one.plane, -one.c, e)),
+        scaled(over, plus(scaled(l, one.w), -s12, two.w)),
+        scaled(f2, plus(two.plane, -two.c, e)),
+        scaled(over, plus(scaled(l, two.w), -s21, one.w)),
+    )
+
+
+@kernel(forceinline=True)
+def apply(b, x):
+    """E x: how the direction turns while its end moves by x."""
+    y = plus(plus(plus(x, -dot(b.e, x), b.e), -dot(b.t1, x), b.u1), -dot(b.t2, x), b.u2)
+    return scaled(b.over_l, y)
+
+
+@kernel(forceinline=True)
+def apply_back(b, x):
+    """E^T x."""
+    y = plus(plus(plus(x, -dot(b.e, x), b.e), -dot(b.u1, x), b.t1), -dot(b.u2, x), b.t2)
+    return scaled(b.over_l, y)
+
+
+@kernel(forceinline=True)
+def bend_of(line):
+    """E of the line that was found last."""
+    b, l = line.bend, line.number[LENGTH]
+    over_l = 1.0 / l if l > 0.0 else 0.0
+    return Bend(row(line.e), over_l, row(b[0, U]), row(b[0, ACROSS]), row(b[1, U]), row(b[1, ACROSS]))
 
 
 @kernel
-def _place(wheel, q, axis, mark, x):
-    """Axis and mark of a wheel, or their rates, from its frame's columns in a full vector."""
-    f = wheel.frame + COLUMNS
-    for c in range(AXES):
-        x[axis, c] = wheel.axis[0] * q[f + c] + wheel.axis[1] * q[f + 3 + c] + wheel.axis[2] * q[f + 6 + c]
-        x[mark, c] = wheel.mark[0] * q[f + c] + wheel.mark[1] * q[f + 3 + c] + wheel.mark[2] * q[f + 6 + c]
-
-
-@kernel
-def _beside(e, x):
-    """w and e' / c of a wheel for a direction; returns c, zero where the line runs along the axis."""
-    _cross(e, x[AXIS], x[W])
-    c = sqrt(dot(x[W], x[W]))
-    if c == 0.0:
-        return 0.0
-    for k in range(AXES):
-        x[W, k] /= c
-    _cross(x[AXIS], x[W], x[PLANE])
-    return c
-
-
-@kernel
-def _start(a, b, q, rho1, rho2, line):
-    """Direction to begin with: that of the closed form for wheels of parallel axes, else of the centres."""
-    e, number = line.e, line.number
-    d2 = 0.0
-    for c in range(AXES):
-        e[c] = q[b + c] - q[a + c]
-        d2 += e[c] * e[c]
-    axis = line.wheel[0, AXIS] if rho1 != 0.0 else line.wheel[1, AXIS]
-    delta = rho1 - rho2
-    if d2 > delta * delta:
-        l = sqrt(d2 - delta * delta)
-        n = line.drift
-        _cross(axis, e, n)
-        for c in range(AXES):
-            e[c] = l * e[c] + delta * n[c]
-    size = sqrt(dot(e, e))
-    number[FOUND] = 1.0 if size > 0.0 else 0.0
-    for c in range(AXES):
-        e[c] = e[c] / size if size > 0.0 else 0.0
-
-
-@kernel
-def _improve(a, b, q, rho1, rho2, line):
-    """Newton's iteration on the direction: l e - x2(e) + x1(e) = d, across e. Returns l, or zero where no line is."""
-    e, one, two = line.e, line.wheel[0], line.wheel[1]
-    residual = line.g
-    number = line.number
-    for _ in range(MOST_ITERATIONS):
-        c1 = c2 = 1.0
-        if rho1 != 0.0:
-            c1 = _beside(e, one)
-        if rho2 != 0.0:
-            c2 = _beside(e, two)
-        if c1 == 0.0 or c2 == 0.0:
-            return 0.0
-        number[COS1], number[COS2] = c1, c2
-        l = size = 0.0
-        for c in range(AXES):
-            residual[c] = q[b + c] - q[a + c] + rho2 * two[W, c] - rho1 * one[W, c]
-            l += residual[c] * e[c]
-            size += residual[c] * residual[c]
-        if l <= 0.0:
-            l = 0.1 * sqrt(size)
-        worst = 0.0
-        along = dot(residual, e)
-        for c in range(AXES):
-            residual[c] -= along * e[c]
-            worst = max(worst, abs(residual[c]))
-        # u_i = rho_i (e'_i - c_i e) / c_i^2: both vanish where the line lies in its wheels' planes.
-        s12 = s21 = 0.0
-        if rho1 != 0.0 and rho2 != 0.0:
-            s12 = rho2 / c2 * dot(one[W], two[PLANE])
-            s21 = -rho1 / c1 * dot(two[W], one[PLANE])
-        y1, y2 = dot(one[W], residual), dot(two[W], residual)
-        if rho1 == 0.0:
-            y1 = 0.0
-        if rho2 == 0.0:
-            y2 = 0.0
-        determinant = l * l - s12 * s21
-        z1, z2 = (l * y1 - s12 * y2) / determinant, (l * y2 - s21 * y1) / determinant
-        limit = 1.0
-        for c in range(AXES):
-            u1 = -rho1 / c1 * (one[PLANE, c] - c1 * e[c]) if rho1 != 0.0 else 0.0
-            u2 = rho2 / c2 * (two[PLANE, c] - c2 * e[c]) if rho2 != 0.0 else 0.0
-            residual[c] = (residual[c] - u1 * z1 - u2 * z2) / l
-            limit = max(limit, abs(residual[c]) / TURNED)
-        size = 0.0
-        for c in range(AXES):
-            e[c] += residual[c] / limit
-            size += e[c] * e[c]
-        size = sqrt(size)
-        for c in range(AXES):
-            e[c] /= size
-        if worst <= SETTLED * (l + abs(rho1) + abs(rho2)):
-            return along
-    return 0.0 if worst > 1.0e-11 * (l + abs(rho1) + abs(rho2)) else along
-
-
-@kernel
-def _write_turn(rho1, rho2, l, line):
-    """E and g."""
-    e, g, turn, one, two, number = line.e, line.g, line.turn, line.wheel[0], line.wheel[1], line.number
-    c1, c2 = number[COS1], number[COS2]
-    s12 = s21 = 0.0
-    if rho1 != 0.0 and rho2 != 0.0:
-        s12 = rho2 / c2 * dot(one[W], two[PLANE])
-        s21 = -rho1 / c1 * dot(two[W], one[PLANE])
-    determinant = l * l - s12 * s21
+def write_turn(line):
+    """Write E as a matrix."""
+    b = bend_of(line)
     for i in range(AXES):
-        u1 = -rho1 / c1 * (one[PLANE, i] - c1 * e[i]) if rho1 != 0.0 else 0.0
-        u2 = rho2 / c2 * (two[PLANE, i] - c2 * e[i]) if rho2 != 0.0 else 0.0
         for j in range(AXES):
-            w1 = one[W, j] if rho1 != 0.0 else 0.0
-            w2 = two[W, j] if rho2 != 0.0 else 0.0
             unit = 1.0 if i == j else 0.0
-            taken = u1 * (l * w1 - s12 * w2) / determinant + u2 * (l * w2 - s21 * w1) / determinant
-            turn[i, j] = (unit - e[i] * e[j] - taken) / l
-    k1 = rho1 * (1.0 - c1) / c1 if rho1 != 0.0 else 0.0
-    k2 = rho2 * (1.0 - c2) / c2 if rho2 != 0.0 else 0.0
-    for i in range(AXES):
-        g[i] = e[i]
-        for j in range(AXES):
-            g[i] -= turn[j, i] * (k1 * one[W, j] - k2 * two[W, j])
+            taken = line.e[i] * line.e[j] + line.bend[0, U, i] * line.bend[0, ACROSS, j]
+            line.turn[i, j] = (unit - taken - line.bend[1, U, i] * line.bend[1, ACROSS, j]) * b.over_l
+
+
+@kernel(forceinline=True)
+def _first_direction(d, axis, delta):
+    """Direction to begin with: that of the closed form for wheels of parallel axes, else of the centres; or zero."""
+    d2 = dot(d, d)
+    e = d
+    if d2 > delta * delta:
+        e = plus(scaled(sqrt(d2 - delta * delta), d), delta, cross(axis, d))
+    size = sqrt(dot(e, e))
+    return scaled(1.0 / size if size > 0.0 else 0.0, e)
+
+
+@kernel(forceinline=True)
+def _improve(d, e, axis1, rho1, axis2, rho2):
+    """Newton's iteration on the direction: l e - x2(e) + x1(e) = d, across e.
+
+    Returns e, l and both rims; l is 0 where no line is.
+    """
+    size, last = abs(rho1) + abs(rho2), np.inf
+    one, two = _rim(e, axis1, rho1), _rim(e, axis2, rho2)
+    for _ in range(MOST_ITERATIONS):
+        if one.c == 0.0 or two.c == 0.0:
+            break
+        chord = plus(plus(d, rho2, two.w), -rho1, one.w)
+        along = dot(chord, e)
+        across = plus(chord, -along, e)
+        wrong = max(abs(across[0]), abs(across[1]), abs(across[2]))
+        l = along if along > 0.0 else 0.1 * sqrt(dot(chord, chord))
+        if wrong <= SETTLED * (l + size) or (wrong >= last and wrong <= STALLED * (l + size)):
+            return e, along, one, two
+        last = wrong
+        # What is left across the line, over its length, is how far it turns.
+        de = apply(_bend(e, l, one, two), across)
+        turned = max(abs(de[0]), abs(de[1]), abs(de[2]))
+        e = plus(e, TURNED / turned if turned > TURNED else 1.0, de)
+        e = scaled(1.0 / sqrt(dot(e, e)), e)
+        one, two = _rim(e, axis1, rho1), _rim(e, axis2, rho2)
+    return e, 0.0, one, two
 
 
 @kernel
@@ -249,9 +298,25 @@ def vary_gradient(rho1, rho2, line, move, de, y, dg):
             dg[k] += line.turn[j, k] * y[j]
 
 
+@kernel(forceinline=True)
+def _psi(rim, axis, mark):
+    return atan2(dot(rim.w, cross(axis, mark)), dot(rim.w, mark))
+
+
 @kernel
-def _psi(x):
-    return atan2(dot(x[W], x[B]), dot(x[W], x[MARK]))
+def _find_straight(d, start, line):
+    """The line between two points."""
+    size = sqrt(dot(d, d))
+    h = 1.0 / size if size > 0.0 else 0.0
+    e, number = scaled(h, d), line.number
+    number[LENGTH] = number[PATH] = size
+    number[COS1] = number[COS2] = 1.0
+    number[PSI1] = number[PSI2] = number[RATE] = 0.0
+    number[FOUND] = 1.0 if size > 0.0 else 0.0
+    for c in range(AXES):
+        line.e[c] = line.g[c] = start[c] = e[c]
+        line.drift[c] = 0.0
+    line.bend.fill(0.0)
 
 
 @kernel
@@ -269,106 +334,103 @@ def find_line(a, b, wheel1, wheel2, wheels, q, v, start, line):
     start : (3,) array
         Direction to begin with, or zeros; the direction found is left there.
     line : Line
-        What is found.
+        What is found, but for ``turn``.
     """
-    e, number = line.e, line.number
-    number.fill(0.0)
-    line.drift.fill(0.0)
+    d = difference(b, a, q)
     if wheel1 == POINT and wheel2 == POINT:
-        size = 0.0
-        for c in range(AXES):
-            e[c] = q[b + c] - q[a + c]
-            size += e[c] * e[c]
-        size = sqrt(size)
-        number[LENGTH] = number[PATH] = size
-        number[COS1] = number[COS2] = 1.0
-        number[FOUND] = 1.0 if size > 0.0 else 0.0
-        h = 1.0 / size if size > 0.0 else 0.0
-        for c in range(AXES):
-            e[c] *= h
-            line.g[c] = start[c] = e[c]
-        for i in range(AXES):
-            for j in range(AXES):
-                line.turn[i, j] = ((1.0 if i == j else 0.0) - e[i] * e[j]) * h
+        _find_straight(d, start, line)
         return
     rho1 = rho2 = 0.0
-    turns = False
+    axis1 = mark1 = axis2 = mark2 = ZERO
+    turns, number = False, line.number
     if wheel1 != POINT:
-        rho1 = wheels[wheel1].radius
-        _place(wheels[wheel1], q, AXIS, MARK, line.wheel[0])
-        turns = wheels[wheel1].turns == 1
+        wheel = wheels[wheel1]
+        rho1, turns = wheel.radius, wheel.turns == 1
+        axis1, mark1 = _turned(wheel.axis, wheel.frame, q), _turned(wheel.mark, wheel.frame, q)
     if wheel2 != POINT:
-        rho2 = wheels[wheel2].radius
-        _place(wheels[wheel2], q, AXIS, MARK, line.wheel[1])
-        turns = turns or wheels[wheel2].turns == 1
-    if start[0] == 0.0 and start[1] == 0.0 and start[2] == 0.0:
-        _start(a, b, q, rho1, rho2, line)
-        line.drift.fill(0.0)
-    else:
-        number[FOUND] = 1.0
-        for c in range(AXES):
-            e[c] = start[c]
-    number[COS1] = number[COS2] = 1.0
-    l = _improve(a, b, q, rho1, rho2, line)
-    if not l > 0.0:
-        number[FOUND] = 0.0
-        l = 1.0e-9
-    for c in range(AXES):
-        start[c] = e[c] if number[FOUND] == 1.0 else 0.0
-    path = l
-    if rho1 != 0.0:
-        number[COS1] = _beside(e, line.wheel[0])
-        _cross(line.wheel[0, AXIS], line.wheel[0, MARK], line.wheel[0, B])
-        number[PSI1] = _psi(line.wheel[0])
-        path += rho1 * number[PSI1]
-    if rho2 != 0.0:
-        number[COS2] = _beside(e, line.wheel[1])
-        _cross(line.wheel[1, AXIS], line.wheel[1, MARK], line.wheel[1, B])
-        number[PSI2] = _psi(line.wheel[1])
-        path -= rho2 * number[PSI2]
-    number[LENGTH], number[PATH] = l, path
-    _write_turn(rho1, rho2, l, line)
+        wheel = wheels[wheel2]
+        rho2, turns = wheel.radius, turns or wheel.turns == 1
+        axis2, mark2 = _turned(wheel.axis, wheel.frame, q), _turned(wheel.mark, wheel.frame, q)
+    e = row(start)
+    if e[0] == 0.0 and e[1] == 0.0 and e[2] == 0.0:
+        e = _first_direction(d, axis1 if rho1 != 0.0 else axis2, rho1 - rho2)
+    e, l, one, two = _improve(d, e, axis1, rho1, axis2, rho2)
+    found = l > 0.0
+    if not found:
+        l = NO_LENGTH
+    write(e if found else ZERO, start)
+    psi1 = _psi(one, axis1, mark1) if rho1 != 0.0 else 0.0
+    psi2 = _psi(two, axis2, mark2) if rho2 != 0.0 else 0.0
+    bend = _bend(e, l, one, two)
+    # g = e - E^T (k1 w1 - k2 w2): the second part is that of the fleet angles.
+    k1, k2 = rho1 * (1.0 - one.c) / one.c, rho2 * (1.0 - two.c) / two.c
+    write(plus(e, -1.0, apply_back(bend, plus(scaled(k1, one.w), -k2, two.w))), line.g)
+    number[LENGTH], number[PATH] = l, l + rho1 * psi1 - rho2 * psi2
+    number[PSI1], number[PSI2], number[COS1], number[COS2] = psi1, psi2, one.c, two.c
+    number[RATE], number[FOUND] = 0.0, 1.0 if found else 0.0
+    _keep(e, bend, line)
+    _keep_rim(one, axis1, mark1, line.wheel[0])
+    _keep_rim(two, axis2, mark2, line.wheel[1])
     if turns:
-        _write_drift(wheel1, wheel2, wheels, rho1, rho2, l, v, line)
+        _write_drift(wheel1, wheel2, wheels, one, two, bend, v, line)
+    else:
+        write(ZERO, line.drift)
 
 
-@kernel
-def _drift_of_w(e, c, x, out):
+@kernel(forceinline=True)
+def _keep(e, bend, line):
+    write(e, line.e)
+    write(bend.u1, line.bend[0, U])
+    write(bend.t1, line.bend[0, ACROSS])
+    write(bend.u2, line.bend[1, U])
+    write(bend.t2, line.bend[1, ACROSS])
+
+
+@kernel(forceinline=True)
+def _keep_rim(rim, axis, mark, x):
+    write(axis, x[AXIS])
+    write(mark, x[MARK])
+    write(rim.w, x[W])
+    write(rim.plane, x[PLANE])
+    write(cross(axis, mark), x[B])
+
+
+@kernel(forceinline=True)
+def _drift_of_w(e, rim, axis_d):
     """Rate of w while e stands still and the axis turns: (1 - w w^T)(e x a.) / c."""
-    _cross(e, x[AXIS_RATE], out)
-    along = dot(out, x[W])
-    for k in range(AXES):
-        out[k] = (out[k] - along * x[W, k]) / c
+    swept = cross(e, axis_d)
+    return scaled(1.0 / rim.c, plus(swept, -dot(swept, rim.w), rim.w))
+
+
+@kernel(forceinline=True)
+def _rate_of_psi(rim, x, drift):
+    """Rates of w along itself and of psi. psi counts from the mark, which turns along; the rim's point goes back along
+    the line as e turns towards w."""
+    swept = dot(rim.w, drift)
+    return swept + dot(rim.plane, x[DRIFT]) - dot(x[B], x[MARK_RATE]) - swept / rim.c
 
 
 @kernel
-def _write_drift(wheel1, wheel2, wheels, rho1, rho2, l, v, line):
+def _write_drift(wheel1, wheel2, wheels, one, two, bend, v, line):
     """Rates of e and of Lambda that wheels cause which turn with their frames, the stations standing still."""
-    number = line.number
-    pull = line.drift
-    pull.fill(0.0)
-    for side in range(2):
-        n, rho = (wheel1, -rho1) if side == 0 else (wheel2, rho2)
-        if n == POINT:
-            continue
-        x = line.wheel[side]
-        _place(wheels[n], v, AXIS_RATE, MARK_RATE, x)
-        _drift_of_w(line.e, number[COS1 + side], x, x[DRIFT])
-        for c in range(AXES):
-            pull[c] += rho * x[DRIFT, c]
-    # E already projects; it is applied in place.
-    x, y, z = pull[0], pull[1], pull[2]
-    for c in range(AXES):
-        pull[c] = line.turn[c, 0] * x + line.turn[c, 1] * y + line.turn[c, 2] * z
+    pull, x1, x2 = ZERO, line.wheel[0], line.wheel[1]
+    if wheel1 != POINT:
+        wheel = wheels[wheel1]
+        write(_turned(wheel.axis, wheel.frame, v), x1[AXIS_RATE])
+        write(_turned(wheel.mark, wheel.frame, v), x1[MARK_RATE])
+        write(_drift_of_w(bend.e, one, x1[AXIS_RATE]), x1[DRIFT])
+        pull = plus(pull, -one.rho, x1[DRIFT])
+    if wheel2 != POINT:
+        wheel = wheels[wheel2]
+        write(_turned(wheel.axis, wheel.frame, v), x2[AXIS_RATE])
+        write(_turned(wheel.mark, wheel.frame, v), x2[MARK_RATE])
+        write(_drift_of_w(bend.e, two, x2[AXIS_RATE]), x2[DRIFT])
+        pull = plus(pull, two.rho, x2[DRIFT])
+    drift = apply(bend, pull)
+    write(drift, line.drift)
     rate = 0.0
-    for side in range(2):
-        n, rho = (wheel1, rho1) if side == 0 else (wheel2, -rho2)
-        if n == POINT:
-            continue
-        x = line.wheel[side]
-        c = number[COS1 + side]
-        swept = dot(x[W], line.drift)
-        # psi counts from the mark, which turns along; the rim's point goes back along the line as e turns towards w.
-        psi_d = -swept / c + dot(x[PLANE], x[DRIFT]) - dot(x[B], x[MARK_RATE])
-        rate += rho * (swept + psi_d)
-    number[RATE] = rate
+    if wheel1 != POINT:
+        rate += one.rho * _rate_of_psi(one, x1, drift)
+    if wheel2 != POINT:
+        rate -= two.rho * _rate_of_psi(two, x2, drift)
+    line.number[RATE] = rate

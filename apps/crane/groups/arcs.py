@@ -11,7 +11,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.geometry.line import AXES, COS1, DRIFT, MARK_RATE, PLANE, POINT, PSI1, B, Line, W, dot, find_line, new_line
+from crane.geometry.line import (
+    AXES,
+    COS1,
+    DRIFT,
+    MARK_RATE,
+    PLANE,
+    POINT,
+    PSI1,
+    B,
+    Line,
+    W,
+    dot,
+    find_line,
+    new_line,
+    write_turn,
+)
 from crane.geometry.turning import TURNED_Z, Y, add_psi, add_turning, radius_of, sandwich
 from crane.groups.span import MATERIAL, STATION
 from tautline.kernels.dofs import add_block
@@ -44,6 +59,7 @@ def _write_arc(g, row, q, v):
     """The line of an arc; returns dV/dpsi."""
     s = g.spans[row.span]
     find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, g.start[row.span], g.line)
+    write_turn(g.line)
     if row.side == 0:
         return 0.5 * row.stiffness / g.wheels[s.wheel1].radius
     return -0.5 * row.stiffness / g.wheels[s.wheel2].radius

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.geometry.line import AXES, COS1, LENGTH, PATH, POINT, RATE, Line, W, dot, find_line, new_line
+from crane.geometry.line import AXES, COS1, LENGTH, PATH, POINT, RATE, Line, W, dot, find_line, new_line, write_turn
 from crane.geometry.turning import TURNED_Z, Y, add_psi, add_turning, radius_of, sandwich
 from crane.groups.span import MATERIAL, STATION, turns_with_frame
 from tautline.kernels.dofs import add_block
@@ -76,6 +76,7 @@ def _write_side(g, n, side, line, q, v):
     """Line of one element, and how h follows its direction; returns its part of h."""
     s = g.spans[n]
     find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, g.start[n], line)
+    write_turn(line)
     number, reach = line.number, g.reach[side]
     share = 0.5 if s.wheel1 == POINT and s.wheel2 == POINT else 1.0
     held = -number[RATE]

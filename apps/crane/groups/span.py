@@ -26,15 +26,28 @@ from crane.geometry.line import (
     PSI2,
     RATE,
     Line,
+    apply,
+    apply_back,
+    bend_of,
+    difference,
     dot,
     find_line,
     new_line,
+    place,
+    plus,
+    row,
+    scaled,
     vary_gradient,
+    write,
+    write_turn,
 )
+from tautline.kernels.changes import COUNT
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import EMPTY, OFF_WHEEL, SLACK_ON_WHEEL, TWO_BLOCKED, register
 from tautline.kernels.jit import kernel
 
+FRAME = 12
+"""Numbers of a frame in the full vectors: its origin and the columns of its rotation."""
 STATION = 4
 """Degrees of freedom of a station: its position, and the material coordinate p that is there."""
 MATERIAL = 3
@@ -47,9 +60,11 @@ SPAN = np.dtype(
 """A span: its stations' places, the wheels there or ``POINT``, EA N, rhoA kg/m, c s, weight N/m, whether it slacks."""
 BETWEEN = np.dtype([("a", "i8"), ("b", "i8"), ("wheel1", "i8"), ("wheel2", "i8")])
 """Two items between which a span of the path runs: their places, and the wheels there or ``POINT``."""
-FORCE, FIRST, LAST, FIRST_PSI, LAST_PSI, STRETCH, BY_STRETCH, BY_SPEED, INERTIA, SIZE = range(10)
+FORCE, FIRST, LAST, FIRST_PSI, LAST_PSI, STRETCH = range(6)
+BY_STRETCH, BY_SPEED, INERTIA, STRAIGHT, ON_WHEELS, SIZE = range(6, 12)
 """Places in ``found``: N in the middle (N), what is left of the tension at either end beside what turns the rope's
-momentum, T - rhoA u^2 (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m), rhoA L / 6 (kg)."""
+momentum, T - rhoA u^2 (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m), rhoA L / 6 (kg), l, and
+Lambda - l, or NaN where there is no line (m)."""
 MET = 0.05
 """Straight rope between a sheave and what hangs from it, over the radius, below which the two have met."""
 FAR_APART = 2.0
@@ -76,9 +91,11 @@ class Spans(NamedTuple):
 
     ``items`` (k,) of ``BETWEEN`` are whole spans of the path, each with a wheel at one of its ends at least.
 
-    ``found`` (n, 4) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
-    ``is_slack`` (n,) whether each was slack when its tangent was made. Scratch: ``line``, ``motion``, ``change``
-    (11, 3) and ``block`` (8, 8).
+    ``found`` (n, 11) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
+    ``is_slack`` (n,) whether each is slack, and ``kinks`` (1,) how many have come to be so, or taut again, since
+    somebody asked. ``seen`` (2, m) are the positions and velocities of which ``found`` tells, as far as the spans reach
+    into the full vectors, and ``brought_in`` (1,) W is what turning wheels put in there: who asks of the same state
+    need not look again. Scratch: ``line``, ``motion``, ``change`` (14, 3) and ``block`` (8, 8).
     """
 
     rows: np.recarray
@@ -87,6 +104,9 @@ class Spans(NamedTuple):
     found: np.ndarray
     start: np.ndarray
     is_slack: np.ndarray
+    kinks: np.ndarray
+    seen: np.ndarray
+    brought_in: np.ndarray
     line: Line
     motion: Motion
     change: np.ndarray
@@ -100,9 +120,7 @@ def _stretch(g, n, q, v, start):
     find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, v, start, line)
     size, size_d = q[s.b + MATERIAL] - q[s.a + MATERIAL], v[s.b + MATERIAL] - v[s.a + MATERIAL]
     lam = line.number[PATH] / size
-    path_d = line.number[RATE]
-    for c in range(AXES):
-        path_d += line.g[c] * (v[s.b + c] - v[s.a + c])
+    path_d = line.number[RATE] + dot(line.g, difference(s.b, s.a, v))
     lam_d = (path_d - lam * size_d) / size
     strain = 0.5 * (lam * lam - 1.0)
     number[L], number[L_D], number[LAM], number[LAM_D] = size, size_d, lam, lam_d
@@ -120,80 +138,163 @@ def _stretch(g, n, q, v, start):
 def _find(g, n, q, v):
     """The same, and what other groups ask of it."""
     _stretch(g, n, q, v, g.start[n])
-    s, line, number = g.rows[n], g.line, g.motion.number
+    s, number = g.rows[n], g.motion.number
     size, size_d = number[L], number[L_D]
     g.found[n, FORCE], g.found[n, STRETCH] = number[TENSION], number[LAM]
-    g.found[n, FIRST_PSI], g.found[n, LAST_PSI] = line.number[PSI1], line.number[PSI2]
     g.found[n, BY_STRETCH] = (number[BY_LAM] - number[BY_RATE] * size_d / size) / size
     g.found[n, BY_SPEED] = number[BY_RATE] / size
     g.found[n, INERTIA] = s.mass * size / 6.0
+    _keep_length(g, n)
 
 
-@kernel
-def _move(g, n, q, v):
-    """Velocities of the particles at both marks, the rates of e and t, and the kinetic energy."""
-    s, line = g.rows[n], g.line
-    x, number = g.motion.point, g.motion.number
+@kernel(forceinline=True)
+def _keep_length(g, n):
+    number = g.line.number
+    g.found[n, FIRST_PSI], g.found[n, LAST_PSI] = number[PSI1], number[PSI2]
+    g.found[n, STRAIGHT] = number[LENGTH]
+    g.found[n, ON_WHEELS] = number[PATH] - number[LENGTH] if number[FOUND] == 1.0 else np.nan
+
+
+class Flow(NamedTuple):
+    """How a span moves: ``k`` rhoA L / 6 and its rate; t = lambda e, its rate and that of e; velocities of the
+    particles at both marks and their momenta; ``p``, what the flow of material sweeps along, and E^T p; kinetic energy;
+    tau, what of the residual goes with the stretch; p.e."""
+
+    k: float
+    k_d: float
+    t: tuple
+    t_d: tuple
+    e_d: tuple
+    v1: tuple
+    v2: tuple
+    m1: tuple
+    m2: tuple
+    p: tuple
+    turned_p: tuple
+    kinetic: float
+    tau: float
+    p_e: float
+
+
+@kernel(forceinline=True)
+def _flow(g, n, v):
+    """How the span moves of which the line was found last."""
+    s, line, number = g.rows[n], g.line, g.motion.number
     lam, lam_d, size = number[LAM], number[LAM_D], number[L]
     p1_d, p2_d = v[s.a + MATERIAL], v[s.b + MATERIAL]
+    e, bend = row(line.e), bend_of(line)
+    e_d = plus(row(line.drift), 1.0, apply(bend, difference(s.b, s.a, v)))
+    t, t_d = scaled(lam, e), plus(scaled(lam_d, e), lam, e_d)
+    v1, v2 = plus(place(v, s.a), -p1_d, t), plus(place(v, s.b), -p2_d, t)
     k = s.mass * size / 6.0
-    number[K], number[K_D] = k, s.mass * number[L_D] / 6.0
-    for c in range(AXES):
-        e_d = line.drift[c]
-        for d in range(AXES):
-            e_d += line.turn[c, d] * (v[s.b + d] - v[s.a + d])
-        x[E_D, c] = e_d
-        t, t_d = lam * line.e[c], lam_d * line.e[c] + lam * e_d
-        x[T, c], x[T_D, c] = t, t_d
-        v1, v2 = v[s.a + c] - t * p1_d, v[s.b + c] - t * p2_d
-        x[V1, c], x[V2, c] = v1, v2
-        x[M1, c], x[M2, c] = k * (2.0 * v1 + v2), k * (v1 + 2.0 * v2)
-        x[P, c] = p1_d * x[M1, c] + p2_d * x[M2, c]
-    number[KINETIC] = 0.5 * (dot(x[V1], x[M1]) + dot(x[V2], x[M2]))
-    number[TAU] = (number[KINETIC] + dot(x[P], x[T])) / size
-    number[P_E] = dot(x[P], line.e)
-    for c in range(AXES):
-        x[TURNED_P, c] = line.turn[0, c] * x[P, 0] + line.turn[1, c] * x[P, 1] + line.turn[2, c] * x[P, 2]
+    m1, m2 = scaled(k, plus(v2, 2.0, v1)), scaled(k, plus(v1, 2.0, v2))
+    p = plus(scaled(p1_d, m1), p2_d, m2)
+    kinetic = 0.5 * (dot(v1, m1) + dot(v2, m2))
+    tau = (kinetic + dot(p, t)) / size
+    k_d = s.mass * number[L_D] / 6.0
+    return Flow(k, k_d, t, t_d, e_d, v1, v2, m1, m2, p, apply_back(bend, p), kinetic, tau, dot(p, e))
+
+
+@kernel(forceinline=True)
+def _momenta(f, p1_d, p2_d, p1_dd, p2_dd, a1, a2):
+    """Accelerations of the particles at both marks, and the rates of their momenta; ``a1, a2`` those of the marks."""
+    a1 = plus(plus(a1, -p1_dd, f.t), -p1_d, f.t_d)
+    a2 = plus(plus(a2, -p2_dd, f.t), -p2_d, f.t_d)
+    n1 = plus(scaled(f.k, plus(a2, 2.0, a1)), f.k_d, plus(f.v2, 2.0, f.v1))
+    n2 = plus(scaled(f.k, plus(a1, 2.0, a2)), f.k_d, plus(f.v1, 2.0, f.v2))
+    return a1, a2, n1, n2
 
 
 @kernel
-def _accelerate(g, n, v, a):
-    """Accelerations of the particles at both marks, and the rates of their momenta."""
-    s = g.rows[n]
-    x, k, k_d = g.motion.point, g.motion.number[K], g.motion.number[K_D]
-    p1_d, p2_d, p1_dd, p2_dd = v[s.a + MATERIAL], v[s.b + MATERIAL], a[s.a + MATERIAL], a[s.b + MATERIAL]
-    for c in range(AXES):
-        a1 = a[s.a + c] - x[T, c] * p1_dd - x[T_D, c] * p1_d
-        a2 = a[s.b + c] - x[T, c] * p2_dd - x[T_D, c] * p2_d
-        x[A1, c], x[A2, c] = a1, a2
-        x[N1, c] = k * (2.0 * a1 + a2) + k_d * (2.0 * x[V1, c] + x[V2, c])
-        x[N2, c] = k * (a1 + 2.0 * a2) + k_d * (x[V1, c] + 2.0 * x[V2, c])
+def _move(g, n, v, a):
+    """Keep how the span moves, and its accelerations, for its tangent."""
+    s, x, number = g.rows[n], g.motion.point, g.motion.number
+    f = _flow(g, n, v)
+    a1, a2, n1, n2 = _momenta(
+        f, v[s.a + MATERIAL], v[s.b + MATERIAL], a[s.a + MATERIAL], a[s.b + MATERIAL], place(a, s.a), place(a, s.b)
+    )
+    number[K], number[K_D], number[KINETIC], number[TAU], number[P_E] = f.k, f.k_d, f.kinetic, f.tau, f.p_e
+    write(f.t, x[T])
+    write(f.t_d, x[T_D])
+    write(f.e_d, x[E_D])
+    write(f.v1, x[V1])
+    write(f.v2, x[V2])
+    write(f.m1, x[M1])
+    write(f.m2, x[M2])
+    write(f.p, x[P])
+    write(f.turned_p, x[TURNED_P])
+    write(a1, x[A1])
+    write(a2, x[A2])
+    write(n1, x[N1])
+    write(n2, x[N2])
+
+
+@kernel
+def _see(g, q, v):
+    """Remember of which state ``found`` tells."""
+    for i in range(g.seen.shape[1]):
+        g.seen[0, i] = q[i]
+        g.seen[1, i] = v[i]
+
+
+@kernel
+def _is_seen(g, row, x):
+    """Whether ``found`` tells of these positions (row 0), or velocities (row 1)."""
+    others = 0
+    for i in range(g.seen.shape[1]):
+        others += 0 if x[i] == g.seen[row, i] else 1
+    return others == 0
+
+
+@kernel(forceinline=True)
+def turns_with_frame(s, wheels):
+    """Whether a wheel at either end of a span turns with its frame."""
+    if s.wheel1 != POINT and wheels[s.wheel1].turns == 1:
+        return True
+    return s.wheel2 != POINT and wheels[s.wheel2].turns == 1
+
+
+@kernel(forceinline=True)
+def _brought_in(g, n, f):
+    """Power, W, that the wheels of a span put in which turn with their frames while the stations stand still."""
+    number, line = g.motion.number, g.line
+    rate = line.number[RATE]
+    turning = plus(scaled(rate / number[L], row(line.e)), number[LAM], row(line.drift))
+    return dot(f.p, turning) + number[TENSION] * rate
 
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    x, number, line = g.motion.point, g.motion.number, g.line
+    number, line = g.motion.number, g.line
+    _see(g, q, v)
+    g.brought_in[0] = 0.0
     for n in range(g.rows.size):
         s = g.rows[n]
         i, j = s.a, s.b
         _find(g, n, q, v)
-        _move(g, n, q, v)
-        _accelerate(g, n, v, a)
+        f = _flow(g, n, v)
+        _, _, n1, n2 = _momenta(
+            f, v[i + MATERIAL], v[j + MATERIAL], a[i + MATERIAL], a[j + MATERIAL], place(a, i), place(a, j)
+        )
         force, lam, size = number[TENSION], number[LAM], number[L]
-        lifted = first = last = 0.0
+        slack = 1 if s.slack == 1 and force == 0.0 else 0
+        if slack != g.is_slack[n]:
+            g.is_slack[n] = slack
+            g.kinks[0] += 1
+        if turns_with_frame(s, g.wheels):
+            g.brought_in[0] += _brought_in(g, n, f)
+        e, load = row(line.e), row(s.load)
+        pull = plus(scaled(f.p_e / size + force, row(line.g)), lam, f.turned_p)
+        r1 = plus(plus(n1, -1.0, pull), -0.5 * size, load)
+        r2 = plus(plus(n2, 1.0, pull), -0.5 * size, load)
         for c in range(AXES):
-            pull = number[P_E] * line.g[c] / size + lam * x[TURNED_P, c] + force * line.g[c]
-            weight = 0.5 * size * s.load[c]
-            r1, r2 = x[N1, c] - pull - weight, x[N2, c] + pull - weight
-            r[i + c] += r1
-            r[j + c] += r2
-            first -= r1 * line.e[c]
-            last += r2 * line.e[c]
-            lifted += 0.5 * s.load[c] * (q[i + c] + q[j + c])
-        g.found[n, FIRST], g.found[n, LAST] = first, last
-        inner = number[TAU] - number[ENERGY] + force * lam + lifted
-        r[i + MATERIAL] += inner - dot(x[T_D], x[M1]) - dot(x[T], x[N1])
-        r[j + MATERIAL] -= inner + dot(x[T_D], x[M2]) + dot(x[T], x[N2])
+            r[i + c] += r1[c]
+            r[j + c] += r2[c]
+        g.found[n, FIRST], g.found[n, LAST] = -dot(r1, e), dot(r2, e)
+        lifted = 0.5 * (dot(load, place(q, i)) + dot(load, place(q, j)))
+        inner = f.tau - number[ENERGY] + force * lam + lifted
+        r[i + MATERIAL] += inner - dot(f.t_d, f.m1) - dot(f.t, n1)
+        r[j + MATERIAL] -= inner + dot(f.t_d, f.m2) + dot(f.t, n2)
 
 
 @kernel
@@ -304,11 +405,12 @@ def _vary(g, n, q, v, a, column, cm, cc, ck):
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    g.seen[0, 0] = np.nan
     for n in range(g.rows.size):
         s = g.rows[n]
         _find(g, n, q, v)
-        _move(g, n, q, v)
-        _accelerate(g, n, v, a)
+        write_turn(g.line)
+        _move(g, n, v, a)
         for column in range(2 * STATION):
             _vary(g, n, q, v, a, column, cm, cc, ck)
         add_block(matrix, dofs, s.a, s.b - s.a, STATION, g.block)
@@ -336,33 +438,18 @@ def _mass(g, q, matrix, dofs):
 
 
 @kernel
-def _switch(g, t, q, v, converged, changed):
-    """A span that goes slack, or taut again, has another tangent; the residual knows by itself."""
-    if converged:
-        return
-    for n in range(g.rows.size):
-        _find(g, n, q, v)
-        slack = 1 if g.rows[n].slack == 1 and g.motion.number[TENSION] == 0.0 else 0
-        if slack != g.is_slack[n]:
-            g.is_slack[n] = slack
-            changed[0] += 1
-
-
-@kernel
-def turns_with_frame(s, wheels):
-    """Whether a wheel at either end of a span turns with its frame."""
-    if s.wheel1 != POINT and wheels[s.wheel1].turns == 1:
-        return True
-    return s.wheel2 != POINT and wheels[s.wheel2].turns == 1
+def _kink(g, changed):
+    changed[COUNT] += g.kinks[0]
+    g.kinks[0] = 0
 
 
 @kernel
 def _energy(g, t, q, v, energy):
+    g.seen[0, 0] = np.nan
     for n in range(g.rows.size):
         s = g.rows[n]
         _find(g, n, q, v)
-        _move(g, n, q, v)
-        energy[0] += g.motion.number[KINETIC]
+        energy[0] += _flow(g, n, v).kinetic
         energy[1] += g.motion.number[L] * g.motion.number[ENERGY]
         for c in range(AXES):
             energy[2] -= 0.5 * g.motion.number[L] * s.load[c] * (q[s.a + c] + q[s.b + c])
@@ -382,17 +469,14 @@ def _dissipation(g, t, q, v, p):
 @kernel
 def _supply(g, t, q, v, p):
     """What wheels that turn with their frames put in while the stations stand still."""
-    x, number, line = g.motion.point, g.motion.number, g.line
+    if _is_seen(g, 0, q) and _is_seen(g, 1, v):
+        p[0] += g.brought_in[0]
+        return
     for n in range(g.rows.size):
-        if not turns_with_frame(g.rows[n], g.wheels):
-            continue
-        _find(g, n, q, v)
-        if line.number[RATE] != 0.0 or dot(line.drift, line.drift) > 0.0:
-            _move(g, n, q, v)
-            rate = line.number[RATE] / number[L]
-            for c in range(AXES):
-                p[0] += x[P, c] * (rate * line.e[c] + number[LAM] * line.drift[c])
-            p[0] += number[TENSION] * line.number[RATE]
+        if turns_with_frame(g.rows[n], g.wheels):
+            _find(g, n, q, v)
+            p[0] += _brought_in(g, n, _flow(g, n, v))
+    g.seen[0, 0] = np.nan
 
 
 @kernel
@@ -423,23 +507,28 @@ def _alarm(g, t, q, alarm):
     _met(g, q, alarm)
     if alarm[0] != 0:
         return
+    seen = _is_seen(g, 0, q)
+    if not seen:
+        g.seen[0, 0] = np.nan
     for n in range(g.rows.size):
         s = g.rows[n]
-        find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, q, g.start[n], g.line)
-        if not (q[s.b + MATERIAL] > q[s.a + MATERIAL] and g.line.number[PATH] > 0.0 and g.line.number[FOUND] == 1.0):
+        if not seen:
+            find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, q, g.start[n], g.line)
+            _keep_length(g, n)
+        straight, on_wheels = g.found[n, STRAIGHT], g.found[n, ON_WHEELS]
+        # Without a line the sum is no number.
+        if not (q[s.b + MATERIAL] > q[s.a + MATERIAL] and straight + on_wheels > 0.0):
             alarm[0], alarm[1] = EMPTY, s.a
             return
         # A node of taut rope is as near to its wheel as its element is short. Where less than half of the rope that is
         # not laid on the wheel reaches to the node, a slack rope has fallen there.
-        straight = g.line.number[LENGTH]
-        material = q[s.b + MATERIAL] - q[s.a + MATERIAL] - (g.line.number[PATH] - straight)
+        material = q[s.b + MATERIAL] - q[s.a + MATERIAL] - on_wheels
         if s.slack == 1 and straight < FALLEN * material:
             for side in range(2):
                 wheel = s.wheel1 if side == 0 else s.wheel2
                 if wheel != POINT and straight < MET * abs(g.wheels[wheel].radius):
                     alarm[0], alarm[1] = SLACK_ON_WHEEL, s.a if side == 0 else s.b
                     return
-        g.found[n, FIRST_PSI], g.found[n, LAST_PSI] = g.line.number[PSI1], g.line.number[PSI2]
         # A wheel between two spans has rope on it as long as the rope runs on before it leaves.
         if n > 0 and s.wheel1 != POINT and g.rows[n - 1].wheel2 == s.wheel1:
             wrap = g.found[n, FIRST_PSI] - g.found[n - 1, LAST_PSI]
@@ -460,7 +549,7 @@ def _record(g, out, at):
 
 
 register(
-    Spans, residual=_residual, tangent=_tangent, mass=_mass, switch=_switch, energy=_energy, dissipation=_dissipation,
+    Spans, residual=_residual, tangent=_tangent, mass=_mass, kink=_kink, energy=_energy, dissipation=_dissipation,
     supply=_supply, alarm=_alarm, record=_record,
 )  # fmt: skip
 
@@ -469,9 +558,11 @@ def new_spans(rows: np.recarray, wheels: np.recarray, items: np.recarray | None 
     """Group of spans with its scratch; without ``items`` nobody asks whether two of them have met."""
     n = len(rows)
     items = np.zeros(0, BETWEEN).view(np.recarray) if items is None else items
+    reach = max(STATION + max(rows.a.max(), rows.b.max()), FRAME + wheels.frame.max(initial=-FRAME))
     return Spans(
-        rows, items, wheels, np.zeros((n, SIZE)), np.zeros((n, 3)), np.zeros(n, np.int64), new_line(),
-        Motion(np.zeros((13, 3)), np.zeros(14)), np.zeros((14, 3)), np.zeros((8, 8)),
+        rows, items, wheels, np.zeros((n, SIZE)), np.zeros((n, 3)),
+        np.zeros(n, np.int64), np.zeros(1, np.int64), np.full((2, reach), np.nan), np.zeros(1),
+        new_line(), Motion(np.zeros((13, 3)), np.zeros(14)), np.zeros((14, 3)), np.zeros((8, 8)),
     )  # fmt: skip
 
 

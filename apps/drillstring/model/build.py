@@ -16,7 +16,7 @@ from drillstring.string.factors import factors_of
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
-from tautline.kernels.groups import offers
+from tautline.kernels.groups import may_switch
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
 from tautline.system.time_functions import compile_functions
@@ -49,7 +49,7 @@ def build(scene: DrillstringScene) -> Model:
     string = _assembler(scene.model.kind)(scene, well, lumps, functions, law)
     system, observer = string.system, string.observer
     solver = scene.solver
-    criterion = "force" if offers(system.groups, "switch") else "energy"
+    criterion = "force" if may_switch(system.groups) else "energy"
     model = Model(
         system=system,
         solver=settings_of(

@@ -218,7 +218,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
 
 
 def _sums(method: GeneralizedAlpha) -> tuple[str, ...]:
-    return ("switch", "smooth_tangent", "switching_tangent")
+    return ("switch", "kink", "smooth_tangent", "switching_tangent")
 
 
 def _set_aside(method: GeneralizedAlpha, h: float, moving: float) -> float:

@@ -153,6 +153,11 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             _heed_change(c, dofs)
             previous = energy = np.inf
         balance(c.rows, groups, dofs, state, t, c.increment)
+        changed[COUNT] = changed[PLACED] = 0
+        over.kink(groups, changed)
+        if changed[COUNT] > 0:
+            _heed_change(c, dofs)
+            previous = energy = np.inf
         size = worst_row(c.rows, c.increment, c.scale, state.counters)
         if not np.isfinite(size):
             return NOT_FINITE

@@ -17,6 +17,9 @@ begin          t, h, beta, gamma, q, v, a                       at the start of 
 switch         t, q, v, converged, changed                      lets a law change its status (stick, slip); counts the
                                                                 changes, or tells their places as well (changes.py)
 residual       t, q, v, a, r                                    r += M a - F
+kink           changed                                          counts the members whose force the last residual has
+                                                                found on another branch (slack, taut) than before: the
+                                                                force knows by itself, the tangent has to be made anew
 force          t, q, v, a, r                                    r -= F: the residual where a is zero, which is what an
                                                                 explicit method asks for where no acceleration is
                                                                 prescribed; a kind without it gives its residual
@@ -63,6 +66,7 @@ HOOKS = {
     "begin": {"t": NUMBER, "h": NUMBER, "beta": NUMBER, "gamma": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
     "switch": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "converged": types.boolean, "changed": COUNTS},
     "residual": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "r": VECTOR},
+    "kink": {"changed": COUNTS},
     "force": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "r": VECTOR},
     "mass": {"q": VECTOR, "matrix": MATRIX, "dofs": DOFS},
     "tangent": {
@@ -105,7 +109,7 @@ def _any_kind(hooks: dict[str, Kernel]) -> bool:
 
 
 def _switches(hooks: dict[str, Kernel]) -> bool:
-    return "switch" in hooks
+    return "switch" in hooks or "kink" in hooks
 
 
 def _constrains(hooks: dict[str, Kernel]) -> bool:
@@ -113,7 +117,7 @@ def _constrains(hooks: dict[str, Kernel]) -> bool:
 
 
 def _is_smooth(hooks: dict[str, Kernel]) -> bool:
-    return "switch" not in hooks
+    return not _switches(hooks)
 
 
 SUMS = {hook: Sum(hook, arguments, _any_kind) for hook, arguments in HOOKS.items() if hook != "tangent"} | {
@@ -394,14 +398,14 @@ def _over_groups(name: str) -> Kernel:
 
 
 def may_switch(groups):
-    """Whether any of the linked groups has a law that switches."""
-    return offers(groups, "switch")
+    """Whether any of the linked groups has a law that switches, or a kink."""
+    return offers(groups, "switch") or offers(groups, "kink")
 
 
 @stands_for(may_switch)
 def _may_switch(groups):
-    row = ROWS["switch"]
-    return lambda groups: groups[groups[row]] > 0
+    switch, kink = ROWS["switch"], ROWS["kink"]
+    return lambda groups: groups[groups[switch]] > 0 or groups[groups[kink]] > 0
 
 
 def _define(source: str, names: dict[str, Any], name: str) -> Callable[..., Any]:
@@ -414,6 +418,7 @@ def _define(source: str, names: dict[str, Any], name: str) -> Callable[..., Any]
 begin = _over_groups("begin")
 switch = _over_groups("switch")
 residual = _over_groups("residual")
+kink = _over_groups("kink")
 force = _over_groups("force")
 mass = _over_groups("mass")
 constraint_mass = _over_groups("constraint_mass")

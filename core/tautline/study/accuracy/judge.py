@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tautline.kernels.groups import offers
+from tautline.kernels.groups import may_switch
 from tautline.study.accuracy.grid import critical_at_start
 from tautline.study.accuracy.reference import Reference, find_reference
 from tautline.study.trials.history import Watched
@@ -49,7 +49,7 @@ def choose_reference(
     """
     judged = [watched.of(trial.result) for trial in trials if trial.done and trial.result is not None]
     model = subject.model(Setting(elements=finest))
-    first = _first_steps(subject, base, finest, offers(model.system.groups, "switch"))
+    first = _first_steps(subject, base, finest, may_switch(model.system.groups))
     named = None
     if asked is not None:
         method = asked.method or str(base.attribute("method"))

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Iterator
 
-from tautline.kernels.groups import offers
+from tautline.kernels.groups import may_switch
 from tautline.kernels.time_function import TimeFunctions
 from tautline.study.trials.trial import Setting, Subject
 from tautline.system.model import Model
@@ -49,7 +49,7 @@ def _later(model: Model, end: float) -> list[str]:
         found.append(f"a prescribed oscillation with a period of {max(slow):.4g} s was seen at its beginning only")
     if any(c != 0.0 for _, _, c, *_ in functions.waves):
         found.append("a prescribed oscillation changes its frequency later, which was not seen")
-    if offers(model.system.groups, "switch"):
+    if may_switch(model.system.groups):
         found.append("contacts and friction that change after that were not seen")
     return found
 
