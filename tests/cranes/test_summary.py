@@ -2,6 +2,7 @@
 
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,11 +10,14 @@ from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fix
 
 from crane.assembly.estimates import static_tension
 from crane.model.build import build
+from crane.results.angles import hook_span, leads
 from crane.results.course import contacts_of, course_of, laid_out, nodes_of, scene_of
 from crane.results.summary import headline, most_worked_end, span_ends
+from crane.scene.scene import read
 from tautline.results.errors import ResultError
 from tautline.simulation import simulate
 
+DATA = Path(__file__).parents[2] / "data"
 KINDS = [
     (one_fall, {}), (one_fall, {"frames": 1}), (one_fall, {"frames": 2}), (one_fall, {"bounce": 0.0, "rise": 0.0}),
     (one_fall, {"slack": True}), (falls, {}), (elevator, {}), (fixed_rope, {}), (fixed_rope, {"frames": 1}),
@@ -163,13 +167,29 @@ def test_loads_are_told_by_rise_and_displacement():
 
 
 def test_lead_angles_are_those_of_the_rope_from_plumb_in_and_out_of_the_sheaves_plane():
-    found = summed(one_fall(), sway=0.0, across=2.0, rise=0.0)
-    assert value(found, "max_sidelead") == pytest.approx(math.atan2(2.0, 25.0), rel=0.02)
-    assert value(found, "max_offlead") < 2e-3
-    swaying = summed(one_fall(), sway=2.0, rise=0.0)
-    assert value(swaying, "max_offlead") == pytest.approx(math.atan2(2.0, 25.0), rel=0.03)
-    assert value(swaying, "max_sidelead") == 0.0
-    assert swaying["max_offlead"]["unit"] == "rad"
+    rope = np.array([[0.0, 2.0, -25.0], [2.0, 0.0, -25.0], [-2.0, 0.0, -25.0], [0.0, 0.0, -25.0]])
+    axis = np.broadcast_to([0.0, 1.0, 0.0], rope.shape)
+    off, side = leads(rope, axis, (0.0, 0.0, -9.81))
+    lean = math.atan2(2.0, 25.0)
+    np.testing.assert_allclose(np.abs(off), [0.0, lean, lean, 0.0], rtol=1e-14)
+    assert off[1] == -off[2]
+    np.testing.assert_allclose(side, [lean, 0.0, 0.0, 0.0], rtol=1e-14)
+
+
+def test_angles_in_a_result_are_those_of_the_course_of_the_rope():
+    scene = read(DATA / "slewing.yaml").replace({"solver.end": 3.0})
+    run = simulate(build(scene))
+    course = course_of(run, laid_out(scene))
+    wheel, hook = hook_span(scene)
+    e = course.comes[:, hook] if hook > wheel else -course.leaves[:, hook]
+    off, side = leads(e, course.axis[:, wheel], scene.gravity)
+    assert np.abs(run["offlead"]).max() > 1e-3 and np.abs(run["sidelead"]).max() > 1e-3
+    np.testing.assert_allclose(run["offlead"], off, atol=1e-9)
+    np.testing.assert_allclose(run["sidelead"], side, atol=1e-9)
+    drum = scene.path.index(scene.drums[0])
+    along = np.abs(np.arcsin((course.leaves[:, drum] * course.axis[:, drum]).sum(axis=-1)))
+    np.testing.assert_allclose(run["drum_fleet_angle"][:, 0], along, atol=1e-9)
+    assert value(headline(run, scene), "max_sidelead") == np.abs(run["sidelead"]).max()
 
 
 def test_names_of_items_make_keys():

@@ -15,7 +15,6 @@ from crane.assembly.static_start import draw_true, stretch_of
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.span import MATERIAL, STATION
 from crane.model.handles import handles
-from crane.results.course import Course, course_of
 from crane.results.limits import limits
 from crane.results.observe import COORDINATE_UNITS, Observer, variables
 from crane.results.summary import JOINED, NOTHING, OF_PIECES, figure_units, figures_of_turns, headline
@@ -54,7 +53,11 @@ def build(scene: CraneScene) -> Model:
     check_supply(scene)
     made = assembled(scene)
     layout, system, notes = made.layout, made.system, [*made.notes, *unused_alphas(scene.solver)]
-    observer, told = Observer(layout, system.groups, made.compensation), _Told(scene, layout)
+    observer = Observer(layout, system.groups, made.compensation)
+
+    def told(result: Any, names: Collection[str] = ()) -> dict[str, dict[str, Any]]:
+        return headline(result, scene, layout, names)
+
     solver = scene.solver
     error = error_of_steps(solver, STEP_ERROR) or (STEP_ERROR if scene.controlled else 0.0)
     model = Model(
@@ -64,9 +67,9 @@ def build(scene: CraneScene) -> Model:
         coordinates=observer.coordinates(),
         attributes=attributes_of(scene, "crane", COORDINATE_UNITS),
         observe=observer.observe,
-        headline=told.headline,
-        limits=told.limits,
-        figures=told.headline,
+        headline=told,
+        limits=lambda result: limits(result, scene),
+        figures=told,
         figure_units=figure_units(scene),
         nothing=NOTHING,
         start="static" if scene.start == "static" else "as given",
@@ -82,29 +85,6 @@ def build(scene: CraneScene) -> Model:
         },
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
-
-
-class _Told:
-    """What is told of a result at the end of its run: headline, then limits, which look at the same course of rope."""
-
-    def __init__(self, scene: CraneScene, layout: Layout) -> None:
-        self.scene, self.layout = scene, layout
-        self.course: tuple[Any, Course] | None = None
-
-    def headline(self, result: Any, names: Collection[str] = ()) -> dict[str, dict[str, Any]]:
-        """The figures, or those that are named."""
-        return headline(result, self.scene, lambda: self._course(result), self.layout, names)
-
-    def limits(self, result: Any) -> list[dict[str, Any]]:
-        """The limits, after which the course is not needed any more."""
-        course, self.course = self._course(result), None
-        return limits(result, self.scene, course)
-
-    def _course(self, result: Any) -> Course:
-        """The rope's course through a result, found once."""
-        if self.course is None or self.course[0] is not result:
-            self.course = result, course_of(result, self.layout)
-        return self.course[1]
 
 
 class Assembly:

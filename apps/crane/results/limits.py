@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from crane.results.course import Course, course_of, laid_out, nodes_of
-from crane.results.summary import ends_of, hook_angles, hook_span, span_ends
+from crane.results.angles import hook_span
+from crane.results.course import nodes_of
+from crane.results.summary import ends_of, span_ends
 from crane.scene.path import DRUM_FLEET_LIMIT, Drum, Sheave
 from crane.scene.scene import CraneScene
 from crane.scene.strength import strain_bound
@@ -23,10 +24,9 @@ SIDELEAD = math.radians(5.0)
 Records = Iterator[dict[str, Any]]
 
 
-def limits(result: Any, scene: CraneScene, course: Course | None = None) -> list[dict[str, Any]]:
-    """Records of `tautline.results.limits`, from the stored frames; ``course`` is the rope's, where it was found."""
-    course = course or course_of(result, laid_out(scene))
-    return [*_strength(result, scene), *_strain(result, scene), *_angles(result, course), *_bending(result, scene)]
+def limits(result: Any, scene: CraneScene) -> list[dict[str, Any]]:
+    """Records of `tautline.results.limits`, from the stored frames."""
+    return [*_strength(result, scene), *_strain(result, scene), *_angles(result, scene), *_bending(result, scene)]
 
 
 def _strength(result: Any, scene: CraneScene) -> Records:
@@ -57,28 +57,20 @@ def _strain(result: Any, scene: CraneScene) -> Records:
     yield from stretch_limits(result.time, stretch, [spans[k] for k in free])
 
 
-def _angles(result: Any, course: Course) -> Records:
+def _angles(result: Any, scene: CraneScene) -> Records:
     """Fleet angles at sheaves and drums, and sidelead."""
-    scene = course.scene
     if scene.sheaves:
         size = np.abs(result["fleet_angle"]).max(axis=-1)
         bounds = np.array([sheave.fleet_limit for sheave in scene.sheaves])
         names = [sheave.name for sheave in scene.sheaves]
         yield judged("fleet_angle", "largest fleet angle at a sheave", "rad", result.time, size, bounds, names)
     if scene.drums:
-        columns = []
-        for drum in scene.drums:
-            i = scene.path.index(drum)
-            e = course.leaves[:, i] if i == 0 else course.comes[:, i]
-            along = np.einsum("mc,mc->m", e, course.axis[:, i]) / np.maximum(np.linalg.norm(e, axis=-1), 1e-300)
-            columns.append(np.abs(np.arcsin(np.clip(along, -1.0, 1.0))))
-        names, angle = [drum.name for drum in scene.drums], np.stack(columns, axis=-1)
+        names, angle = [drum.name for drum in scene.drums], np.asarray(result["drum_fleet_angle"])
         text = "largest fleet angle at a drum"
         yield judged("drum_fleet_angle", text, "rad", result.time, angle, DRUM_FLEET_LIMIT, names)
-    found = hook_angles(result, course) if any(scene.gravity) else None
     hung = hook_span(scene)
-    if found is not None and hung is not None:
-        side, place = np.abs(found[1])[:, None], scene.path[hung[0]].name
+    if hung is not None and "sidelead" in result:
+        side, place = np.abs(result["sidelead"])[:, None], scene.path[hung[0]].name
         yield judged("sidelead", "largest sidelead of the hook rope", "rad", result.time, side, SIDELEAD, [place])
 
 

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from crane.assembly.layout import Layout
+from crane.geometry.line import COLUMNS
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.capstan_friction import BEARING, NONE, Slips
 from crane.groups.layers import Wound
 from crane.groups.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH
 from crane.groups.winch import Drums
+from crane.results.angles import UPRIGHT, across_plumb, hook_span, leads, out_of_plane
 from crane.scene.scene import Drum, Sheave
 from crane.sea.compensation import Compensation
 from tautline.application.modelling import energies_of, energy_variables
@@ -51,6 +53,11 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("drum_rotation", drum, "rad", "rotation of the drum, positive where it pays out"),
         Variable("winch_torque", drum, "N m", "moment of the rope about the drum, at the layer that it leaves from"),
         Variable("winch_power", drum, "W", "power of the winch, positive where it hoists"),
+        Variable("drum_fleet_angle", drum, "rad", "angle of rope and drum plane"),
+    ]
+    of_hook = [
+        Variable("offlead", time, "rad", "angle of the hook's rope from plumb, in the plane of its wheel"),
+        Variable("sidelead", time, "rad", "angle of the hook's rope from plumb, out of the plane of its wheel"),
     ]
     return [
         Variable("position", (*node, "axis"), "m", "position"),
@@ -60,6 +67,7 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("tension", span, "N", "tension at the beginning and at the end of a span"),
         *(of_sheaves if observer.sheaves else []),
         *(of_drums if observer.drums else []),
+        *(of_hook if observer.hung is not None else []),
         *(of_bodies if observer.scene.bodies else []),
         *(
             [Variable("body_turn", ("time", "body", "part"), "", "quaternion of a body; 1, 0, 0, 0 of a point")]
@@ -96,9 +104,24 @@ class Observer:
         self.own += len(motors.rows) if motors is not None else 0
         self.start = layout.degrees.value.copy()
         self.wound = [Wound(self.scene.path[i], self.scene.rope.diameter, layout.stretch) for i in self.drums]
+        self.hung = self._hung()
         self.compensator: Any = None
         if compensation is not None:
             self.compensator = compile_functions([FunctionRequest(compensation.place, end=self.scene.solver.end)])
+
+    def _hung(self) -> tuple[int, int] | None:
+        """Wheel and hook of which offlead and sidelead are told: there is plumb, and the axis is drawn across it."""
+        hung = hook_span(self.scene)
+        if hung is None or not any(self.scene.gravity):
+            return None
+        across = across_plumb(self.layout.wheels.axis[hung[0]], self.scene.gravity)
+        return hung if np.linalg.norm(across) >= UPRIGHT else None
+
+    def _axes(self, q: np.ndarray, items: list[int]) -> np.ndarray:
+        """Unit axes of some items' wheels, (m, items, 3), from full vectors (m, n)."""
+        wheels = self.layout.wheels[items]
+        columns = q[:, wheels.frame[:, None] + COLUMNS + np.arange(AXES * AXES)].reshape(len(q), -1, AXES, AXES)
+        return sum(columns[:, :, j] * wheels.axis[:, j, None] for j in range(AXES))
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""
@@ -148,6 +171,12 @@ class Observer:
             made |= self._sheaves(frames, found)
         if self.drums:
             made |= self._drums(frames, found, made["tension"])
+        if self.hung is not None:
+            wheel, hook = self.hung
+            # The end at the load is what swings; a heavy rope between is another angle.
+            station = self.layout.item[hook]
+            e = found[:, station - 1, RECORDED:] if hook > wheel else -found[:, station, RECORDED:]
+            made["offlead"], made["sidelead"] = leads(e, self._axes(q, [wheel])[:, 0], self.scene.gravity)
         if self.layout.turn:
             made["body_turn"] = np.zeros((len(q), len(bodies), QUATERNION))
             made["body_turn"][..., 0] = 1.0
@@ -164,14 +193,10 @@ class Observer:
         after = np.array([layout.item[i] for i in self.sheaves])
         on, off = found[:, after - 1], found[:, after]
         e_on, e_off = on[..., RECORDED:], off[..., RECORDED:]
-        wheels = rows[self.sheaves]
-        columns = frames.q[:, wheels.frame[:, None] + 3 + np.arange(9)].reshape(len(frames.q), -1, 3, 3)
-        axis = sum(columns[:, :, j] * wheels.axis[:, j, None] for j in range(AXES))
+        wheels, axis = rows[self.sheaves], self._axes(frames.q, self.sheaves)
         place = np.array([layout.material(i) for i in self.sheaves])
         load = off[..., [FIRST]] * e_off - on[..., [LAST]] * e_on
-        # Written out: a sum by einsum is rounded otherwise in batches of another length.
-        across = [sum(e[..., c] * axis[..., c] for c in range(AXES)) for e in (e_on, e_off)]
-        fleet = [np.arcsin(np.clip(x, -1.0, 1.0)) for x in across]
+        fleet = [out_of_plane(e, axis) for e in (e_on, e_off)]
         return {
             "wrap_angle": np.abs(off[..., FIRST_PSI] - on[..., LAST_PSI]),
             "fleet_angle": np.stack(fleet, axis=-1),
@@ -223,4 +248,5 @@ class Observer:
             "drum_rotation": np.stack([w.rotation_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
             "winch_torque": tension * np.stack([w.radius_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
             "winch_power": -tension * stretch * speed,
+            "drum_fleet_angle": np.abs(out_of_plane(found[:, element, RECORDED:], self._axes(frames.q, self.drums))),
         }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import re
 from collections.abc import Callable, Collection, Iterator
 from typing import Any
@@ -16,7 +15,7 @@ from crane.results.power import winch_energy
 from crane.rope_life.bending import BendingCycles, bending_cycles
 from crane.rope_life.events import Peak, amplification, largest, safety_factor, slack_events
 from crane.rope_life.fatigue import RainflowCycles, equivalent_range, rainflow_counts
-from crane.scene.scene import CraneScene, Drum, End, Sheave
+from crane.scene.scene import CraneScene, Sheave
 
 SLACK = 0.01
 """Share of the largest tension at rest below which a span counts as slack."""
@@ -51,7 +50,6 @@ Row = tuple[str, Any, str, str]
 def headline(
     result: Any,
     scene: CraneScene,
-    course: Callable[[], Course] | None = None,
     layout: Layout | None = None,
     names: Collection[str] = (),
 ) -> dict[str, dict[str, Any]]:
@@ -62,24 +60,21 @@ def headline(
     result : Result
         One frame at least.
     scene : CraneScene
-    course : callable, optional
-        -> the rope's course, which not all figures need.
     layout : Layout, optional
         Of the scene, where it was laid out already.
     names : collection of str
         Figures that are wanted: others may be left out. All for nothing.
     """
     layout = layout or laid_out(scene)
-    course = course or functools.cache(lambda: course_of(result, layout))
     parts: list[tuple[str, Callable[[], Iterator[Row]]]] = [
         ("max_tension|min_tension|dynamic_amplification|safety_factor", lambda: _tensions(result, layout)),
         ("slack_events|longest_slack|max_snap|undamped_snaps", lambda: _slack(result, layout)),
         ("max_sheave_load|max_fleet_angle|slipping_share", lambda: _sheaves(result, scene)),
         ("max_winch_power|mean_winch_power|energy_", lambda: _winches(result, scene)),
         ("equivalent_tension_range|tension_cycles", lambda: _fatigue(result, scene)),
-        ("max_bending_cycles|smallest_bending_ratio", lambda: _bending(result, course())),
+        ("max_bending_cycles|smallest_bending_ratio", lambda: _bending(result, course_of(result, layout))),
         ("rise|max_displacement", lambda: _bodies(result, scene)),
-        ("max_offlead|max_sidelead", lambda: _angles(result, course())),
+        ("max_offlead|max_sidelead", lambda: _angles(result)),
     ]
     wanted = [part for begins, part in parts if not names or any(re.match(begins, name) for name in names)]
     rows = [row for part in wanted for row in part()]
@@ -341,54 +336,11 @@ def _bodies(result: Any, scene: CraneScene) -> Iterator[Row]:
         yield f"max_displacement{end}", away.value, "m", text
 
 
-def hook_angles(result: Any, course: Course) -> tuple[np.ndarray, np.ndarray] | None:
-    """Angles of the hook's rope in the plane of the sheave or drum that it hangs from, and out of it, (m,) rad.
-
-    Returns
-    -------
-    offlead, sidelead : (m,) arrays
-        From plumb, positive outwards of the first frame's direction along the axis' horizontal normal, and along the
-        axis; None where no body hangs from a sheave or drum.
-    """
-    hung = hook_span(course.scene)
-    if hung is None:
-        return None
-    wheel, hook = hung
-    # The end at the load is what swings; a heavy rope between is another angle.
-    e = course.comes[:, hook] if hook > wheel else -course.leaves[:, hook]
-    axis = course.axis[:, wheel]
-    g = np.array(course.scene.gravity, float)
-    down = g / np.linalg.norm(g)
-    across = axis - (axis @ down)[:, None] * down
-    size = np.linalg.norm(across, axis=-1, keepdims=True)
-    if float(size.min()) < 0.1:
-        return None
-    across /= size
-    outwards = np.cross(across, down)
-    fall = e @ down
-    off = np.arctan2(np.einsum("mc,mc->m", e, outwards), fall)
-    side = np.arctan2(np.einsum("mc,mc->m", e, across), fall)
-    return off, side
-
-
-def hook_span(scene: CraneScene) -> tuple[int, int] | None:
-    """Numbers of the wheel that a body hangs from and of the item on the body, next to one another; None if none."""
-    rides = [isinstance(item, (End, Sheave)) and item.body is not None for item in scene.path]
-    pairs = [(i - 1, i) for i in range(1, len(rides))] + [(i, i - 1) for i in range(1, len(rides))]
-    for wheel, hook in pairs:
-        if rides[hook] and not rides[wheel] and isinstance(scene.path[wheel], (Sheave, Drum)):
-            return wheel, hook
-    return None
-
-
-def _angles(result: Any, course: Course) -> Iterator[Row]:
-    if not any(course.scene.gravity):
-        return
-    found = hook_angles(result, course)
-    if found is None:
-        return
-    for word, angle in zip(("offlead", "sidelead"), found, strict=True):
-        size = np.where(np.abs(angle) > NO_ANGLE, np.abs(angle), 0.0)
-        peak = largest(result.time, size, ["hook rope"])
+def _angles(result: Any) -> Iterator[Row]:
+    for word in ("offlead", "sidelead"):
+        if word not in result:
+            return
+        angle = np.abs(result[word])
+        peak = largest(result.time, np.where(angle > NO_ANGLE, angle, 0.0), ["hook rope"])
         text = f"largest {word} of the hook rope (at {peak.time:.4g} s)"
         yield f"max_{word}", peak.value, "rad", text
