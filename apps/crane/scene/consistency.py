@@ -230,6 +230,8 @@ def _compensation(scene: Scene) -> Iterator[Fault]:
 
 def _computable(scene: Scene) -> Iterator[Fault]:
     """Yield the numbers that cannot be computed with, and the places that are too far from the origin."""
+    if not _any_odd(scene):
+        return
     for at, value in _numbers(scene, ()):
         name = next(part for part in reversed(at) if isinstance(part, str))
         if abs(value) > LARGEST or (name in DIVISORS and 0.0 < abs(value) < SMALLEST):
@@ -237,6 +239,15 @@ def _computable(scene: Scene) -> Iterator[Fault]:
         elif name in PLACES and abs(value) > FAR_AWAY:
             cause = "is so far away that rounding would show in the rope's forces"
             yield at, cause, "put the origin near the crane, and give positions in m"
+
+
+def _any_odd(value: Any) -> bool:
+    """Whether any number is so large or so small that its key matters."""
+    if isinstance(value, float):
+        return value != 0.0 and not SMALLEST <= abs(value) <= FAR_AWAY
+    if isinstance(value, (tuple, list)):
+        return any(_any_odd(entry) for entry in value)
+    return isinstance(value, Model) and any(_any_odd(entry) for entry in value.__dict__.values())
 
 
 def _numbers(value: Any, at: Key) -> Iterator[tuple[Key, float]]:

@@ -14,6 +14,11 @@ from numba import typeof, types
 PLAIN = (int, float, bool, type(None), np.float64, np.int64)
 """Classes whose values are all of one type to numba."""
 ARRAYS = (np.ndarray, np.recarray)
+_flags, _entries, _shape, _strides, _size, _width, _memory = (
+    getattr(np.ndarray, name).__get__ for name in ("flags", "dtype", "shape", "strides", "size", "itemsize", "ctypes")
+)
+"""Attributes of arrays, past the class of record arrays: it looks for each in Python, and describes all of its fields
+where only an address is wanted."""
 
 _kinds: dict[Any, types.Type] = {}
 
@@ -37,7 +42,7 @@ def form_of(value: Any) -> Any:
     """
     kind = type(value)
     if kind in ARRAYS:
-        flags, entries = value.flags, value.dtype
+        flags, entries = _flags(value), _entries(value)
         lies = flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned, entries.isalignedstruct
         return entries, value.ndim, lies
     if isinstance(value, tuple):
@@ -56,8 +61,8 @@ def words_of(value: Any) -> list[int]:
     """
     if isinstance(value, tuple):
         return [word for part in value for word in words_of(part)]
-    if isinstance(value, np.ndarray) and value.flags.c_contiguous:
-        return [0, 0, value.size, value.itemsize, value.__array_interface__["data"][0], *value.shape, *value.strides]
+    if isinstance(value, np.ndarray) and _flags(value).c_contiguous:
+        return [0, 0, _size(value), _width(value), _memory(value).data, *_shape(value), *_strides(value)]
     if isinstance(value, (float, np.float64)):
         return [int(np.float64(value).view(np.int64))]
     if isinstance(value, (int, np.int64)) and not isinstance(value, bool):

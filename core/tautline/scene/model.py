@@ -186,10 +186,26 @@ class Scene(Model):
     def _remade(self, change: Callable[[Document], Document]) -> Self:
         if self._document is None:
             raise SceneError([self.problem("", *WITHOUT_TEXT)])
-        changed = validate(type(self), change(self._document))
+        changed = self._with_document(change(self._document))
         changed.share(self)
         changed._driven = self._driven
         return changed
+
+    def _with_document(self, document: Document) -> Self:
+        """The scene of a document; of what is the same object there as in our own, the models are taken over."""
+        assert self._document is not None
+        before, names = self._document.root, {f.alias or name: name for name, f in type(self).model_fields.items()}
+        root = {
+            key: getattr(self, names[key]) if key in names and value is before.get(key) else value
+            for key, value in document.root.items()
+        }
+        try:
+            scene = type(self).model_validate(root, context={"folder": document.folder})
+        except ValidationError:
+            # Read in full, it says what is wrong as it would have been written.
+            return validate(type(self), document)
+        scene._document = document
+        return scene
 
     def once(self, what: str, depends_on: tuple[Any, ...], make: Callable[[], T]) -> T:
         """What `make` gives; it is called again only where what it depends on has changed.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -206,7 +207,91 @@ def assemble(
     -------
     System
     """
-    full = len(degrees.names)
+    numbering = _numbering(Structure.of(degrees, stencils, mass_stencils, flowing))
+    dofs, free, number, rank = numbering.dofs, numbering.free, numbering.number, numbering.rank
+    border, mass_pattern = numbering.border, numbering.mass_pattern
+    return System(
+        groups=groups,
+        dofs=dofs._replace(offset=degrees.value[dofs.held].astype(np.float64)),
+        functions=functions,
+        q=degrees.value.astype(np.float64),
+        v=_velocity(velocity, degrees),
+        scale=degrees.scale[free].astype(np.float64),
+        names=[degrees.names[k] for k in free],
+        free=free,
+        mass_couples_held=numbering.mass_couples_held,
+        at_rest=np.array([rank[number[i]] for i in at_rest if number[i] >= 0], dtype=np.int64),
+        bandwidth=numbering.bandwidth,
+        mass_bandwidth=numbering.mass_bandwidth,
+        mass_pattern=mass_pattern,
+        border=border,
+        algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
+        places=list(degrees.names),
+        window=window if window is not None and numbering.in_one_piece else np.zeros(0, np.int64),
+    )
+
+
+class Structure(NamedTuple):
+    """All that the numbering of unknowns depends on: many scenes differ in nothing but numbers.
+
+    ``size`` full degrees of freedom, ``motion`` and ``masters`` of :class:`Degrees`, stencils as shape and bytes.
+    """
+
+    size: int
+    motion: tuple[tuple[int, int], ...]
+    masters: tuple[tuple[int, tuple[tuple[int, float], ...]], ...]
+    stencils: tuple[tuple[tuple[int, ...], bytes], ...]
+    mass_stencils: tuple[tuple[tuple[int, ...], bytes], ...]
+    flowing: tuple[int, ...]
+
+    @classmethod
+    def of(
+        cls,
+        degrees: Degrees,
+        stencils: Sequence[np.ndarray],
+        mass_stencils: Sequence[np.ndarray],
+        flowing: Sequence[int],
+    ) -> Structure:
+        """The structure of degrees of freedom and what couples them."""
+        return cls(
+            len(degrees.names),
+            tuple(degrees.motion.items()),
+            tuple((i, tuple(masters)) for i, masters in degrees.masters.items()),
+            *(tuple((s.shape, s.astype(np.int64).tobytes()) for s in given) for given in (stencils, mass_stencils)),
+            tuple(flowing),
+        )
+
+    def stencil_arrays(self, mass: bool) -> list[np.ndarray]:
+        """The stencils, or those of the mass."""
+        given = self.mass_stencils if mass else self.stencils
+        return [np.frombuffer(entries, np.int64).reshape(shape) for shape, entries in given]
+
+
+class Numbering(NamedTuple):
+    """How unknowns are numbered: ``free`` (n,) the full degree of freedom of each, ``number`` (n_full,) the place of
+    each among the free ones or -1, ``rank`` (n,) the unknown that a free one is. The dofs are without their offsets,
+    and shared by all systems of one structure."""
+
+    dofs: Dofs
+    free: np.ndarray
+    number: np.ndarray
+    rank: np.ndarray
+    bandwidth: int
+    mass_bandwidth: int
+    mass_pattern: Pattern
+    border: int
+    mass_couples_held: bool
+    in_one_piece: bool
+
+
+@functools.lru_cache(maxsize=2)
+def _numbering(structure: Structure) -> Numbering:
+    """Number the unknowns and order them for a narrow band; found once for scenes of one structure."""
+    degrees = Degrees([""] * structure.size, np.zeros(structure.size), np.ones(structure.size))
+    degrees.motion.update(structure.motion)
+    degrees.masters.update((i, list(masters)) for i, masters in structure.masters)
+    stencils, mass_stencils = structure.stencil_arrays(mass=False), structure.stencil_arrays(mass=True)
+    full = structure.size
     free = np.array([i for i in range(full) if i not in degrees.motion and i not in degrees.masters], dtype=np.int64)
     number = np.full(full, -1, dtype=np.int64)
     number[free] = np.arange(free.size)
@@ -215,28 +300,13 @@ def assemble(
     order, border = narrow(pattern)
     rank = np.argsort(order)
     pattern, mass_pattern = pattern.renumbered(rank), mass_pattern.renumbered(rank)
-
-    dofs = _dofs(degrees, masters, free[order], rank, flowing)
+    dofs = _dofs(degrees, masters, free[order], rank, structure.flowing)
     in_order = bool(np.all(np.diff(dofs.free) > 0))
-    return System(
-        groups=groups,
-        dofs=dofs,
-        functions=functions,
-        q=degrees.value.astype(np.float64),
-        v=_velocity(velocity, degrees),
-        scale=degrees.scale[free][order].astype(np.float64),
-        names=[degrees.names[free[k]] for k in order],
-        free=free[order],
-        mass_couples_held=any(_couples(masters, s) for s in mass_stencils),
-        at_rest=np.array([rank[number[i]] for i in at_rest if number[i] >= 0], dtype=np.int64),
-        bandwidth=pattern.width(border),
-        mass_bandwidth=(mass_pattern if border == 0 else pattern).width(border),
-        mass_pattern=mass_pattern,
-        border=border,
-        algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
-        places=list(degrees.names),
-        window=window if window is not None and dofs.tied.size == border == 0 and in_order else np.zeros(0, np.int64),
-    )
+    return Numbering(
+        dofs, free[order], number, rank, pattern.width(border),
+        (mass_pattern if border == 0 else pattern).width(border), mass_pattern, border,
+        any(_couples(masters, s) for s in mass_stencils), dofs.tied.size == border == 0 and in_order,
+    )  # fmt: skip
 
 
 def _dofs(

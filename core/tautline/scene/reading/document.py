@@ -169,7 +169,10 @@ class Document:
         SceneError
             If a path leads through something that has no keys.
         """
-        root, origins = _copied(self.root), dict(self.origins)
+        # What nothing is changed in stays the same object: it need not be read again.
+        touched = {path[0] for path in values if path} if isinstance(self.root, dict) else set()
+        root = {key: _copied(item) if key in touched else item for key, item in self.root.items()}
+        origins = dict(self.origins)
         for path, (value, origin) in values.items():
             place: Any = root
             for i, part in enumerate(path):
