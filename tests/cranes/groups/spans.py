@@ -6,6 +6,7 @@ from references import span_lagrangian as exact
 from crane.geometry.line import POINT, WHEEL
 from crane.groups.span import SPAN, STATION, new_spans
 from tautline.kernels import groups as over
+from tautline.kernels.changes import COUNT, new_changed
 from tautline.kernels.groups import link
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import dense, new_matrix
@@ -13,7 +14,7 @@ from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
 
 FRAME = 12
-SUMS = ("residual", "mass", "smooth_tangent", "switching_tangent", "energy", "dissipation", "supply", "switch")
+SUMS = ("residual", "mass", "smooth_tangent", "switching_tangent", "energy", "dissipation", "supply", "kink", "alarm")
 
 
 class Held:
@@ -71,6 +72,30 @@ class Held:
         e, p = np.zeros(3), np.zeros(3)
         _energies(self.groups, np.concatenate((self.q[:24], q)), np.concatenate((self.v[:24], v)), e, p)
         return e, p
+
+
+    def power(self, q, v):
+        """Power that turning wheels put in, W, and the alarm that is raised."""
+        p, alarm = np.zeros(2), np.zeros(2, np.int64)
+        _power(self.groups, np.concatenate((self.q[:24], q)), np.concatenate((self.v[:24], v)), p, alarm)
+        return p[0], alarm[0]
+
+    def kinks(self):
+        """Spans that have gone slack, or become taut again, since it was asked last."""
+        changed = new_changed()
+        _kinks(self.groups, changed)
+        return changed[COUNT]
+
+
+@entry
+def _power(groups, q, v, p, alarm):
+    over.supply(groups, 0.0, q, v, p)
+    over.alarm(groups, 0.0, q, alarm)
+
+
+@entry
+def _kinks(groups, changed):
+    over.kink(groups, changed)
 
 
 @entry

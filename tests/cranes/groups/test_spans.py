@@ -5,6 +5,8 @@ import pytest
 from cranes.groups.spans import Held
 from references import span_lagrangian as exact
 
+from tautline.kernels.groups import EMPTY
+
 CASES = [case for seed in (1, 2) for case in exact.cases(seed)]
 NAMES = [f"{case.name} {k // 12}" for k, case in enumerate(CASES)]
 
@@ -54,3 +56,46 @@ def test_tangent_is_the_residuals_difference(case, weights):
 def test_mass_is_what_accelerations_meet(case):
     span = held(case)
     assert np.allclose(span.mass(case.q), span.matrix(case.q, case.v, case.a, 1.0, 0.0, 0.0), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("case", CASES, ids=NAMES)
+def test_what_the_residual_has_found_is_taken_for_its_own_state_only(case):
+    """Power and alarms are read off what the residual found where it was asked of the same state, else looked for."""
+    further = case.q + 0.01 * np.array([1.0, -0.5, 0.3, 0.0, -0.2, 0.7, 0.4, 0.0])
+    alone = {name: held(case).power(q, v) for name, q, v in _states(case, further)}
+    span = held(case)
+    for name, q, v in _states(case, further):
+        span.residual(q, v, case.a)
+        assert span.power(q, v) == pytest.approx(alone[name], rel=1e-10, abs=1e-10)
+        for other, x, y in _states(case, further):
+            assert span.power(x, y) == pytest.approx(alone[other], rel=1e-9, abs=1e-9)
+
+
+def _states(case, further):
+    return ("as it is", case.q, case.v), ("elsewhere", further, case.v), ("faster", case.q, 1.5 * case.v)
+
+
+def test_an_element_without_length_raises_the_alarm_whether_its_line_was_found_or_not():
+    case = CASES[0]
+    gone = case.q.copy()
+    gone[7] = gone[3] - 0.1
+    assert held(case).power(gone, case.v)[1] == EMPTY
+    span = held(case)
+    span.residual(gone, case.v, case.a)
+    assert span.power(gone, case.v)[1] == EMPTY
+    assert held(case).power(case.q, case.v)[1] == 0
+
+
+def test_a_span_that_goes_slack_or_taut_is_told_once_by_the_residual():
+    case = CASES[0]
+    span, short = held(case, slack=True), case.q.copy()
+    short[7] = short[3] + 2.0 * (short[7] - short[3])
+    still = np.zeros(8)
+    span.residual(case.q, still, still)
+    assert span.kinks() == 0 and exact.strain_energy(case.span, case.q, case.time) > 0.0
+    span.residual(short, still, still)
+    assert (span.kinks(), span.kinks()) == (1, 0)
+    span.residual(short, still, still)
+    assert span.kinks() == 0
+    span.residual(case.q, still, still)
+    assert span.kinks() == 1
