@@ -56,8 +56,8 @@ def check(
     SceneError, ResultError
         For a scene that cannot be run, and a figure that cannot be drawn.
     """
-    application = catalogue.for_scene(scene)
-    read = changed(application.read(scene), changes)
+    application, found = catalogue.read(scene)
+    read = changed(found, changes)
     warnings = application.warnings(read)
     figures = application.check_figures(read)
     print_warnings(warnings)
@@ -133,8 +133,8 @@ def simulate(
     """
     from tautline.results.target import check_target
 
-    application = catalogue.for_scene(scene)
-    read = application.with_overrides(changed(application.read(scene), changes), **overrides)
+    application, found = catalogue.read(scene)
+    read = application.with_overrides(changed(found, changes), **overrides)
     target = check_target(output or Path(scene.name).with_suffix(".nc"))
     earlier = _earlier(resume)
     warnings = application.warnings(read)
