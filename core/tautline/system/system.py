@@ -242,9 +242,7 @@ def assemble(
     )
 
 
-def _dofs(
-    degrees: Degrees, masters: Masters, free: np.ndarray, rank: np.ndarray, flowing: Sequence[int]
-) -> Dofs:
+def _dofs(degrees: Degrees, masters: Masters, free: np.ndarray, rank: np.ndarray, flowing: Sequence[int]) -> Dofs:
     """The map from unknowns to degrees of freedom; ``rank`` is the number of each master, ``free`` in that order."""
     held = np.array(sorted(degrees.motion), dtype=np.int64)
     motion = np.array([degrees.motion[i] for i in held], dtype=np.int64)
