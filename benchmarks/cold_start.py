@@ -14,15 +14,15 @@ from statistics import median
 import jwell
 from page import Section, number, show, table
 
-COMMAND = str(Path(sys.executable).parent / "drillstring")
+SCRIPTS = Path(sys.executable).parent
 
 
-def seconds(cache: Path, folder: Path, *arguments: str) -> tuple[float, float]:
+def seconds(cache: Path, folder: Path, *arguments: str, command: str = "drillstring") -> tuple[float, float]:
     """Wall and CPU time of a command as a process of its own, s, which may keep Python's byte code as usual."""
     installed = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run(
-        [COMMAND, *arguments], cwd=folder, env=installed | {"TAUTLINE_CACHE": str(cache)}, check=True,
+        [str(SCRIPTS / command), *arguments], cwd=folder, env=installed | {"TAUTLINE_CACHE": str(cache)}, check=True,
         stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

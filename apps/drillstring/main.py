@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 from drillstring.application import Drillstring
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
@@ -9,7 +11,7 @@ from tautline.cli.verbs import make_app
 
 def main() -> None:
     """Run the command of the process's arguments; leaves through SystemExit."""
-    run(make_app(Drillstring()))
+    run(make_app(Drillstring(), sys.argv[1:]))
 
 
 if __name__ == "__main__":

@@ -41,7 +41,7 @@ class FakeApplication:
 
     def read(self, path):
         try:
-            text = Path(path).read_text()
+            text = Path(getattr(path, "path", path)).read_text()  # a file, or the document that was read of it
         except OSError as error:
             raise SceneError([Problem(str(path), None, "", None, "there is no such file", "check the name")]) from error
         if "fake" not in text:

@@ -20,7 +20,7 @@ from tautline.results.result import Result
 FAKE = Path(__file__).with_name("fake_application.py")
 
 SIMULATE_KEYS = {"scene", "result", "status", "method", "step", "end", "frames", "steps", "newton_iterations"}
-SIMULATE_KEYS |= {"wall_time", "real_time_factor", "energy_error"}
+SIMULATE_KEYS |= {"wall_time", "total_time", "real_time_factor", "energy_error"}
 
 
 @pytest.fixture

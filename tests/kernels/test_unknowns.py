@@ -13,6 +13,7 @@ from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import new_matrix
 from tautline.scene.functions import Harmonic
+from tautline.system.masters import Masters
 from tautline.system.pattern import narrow, pattern_of
 from tautline.system.system import Degrees, assemble, number_by_mass
 from tautline.system.time_functions import FunctionRequest, compile_functions
@@ -234,7 +235,7 @@ def test_the_band_is_never_wider_than_in_the_order_of_building(seed):
 def test_a_chain_keeps_its_order_and_a_shuffled_one_gets_it_back():
     for order in (np.arange(200), np.random.default_rng(5).permutation(200)):
         triples = order[np.arange(198)[:, None] + np.arange(3)]
-        pattern = pattern_of([[(i, 1.0)] for i in range(200)], 200, [triples])
+        pattern = pattern_of(Masters.of(np.arange(200), [], {}), 200, [triples])
         found, border = narrow(pattern)
         assert border == 0 and pattern.renumbered(np.argsort(found)).width() == 2
         assert np.array_equal(found, order) or np.array_equal(found, order[::-1])
@@ -243,6 +244,6 @@ def test_a_chain_keeps_its_order_and_a_shuffled_one_gets_it_back():
 
 def test_what_all_others_depend_on_becomes_the_border():
     spokes = np.column_stack([np.full(150, 77), np.delete(np.arange(151), 77)])
-    order, border = narrow(pattern_of([[(i, 1.0)] for i in range(151)], 151, [spokes]))
+    order, border = narrow(pattern_of(Masters.of(np.arange(151), [], {}), 151, [spokes]))
     assert border == 1 and order[-1] == 77
-    assert narrow(pattern_of([], 0, []))[1] == 0
+    assert narrow(pattern_of(Masters.of(np.arange(0), [], {}), 0, []))[1] == 0

@@ -99,8 +99,8 @@ def operability(
     from tautline.cli.progress import Counter
     from tautline.cli.simulate import FIRST_RUN, print_warnings
 
-    application = context.obj.for_scene(scene)
-    read = changed(application.read(scene), changes)
+    application, found = context.obj.read(scene)
+    read = changed(found, changes)
     asked = _asked(
         hs, tp, heading, seeds, first_seed, duration, simulated, lead_in, limit, percentile, confidence, scatter,
         sn_constant,

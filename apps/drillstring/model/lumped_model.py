@@ -110,12 +110,12 @@ def _degrees(scene: DrillstringScene, lumps: Lumps, weight: np.ndarray, driven: 
     stiffness = lumps.of_links(lambda tube: tube.youngs_modulus * tube.area)
     force = float(np.abs(weight).sum()) + abs(scene.bit.load) + ROUNDING * float(stiffness.max())
     radius = max(tube.od for tube in lumps.tubes) / 2.0
-    section = np.append(lumps.section, lumps.section[-1])
-    names = [
-        f"lump {i} of {count - 1} ({lumps.tubes[section[i]].name}, md {lumps.measured_depth[i]:.0f} m): {direction}"
-        for i in range(count)
-        for direction in DIRECTIONS
+    sections, depths = np.append(lumps.section, lumps.section[-1]).tolist(), lumps.measured_depth.tolist()
+    places = [
+        f"lump {i} of {count - 1} ({lumps.tubes[section].name}, md {depth:.0f} m): "
+        for i, (section, depth) in enumerate(zip(sections, depths, strict=True))
     ]
+    names = [place + direction for place in places for direction in DIRECTIONS]
     degrees = Degrees(names, np.zeros(PER_BODY * count), np.tile([force, force, force, force * radius], count))
     degrees.prescribe(0, BLOCK)
     degrees.fix(1)

@@ -17,15 +17,16 @@ def part_of(result: Any) -> str:
 
 def names_of_bodies(lumps: Lumps) -> list[str]:
     """What each lump or node is called for an engineer: ``drill pipe at 320 m``, ``the bit``."""
-    sections = [lumps.tubes[k].name for k in lumps.section]
-    names = [f"{name} at {depth_said(x)}" for name, x in zip(sections, lumps.measured_depth[1:-1], strict=False)]
+    sections = [lumps.tubes[k].name for k in lumps.section.tolist()]
+    depths = lumps.measured_depth[1:-1].tolist()
+    names = [f"{name} at {depth_said(x)}" for name, x in zip(sections, depths, strict=False)]
     return ["the top of the string", *names, "the bit"]
 
 
 def names_of_links(lumps: Lumps) -> list[str]:
     """What each element is called: its section, and the depth of its middle."""
-    middle = 0.5 * (lumps.measured_depth[1:] + lumps.measured_depth[:-1])
-    return [f"{lumps.tubes[k].name} at {depth_said(x)}" for k, x in zip(lumps.section, middle, strict=True)]
+    middle = (0.5 * (lumps.measured_depth[1:] + lumps.measured_depth[:-1])).tolist()
+    return [f"{lumps.tubes[k].name} at {depth_said(x)}" for k, x in zip(lumps.section.tolist(), middle, strict=True)]
 
 
 def depth_said(depth: float) -> str:

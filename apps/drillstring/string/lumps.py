@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from dataclasses import dataclass
 from math import pi
 
@@ -49,13 +50,15 @@ def share_elements(tubes: list[Tube], total: int) -> list[int]:
     if total < len(tubes):
         raise ValueError(f"{total} elements for {len(tubes)} sections: each section needs at least one")
     counts = [tube.elements or 1 for tube in tubes]
-    open_ = [k for k, tube in enumerate(tubes) if tube.elements is None]
-    if not open_:
+    # The next element goes where elements are longest now, which is what stands on top of the heap.
+    longest = [(-tube.length, k) for k, tube in enumerate(tubes) if tube.elements is None]
+    if not longest:
         return counts
+    heapq.heapify(longest)
     for _ in range(total - sum(counts)):
-        # The next element goes where elements are longest now.
-        k = max(open_, key=lambda j: tubes[j].length / counts[j])
+        k = longest[0][1]
         counts[k] += 1
+        heapq.heapreplace(longest, (-(tubes[k].length / counts[k]), k))
     return counts
 
 
@@ -118,10 +121,9 @@ def cut(tubes: list[Tube], elements: int) -> Lumps:
     """
     counts = share_elements(tubes, elements)
     section = np.repeat(np.arange(len(tubes)), counts)
-    length = np.array([tubes[k].length / counts[k] for k in section])
-    halves = np.zeros((length.size + 1, len(tubes)))
-    for i, k in enumerate(section):
-        halves[i, k] += 0.5 * length[i]
-        halves[i + 1, k] += 0.5 * length[i]
+    length = np.array([tube.length / count for tube, count in zip(tubes, counts, strict=True)])[section]
+    halves, link = np.zeros((length.size + 1, len(tubes))), np.arange(length.size)
+    halves[link, section] += 0.5 * length
+    halves[link + 1, section] += 0.5 * length
     depth = np.concatenate([[0.0], np.cumsum(length)])
     return Lumps(tuple(tubes), section, length, depth, halves)

@@ -7,8 +7,8 @@ clockwise from north, both in radians.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -78,7 +78,10 @@ class Turn:
 Section = Hold | Build | Turn
 
 
-Piece = tuple[float, np.ndarray, np.ndarray]
+Vector = Sequence[float]
+"""North, east and down as plain numbers: a well may have a hundred thousand arcs, and each is three numbers."""
+
+Piece = tuple[float, Vector, Vector]
 """One arc before it has a frame: length [m], curvature vector t' at its start [1/m], unit tangent at its end."""
 
 
@@ -96,6 +99,12 @@ def direction_angles(tangent) -> tuple[np.ndarray, np.ndarray]:
     azimuth = np.mod(np.arctan2(tangent[..., 1], tangent[..., 0]), 2.0 * np.pi)
     azimuth = np.where(azimuth >= 2.0 * np.pi, 0.0, azimuth)  # a tiny negative angle rounds up to the whole circle
     return np.arctan2(level, tangent[..., 2]), np.where(level < VERTICAL, 0.0, azimuth)
+
+
+def plain_direction(inclination: float, azimuth: float) -> Vector:
+    """The same of one direction, in plain numbers."""
+    level = math.sin(inclination)
+    return level * math.cos(azimuth), level * math.sin(azimuth), math.cos(inclination)
 
 
 def dogleg(upper, lower) -> np.ndarray:
@@ -116,7 +125,7 @@ def drill(section: Section, index: int, inclination: float, azimuth: float) -> t
         check_finite(section.length, "hold", index)
         if section.length < 0.0:
             raise WellboreError(f"hold = {section.length:g} m is negative", "give a length of zero or more", index)
-        piece = (section.length, np.zeros(3), direction(inclination, azimuth))
+        piece = (section.length, (0.0, 0.0, 0.0), plain_direction(inclination, azimuth))
         return ([piece] if section.length > 0.0 else []), (inclination, azimuth)
     _check_radius(section.radius, index)
     if isinstance(section, Build):
@@ -143,7 +152,7 @@ def _drill_build(build: Build, index: int, inclination: float, azimuth: float):
     if abs(change) <= SAME_ANGLE:
         return [], (inclination, azimuth)
     bend = math.copysign(1.0 / build.radius, change) * rise(inclination, azimuth)
-    return [(abs(change) * build.radius, bend, direction(*end))], end
+    return [(abs(change) * build.radius, bend.tolist(), plain_direction(*end))], end
 
 
 def _drill_turn(turn: Turn, index: int, inclination: float, azimuth: float):
@@ -169,13 +178,26 @@ def _drill_turn(turn: Turn, index: int, inclination: float, azimuth: float):
     length = turn.radius * math.sin(inclination) * abs(change) / count
     # Many turns round, an azimuth is rounded to more than the steps between the arcs.
     azimuth = _short_way(0.0, azimuth)
-    tangents = direction(inclination, azimuth + change * np.linspace(0.0, 1.0, count + 1))
-    pieces = []
-    for upper, lower in pairwise(tangents):
-        normal = lower - (lower @ upper) * upper
-        bend = normal * (float(dogleg(upper, lower)) / (length * math.sqrt(normal @ normal)))
-        pieces.append((length, bend, lower))
+    pieces, upper = [], plain_direction(inclination, azimuth)
+    for i in range(1, count + 1):
+        lower = plain_direction(inclination, azimuth + change * (1.0 if i == count else i * (1.0 / count)))
+        pieces.append((length, _bend(upper, lower, length), lower))
+        upper = lower
     return pieces, (inclination, azimuth + change)
+
+
+def _bend(upper: Vector, lower: Vector, length: float) -> Vector:
+    """Curvature vector [1/m] at the start of an arc of a length [m] from one direction to another."""
+    (u0, u1, u2), (l0, l1, l2) = upper, lower
+    along = l0 * u0 + l1 * u1 + l2 * u2
+    n0, n1, n2 = l0 - along * u0, l1 - along * u1, l2 - along * u2
+    angle = 2.0 * math.atan2(_length(l0 - u0, l1 - u1, l2 - u2), _length(l0 + u0, l1 + u1, l2 + u2))
+    size = angle / (length * _length(n0, n1, n2))
+    return n0 * size, n1 * size, n2 * size
+
+
+def _length(x: float, y: float, z: float) -> float:
+    return math.sqrt(x * x + y * y + z * z)
 
 
 def _short_way(start: float, end: float) -> float:

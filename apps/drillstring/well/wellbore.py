@@ -24,7 +24,7 @@ arcs, the frame and the points in between would still be ours, so it is not a de
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +37,7 @@ from drillstring.well.sections import (
     Piece,
     Section,
     Turn,
+    Vector,
     WellboreError,
     check_finite,
     check_inclination,
@@ -217,7 +218,7 @@ def from_survey(md, inc, azi) -> Wellbore:
     normal = np.divide(normal, size, out=np.zeros_like(normal), where=size > 0.0)
     lengths = np.diff(md)
     bends = (angle / lengths)[:, None] * normal
-    return _assemble(inc[0], azi[0], list(zip(lengths, bends, lower, strict=True)))
+    return _assemble(inc[0], azi[0], zip(lengths.tolist(), bends.tolist(), lower.tolist(), strict=True))
 
 
 def _along_arc(r0, m1, m2, t, k1, k2, d):
@@ -230,33 +231,68 @@ def _along_arc(r0, m1, m2, t, k1, k2, d):
     return r0 + step, m1 - k1 * step, m2 - k2 * step, np.cos(angle) * t + a * bend
 
 
-def _assemble(inclination: float, azimuth: float, pieces: Sequence[Piece]) -> Wellbore:
-    """Carry the frame down the pieces and keep it at every joint."""
-    n = len(pieces)
-    md, phi1, phi2 = np.zeros(n + 1), np.zeros(n + 1), np.zeros(n + 1)
-    k1, k2 = np.zeros(n), np.zeros(n)
-    r, m1, m2, t = (np.zeros((n + 1, 3)) for _ in range(4))
-    m1[0], m2[0], t[0] = _first_frame(inclination, azimuth)
-    for i, (length, bend, end) in enumerate(pieces):
-        k1[i], k2[i] = bend @ m1[i], bend @ m2[i]
-        md[i + 1] = md[i] + length
-        phi1[i + 1], phi2[i + 1] = phi1[i] + k1[i] * length, phi2[i] + k2[i] * length
-        r[i + 1], carried, _, _ = _along_arc(r[i], m1[i], m2[i], t[i], k1[i], k2[i], length)
+def _assemble(inclination: float, azimuth: float, pieces: Iterable[Piece]) -> Wellbore:
+    """Carry the frame down the pieces and keep it at every joint.
+
+    Each frame follows from the one above, so this is a loop; it runs over plain numbers, because NumPy takes a hundred
+    times as long for vectors of three, and surveys have up to a hundred thousand stations.
+    """
+    md, phi1, phi2 = 0.0, 0.0, 0.0
+    r: Vector = (0.0, 0.0, 0.0)
+    m1, m2, t = _first_frame(inclination, azimuth)
+    joints, curvatures = [(md, phi1, phi2, *r, *m1, *m2, *t)], []
+    for length, bend, end in pieces:
+        k1, k2 = _dot(bend, m1), _dot(bend, m2)
+        step = _step_along(m1, m2, t, k1, k2, length)
+        r = (r[0] + step[0], r[1] + step[1], r[2] + step[2])
         # The end's direction is known exactly: squaring the frame to it keeps rounding from piling up over arcs.
-        t[i + 1] = end
-        carried = carried - (carried @ end) * end
-        m1[i + 1] = carried / math.sqrt(carried @ carried)
-        m2[i + 1] = np.cross(end, m1[i + 1])
-    return Wellbore(md, k1, k2, phi1, phi2, r, m1, m2, t)
+        c0, c1, c2 = m1[0] - k1 * step[0], m1[1] - k1 * step[1], m1[2] - k1 * step[2]
+        off = _dot((c0, c1, c2), end)
+        t = t0, t1, t2 = end
+        c0, c1, c2 = c0 - off * t0, c1 - off * t1, c2 - off * t2
+        size = math.sqrt(c0 * c0 + c1 * c1 + c2 * c2)
+        m1 = m10, m11, m12 = c0 / size, c1 / size, c2 / size
+        m2 = (t1 * m12 - t2 * m11, t2 * m10 - t0 * m12, t0 * m11 - t1 * m10)
+        md, phi1, phi2 = md + length, phi1 + k1 * length, phi2 + k2 * length
+        joints.append((md, phi1, phi2, *r, *m1, *m2, *t))
+        curvatures.append((k1, k2))
+    table = np.array(joints)
+    k = np.array(curvatures)
+    scalars = (k[:, 0], k[:, 1], table[:, 1], table[:, 2])
+    vectors = (table[:, 3:6], table[:, 6:9], table[:, 9:12], table[:, 12:15])
+    return Wellbore(*(np.ascontiguousarray(part) for part in (table[:, 0], *scalars, *vectors)))
 
 
-def _first_frame(inclination: float, azimuth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _dot(a: Vector, b: Vector) -> float:
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _step_along(m1: Vector, m2: Vector, t: Vector, k1: float, k2: float, d: float) -> Vector:
+    """Way [m] from the start of an arc to depth d [m] into it: what `_along_arc` does, of one arc in plain numbers."""
+    # Rounded as NumPy's hypot does, which `math.hypot` is not: both give the same curve to the last bit.
+    angle = abs(complex(k1, k2)) * d
+    a, b = d * _sinc(angle / math.pi), 0.5 * (d * _sinc(0.5 * angle / math.pi)) ** 2
+    return (
+        a * t[0] + b * (k1 * m1[0] + k2 * m2[0]),
+        a * t[1] + b * (k1 * m1[1] + k2 * m2[1]),
+        a * t[2] + b * (k1 * m1[2] + k2 * m2[2]),
+    )
+
+
+def _sinc(x: float) -> float:
+    """sin(pi x) / (pi x), as `numpy.sinc`."""
+    y = math.pi * x
+    return math.sin(y) / y if y else 1.0
+
+
+def _first_frame(inclination: float, azimuth: float) -> tuple[Vector, Vector, Vector]:
     """North, east, down turned about the level axis by the inclination: the frame carried along the dogleg."""
     axis = math.cos(azimuth) * EAST - math.sin(azimuth) * NORTH
     high = rise(inclination, azimuth)
     m1 = math.cos(azimuth) * high - math.sin(azimuth) * axis
     m2 = math.sin(azimuth) * high + math.cos(azimuth) * axis
-    return m1, m2, direction(inclination, azimuth)
+    return m1.tolist(), m2.tolist(), direction(inclination, azimuth).tolist()
 
 
 def _check_stations(md: np.ndarray, inc: np.ndarray, azi: np.ndarray) -> None:

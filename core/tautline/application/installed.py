@@ -44,6 +44,9 @@ class Catalogue(Protocol):
     def for_scene(self, source: Path | Document) -> Application:
         """Find the one that a scene file, or a document, belongs to; raises SceneError if there is none."""
 
+    def read(self, path: Path) -> tuple[Application, Any]:
+        """Read a scene, its file once; returns the application that it belongs to, too. Raises SceneError."""
+
     def for_result(self, result: Result) -> Application:
         """Find the one that a result belongs to; raises SceneError if there is none."""
 
@@ -62,6 +65,10 @@ class Single:
     def for_scene(self, source: Path | Document) -> Application:
         """Return the one application, whose own messages about a foreign scene say more than ours could."""
         return self.application
+
+    def read(self, path: Path) -> tuple[Application, Any]:
+        """Let the one application read the scene."""
+        return self.application, self.application.read(path)
 
     def for_result(self, result: Result) -> Application:
         """Return the one application."""
@@ -103,6 +110,14 @@ class Installed:
 
         document = Document.read(source)
         return self._recognising(document.root, str(document.path))
+
+    def read(self, path: Path) -> tuple[Application, Any]:
+        """Read the file, ask each whether the scene is its own, and let that one make it of what was read."""
+        from tautline.scene.reading.document import Document
+
+        document = Document.read(path)
+        application = self.for_scene(document)
+        return application, application.read(document)
 
     def of(self, scene: Any) -> Application:
         """Find the one that a scene, already read, belongs to."""

@@ -25,7 +25,7 @@ def fmu(
     from tautline.live.errors import SimulationError
     from tautline.live.fmu.writing import write_fmu
 
-    scene = changed(catalogue.for_scene(path).read(path), changes)
+    scene = changed(catalogue.read(path)[1], changes)
     target = output or Path(f"{path.stem}.fmu")
     named = {"--inputs": _names(inputs), "--outputs": _names(outputs)}
     try:

@@ -9,6 +9,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
+from tautline.cli import duration
 from tautline.cli.console import abandon_output, print_json, say
 from tautline.interruption import ended_by_signal
 from tautline.kernels.compiling.gc_tuning import collected_rarely, left_at_exit
@@ -77,6 +78,7 @@ def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:
     given = list(sys.argv[1:] if arguments is None else arguments)
     # A process that was started for this command; one that has other things to do keeps its own ways.
     ours = arguments is None
+    duration.begin(of_process=ours)
     if ours:
         left_at_exit()
     with collected_rarely() if ours else nullcontext(), ended_by_signal() if ours else nullcontext():

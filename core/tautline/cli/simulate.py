@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tautline.application.installed import Catalogue
 from tautline.cli.changes import as_given, changed
 from tautline.cli.console import console, print_json, say
+from tautline.cli.duration import total_time
 from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
 from tautline.cli.run import Ended, ExitCode
@@ -56,8 +57,8 @@ def check(
     SceneError, ResultError
         For a scene that cannot be run, and a figure that cannot be drawn.
     """
-    application = catalogue.for_scene(scene)
-    read = changed(application.read(scene), changes)
+    application, found = catalogue.read(scene)
+    read = changed(found, changes)
     warnings = application.warnings(read)
     figures = application.check_figures(read)
     print_warnings(warnings)
@@ -133,8 +134,8 @@ def simulate(
     """
     from tautline.results.target import check_target
 
-    application = catalogue.for_scene(scene)
-    read = application.with_overrides(changed(application.read(scene), changes), **overrides)
+    application, found = catalogue.read(scene)
+    read = application.with_overrides(changed(found, changes), **overrides)
     target = check_target(output or Path(scene.name).with_suffix(".nc"))
     earlier = _earlier(resume)
     warnings = application.warnings(read)
@@ -230,6 +231,8 @@ def _report(scene: Path, result: Result | None, end: float | None, warnings: Seq
     report["start"] = attributes.get("start") or None
     report["limits"] = result.limits if result is not None else []
     report["scene_warnings"] = [{"where": warning.where, "text": warning.text} for warning in warnings]
+    # The loop's time is not what a person waits for; it is told when all else is known.
+    report["total_time"] = None
     report |= {"end": attributes.get("end", end), "frames": len(times)}
     report["simulated_time"] = float(times[-1] - times[0]) if len(times) else None
     figures = {name: figure.get("value") for name, figure in (result.headline if result is not None else {}).items()}
@@ -250,6 +253,8 @@ def _print_limits(report: dict[str, Any], system: str) -> None:
 
 
 def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None, as_json: bool, quiet: bool) -> None:
+    """Print what came of a run, and how long the whole command took up to here."""
+    report["total_time"] = total_time()
     if result is None:
         say("nothing was stored", "yellow")
     elif not quiet:

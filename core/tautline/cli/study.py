@@ -84,8 +84,8 @@ def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject
     """Read a scene for a study; raises SceneError."""
     from tautline.study.trials.trial import Subject
 
-    application = catalogue.for_scene(path)
-    scene = changed(application.read(path), asked["changes"])
+    application, found = catalogue.read(path)
+    scene = changed(found, asked["changes"])
     print_warnings(application.warnings(scene))
     end, whole = asked["end"], None
     if end is None and asked["quick"]:

@@ -83,6 +83,7 @@ def _numbers(report: dict[str, Any], attributes: dict[str, Any], system: str) ->
     rows += [
         ("simulated time", quantity(report["simulated_time"], "s")),
         ("wall time", quantity(report["wall_time"], "s")),
+        ("total time of the command", quantity(report["total_time"], "s")),
         ("real-time factor", speed(report["real_time_factor"])),
     ]
     if report["energy_error"] is not None:

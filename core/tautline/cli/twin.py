@@ -49,7 +49,7 @@ def twin(
     from tautline.twin.storage import load
     from tautline.twin.twin import Twin
 
-    scene = changed(catalogue.for_scene(path).read(path), changes)
+    scene = changed(catalogue.read(path)[1], changes)
     if not map.exists():
         raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
     read = read_map(map)
@@ -213,7 +213,7 @@ def record(
     from tautline.twin.record import Sensing, read_fault
     from tautline.twin.record import record as recorded
 
-    scene = changed(catalogue.for_scene(path).read(path), changes)
+    scene = changed(catalogue.read(path)[1], changes)
     read = read_map(map)
 
     def number(option: str, text: str | None, unit: str, default: float) -> float:

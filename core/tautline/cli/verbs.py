@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -499,13 +500,20 @@ def schema(context: typer.Context, output: TextFile = None) -> None:
     starter.schema(context.obj, output)
 
 
-def make_app(application: Application | Catalogue) -> typer.Typer:
+SHARED = (check, simulate, plot, render, export, fmu, twin, record, sweep, study, stability, new, schema)
+"""The verbs of every application, in the order of ``--help``."""
+
+
+def make_app(application: Application | Catalogue, arguments: Sequence[str] = ()) -> typer.Typer:
     """Make the command of an application, or of a catalogue of them.
 
     Parameters
     ----------
     application : Application or Catalogue
-        An application may have ``verbs`` of its own: a sequence of typer commands.
+        An application may have ``verbs`` of its own: a sequence of typer commands, named otherwise than the shared.
+    arguments : sequence of str
+        Those of the process, where it serves one command only. If they ask for a shared verb, that one alone is made:
+        typer reads the options of each verb, and the application's own have to be imported.
 
     Returns
     -------
@@ -531,21 +539,7 @@ def make_app(application: Application | Catalogue) -> typer.Typer:
             typer.echo(f"{catalogue.name} (tautline {installed('tautline')})")
             raise typer.Exit
 
-    for verb in (
-        check,
-        simulate,
-        plot,
-        render,
-        export,
-        fmu,
-        twin,
-        record,
-        sweep,
-        study,
-        stability,
-        new,
-        schema,
-        *getattr(application, "verbs", ()),
-    ):
+    asked = next((one for one in arguments if not one.startswith("-")), None)
+    for verb in [one for one in SHARED if one.__name__ == asked] or (*SHARED, *getattr(application, "verbs", ())):
         app.command()(verb)
     return app

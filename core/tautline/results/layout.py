@@ -180,8 +180,10 @@ def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
     Where the group is there, its arrays are replaced: those of one run keep their names and shapes.
     """
     if "restart" in file:
+        group_id = h5py.h5g.open(file.id, b"restart")
         for name, values in arrays.items():
-            file["restart"][name][...] = values
+            # As above, by low-level calls: this is done with each batch, of some seventy arrays.
+            _replace(h5py.h5d.open(group_id, name.encode()), np.asarray(values))
         return
     group, scales = file.create_group("restart"), {}
     for name, values in arrays.items():
@@ -194,3 +196,11 @@ def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
             if dim not in scales:
                 scales[dim] = _make_bare_dimension(group, dim, size, 1000 + len(scales))
             h5py.h5ds.attach_scale(dataset.id, scales[dim].id, axis)
+
+
+def _replace(dataset: h5py.h5d.DatasetID, values: np.ndarray) -> None:
+    """Write all of a dataset anew."""
+    if values.dtype.kind == "b":
+        values = values.astype(np.int8)
+    if values.size:
+        dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(values))

@@ -43,9 +43,13 @@ class Result:
         The file; None if the run was kept in memory.
     """
 
-    def __init__(self, path: str | Path | None, contents: Contents | None = None) -> None:
+    def __init__(
+        self, path: str | Path | None, contents: Contents | None = None, known: dict[str, Variable] | None = None
+    ) -> None:
+        """Of a run in memory, or of a file; ``known`` are its variables, where whoever makes this has written them."""
         self.path = None if path is None else Path(path)
         self._contents = contents
+        self._known = known
 
     @classmethod
     def read(cls, path: str | Path) -> Result:
@@ -108,6 +112,8 @@ class Result:
     @functools.cached_property
     def variables(self) -> dict[str, Variable]:
         """What the file holds, by name; coordinates too."""
+        if self._known is not None:
+            return dict(self._known)
         if self._contents is not None:
             fixed = {key: Variable(key, dims, units, text) for key, (dims, _, units, text) in self._contents[2].items()}
             return {variable.name: variable for variable in self._contents[0]} | fixed

@@ -147,6 +147,8 @@ class Store:
         if self._copies is None:
             return self._in_memory(restart or {})
         try:
+            if restart is not None:
+                self._restart = {}  # the final state takes its place below
             copy = self._write(self._copies)
             disk.reserve(copy, layout.room([]) + layout.size(self.attributes) + layout.size(restart or {}))
             with h5py.File(copy, "r+", libver=("earliest", "v110")) as file:
@@ -158,14 +160,20 @@ class Store:
             raise self._failure(self._copies, error) from error
         finally:
             self.close()
-        return Result(self._copies.path)
+        return Result(self._copies.path, known=self._described)
 
     @property
     def result(self) -> Result | None:
         """What was stored so far; None before the first batch."""
         if self.frames == 0:
             return None
-        return self._in_memory({}) if self.path is None else Result(self.path)
+        return self._in_memory({}) if self.path is None else Result(self.path, known=self._described)
+
+    @property
+    def _described(self) -> dict[str, Variable]:
+        """What the file holds, as `Result.variables` would read it: that takes as long as a short run."""
+        fixed = {name: Variable(name, dims, units, text) for name, (dims, _, units, text) in self.coordinates.items()}
+        return fixed | {variable.name: variable for variable in self.variables}
 
     def close(self) -> None:
         """Remove the hidden copies without finishing; what was published stays."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -16,6 +17,8 @@ STEPS_PER_PERIOD = 10.0
 """Steps that a decent picture of an oscillation takes (thesis section 2.5)."""
 TOP_OF_SPECTRUM = 2.0
 """Frequency, over that of the peak, above which there is little in a sea: a fiftieth of its energy."""
+PLAIN = frozenset({float, int, bool, str, type(None)})
+"""Types of what holds no function of time."""
 
 Key = tuple[str | int, ...]
 
@@ -31,15 +34,24 @@ def frequencies(part: Any, end: float, key: Key = ()) -> Iterator[tuple[str, flo
         yield join_key(key), found
         return
     if isinstance(part, pydantic.BaseModel):
-        items: Any = [(name, getattr(part, name)) for name in type(part).model_fields]
+        items: Any = [(name, getattr(part, name)) for name in _names(type(part))]
     elif dataclasses.is_dataclass(part) and not isinstance(part, type):
-        items = [(f.name, getattr(part, f.name)) for f in dataclasses.fields(part) if f.name != "document"]
+        items = [(name, getattr(part, name)) for name in _names(type(part)) if name != "document"]
     elif isinstance(part, (list, tuple)):
         items = list(enumerate(part))
     else:
         return
     for name, value in items:
-        yield from frequencies(value, end, (*key, name))
+        if type(value) not in PLAIN:
+            yield from frequencies(value, end, (*key, name))
+
+
+@functools.cache
+def _names(kind: Any) -> tuple[str, ...]:
+    """Fields of a class of models or a dataclass; asked for once, and not for each of a hundred thousand parts."""
+    if issubclass(kind, pydantic.BaseModel):
+        return tuple(kind.model_fields)
+    return tuple(field.name for field in dataclasses.fields(kind))
 
 
 def _frequency(part: Any, end: float) -> float | None:

@@ -44,7 +44,7 @@ T = TypeVar("T")
 class Model(pydantic.BaseModel):
     """A frozen mapping of known keys."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, defer_build=True)
 
     @pydantic.model_validator(mode="wrap")
     @classmethod

@@ -9,9 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.kernels.dofs import HELD, TIED, Dofs
+from tautline.kernels.dofs import Dofs
 from tautline.kernels.groups import laid_out, link, without_friction
 from tautline.kernels.time_function import TimeFunctions
+from tautline.system.masters import Masters
 from tautline.system.pattern import Pattern, narrow, pattern_of
 
 
@@ -217,7 +218,7 @@ def assemble(
         q=degrees.value.astype(np.float64),
         v=_velocity(velocity, degrees),
         scale=degrees.scale[free].astype(np.float64),
-        names=[degrees.names[k] for k in free],
+        names=[degrees.names[i] for i in free.tolist()],
         free=free,
         mass_couples_held=numbering.mass_couples_held,
         at_rest=np.array([rank[number[i]] for i in at_rest if number[i] >= 0], dtype=np.int64),
@@ -292,10 +293,12 @@ def _numbering(structure: Structure) -> Numbering:
     degrees.masters.update((i, list(masters)) for i, masters in structure.masters)
     stencils, mass_stencils = structure.stencil_arrays(mass=False), structure.stencil_arrays(mass=True)
     full = structure.size
-    free = np.array([i for i in range(full) if i not in degrees.motion and i not in degrees.masters], dtype=np.int64)
+    bound = np.zeros(full, dtype=bool)
+    bound[[*degrees.motion, *degrees.masters]] = True
+    free = np.flatnonzero(~bound)
     number = np.full(full, -1, dtype=np.int64)
     number[free] = np.arange(free.size)
-    masters = [_masters(i, number, degrees) for i in range(full)]
+    masters = Masters.of(number, degrees.motion, {i: _terms(i, number, degrees) for i in degrees.masters})
     pattern, mass_pattern = (pattern_of(masters, free.size, s) for s in (stencils, mass_stencils))
     order, border = narrow(pattern)
     rank = np.argsort(order)
@@ -309,22 +312,20 @@ def _numbering(structure: Structure) -> Numbering:
     )  # fmt: skip
 
 
-def _dofs(
-    degrees: Degrees, masters: list[list[tuple[int, float]]], free: np.ndarray, rank: np.ndarray, flowing: Sequence[int]
-) -> Dofs:
+def _dofs(degrees: Degrees, masters: Masters, free: np.ndarray, rank: np.ndarray, flowing: Sequence[int]) -> Dofs:
     """The map from unknowns to degrees of freedom; ``rank`` is the number of each master, ``free`` in that order."""
-    start = np.cumsum([0] + [len(m) for m in masters])
     held = np.array(sorted(degrees.motion), dtype=np.int64)
+    motion = np.array([degrees.motion[i] for i in held], dtype=np.int64)
     return Dofs(
-        start=start.astype(np.int64),
-        unknown=np.array([rank[k] if k >= 0 else k for m in masters for k, _ in m], dtype=np.int64),
-        factor=np.array([f for m in masters for _, f in m], dtype=np.float64),
-        number=np.array([_number(m, rank) for m in masters], dtype=np.int64),
+        start=masters.start,
+        unknown=masters.ranked(rank),
+        factor=masters.factor,
+        number=masters.marks(rank),
         held=held,
-        motion=np.array([degrees.motion[i] for i in held], dtype=np.int64),
+        motion=motion,
         offset=degrees.value[held].astype(np.float64),
-        driven=np.array([k for k, i in enumerate(held) if degrees.motion[i] >= 0], dtype=np.int64),
-        carried=np.array([i for i, m in enumerate(masters) if any(k < 0 for k, _ in m)], dtype=np.int64),
+        driven=np.flatnonzero(motion >= 0),
+        carried=np.flatnonzero(masters.is_carried),
         free=free,
         tied=np.array(sorted(degrees.masters), dtype=np.int64),
         flowing=np.array(sorted(flowing), dtype=np.int64),
@@ -370,21 +371,13 @@ def _velocity(given: np.ndarray, degrees: Degrees) -> np.ndarray:
     return v
 
 
-def _number(masters: list[tuple[int, float]], rank: np.ndarray) -> int:
-    """Mark of a degree of freedom, of whose masters those that are held have no row or column in a matrix."""
-    free = [(k, factor) for k, factor in masters if k >= 0]
-    if not free:
-        return HELD
-    (first, factor), *others = free
-    return int(rank[first]) if factor == 1.0 and not others else TIED
-
-
-def _masters(i: int, number: np.ndarray, degrees: Degrees) -> list[tuple[int, float]]:
+def _terms(i: int, number: np.ndarray, degrees: Degrees) -> list[tuple[int, float]]:
+    """Masters of a degree of freedom that is tied: unknowns, and held ones under their marks."""
     if i in degrees.motion:
         return []
     return [(int(number[j]) if number[j] >= 0 else -1 - j, f) for j, f in degrees.resolved(i)]
 
 
-def _couples(masters: list[list[tuple[int, float]]], stencil: np.ndarray) -> bool:
-    free = np.array([any(k >= 0 for k, _ in m) for m in masters])[stencil]
+def _couples(masters: Masters, stencil: np.ndarray) -> bool:
+    free = masters.is_free[stencil]
     return bool(np.any(free.any(axis=-1) & ~free.all(axis=-1))) if stencil.size else False

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections import defaultdict, deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from tautline.cable.input.geometry import COINCIDENT, FARTHEST, chord, element_length
 from tautline.cable.input.parts import CableScene, Element
 from tautline.scene.errors import Problem, SceneError
+from tautline.scene.model import MADE
 
+COORDINATES = "material coordinates"
+"""Where a scene keeps them."""
 SHORTEST = 1.0e-12
 """Length of an element, m, below which it has none."""
 
@@ -32,6 +36,15 @@ def material_coordinates(scene: CableScene) -> dict[int, float]:
     SceneError
         Where p does not grow along an element, or an element's length cannot be told.
     """
+    # Warnings, checks and the builder ask the same scene a dozen times, and a scene does not change.
+    kept = scene.__dict__.setdefault(MADE, {})
+    if COORDINATES not in kept:
+        kept[COORDINATES] = _found(scene)
+    return dict(kept[COORDINATES])
+
+
+def _found(scene: CableScene) -> dict[int, float]:
+    """Material coordinates of all nodes, by node id, m; raises SceneError."""
     fixed = known_coordinates(scene)
     nodes = {node.id: node for node in scene.nodes}
     lengths: dict[int, float] = {}
@@ -53,11 +66,7 @@ def material_coordinates(scene: CableScene) -> dict[int, float]:
             p |= chains.fill(chain, fixed)
         else:
             waiting.append(chain)
-    while waiting:
-        chain = next((chain for chain in waiting if _link(scene, chain, p)), waiting[0])
-        waiting.remove(chain)
-        node, value = _link(scene, chain, p) or (chains.start(chain), 0.0)
-        p |= chains.fill(chain, {node: value})
+    _fill_from_ties(chains, waiting, _Links(scene), p)
     problems = [problem for element in scene.elements if (problem := _backwards(scene, element, p))]
     if problems:
         raise SceneError(problems)
@@ -81,6 +90,7 @@ class _Chains:
 
     def __init__(self, scene: CableScene, lengths: dict[int, float]) -> None:
         self.nodes = [node.id for node in scene.nodes]
+        self.order = {node: i for i, node in enumerate(self.nodes)}
         self.arms: dict[int, list[tuple[int, float]]] = defaultdict(list)
         self.joined: dict[int, list[int]] = defaultdict(list)
         self.ends = {element.nodes[1] for element in scene.elements}
@@ -105,7 +115,7 @@ class _Chains:
                         chain.add(other)
                         queue.append(other)
             seen |= chain
-            yield [one for one in self.nodes if one in chain] if len(chain) > 1 else [node]
+            yield sorted(chain, key=self.order.__getitem__)
 
     def start(self, chain: list[int]) -> int:
         """Return the node where the material begins: no element ends there."""
@@ -149,29 +159,73 @@ class _Chains:
         return p | {node: p[node] + float(shift[i]) for node, i in free.items()}
 
 
-def _link(scene: CableScene, chain: list[int], p: dict[int, float]) -> tuple[int, float] | None:
-    """Return a node of a chain that is tied to one whose p is known, and the p that it takes from there."""
-    own = set(chain)
+class _Links:
+    """What makes p of two nodes equal, or lets a chain begin where another one is: p = p before r = r."""
 
-    def end(first: int, second: int, offset: float) -> tuple[int, float] | None:
-        if first in own and second in p:
-            return first, p[second] + offset
-        return (second, p[first] - offset) if second in own and first in p else None
+    def __init__(self, scene: CableScene) -> None:
+        kinds = {node.id: node.kind for node in scene.nodes}
+        links: tuple[list[tuple[int, int, float]], ...] = ([], [])
+        for tie in scene.ties:
+            if tie.what in (0, 1):
+                links[1 - tie.what].append((*tie.nodes, 0.0))
+        for coupling in scene.couplings:
+            (slave, dof), (master, followed, factor) = coupling.slave, coupling.masters[0]
+            if len(coupling.masters) > 1 or factor != 1.0 or slave == master:
+                continue
+            if dof == kinds[slave] and followed == kinds[master]:
+                links[0].append((slave, master, coupling.f0))
+            elif dof == followed and dof <= 3:
+                links[1].append((slave, master, 0.0))
+        self.links = [*links[0], *links[1]]
+        self.at: dict[int, list[int]] = defaultdict(list)
+        for number, (first, second, _) in enumerate(self.links):
+            self.at[first].append(number)
+            self.at[second].append(number)
 
-    kinds = {node.id: node.kind for node in scene.nodes}
-    links: tuple[list[tuple[int, int, float]], ...] = ([], [])
-    for tie in scene.ties:
-        if tie.what in (0, 1):
-            links[1 - tie.what].append((*tie.nodes, 0.0))
-    for coupling in scene.couplings:
-        (slave, dof), (master, followed, factor) = coupling.slave, coupling.masters[0]
-        if len(coupling.masters) > 1 or factor != 1.0 or slave == master:
-            continue
-        if dof == kinds[slave] and followed == kinds[master]:
-            links[0].append((slave, master, coupling.f0))
-        elif dof == followed and dof <= 3:
-            links[1].append((slave, master, 0.0))
-    return next((found for link in (*links[0], *links[1]) if (found := end(*link))), None)
+    def beside(self, node: int) -> Iterator[int]:
+        """Nodes that a node is linked to."""
+        for number in self.at.get(node, ()):
+            first, second, _ = self.links[number]
+            yield second if first == node else first
+
+    def start(self, chain: list[int], p: dict[int, float]) -> tuple[int, float] | None:
+        """Return a node of a chain that is tied to one whose p is known, and the p that it takes from there."""
+        own = set(chain)
+        for number in sorted({number for node in chain for number in self.at.get(node, ())}):
+            first, second, offset = self.links[number]
+            if first in own and second in p:
+                return first, p[second] + offset
+            if second in own and first in p:
+                return second, p[first] - offset
+        return None
+
+
+def _fill_from_ties(chains: _Chains, waiting: list[list[int]], links: _Links, p: dict[int, float]) -> None:
+    """Give chains without a known node their coordinates: the first that is tied to a known one, else the first.
+
+    Each chain is looked at once, and a tie when one of its ends becomes known.
+    """
+    place = {node: i for i, chain in enumerate(waiting) for node in chain}
+    tied: list[int] = []
+
+    def note(nodes: Iterable[int]) -> None:
+        for node in nodes:
+            for other in links.beside(node):
+                if other in place and other not in p:
+                    heapq.heappush(tied, place[other])
+
+    note(list(p))
+    left = dict.fromkeys(range(len(waiting)))
+    while left:
+        while tied and tied[0] not in left:
+            heapq.heappop(tied)
+        number = heapq.heappop(tied) if tied else next(iter(left))
+        del left[number]
+        chain = waiting[number]
+        node, value = links.start(chain, p) or (chains.start(chain), 0.0)
+        filled = chains.fill(chain, {node: value})
+        p |= filled
+        note(filled)
 
 
 def _unknown(scene: CableScene, element: Element) -> Problem:

@@ -318,14 +318,14 @@ class _Composer:
             for event in self._events():
                 mark: Any = event.start_mark
                 line = mark.line + 1
-                if isinstance(event, yaml.DocumentStartEvent):
+                if isinstance(event, yaml.NodeEvent):
+                    self._begin(event, line)
+                elif isinstance(event, yaml.DocumentStartEvent):
                     documents += 1
                     if documents > 1:
                         raise self.refuse(
                             line, "a second document begins", "keep one scene in a file: remove the '---'"
                         )
-                elif isinstance(event, yaml.NodeEvent):
-                    self._begin(event, line)
                 elif isinstance(event, yaml.CollectionEndEvent):
                     self._end(line)
         except yaml.MarkedYAMLError as error:

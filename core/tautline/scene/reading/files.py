@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -29,15 +30,35 @@ def names_file(field: FieldInfo) -> bool:
 def files_of(value: Any) -> Iterator[str]:
     """Names of all files in a model and in what it holds."""
     if isinstance(value, BaseModel):
-        for name, field in type(value).model_fields.items():
+        for name, is_file in _worth_a_look(type(value)):
             held = getattr(value, name)
-            if held is not None and names_file(field):
+            if held is not None and is_file:
                 yield held
             else:
                 yield from files_of(held)
     elif isinstance(value, (tuple, list)):
         for each in value:
             yield from files_of(each)
+
+
+@functools.cache
+def _worth_a_look(model: type[BaseModel]) -> tuple[tuple[str, bool], ...]:
+    """Fields of a class of models that may hold the name of a file: name, and whether it is one itself.
+
+    Asked once for a class: a well may have a hundred thousand sections, all of them of numbers.
+    """
+    fields = model.model_fields.items()
+    return tuple(
+        (name, names_file(field)) for name, field in fields if names_file(field) or not _is_plain(field.annotation)
+    )
+
+
+def _is_plain(kind: Any) -> bool:
+    """Whether a type has nothing but numbers, words and None."""
+    parts = getattr(kind, "__args__", ())
+    if getattr(kind, "__origin__", None) is Literal:
+        return True
+    return all(map(_is_plain, parts)) if parts else kind in (float, int, bool, str, type(None), None)
 
 
 def stamps(value: Any, folder: Path) -> tuple[tuple[str, int, int], ...]:

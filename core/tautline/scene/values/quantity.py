@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -131,7 +132,7 @@ class Quantity:
             hint = f"{nearest(written, self.words)}, or " if self.words else ""
             raise refusal("is not a number with a unit", hint + self.cure)
         number, unit = match["number"], match["unit"]
-        exponent = re.split("[eE]", number)[1] if re.search("[eE]", number) else "0"
+        exponent = number.lower().partition("e")[2] or "0"
         if abs(int(exponent[:6])) > LARGEST_EXPONENT or len(number) > LARGEST_EXPONENT:
             raise refusal("is not a finite number", self.cure)
         if not unit:
@@ -150,7 +151,7 @@ class Quantity:
                 f"'{unit}' is not the unit of {self.meaning}", f"expected {self.meaning} such as {self.example}"
             )
         try:
-            value = converted(read, wanted).si(Fraction(number))
+            value = converted(read, wanted).si(Decimal(number))
         except Uncounted as error:
             raise refusal(f"'{unit}' {error}", self.cure) from error
         except OverflowError:

@@ -10,6 +10,7 @@ import functools
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -60,9 +61,11 @@ class Unit:
         exponents = (self.mass * n, self.length * n, self.time * n)
         return Unit(self.factor**n, self.turns * n, *exponents, other, self.angle * n, self.cycles * n)
 
-    def si(self, number: Fraction) -> float:
+    def si(self, number: Fraction | Decimal) -> float:
         """Value in SI of so many of this unit, rounded once (twice where pi is in it)."""
-        exact = float(number * self.factor)
+        # Whole numbers are divided with one rounding, in lowest terms or not: to reduce a fraction takes far longer.
+        up, down = number.as_integer_ratio()
+        exact = up * self.factor.numerator / (down * self.factor.denominator)
         return exact * math.pi**self.turns if self.turns else exact
 
 
