@@ -3,6 +3,7 @@
 import json
 import os
 import pickle
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -247,31 +248,50 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGE)
-@pytest.mark.parametrize("kind", ["nbi", pytest.param("nbc", marks=pytest.mark.long)])
-def test_a_damaged_file_is_written_anew(tmp_path, kind, damage):
-    """The results are those of before; the run after it compiles nothing."""
-    script = tmp_path / "parts.py"
-    script.write_text(PARTS)
+def of_module(held, name):
+    """Those files of a cache that are of one module, which gave them their names."""
+    return {file: when for file, when in held.items() if file.name.startswith(f"{name}.")}
 
-    def value():
+
+@pytest.fixture(scope="module")
+def several(tmp_path_factory):
+    """A folder with a cache, a module for each kind of damage, and a function that calls them all in one process."""
+    folder = tmp_path_factory.mktemp("several")
+    names = {damage: f"parts_{i}" for i, damage in enumerate(DAMAGE)}
+    for name in names.values():
+        (folder / f"{name}.py").write_text(PARTS)
+    each = "for name in sys.argv[2:]:\n    importlib.import_module(name)\n"
+    (folder / "all.py").write_text(f"import importlib, sys\n{each}")
+
+    def values(cache):
         done = subprocess.run(
-            [sys.executable, str(script), "whole"], capture_output=True, text=True, cwd=tmp_path,
-            env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
+            [sys.executable, str(folder / "all.py"), "whole", *names.values()],
+            capture_output=True, text=True, cwd=folder, env={**os.environ, "TAUTLINE_CACHE": str(cache)},
         )  # fmt: skip
         assert (done.returncode, done.stderr) == (0, "")
-        return json.loads(done.stdout)[0]
+        return [json.loads(line)[0] for line in done.stdout.splitlines()]
 
-    assert value() == 6.0
-    held = list((tmp_path / "cache").rglob(f"*.{kind}"))
-    assert held
-    for file in held:
-        file.write_bytes(DAMAGE[damage](file.read_bytes()))
-    damaged = files(tmp_path / "cache")
-    assert value() == 6.0
-    mended = files(tmp_path / "cache")
-    assert mended != damaged
-    assert value() == 6.0 and files(tmp_path / "cache") == mended
+    assert values(folder / "cache") == [6.0] * len(DAMAGE)
+    return folder / "cache", names, values
+
+
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+def test_a_damaged_file_is_written_anew(tmp_path, kind, several):
+    """The results are those of before; the run after it compiles nothing. Each damage is to the files of a module."""
+    whole, names, values = several
+    cache = tmp_path / "cache"
+    shutil.copytree(whole, cache)
+    for damage, name in names.items():
+        held = list(cache.rglob(f"{name}.*.{kind}"))
+        assert held
+        for file in held:
+            file.write_bytes(DAMAGE[damage](file.read_bytes()))
+    damaged = files(cache)
+    assert values(cache) == [6.0] * len(DAMAGE)
+    mended = files(cache)
+    for damage, name in names.items():
+        assert of_module(mended, name) != of_module(damaged, name), damage
+    assert values(cache) == [6.0] * len(DAMAGE) and files(cache) == mended
 
 
 @pytest.mark.parametrize("named", ["file", "file/below", "link", "~nobody-of-this-name/x", "/proc/cache"])
