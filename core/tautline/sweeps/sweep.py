@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from tautline.errors import TautlineError
 from tautline.results.finding import Finding
-from tautline.scene.errors import SHOWN, Problem, SceneError
+from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
 from tautline.scene.identity import model_hash
 from tautline.sweeps.cases import DONE, LOST, Row, Runner, job_of
 from tautline.sweeps.file import SIMULATE, SweepFile, plan_cases, read_sweep, refused
@@ -187,6 +187,8 @@ class _Sweep:
     ) -> None:  # fmt: skip
         self.began, self.used = time.perf_counter(), time.process_time()
         self.read, self.application, self.scene = read, application, scene
+        if jobs is not None and jobs < 0:
+            raise option_error("jobs", str(jobs), "is less than zero", "give 1 or more; 0 or None for all processors")
         self.jobs, self.dask, self.folder, self.resume = jobs or _processors(), dask, folder, resume
         check_verb(read, application)
         check_options(read, application, scene)
@@ -204,7 +206,10 @@ class _Sweep:
     def _mark(self) -> str:
         """What makes it this sweep: the scene with its files, and all of the sweep's file that changes a number."""
         about = {key: value for key, value in self.read.document.root.items() if key not in ("title", "scene")}
-        whole = [about, self.scene.document.root, model_hash(self.scene, (), getattr(self.scene, "folder", None))]
+        # The cases of a grid are numbered in the order of its keys, which a sorted text would not tell.
+        order = list(self.read.vary)
+        files = model_hash(self.scene, (), getattr(self.scene, "folder", None))
+        whole = [about, order, self.scene.document.root, files]
         return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
     def check(self, announce: Callable[[int], None] | None) -> None:
