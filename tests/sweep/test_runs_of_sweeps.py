@@ -88,6 +88,16 @@ def test_a_statistic_is_that_of_the_frames(statistic, expected):
     assert data["z"].item() == pytest.approx(float(expected(frames)), rel=1e-12)
 
 
+def test_a_statistic_leaves_out_what_is_before_the_begin_of_statistics():
+    # The hook rises: its lowest place is that at 0.5 s, and not that at the start.
+    output = {"keep": "statistics", "interval": "50 ms", "begin": 0.5, "of": ["tension"]}
+    lowest = {"output": "payload.position[2]", "statistic": "min", "name": "z"}
+    data = tautline.sweep(hoist(1.0, output=output), {MASS: ["3 t"]}, collect=[lowest], jobs=1)
+    frames = tautline.simulate(hoist(1.0, **{MASS: "3 t"}))
+    after = frames["body_position"][frames.time >= 0.5 - 1e-9, 0, 2]
+    assert data["z"].item() == pytest.approx(after.min(), rel=1e-9) and after.min() > 5.001
+
+
 def test_result_and_table_hold_the_same_and_the_json_says_what_it_took(tmp_path, capsys, monkeypatch):
     from crane.application import Crane
     from tautline.cli.run import run

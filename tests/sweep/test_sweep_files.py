@@ -77,6 +77,12 @@ REFUSED = {
     MASSES + "collect: [max_tensoin]": ("limits.yaml:4", "did you mean 'max_tension'"),
     MASSES + "collect: [rise, rise]": ("limits.yaml:4", "stands twice"),
     MASSES + "indices: sobol": ("no Sobol' indices", "sobol: {samples"),
+    VARY + "  'bodies[0].mass': [2 t, 2000]": ("limits.yaml", "bodies[0].mass = 2000 twice", "each value once"),
+    VARY + "  'bodies[0].mass': [2 t]\n  bodies[0]: [{name: payload, mass: 5 t, position: [12.4, 0, 5]}]": (
+        "limits.yaml:4",
+        "bodies[0].mass is a part of bodies[0]",
+        "keep one",
+    ),
     VARY + "  'solver.step': [1 ms, 20 ms]\n  'solver.end': [10 ms]": (
         "limits.yaml:4",
         "before the first step ends (0.02 s)",
@@ -128,3 +134,8 @@ def test_python_takes_numpy_arrays_and_a_scene_of_any_form(tmp_path):
     assert data["max_tension"].dims == (MASS,) and data["max_tension"].attrs["units"] == "N"
     assert list(data[MASS].values) == [2000.0, 5000.0] and data[MASS].attrs["units"] == "kg"
     assert HOIST.exists()
+
+
+def test_a_number_of_workers_below_zero_is_refused():
+    with pytest.raises(tautline.SceneError, match=r"jobs -1: is less than zero"):
+        tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=-1)

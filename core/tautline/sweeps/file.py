@@ -188,6 +188,7 @@ def plan_cases(read: SweepFile, application: Any, scene: Any) -> Cases:
     """
     reader = _Reader(read, application, scene)
     parameters = [reader.parameter(key, given) for key, given in read.vary.items()]
+    reader.apart()
     if reader.problems:
         raise SceneError(reader.problems)
     plan, found = read.chosen_plan(), [one for one in parameters if one is not None]
@@ -251,6 +252,18 @@ class _Reader:
 
     def fault(self, key: Path_, cause: str, cure: str = "", value: str | None = None) -> None:
         self.problems.append(self.read.problem_at(("vary", *key), cause, cure, value))
+
+    def apart(self) -> None:
+        """Refuse a key that stands inside another: one of the two would replace the other without a word."""
+        seen: dict[Path_, str] = {}
+        for key in self.read.vary:
+            path = split_key(key)
+            for other, name in seen.items():
+                shorter = min(len(path), len(other))
+                if path[:shorter] == other[:shorter]:
+                    inner, outer = (key, name) if len(path) >= len(other) else (name, key)
+                    self.fault((key,), f"varies with {name}, and {inner} is a part of {outer}", "keep one of the two")
+            seen[path] = key
 
     def parameter(self, key: str, given: Any) -> Parameter | None:
         """What is varied by a key; None where it is at fault."""
