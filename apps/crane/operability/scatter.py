@@ -152,6 +152,17 @@ def fatigue_over(
     return Fatigue(each * damage, found, count, covered, life)
 
 
+def not_covered(found: Fatigue) -> list[str]:
+    """What is to be known where not all of the diagram was run: the damage of the rest is lacking."""
+    if found.covered > 1.0 - 1e-6:
+        return []
+    share = 100.0 * (1.0 - found.covered)
+    return [
+        f"{share:.3g} % of the time of the scatter diagram was not run (too steep, failed, or not among --hs and "
+        "--tp): its damage is not counted, and the fatigue life is too long"
+    ]
+
+
 def told(found: Fatigue) -> dict[str, Any]:
     """Keys of ``--json``."""
     return {
