@@ -75,6 +75,11 @@ REFUSED = {
         "payload.position[0]",
     ),
     MASSES + "collect: [max_tensoin]": ("limits.yaml:4", "did you mean 'max_tension'"),
+    VARY + "  'bodies[0].mass': {normal: [1 t, 5 t]}\nplan: {sobol: {samples: 8, seed: 1}}": (
+        "limits.yaml:3",
+        "must not be negative",
+        "the normal distribution reaches there: take truncated_normal",
+    ),
     MASSES + "collect: [rise, rise]": ("limits.yaml:4", "stands twice"),
     MASSES + "indices: sobol": ("no Sobol' indices", "sobol: {samples"),
     VARY + "  'bodies[0].mass': [2 t, 2000]": ("limits.yaml", "bodies[0].mass = 2000 twice", "each value once"),
@@ -139,3 +144,18 @@ def test_python_takes_numpy_arrays_and_a_scene_of_any_form(tmp_path):
 def test_a_number_of_workers_below_zero_is_refused():
     with pytest.raises(tautline.SceneError, match=r"jobs -1: is less than zero"):
         tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=-1)
+
+
+def test_a_name_that_no_run_finds_is_refused_before_the_first_run_though_no_case_would_end(monkeypatch):
+    from tautline.sweeps.cases import Runner
+
+    monkeypatch.setattr(Runner, "run", lambda *given: pytest.fail("a case was run"))
+    with pytest.raises(tautline.SceneError, match="did you mean 'max_tension'"):
+        tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["max_tensoin"], jobs=1)
+
+
+def test_a_folder_that_cannot_be_made_is_an_error_that_names_it_and_no_fault_of_the_program():
+    from tautline.results.errors import WriteError
+
+    with pytest.raises(WriteError, match="/proc/none"):
+        tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=1, folder="/proc/none")

@@ -91,7 +91,7 @@ class Journal:
 
     def begin(self, resume: bool) -> None:
         """Open the journal; what is there is kept where it is gone on with."""
-        self.path.parent.mkdir(exist_ok=True)
+        self._guarded(lambda: self.path.parent.mkdir(exist_ok=True))
         writer = self._lock.take()
         if writer is not None:
             who = f"process {writer}" if writer else "another process"

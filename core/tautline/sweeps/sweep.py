@@ -6,7 +6,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
@@ -16,12 +16,13 @@ from tautline.errors import TautlineError
 from tautline.results.finding import Finding
 from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
 from tautline.scene.identity import model_hash
+from tautline.scene.reading.document import join_key
 from tautline.sweeps.cases import DONE, LOST, Row, Runner, job_of
 from tautline.sweeps.file import SIMULATE, SweepFile, plan_cases, read_sweep, refused
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import DATASET, RANKED, TABLE, dataset, write_csv, write_netcdf, write_percentiles
-from tautline.sweeps.verbs import check_options, check_outputs, check_verb, of_all, unknown
+from tautline.sweeps.verbs import check_figures, check_options, check_outputs, check_verb, of_all, unknown
 from tautline.sweeps.workers import Found, Measured, how, in_cluster, in_this_thread, in_threads
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class Outcome:
         Of this run: time, processor time of all that took part, and that of the compiled loops, s.
     interrupted : bool
         Whether it was ended by Ctrl-C before all cases were run.
-    result, table : Path or None
+    result, table, percentiles : Path or None
         Files that were written.
     """
 
@@ -61,6 +62,7 @@ class Outcome:
     interrupted: bool = False
     result: Path | None = None
     table: Path | None = None
+    percentiles: Path | None = None
 
     @property
     def overhead(self) -> float | None:
@@ -221,7 +223,8 @@ class _Sweep:
                 self.runner.varied(changes)
             except SceneError as error:
                 told = ", ".join(f"{key} = {value}" for key, value in changes.items())
-                problems |= dict.fromkeys(refused(self.read, error, f"case {case}: {told}").problems)
+                found = refused(self.read, error, f"case {case}: {told}").problems
+                problems |= dict.fromkeys(self._with_bounds(problem) for problem in found)
             if len(problems) > SHOWN:
                 break
         if problems:
@@ -233,6 +236,15 @@ class _Sweep:
             model = self.runner.prepare({}, announce)
         if model is not None:
             check_outputs(self.read, model)
+            check_figures(self.read, model, getattr(self.application, "sometimes", ()))
+
+    def _with_bounds(self, problem: Problem) -> Problem:
+        """Add to what a distribution makes, and the scene cannot have, that there are others with bounds."""
+        for one in self.cases.parameters:
+            if one.spread is not None and problem.key and problem.key.startswith(join_key(("vary", one.key))):
+                bounded = f"the {one.spread.name} distribution reaches there: take truncated_normal, or other numbers"
+                return replace(problem, cure=f"{problem.cure}; {bounded}" if problem.cure else bounded)
+        return problem
 
     def run(self, progress: Progress, say: Callable[[str], None]) -> Outcome:
         """Run what is not finished, and write the result."""
@@ -348,7 +360,7 @@ class _Sweep:
         if self.folder is not None and self.journal is not None and self.journal.begun:
             outcome.result = write_netcdf(data, self.folder / DATASET)
             outcome.table = write_csv(data, self.cases, self.folder / TABLE)
-            write_percentiles(data, self.folder / RANKED)
+            outcome.percentiles = write_percentiles(data, self.folder / RANKED)
         self._close()
         outcome.wall_time = time.perf_counter() - self.began
         outcome.cpu_time = time.process_time() - self.used + self.elsewhere

@@ -216,6 +216,23 @@ def check_outputs(read: SweepFile, model: Any) -> None:
         raise SceneError(problems)
 
 
+def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) -> None:
+    """Raise SceneError for figures that no run of a model has, before the first run, where the model knows them all."""
+    from tautline.scene.errors import SceneError
+    from tautline.scene.refusal import nearest
+
+    known = (*model.figure_units, *sometimes, *RUN)
+    if not model.figure_units:
+        return
+    problems = [
+        read.problem_at(("collect", i), f"the verb finds no '{one.figure}'", nearest(one.figure, known))
+        for i, one in enumerate(read.collected())
+        if one.figure and one.figure not in known and not asks_limits(one.figure)
+    ]
+    if problems:
+        raise SceneError(problems)
+
+
 def output_of(outputs: Mapping[str, Any], name: str) -> tuple[Any, int | None]:
     """An output and which of its numbers is meant; KeyError for a name that there is not."""
     if name in outputs:
