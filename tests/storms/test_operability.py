@@ -391,3 +391,31 @@ def test_equal_storms_have_a_most_probable_largest_without_an_interval():
     one = Criterion("max_tension < 60 kN", "max_tension", AT_MOST, 60e3, "N", False)
     found = fitted(np.full(4, 50e3), one, 1.0, 0.9, 0.9)
     assert found["percentile"] == found["percentile_low"] == 50e3 and found["exceedance"] == 0.0
+
+
+RESPONSES = "frequency [rad/s],direction [deg],heave [m/m],heave phase [deg]\n" + "".join(
+    f"{w},{angle},{0.8 if w < 4 else 0.0},0\n" for angle in (0, 90) for w in (0.2, 2.0, 4.0)
+)
+
+
+def test_a_heading_that_the_responses_lack_is_refused_before_any_storm_is_run(application, scene, tmp_path):
+    (tmp_path / "vessel.csv").write_text(RESPONSES)
+    motion = "{sea: {significant_height: 1, peak_period: 8}, rao: vessel.csv, direction: 0 deg}"
+    begin, end = SCENE.index("  motion:"), SCENE.index("solver:")
+    (tmp_path / "sea.yaml").write_text(f"{SCENE[:begin]}  motion: {motion}\n{SCENE[end:]}")
+    sea = application.read(tmp_path / "sea.yaml")
+    conditions = [Condition(0.5, PERIOD, math.radians(angle)) for angle in (0.0, 90.0, 200.0)]
+    wanted = Asked(conditions, range(1, 4), 10.0, 10.0, ("max_tension < 60 kN",), lead=5.0)
+    with pytest.raises(SceneError, match=r"Tp 8 s, heading 200 deg.*not in the file"):
+        operability(application, sea, wanted, folder=tmp_path / "storms", jobs=1)
+    assert not (tmp_path / "storms").exists()
+
+
+def test_extremes_that_are_scaled_too_far_are_noted():
+    from crane.operability.storms import scale_notes
+
+    assert scale_notes(asked(duration=10800.0)) == []
+    assert scale_notes(asked(duration=10800.0, simulated=1800.0)) == []
+    far, short = scale_notes(asked(duration=10800.0, simulated=60.0))
+    assert "scaled by 180" in far and "--simulate 1080s" in far
+    assert "8 waves of 8 s" in short and "--simulate 800s" in short

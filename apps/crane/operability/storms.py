@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +16,14 @@ from crane.operability.conditions import Condition, SeaKeys, cases_of, sea_keys,
 from crane.operability.criteria import Criterion, limits_of_scene, none_given, notes_on, read_criteria
 from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
-from tautline.scene.errors import option_error
+from tautline.scene.errors import SceneError, option_error
 from tautline.statistics.gumbel import FEWEST
 
 PROBE = 3.0
 """Time, s, of a run that tells which figures there are, and their units."""
 TENSION = "tension"
+MOST_SCALED, FEW_PERIODS = 10.0, 100.0
+"""Ratio of durations up to which extremes are scaled without a note, and waves that a scaled storm should have."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,8 @@ def operability(
     collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
     collect = list({str(one): one for one in collect}.values())
     storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
-    notes = sea_notes(storm.replace(first), keys) + notes_on(criteria, not storm.output.statistics)
+    _check_seas(application, storm, keys, asked)
+    notes = sea_notes(storm.replace(first), keys) + scale_notes(asked) + notes_on(criteria, not storm.output.statistics)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
     for note in notes:
         (say or (lambda text: None))(f"note: {note}")
@@ -132,6 +135,46 @@ def operability(
         for note in late:
             (say or (lambda text: None))(f"note: {note}")
         found.notes += late
+    return found
+
+
+def _check_seas(application: Any, scene: Any, keys: SeaKeys, asked: Asked) -> None:
+    """Build a storm of each heading and period: what the file of responses lacks would else fail storm by storm.
+
+    Raises
+    ------
+    SceneError
+        Naming the heading and the period.
+    """
+    seen: set[tuple[float | None, float]] = set()
+    for one in asked.conditions:
+        if not one.physical or (one.heading, one.period) in seen:
+            continue
+        seen.add((one.heading, one.period))
+        try:
+            application.build(scene.replace(keys.changes(one, asked.seeds[0]), origin="--heading, --tp"))
+        except SceneError as error:
+            heading = "" if one.heading is None else f", heading {math.degrees(one.heading):g} deg"
+            where = f"sea of Tp {one.period:g} s{heading}"
+            problems = [replace(problem, cause=f"{where}: {problem.cause}") for problem in error.problems]
+            raise SceneError(problems) from None
+
+
+def scale_notes(asked: Asked) -> list[str]:
+    """What is to be known of extremes that are scaled from shorter storms."""
+    ratio, longest = asked.duration / asked.simulated, max(one.period for one in asked.conditions)
+    found = []
+    if ratio > MOST_SCALED * (1.0 + 1e-9):
+        found.append(
+            f"extremes are scaled by {ratio:.3g} in time, more than about {MOST_SCALED:g}: intervals do not hold the "
+            f"error of that. Take --simulate {asked.duration / MOST_SCALED:.0f}s or more"
+        )
+    if ratio > 1.0 and asked.simulated < FEW_PERIODS * longest:
+        found.append(
+            f"a storm of {asked.simulated:g} s has some {asked.simulated / longest:.0f} waves of {longest:g} s: of so "
+            f"few the largest does not follow Gumbel's distribution well. Take --simulate {FEW_PERIODS * longest:.0f}s "
+            "or more"
+        )
     return found
 
 

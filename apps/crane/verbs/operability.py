@@ -228,6 +228,7 @@ def _report(
     from tautline.cli.console import console, print_json, say
     from tautline.cli.run import Ended, ExitCode
     from tautline.cli.summary import two_columns
+    from tautline.cli.sweep import failures
 
     outcome, table = found.outcome, found.table
     written: dict[str, Path] = {}
@@ -244,7 +245,12 @@ def _report(
             for path in (*written.values(), *figures):
                 say(f"wrote {path}", "green")
     if outcome.failed:
-        say(f"{outcome.failed} storms did not come to their end: {folder / 'sweep.csv'} says why", "yellow")
+        say(
+            f"{outcome.failed} storms did not come to their end; the table {folder / 'sweep.csv'} has them all",
+            "yellow",
+        )
+        for text in failures(outcome):
+            say(text, "yellow")
     status = "interrupted" if outcome.interrupted else "done" if outcome.done else "no case came to its end"
     if outcome.interrupted:
         say(f"interrupted; give the same command with --resume{f' -o {folder}' if named else ''}", "yellow")
@@ -295,6 +301,7 @@ def _allowed(found: Found) -> list[dict[str, Any]]:
 
 def _least(found: Found) -> list[dict[str, Any]]:
     """The least of all limits, heading by heading and period by period; nothing where there is but one limit."""
+    from crane.operability.allowable import UNKNOWN
     from crane.operability.output import least_of_all
 
     table = found.table
@@ -304,6 +311,7 @@ def _least(found: Found) -> list[dict[str, Any]]:
         {
             "heading": table.headings[i], "peak_period": float(table.periods[j]),
             "allowable_height": _known(table.allowable[k, i, j].height) if k >= 0 else None,
+            "bound": table.allowable[k, i, j].bound if k >= 0 else UNKNOWN,
             "governed_by": found.criteria[k].text if k >= 0 else None,
         }
         for i, j, k in least_of_all(table)
@@ -348,7 +356,8 @@ def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
     for one in _least(found):
         height = one["allowable_height"]
         said = "not known" if height is None else "none" if height == 0.0 else f"{significant(height)} m"
-        said += "" if height is None else f", by {one['governed_by']}"
+        # Of limits that the grid bounds none governs.
+        said += "" if height is None else f", {one['bound'] if height and one['bound'] else 'by ' + one['governed_by']}"
         rows.append((f"Hs for all limits, {_where(one)}", said))
     if found.fatigue is not None:
         one_year = found.fatigue
