@@ -138,3 +138,15 @@ def test_ctrl_c_keeps_what_is_finished_and_says_so(tmp_path):
     status = found.value.data["status"].values
     assert (status == "done").sum() == 4 and (status == "not run").sum() == CASES - 4
     assert len(lines_of(tmp_path / "out")) == 4
+
+
+def test_cases_that_fail_before_the_first_that_ends_are_in_the_journal_at_once(tmp_path):
+    # They have run for as long as others: after kill -9 they need not run again.
+    out, seen = tmp_path / "out", []
+    key = "path[0].drum.pay_out.ramp.to"
+    tautline.sweep(
+        hoist(2.0), {key: [-20.0, -21.0, -22.0]}, collect=["rise"], jobs=1, folder=out,
+        progress=lambda done, every: seen.append(len(lines_of(out))),
+    )  # fmt: skip
+    assert seen == [0, 1, 2, 3]
+    assert {line["status"] for line in lines_of(out)} == {"two blocked"}

@@ -80,6 +80,9 @@ REFUSED = {
         "must not be negative",
         "the normal distribution reaches there: take truncated_normal",
     ),
+    MASSES + "collect: [{output: winch.tension, name: status}]": ("limits.yaml:4", "every result has", "another name"),
+    MASSES + "collect: [{output: winch.tension, name: percentile}]": ("limits.yaml:4", "every result has"),
+    MASSES + "collect: [{output: winch.tension, name: 'bodies[0].mass'}]": ("limits.yaml:4", "every result has"),
     MASSES + "collect: [rise, rise]": ("limits.yaml:4", "stands twice"),
     MASSES + "indices: sobol": ("no Sobol' indices", "sobol: {samples"),
     VARY + "  'bodies[0].mass': [2 t, 2000]": ("limits.yaml", "bodies[0].mass = 2000 twice", "each value once"),
@@ -159,3 +162,15 @@ def test_a_folder_that_cannot_be_made_is_an_error_that_names_it_and_no_fault_of_
 
     with pytest.raises(WriteError, match="/proc/none"):
         tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=1, folder="/proc/none")
+
+
+def test_how_long_the_values_of_a_large_grid_are_tried_is_said(monkeypatch):
+    from tautline.sweeps import sweep as module
+
+    monkeypatch.setattr(module, "PATIENCE", 0.0)
+    monkeypatch.setattr(module, "TRIED", 5)
+    said = []
+    read = read_sweep({"scene": "s", "vary": {MASS: list(range(1000, 1020))}, "collect": ["rise"]})
+    scene = hoist(0.05)
+    module.run_sweep(read, tautline._installed().of(scene), scene, jobs=1, say=said.append)
+    assert said[0].startswith("the values of 20 cases are tried first")

@@ -40,6 +40,8 @@ STATISTICS = ("max", "min", "mean", "rms", "sd", "range", "last")
 """What can be collected of an output over time."""
 EXAMPLE = "vary: {'bodies[0].mass': [2 t, 5 t, 10 t]}"
 SERIES = ("linspace", "logspace")
+OWN_COLUMNS = ("case", "status", "message", "case_wall_time", "case_cpu_time", "percentile", "parameter")
+"""Columns and dimensions of the result that are not collected."""
 
 
 class Collected(pydantic.BaseModel):
@@ -95,6 +97,8 @@ class SweepFile(Scene):
         for i, name in enumerate(names):
             if name in names[:i]:
                 raise fault(("collect", i), f"'{name}' stands twice", "leave one of them out, or give it another name")
+            if name in (*OWN_COLUMNS, *self.vary):
+                raise fault(("collect", i), f"'{name}' is a column that every result has", "give it another name")
         return self
 
     def chosen_plan(self) -> Plan:

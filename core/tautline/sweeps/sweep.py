@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 FIRST = 2
 """Cases that are run here before others get work: the first loads what comes after its loop, the second tells."""
+TRIED, PATIENCE = 1000, 10.0
+"""Cases by which it is known how long it takes to try all, and the time, s, above which that is said."""
 Progress = Callable[[int, int], None]
 
 
@@ -176,8 +178,9 @@ def run_sweep(
         Called with what the user should know: who runs the cases.
     """
     one = _Sweep(read, application, scene, jobs, dask, folder, resume)
-    one.check(announce)
-    return one.run(progress or (lambda done, all: None), say or (lambda text: None))
+    say = say or (lambda text: None)
+    one.check(announce, say)
+    return one.run(progress or (lambda done, all: None), say)
 
 
 class _Sweep:
@@ -201,6 +204,8 @@ class _Sweep:
         self.journal = None if folder is None else Journal(folder, self._mark(), len(self.cases), resume)
         self.columns: dict[str, Finding] = dict(self.journal.columns or {}) if self.journal is not None else {}
         self.kept: list[Row] = []
+        # Whether all names that are asked for are known to be found: then each row is kept as soon as it is there.
+        self.named = False
         self.loop_time = self.elsewhere = 0.0
         self.process = os.getpid()
         self.lost: list[Row] = []
@@ -214,10 +219,15 @@ class _Sweep:
         whole = [about, order, self.scene.document.root, files]
         return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
-    def check(self, announce: Callable[[int], None] | None) -> None:
+    def check(self, announce: Callable[[int], None] | None, say: Callable[[str], None]) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
         problems: dict[Problem, None] = {}
+        began = time.perf_counter()
         for case in range(len(self.cases)):
+            if case == TRIED:
+                left = (time.perf_counter() - began) * (len(self.cases) / TRIED - 1.0)
+                if left > PATIENCE:
+                    say(f"the values of {len(self.cases)} cases are tried first, which takes about {left:.0f} s")
             changes = self.cases.changes(case)
             try:
                 self.runner.varied(changes)
@@ -236,7 +246,7 @@ class _Sweep:
             model = self.runner.prepare({}, announce)
         if model is not None:
             check_outputs(self.read, model)
-            check_figures(self.read, model, getattr(self.application, "sometimes", ()))
+            self.named = check_figures(self.read, model, getattr(self.application, "sometimes", ()))
 
     def _with_bounds(self, problem: Problem) -> Problem:
         """Add to what a distribution makes, and the scene cannot have, that there are others with bounds."""
@@ -303,7 +313,7 @@ class _Sweep:
             self.lost.append(row)
         elif self.journal is None or not self.journal.begun:
             self.kept.append(row)
-            if self.journal is not None and row.status == DONE:
+            if self.journal is not None and (row.status == DONE or self.named):
                 self._begin()
         else:
             self.journal.add(row)

@@ -216,14 +216,20 @@ def check_outputs(read: SweepFile, model: Any) -> None:
         raise SceneError(problems)
 
 
-def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) -> None:
-    """Raise SceneError for figures that no run of a model has, before the first run, where the model knows them all."""
+def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) -> bool:
+    """Raise SceneError for figures that no run of a model has, before the first run.
+
+    Returns
+    -------
+    bool
+        Whether the model knows all its figures: of another, names are looked up in the first run that ends.
+    """
     from tautline.scene.errors import SceneError
     from tautline.scene.refusal import nearest
 
     known = (*model.figure_units, *sometimes, *RUN)
     if not model.figure_units:
-        return
+        return False
     problems = [
         read.problem_at(("collect", i), f"the verb finds no '{one.figure}'", nearest(one.figure, known))
         for i, one in enumerate(read.collected())
@@ -231,6 +237,8 @@ def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) ->
     ]
     if problems:
         raise SceneError(problems)
+    # What a limit of the scene is called is looked up in a run.
+    return not any(asks_limits(one.figure) for one in read.collected())
 
 
 def output_of(outputs: Mapping[str, Any], name: str) -> tuple[Any, int | None]:
