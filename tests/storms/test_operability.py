@@ -328,6 +328,23 @@ def test_a_scatter_diagram_gives_the_sea_states(command, scene, tmp_path):
     assert told["fatigue"]["life_years"] > 0.0
 
 
+def test_sea_states_that_never_occur_are_not_run_for_fatigue_alone(command, scene, tmp_path):
+    place = tmp_path / "scatter.csv"
+    place.write_text("Hs [m],6,8\n0.5,3,0\n1.0,0,4\n")
+    options = ("--seeds", "1", "--duration", "10 s", "--lead-in", "5 s", "-j", "1", "--json", "-o", tmp_path / "f")
+    code, out, said = command("operability", scene.document.path, "--scatter", place, *options)
+    assert code == 0
+    told = only_object(out)
+    assert told["cases"] == 2 and told["fatigue"]["share_of_time"] == pytest.approx(1.0)
+    assert "2 sea states, 1 storm of 10 s each" in said and "2 more of the scatter diagram never occur" in said
+    with xarray.open_dataset(tmp_path / "f" / "operability.nc") as data:
+        assert (data["status"].values == "does not occur").sum() == 2
+    # A limit is asked of all of them.
+    limit = ("--limit", "max_tension < 60 kN", "--seeds", "3", "--quiet", "-o", tmp_path / "g")
+    code, out, _ = command("operability", scene.document.path, "--scatter", place, *options, *limit)
+    assert code == 0 and only_object(out)["cases"] == 12
+
+
 def test_the_sweep_of_storms_is_a_plain_one():
     # What is handed to the sweep reads as the file of one: every key varies together.
     read = read_sweep({"scene": "scene", "vary": {"a": [1, 2], "b": [3, 4]}, "plan": "zip", "collect": ["max_tension"]})

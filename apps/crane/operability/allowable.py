@@ -19,6 +19,7 @@ from crane.operability.criteria import Criterion
 from tautline.statistics.gumbel import FEWEST, fit_gumbel
 
 COMPUTED, STEEP, FAILED, FEW = "computed", "not physical: too steep", "failed", "too few storms"
+ABSENT = "does not occur"
 INSIDE, BELOW, ABOVE, BREAKS, STOPPED, UNKNOWN = (
     "", "below the lowest calculated", "at least the highest calculated", "at least the steepest wave",
     "a storm of the next height failed", "not known",
@@ -171,19 +172,20 @@ def tabulate(
     periods = np.array(sorted({one.period for one in conditions}))
     headings = list(dict.fromkeys(one.heading for one in conditions))
     shape = (len(headings), len(periods), len(heights))
-    status = np.full(shape, STEEP, object)
+    status = np.full(shape, ABSENT, object)
     values = np.full((len(criteria), *shape, len(seeds)), np.nan)
     extremes = {name: np.full((len(criteria), *shape), np.nan) for name in FITTED}
     done = rows["status"].values == "done"
     case = 0
     for one in conditions:
-        if not one.physical:
-            continue
         at = (
             headings.index(one.heading),
             int(np.searchsorted(periods, one.period)),
             int(np.searchsorted(heights, one.height)),
         )
+        if not one.physical:
+            status[at] = STEEP
+            continue
         some = slice(case, case + len(seeds))
         case += len(seeds)
         good = done[some]
@@ -207,7 +209,7 @@ def _allowables(
 ) -> np.ndarray:  # fmt: skip
     found = np.empty((len(criteria), len(headings), len(periods)), object)
     for k, i, j in np.ndindex(*found.shape):
-        run = status[i, j] != STEEP
+        run = (status[i, j] != STEEP) & (status[i, j] != ABSENT)
         way = criteria[k].way
         bounds = [way * extremes[f"{compared}{end}"][k, i, j][run] for end in ("", "_low", "_high")]
         # A storm that did not come to its end is none to lift in.

@@ -37,6 +37,11 @@ class Scatter(NamedTuple):
     periods: np.ndarray
     share: np.ndarray
 
+    def of(self, height: float, period: float) -> float:
+        """Share of time of a sea state; 0 of one that is not in the diagram."""
+        at = np.isclose(self.heights, height)[:, None] & np.isclose(self.periods, period)[None, :]
+        return float(self.share[at].sum())
+
 
 def read_scatter(path: Path) -> Scatter:
     """Read a CSV table of occurrences, in any number: they are made shares of time.

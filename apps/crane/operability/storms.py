@@ -138,6 +138,14 @@ def operability(
     return found
 
 
+def occurring(asked: Asked, scene: Any) -> Asked:
+    """The same, without sea states that never occur where nothing but fatigue is asked for: they do no damage."""
+    if asked.scatter is None or asked.limits or limits_of_scene(scene):
+        return asked
+    found = [one for one in asked.conditions if asked.scatter.of(one.height, one.period) > 0.0]
+    return replace(asked, conditions=found) if found else asked
+
+
 def _check_seas(application: Any, scene: Any, keys: SeaKeys, asked: Asked) -> None:
     """Build a storm of each heading and period: what the file of responses lacks would else fail storm by storm.
 

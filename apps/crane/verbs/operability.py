@@ -93,6 +93,7 @@ def operability(
     quiet: Quiet = False,
 ) -> None:
     """Storms over sea states: extremes, and the allowable significant wave height against period and heading."""
+    from crane.operability.storms import occurring
     from crane.operability.storms import operability as run
     from tautline.cli.changes import changed
     from tautline.cli.console import say
@@ -105,10 +106,12 @@ def operability(
         hs, tp, heading, seeds, first_seed, duration, simulated, lead_in, limit, percentile, confidence, scatter,
         sn_constant,
     )  # fmt: skip
+    whole = asked
+    asked = occurring(asked, read)
     folder = output or Path(f"{scene.stem}-operability")
     if not quiet:
         print_warnings(application.warnings(read))
-        _introduce(asked)
+        _introduce(asked, len(whole.conditions) - len(asked.conditions))
     with Counter("storms", shown=not quiet) as bar:
         found = run(
             application, read, asked, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
@@ -204,13 +207,15 @@ def _share(text: str, option: str, example: str, given: str | None = None) -> fl
     return value / 100.0
 
 
-def _introduce(asked: Asked) -> None:
+def _introduce(asked: Asked, absent: int) -> None:
     from tautline.cli.console import say
 
     steep = [one for one in asked.conditions if not one.physical]
     count = len(asked.conditions) - len(steep)
     storms = f"{len(asked.seeds)} storm{'s' if len(asked.seeds) > 1 else ''}"
     say(f"{count} sea state{'s' if count != 1 else ''}, {storms} of {_lasting(asked.simulated)} each")
+    if absent:
+        say(f"{absent} more of the scatter diagram never occur, and are not run")
     if steep:
         say(f"{len(steep)} more are not run: waves of these periods cannot be so steep (DNV-RP-C205, 3.5.4)")
     if asked.simulated < asked.duration:
