@@ -10,7 +10,7 @@ import xarray
 from cli.in_process import commands_of, leave_out_pixels, only_object
 
 from crane.application import Crane
-from crane.operability.allowable import ABOVE, BELOW, FAILED, INSIDE, crossing
+from crane.operability.allowable import ABOVE, BELOW, FAILED, INSIDE, STOPPED, allowable, crossing, fitted, governing
 from crane.operability.conditions import Condition, highest
 from crane.operability.scatter import YEAR, fatigue_over, read_scatter
 from crane.operability.storms import Asked, operability
@@ -126,8 +126,38 @@ def test_the_allowable_height_grows_with_the_limit(values):
 
 def test_storms_that_fail_are_none_to_lift_in():
     heights = np.array([0.5, 1.0, 1.5])
-    assert crossing(heights, np.array([1.0, 2.0, np.inf]), 3.0) == (1.0, INSIDE)
+    # That is no height that was found between two: the bound says so, at the lowest height too.
+    assert crossing(heights, np.array([1.0, 2.0, np.inf]), 3.0) == (1.0, STOPPED)
+    assert crossing(heights, np.array([np.inf, 2.0, 3.0]), 3.0) == (0.0, STOPPED)
     assert FAILED == "failed"
+
+
+def test_the_allowable_height_of_a_linear_response_is_the_limit_over_the_response():
+    # T = 50 + 7 Hs, at heights that are not evenly spaced: nothing of interpolation is left in it.
+    heights = np.array([0.5, 0.8, 1.7, 2.0, 3.5])
+    for limit in (54.0, 58.3, 70.0):
+        found = allowable(heights, *(50.0 + a * heights for a in (7.0, 6.0, 8.0)), limit, 3.5)
+        assert found.height == pytest.approx((limit - 50.0) / 7.0, rel=1e-12)
+        assert found.low == pytest.approx((limit - 50.0) / 8.0, rel=1e-12)
+        assert found.high == pytest.approx((limit - 50.0) / 6.0, rel=1e-12)
+        assert (found.bound, found.low_bound, found.high_bound) == (INSIDE, INSIDE, INSIDE)
+
+
+def test_an_end_of_the_interval_that_the_grid_bounds_says_so():
+    heights = np.array([1.0, 2.0, 3.0])
+    found = allowable(heights, 10.0 * heights, 5.0 * heights, 30.0 * heights, 25.0, 3.0)
+    assert (found.low, found.height, found.high) == (0.0, pytest.approx(2.5), 3.0)
+    assert (found.low_bound, found.bound, found.high_bound) == (BELOW, INSIDE, ABOVE)
+
+
+def test_of_several_limits_the_least_height_governs_and_an_unknown_one_leaves_it_unknown():
+    from types import SimpleNamespace
+
+    heights = [[[1.0, 2.0, 1.0]], [[1.5, 0.5, np.nan]]]
+    found = np.empty((2, 1, 3), object)
+    for at in np.ndindex(*found.shape):
+        found[at] = SimpleNamespace(height=np.array(heights)[at])
+    assert governing(SimpleNamespace(allowable=found)).tolist() == [[0, 1, -1]]
 
 
 def test_waves_steeper_than_they_can_be_are_not_run():
@@ -178,8 +208,13 @@ def test_the_command_writes_tables_marks_steep_waves_and_goes_on(command, scene,
         assert np.all(np.diff(high) > 0.0)
     head = (folder / "allowable.csv").read_text().splitlines()
     assert head[0].startswith("limit,heading [deg],peak_period [s],allowable_height [m]")
-    assert len(head) == 3
-    assert len(list(folder.glob("allowable_*.png"))) == 2
+    # A row for each limit, and one for both: the least, with the limit that it is of.
+    assert len(head) == 4
+    rows = [line.split(",") for line in head[1:]]
+    assert float(rows[2][3]) == min(float(row[3]) for row in rows[:2])
+    assert rows[2][0] == "all limits" and rows[2][-1] in [row[0] for row in rows[:2]]
+    assert told["all_limits"][0]["governed_by"] == rows[2][-1]
+    assert len(list(folder.glob("allowable_*.png"))) == 3
     # What was finished is not run again.
     journal = folder / "journal.ndjson"
     lines = journal.read_bytes().splitlines(keepends=True)
@@ -202,6 +237,18 @@ def test_the_command_writes_tables_marks_steep_waves_and_goes_on(command, scene,
         (("--limit", "max_tension < 60 kN", "--seeds", "2"), "too few storms", "10 give"),
         (("--limit", "max_tension < 60 kN", "--hs", "9,10"), "steeper than waves", "longer periods"),
         (("--limit", "max_tension < 60 kN", "--percentile", "P100"), "no percentage", "P90"),
+        (("--limit", "max_tension < 60 kN", "--percentile", "0.9"), "may mean 90 % or 0.9 %", "P90"),
+        (("--limit", "max_tension < 60 kN", "--confidence", "0.95"), "may mean 95 % or 0.95 %", "90 %"),
+        (
+            ("--limit", "max_tension < 60 kN", "--set", "vessel.motion.heave.spectrum.ramp=6"),
+            "is shorter than vessel.motion.heave.spectrum.ramp, 6 s",
+            "--lead-in 6s",
+        ),
+        (
+            ("--seeds", "1", "--set", "limits=[{output: max_tension, above: 60 kN}]"),
+            "too few storms",
+            "10 give",
+        ),
         (("--limit", "max_tension < 60 kN", "--simulate", "40 s"), "is longer than 20 s", "or less"),
     ],
 )
@@ -281,6 +328,23 @@ def test_a_scatter_diagram_gives_the_sea_states(command, scene, tmp_path):
     assert told["fatigue"]["life_years"] > 0.0
 
 
+def test_sea_states_that_never_occur_are_not_run_for_fatigue_alone(command, scene, tmp_path):
+    place = tmp_path / "scatter.csv"
+    place.write_text("Hs [m],6,8\n0.5,3,0\n1.0,0,4\n")
+    options = ("--seeds", "1", "--duration", "10 s", "--lead-in", "5 s", "-j", "1", "--json", "-o", tmp_path / "f")
+    code, out, said = command("operability", scene.document.path, "--scatter", place, *options)
+    assert code == 0
+    told = only_object(out)
+    assert told["cases"] == 2 and told["fatigue"]["share_of_time"] == pytest.approx(1.0)
+    assert "2 sea states, 1 storm of 10 s each" in said and "2 more of the scatter diagram never occur" in said
+    with xarray.open_dataset(tmp_path / "f" / "operability.nc") as data:
+        assert (data["status"].values == "does not occur").sum() == 2
+    # A limit is asked of all of them.
+    limit = ("--limit", "max_tension < 60 kN", "--seeds", "3", "--quiet", "-o", tmp_path / "g")
+    code, out, _ = command("operability", scene.document.path, "--scatter", place, *options, *limit)
+    assert code == 0 and only_object(out)["cases"] == 12
+
+
 def test_the_sweep_of_storms_is_a_plain_one():
     # What is handed to the sweep reads as the file of one: every key varies together.
     read = read_sweep({"scene": "scene", "vary": {"a": [1, 2], "b": [3, 4]}, "plan": "zip", "collect": ["max_tension"]})
@@ -295,3 +359,80 @@ def test_limits_of_the_scene_are_those_that_storms_are_judged_by(scene):
     ]})  # fmt: skip
     assert limits_of_scene(limited) == ["max_tension < 60 kN", "min_tension > 500.0"]
     assert limits_of_scene(scene) == []
+
+
+def test_an_output_is_not_judged_over_the_lead_in(application, scene):
+    # The load is lowered by 3.5 m in the lead-in of 20 s: in the storm it is far below its start.
+    falling = scene.replace({
+        "path": [
+            {"drum": {"name": "winch", "center": [-0.5, 0, 13], "radius": 0.5, "axis": [0, 1, 0], "wrap": "over",
+                      "pay_out": {"table": {"time": [0, 0.5, 3.5, 4], "value": [0, 1, 1, 0]}}}},
+            {"end": {"name": "hook", "body": "load"}},
+        ],
+    })  # fmt: skip
+    start = float(falling.bodies[0].position[2])
+    found = operability(
+        application, falling, asked((0.3,), 3, 10.0, limits=[f"load.position[2] < {start - 1.5}"]), jobs=1
+    )
+    assert set(found.outcome.data["status"].values) == {"done"}, found.outcome.data["message"].values
+    assert found.table.values.max() < start - 1.5
+
+
+def test_storms_without_slack_keep_a_limit_on_snaps(application, scene):
+    # Such a storm has no such figure: it counts as 0, and is not left out of the fit.
+    found = operability(application, scene, asked((0.3, 0.8), 3, 10.0, limits=["max_snap < 1 kN"]), jobs=1)
+    assert found.table.values.tolist() == [[[[[0.0] * 3] * 2]]]
+    one = found.table.allowable[0, 0, 0]
+    assert (one.height, one.bound) == (0.8, ABOVE)
+    assert any("no Gumbel distribution" in note for note in found.notes)
+
+
+def test_time_of_a_scatter_diagram_that_was_not_run_is_told_because_its_damage_is_lacking(tmp_path):
+    from crane.operability.scatter import not_covered
+
+    place = tmp_path / "scatter.csv"
+    place.write_text("Hs,7,9\n1,30,10\n2,0,60\n")
+    diagram = read_scatter(place)
+    whole = np.ones((1, 2, 2, 1))
+    assert not_covered(fatigue_over(diagram, diagram.heights, diagram.periods, whole, whole, 1.0)) == []
+    part = whole.copy()
+    part[0, 1, 1] = np.nan
+    (note,) = not_covered(fatigue_over(diagram, diagram.heights, diagram.periods, part, whole, 1.0))
+    assert "60 % of the time" in note and "life is too long" in note
+
+
+def test_equal_storms_have_a_most_probable_largest_without_an_interval():
+    from crane.operability.criteria import Criterion
+    from tautline.results.limits import AT_MOST
+
+    one = Criterion("max_tension < 60 kN", "max_tension", AT_MOST, 60e3, "N", False)
+    found = fitted(np.full(4, 50e3), one, 1.0, 0.9, 0.9)
+    assert found["percentile"] == found["percentile_low"] == 50e3 and found["exceedance"] == 0.0
+
+
+RESPONSES = "frequency [rad/s],direction [deg],heave [m/m],heave phase [deg]\n" + "".join(
+    f"{w},{angle},{0.8 if w < 4 else 0.0},0\n" for angle in (0, 90) for w in (0.2, 2.0, 4.0)
+)
+
+
+def test_a_heading_that_the_responses_lack_is_refused_before_any_storm_is_run(application, scene, tmp_path):
+    (tmp_path / "vessel.csv").write_text(RESPONSES)
+    motion = "{sea: {significant_height: 1, peak_period: 8}, rao: vessel.csv, direction: 0 deg}"
+    begin, end = SCENE.index("  motion:"), SCENE.index("solver:")
+    (tmp_path / "sea.yaml").write_text(f"{SCENE[:begin]}  motion: {motion}\n{SCENE[end:]}")
+    sea = application.read(tmp_path / "sea.yaml")
+    conditions = [Condition(0.5, PERIOD, math.radians(angle)) for angle in (0.0, 90.0, 200.0)]
+    wanted = Asked(conditions, range(1, 4), 10.0, 10.0, ("max_tension < 60 kN",), lead=5.0)
+    with pytest.raises(SceneError, match=r"Tp 8 s, heading 200 deg.*not in the file"):
+        operability(application, sea, wanted, folder=tmp_path / "storms", jobs=1)
+    assert not (tmp_path / "storms").exists()
+
+
+def test_extremes_that_are_scaled_too_far_are_noted():
+    from crane.operability.storms import scale_notes
+
+    assert scale_notes(asked(duration=10800.0)) == []
+    assert scale_notes(asked(duration=10800.0, simulated=1800.0)) == []
+    far, short = scale_notes(asked(duration=10800.0, simulated=60.0))
+    assert "scaled by 180" in far and "--simulate 1080s" in far
+    assert "8 waves of 8 s" in short and "--simulate 800s" in short

@@ -11,7 +11,7 @@ from collections import Counter
 import numpy as np
 import pytest
 import xarray
-from sweep.short_hoist import MASS, hoist, write_sweep
+from sweep.short_hoist import MASS, PERIOD, hoist, write_sweep
 
 import tautline
 from tautline.results.errors import ResultError
@@ -95,6 +95,24 @@ def test_another_sweep_cannot_go_on_in_its_place(tmp_path):
         tautline.sweep(hoist(0.06), VARY, collect=["max_tension"], jobs=1, folder=out, resume=True)
 
 
+def test_keys_in_another_order_are_another_sweep_for_its_cases_have_other_numbers(tmp_path):
+    out, keys = tmp_path / "out", {MASS: [2000.0, 5000.0], PERIOD: [6.0, 7.0, 8.0]}
+    tautline.sweep(hoist(0.05), keys, collect=["rise"], jobs=1, folder=out)
+    with pytest.raises(ResultError, match="another sweep"):
+        tautline.sweep(
+            hoist(0.05), dict(reversed(keys.items())), collect=["rise"], jobs=1, folder=out, resume=True
+        )  # fmt: skip
+
+
+def test_percentiles_of_an_earlier_sweep_do_not_stay_beside_a_grid(tmp_path):
+    out = tmp_path / "out"
+    spread = {MASS: {"uniform": [2000, 5000]}}
+    tautline.sweep(hoist(0.05), spread, {"monte_carlo": {"samples": 3}}, ["rise"], jobs=1, folder=out)
+    assert (out / "percentiles.csv").exists()
+    tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=1, folder=out)
+    assert not (out / "percentiles.csv").exists()
+
+
 def test_a_finished_sweep_that_is_gone_on_with_runs_nothing(tmp_path):
     out = tmp_path / "out"
     run(out)
@@ -120,3 +138,15 @@ def test_ctrl_c_keeps_what_is_finished_and_says_so(tmp_path):
     status = found.value.data["status"].values
     assert (status == "done").sum() == 4 and (status == "not run").sum() == CASES - 4
     assert len(lines_of(tmp_path / "out")) == 4
+
+
+def test_cases_that_fail_before_the_first_that_ends_are_in_the_journal_at_once(tmp_path):
+    # They have run for as long as others: after kill -9 they need not run again.
+    out, seen = tmp_path / "out", []
+    key = "path[0].drum.pay_out.ramp.to"
+    tautline.sweep(
+        hoist(2.0), {key: [-20.0, -21.0, -22.0]}, collect=["rise"], jobs=1, folder=out,
+        progress=lambda done, every: seen.append(len(lines_of(out))),
+    )  # fmt: skip
+    assert seen == [0, 1, 2, 3]
+    assert {line["status"] for line in lines_of(out)} == {"two blocked"}

@@ -88,6 +88,16 @@ def test_a_statistic_is_that_of_the_frames(statistic, expected):
     assert data["z"].item() == pytest.approx(float(expected(frames)), rel=1e-12)
 
 
+def test_a_statistic_leaves_out_what_is_before_the_begin_of_statistics():
+    # The hook rises: its lowest place is that at 0.5 s, and not that at the start.
+    output = {"keep": "statistics", "interval": "50 ms", "begin": 0.5, "of": ["tension"]}
+    lowest = {"output": "payload.position[2]", "statistic": "min", "name": "z"}
+    data = tautline.sweep(hoist(1.0, output=output), {MASS: ["3 t"]}, collect=[lowest], jobs=1)
+    frames = tautline.simulate(hoist(1.0, **{MASS: "3 t"}))
+    after = frames["body_position"][frames.time >= 0.5 - 1e-9, 0, 2]
+    assert data["z"].item() == pytest.approx(after.min(), rel=1e-9) and after.min() > 5.001
+
+
 def test_result_and_table_hold_the_same_and_the_json_says_what_it_took(tmp_path, capsys, monkeypatch):
     from crane.application import Crane
     from tautline.cli.run import run
@@ -225,3 +235,33 @@ def test_limits_may_be_varied_are_collected_where_nothing_is_named_and_a_slip_in
     assert {"limit.jerk.margin", "limit.overload.longest"} <= set(data.data_vars)
     with pytest.raises(tautline.SceneError, match=r"did you mean 'limit\.overload\.margin'"):
         tautline.sweep(limited(), {MASS: ["2 t"]}, collect=["limit.overlaod.margin"], jobs=1)
+
+
+def test_the_summary_of_a_plan_that_samples_tells_its_percentiles_and_their_table(tmp_path, capsys, monkeypatch):
+    from crane.application import Crane
+    from tautline.cli.run import run
+    from tautline.cli.verbs import make_app
+
+    path = write_sweep(
+        tmp_path,
+        f"vary: {{'{MASS}': {{uniform: [2 t, 5 t]}}}}\nplan: {{monte_carlo: {{samples: 4}}}}\ncollect: [max_tension]",
+        "0.05 s",
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+    with pytest.raises(SystemExit):
+        run(make_app(Crane()), ["sweep", path.name, "--json", "-j", "1", "-o", "out"])
+    found = capsys.readouterr()
+    assert json.loads(found.out)["percentiles"] == "out/percentiles.csv"
+    assert "max_tension: P10, P50, P90" in found.err and "wrote out/percentiles.csv" in found.err
+
+
+def test_an_axis_of_a_figure_is_in_the_unit_that_keeps_its_numbers_short_and_breaks_at_dots():
+    from tautline.sweeps.figures import NARROW, _places
+    from tautline.sweeps.plans import Parameter
+
+    data = xarray.Dataset(attrs={"units": "si"})
+    places, text = _places(Parameter("bit.weight", "N", (4e4, 16e4), (4e4, 16e4)), data)
+    assert places.tolist() == pytest.approx([40.0, 160.0]) and text == "bit.weight [kN]"
+    text = _places(Parameter(PERIOD, "s", (5.0, 9.0), (5.0, 9.0)), data, NARROW)[1]
+    assert text == "vessel.motion.heave.\nharmonic.period [s]"

@@ -75,8 +75,22 @@ REFUSED = {
         "payload.position[0]",
     ),
     MASSES + "collect: [max_tensoin]": ("limits.yaml:4", "did you mean 'max_tension'"),
+    VARY + "  'bodies[0].mass': {normal: [1 t, 5 t]}\nplan: {sobol: {samples: 8, seed: 1}}": (
+        "limits.yaml:3",
+        "must not be negative",
+        "the normal distribution reaches there: take truncated_normal",
+    ),
+    MASSES + "collect: [{output: winch.tension, name: status}]": ("limits.yaml:4", "every result has", "another name"),
+    MASSES + "collect: [{output: winch.tension, name: percentile}]": ("limits.yaml:4", "every result has"),
+    MASSES + "collect: [{output: winch.tension, name: 'bodies[0].mass'}]": ("limits.yaml:4", "every result has"),
     MASSES + "collect: [rise, rise]": ("limits.yaml:4", "stands twice"),
     MASSES + "indices: sobol": ("no Sobol' indices", "sobol: {samples"),
+    VARY + "  'bodies[0].mass': [2 t, 2000]": ("limits.yaml", "bodies[0].mass = 2000 twice", "each value once"),
+    VARY + "  'bodies[0].mass': [2 t]\n  bodies[0]: [{name: payload, mass: 5 t, position: [12.4, 0, 5]}]": (
+        "limits.yaml:4",
+        "bodies[0].mass is a part of bodies[0]",
+        "keep one",
+    ),
     VARY + "  'solver.step': [1 ms, 20 ms]\n  'solver.end': [10 ms]": (
         "limits.yaml:4",
         "before the first step ends (0.02 s)",
@@ -128,3 +142,35 @@ def test_python_takes_numpy_arrays_and_a_scene_of_any_form(tmp_path):
     assert data["max_tension"].dims == (MASS,) and data["max_tension"].attrs["units"] == "N"
     assert list(data[MASS].values) == [2000.0, 5000.0] and data[MASS].attrs["units"] == "kg"
     assert HOIST.exists()
+
+
+def test_a_number_of_workers_below_zero_is_refused():
+    with pytest.raises(tautline.SceneError, match=r"jobs -1: is less than zero"):
+        tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=-1)
+
+
+def test_a_name_that_no_run_finds_is_refused_before_the_first_run_though_no_case_would_end(monkeypatch):
+    from tautline.sweeps.cases import Runner
+
+    monkeypatch.setattr(Runner, "run", lambda *given: pytest.fail("a case was run"))
+    with pytest.raises(tautline.SceneError, match="did you mean 'max_tension'"):
+        tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["max_tensoin"], jobs=1)
+
+
+def test_a_folder_that_cannot_be_made_is_an_error_that_names_it_and_no_fault_of_the_program():
+    from tautline.results.errors import WriteError
+
+    with pytest.raises(WriteError, match="/proc/none"):
+        tautline.sweep(hoist(0.05), {MASS: [2000.0]}, collect=["rise"], jobs=1, folder="/proc/none")
+
+
+def test_how_long_the_values_of_a_large_grid_are_tried_is_said(monkeypatch):
+    from tautline.sweeps import sweep as module
+
+    monkeypatch.setattr(module, "PATIENCE", 0.0)
+    monkeypatch.setattr(module, "TRIED", 5)
+    said = []
+    read = read_sweep({"scene": "s", "vary": {MASS: list(range(1000, 1020))}, "collect": ["rise"]})
+    scene = hoist(0.05)
+    module.run_sweep(read, tautline._installed().of(scene), scene, jobs=1, say=said.append)
+    assert said[0].startswith("the values of 20 cases are tried first")

@@ -65,3 +65,17 @@ def test_simulate_takes_no_options_in_a_sweep_and_other_verbs_no_outputs():
         tautline.sweep(
             "data/jwell.yaml", {"well.wall.friction": [0.2]}, "grid", [{"output": "top.force"}], verb="torque-drag"
         )
+
+
+def test_places_that_differ_from_case_to_case_are_kept_with_each_case():
+    # By default the speeds go up to that of the scene: the n-th is another one in each case.
+    data = tautline.sweep(
+        "data/hose.yaml", {"water.speed.ramp.to": [20.0, 35.0]}, collect=["tip_x"], verb="static", jobs=1
+    )
+    assert data["tip_x"].dims == data["speed"].dims == ("water.speed.ramp.to", "speed number")
+    assert data["speed"].values[:, -1].tolist() == [20.0, 35.0]
+    same = tautline.sweep(
+        "data/hose.yaml", {"water.speed.ramp.to": [20.0, 35.0]}, collect=["tip_x"], verb="static",
+        options={"speed": "5,10"}, jobs=1,
+    )  # fmt: skip
+    assert same["tip_x"].dims == ("water.speed.ramp.to", "speed") and same["speed"].values.tolist() == [5.0, 10.0]

@@ -9,7 +9,7 @@ is where that curve meets the limit. Its interval comes from the bounds of the f
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,20 +19,24 @@ from crane.operability.criteria import Criterion
 from tautline.statistics.gumbel import FEWEST, fit_gumbel
 
 COMPUTED, STEEP, FAILED, FEW = "computed", "not physical: too steep", "failed", "too few storms"
-INSIDE, BELOW, ABOVE, BREAKS, UNKNOWN = (
-    "", "below the lowest calculated", "at least the highest calculated", "at least the steepest wave", "not known",
+ABSENT = "does not occur"
+INSIDE, BELOW, ABOVE, BREAKS, STOPPED, UNKNOWN = (
+    "", "below the lowest calculated", "at least the highest calculated", "at least the steepest wave",
+    "a storm of the next height failed", "not known",
 )  # fmt: skip
 """How an allowable height is bounded: found between heights; smaller than all; larger than all of the grid, or than all
-that are physical."""
+that are physical; the last one below a height of which a storm did not come to its end."""
 
 
 class Allowable(NamedTuple):
-    """An allowable significant height, m, its interval, and how it is bounded."""
+    """An allowable significant height, m, its interval, and how the height and both ends are bounded."""
 
     height: float
     low: float
     high: float
     bound: str
+    low_bound: str = ""
+    high_bound: str = ""
 
 
 FITTED = (
@@ -79,11 +83,12 @@ def allowable(
     if not known.any():
         return Allowable(math.nan, math.nan, math.nan, UNKNOWN)
     heights = heights[known]
-    found, bound = crossing(heights, values[known], limit)
-    low, high = (crossing(heights, one[known], limit)[0] for one in (highs, lows))
-    if bound == ABOVE and heights[-1] < top:
-        bound = BREAKS
-    return Allowable(found, min(low, found), max(high, found), bound)
+    # An end of the interval may lie beyond the grid where the height itself does not.
+    ends = [crossing(heights, one[known], limit) for one in (values, highs, lows)]
+    ends = [(height, BREAKS if bound == ABOVE and heights[-1] < top else bound) for height, bound in ends]
+    middle, low, high = ends
+    low, high = min(low, middle, key=lambda end: end[0]), max(high, middle, key=lambda end: end[0])
+    return Allowable(middle[0], low[0], high[0], middle[1], low[1], high[1])
 
 
 def crossing(heights: np.ndarray, values: np.ndarray, limit: float) -> tuple[float, str]:
@@ -93,14 +98,14 @@ def crossing(heights: np.ndarray, values: np.ndarray, limit: float) -> tuple[flo
 
     rising = np.maximum.accumulate(values)
     if rising[0] > limit:
-        return 0.0, BELOW
+        return 0.0, BELOW if np.isfinite(rising[0]) else STOPPED
     if rising[-1] <= limit:
         return float(heights[-1]), ABOVE
     k = int(np.argmax(rising > limit))
     usable = np.isfinite(rising)
     if not usable[k]:
         # Storms of that height failed: nothing is known between.
-        return float(heights[k - 1]), INSIDE
+        return float(heights[k - 1]), STOPPED
     if rising[k - 1] == limit:
         return float(heights[k - 1]), INSIDE
     curve = PchipInterpolator(heights[usable], rising[usable])
@@ -134,9 +139,19 @@ class Table(NamedTuple):
     allowable: np.ndarray
 
 
+def governing(table: Table) -> np.ndarray:
+    """Number of the limit that allows the least, (headings, periods); -1 where what one of them allows is not known.
+
+    Of a table of one limit or more.
+    """
+    heights = np.array([one.height for one in table.allowable.ravel()], float).reshape(table.allowable.shape)
+    known = np.isfinite(heights)
+    return np.where(known.all(axis=0), np.where(known, heights, np.inf).argmin(axis=0), -1)
+
+
 def tabulate(
     rows: Any, conditions: Sequence[Condition], criteria: Sequence[Criterion], seeds: Sequence[int],
-    ratio: float, share: float, confidence: float, compared: str,
+    ratio: float, share: float, confidence: float, compared: str, nothing: Collection[str] = (),
 ) -> Table:  # fmt: skip
     """Put the cases of a sweep into the grid of their sea states, fit, and find the allowable heights.
 
@@ -150,30 +165,35 @@ def tabulate(
         Percentile and confidence, 0 to 1.
     compared : str
         ``most_probable`` or ``percentile``: what is compared with the limits.
+    nothing : collection of str
+        Figures that are 0 of a storm without them: without slack there is no snap.
     """
     heights = np.array(sorted({one.height for one in conditions}))
     periods = np.array(sorted({one.period for one in conditions}))
     headings = list(dict.fromkeys(one.heading for one in conditions))
     shape = (len(headings), len(periods), len(heights))
-    status = np.full(shape, STEEP, object)
+    status = np.full(shape, ABSENT, object)
     values = np.full((len(criteria), *shape, len(seeds)), np.nan)
     extremes = {name: np.full((len(criteria), *shape), np.nan) for name in FITTED}
     done = rows["status"].values == "done"
     case = 0
     for one in conditions:
-        if not one.physical:
-            continue
         at = (
             headings.index(one.heading),
             int(np.searchsorted(periods, one.period)),
             int(np.searchsorted(heights, one.height)),
         )
+        if not one.physical:
+            status[at] = STEEP
+            continue
         some = slice(case, case + len(seeds))
         case += len(seeds)
         good = done[some]
         status[at] = COMPUTED if good.all() and good.size >= FEWEST else FEW if good.all() else FAILED
         for k, criterion in enumerate(criteria):
             found = rows[criterion.column].values[some] if criterion.column in rows else np.full(len(seeds), np.nan)
+            if criterion.column in nothing:
+                found = np.where(np.isnan(found), 0.0, found)
             values[(k, *at)] = np.where(good, found, np.nan)
             for name, value in fitted(values[(k, *at)], criterion, ratio, share, confidence).items():
                 extremes[name][(k, *at)] = value
@@ -189,7 +209,7 @@ def _allowables(
 ) -> np.ndarray:  # fmt: skip
     found = np.empty((len(criteria), len(headings), len(periods)), object)
     for k, i, j in np.ndindex(*found.shape):
-        run = status[i, j] != STEEP
+        run = (status[i, j] != STEEP) & (status[i, j] != ABSENT)
         way = criteria[k].way
         bounds = [way * extremes[f"{compared}{end}"][k, i, j][run] for end in ("", "_low", "_high")]
         # A storm that did not come to its end is none to lift in.

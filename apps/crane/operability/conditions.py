@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,11 +58,14 @@ class SeaKeys(NamedTuple):
             made[self.direction] = condition.heading
         return made
 
+    def seas(self, scene: CraneScene) -> dict[str, Spectrum]:
+        """The sea of each key."""
+        motion: Any = scene.vessel.motion if scene.vessel is not None else None
+        return {key: motion.sea if self.direction else getattr(motion, key.split(".")[2]) for key in self.spectra}
+
     def ramps(self, scene: CraneScene, length: float) -> dict[str, float]:
         """A time, s, in which the sea grows from nothing, where the scene gives none: a jump would shake the load."""
-        motion: Any = scene.vessel.motion if scene.vessel is not None else None
-        seas = {key: motion.sea if self.direction else getattr(motion, key.split(".")[2]) for key in self.spectra}
-        return {f"{key}.ramp": length for key, sea in seas.items() if sea.ramp == 0.0 and length > 0.0}
+        return {f"{key}.ramp": length for key, sea in self.seas(scene).items() if sea.ramp == 0.0 and length > 0.0}
 
 
 def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
@@ -109,14 +112,8 @@ def cases_of(conditions: Sequence[Condition], seeds: Sequence[int], keys: SeaKey
 
 def sea_notes(scene: CraneScene, keys: SeaKeys) -> list[str]:
     """What is sound of a sea and better done otherwise."""
-    spectra: Mapping[str, Spectrum]
-    motion: Any = scene.vessel.motion if scene.vessel is not None else None
-    if isinstance(motion, SeaMotion):
-        spectra = {"vessel.motion.sea": motion.sea}
-    else:
-        spectra = {key: getattr(motion, key.split(".")[2]) for key in keys.spectra}
     found = []
-    for key, one in spectra.items():
+    for key, one in keys.seas(scene).items():
         energy = jonswap(one)[0] ** 2
         number = float(energy.sum() ** 2 / (energy**2).sum()) if energy.any() else math.inf
         if number < FEW_WAVES:

@@ -134,6 +134,34 @@ def limits_of_scene(scene: Any) -> list[str]:
     return [f"{name} {'<' if side.key == 'above' else '>'} {side.written}" for name, side in sides]
 
 
+COUNTS = frozenset(
+    {"slack_events", "undamped_snaps", "tension_cycles", "max_bending_cycles", "longest_slack", "max_snap"}
+)
+"""Figures that many storms have none of, or that are whole numbers: Gumbel's distribution is a rough one of them."""
+
+
+def notes_on(criteria: Sequence[Criterion], whole: bool) -> list[str]:
+    """What is sound of limits and better done otherwise.
+
+    Parameters
+    ----------
+    whole : bool
+        Whether every frame is kept, those of the lead-in among them.
+    """
+    found = [
+        f"{one.text}: counts, and figures of slack, have no Gumbel distribution, and the fit is rough; better give "
+        "min_tension > 0 with some margin"
+        for one in criteria
+        if one.name in COUNTS
+    ]
+    if whole and criteria:
+        found.append(
+            "limits are judged over the lead-in too: one of them needs every frame, and then none is left out; give "
+            "limits on tension and positions alone to leave the lead-in out"
+        )
+    return found
+
+
 def none_given(scene: Any) -> SceneError:
     """What is raised where there is no limit at all."""
     return SceneError([Problem(OPTION, None, "", None, "there is no limit to judge the storms by", EXAMPLE)])

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from crane.operability.allowable import FITTED, Table, steepest
+from crane.operability.allowable import FITTED, UNKNOWN, Allowable, Table, governing, steepest
 from crane.operability.criteria import Criterion
 from tautline.results.errors import WriteError
 from tautline.results.rows import heads_of, write_rows
@@ -18,7 +18,10 @@ from tautline.sweeps.table import write_netcdf
 from tautline.view.figures.figure import QUIET, axes, colour, save, styled
 
 DATASET, STATES, HEIGHTS = "operability.nc", "operability.csv", "allowable.csv"
+NAMED = "allowable_"
+"""Begins the names of figures."""
 OWN = "as in the scene"
+ALL = "all limits"
 
 
 def degrees(heading: float | None) -> str:
@@ -45,8 +48,13 @@ def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str
     ):  # fmt: skip
         values = np.array([get(one) for one in table.allowable.ravel()], float).reshape(table.allowable.shape)
         entries[name] = (of_limit[:3], values, {"units": "m", "long_name": name.replace("_", " ")})
-    bounds = np.array([one.bound for one in table.allowable.ravel()], object).reshape(table.allowable.shape)
-    entries["allowable_bound"] = (of_limit[:3], bounds, {"long_name": "how the allowable height is bounded"})
+    for name, read, text in (
+        ("allowable_bound", lambda one: one.bound, "the allowable height"),
+        ("allowable_low_bound", lambda one: one.low_bound, "the lower end of its interval"),
+        ("allowable_high_bound", lambda one: one.high_bound, "the upper end of its interval"),
+    ):
+        bounds = np.array([read(one) for one in table.allowable.ravel()], object).reshape(table.allowable.shape)
+        entries[name] = (of_limit[:3], bounds, {"long_name": f"how {text} is bounded"})
     entries["steepest"] = (("peak_period",), steepest(table.periods), {"units": "m", "long_name": "limit of steepness"})
     headings = [math.nan if one is None else one for one in table.headings]
     coordinates = {
@@ -86,36 +94,66 @@ def _write_states(table: Table, criteria: Sequence[Criterion], path: Path) -> Pa
 
 
 def _write_heights(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:
-    """A row for each limit, heading and period; the smallest of all limits last."""
+    """A row for each limit, heading and period; of several limits the smallest of all last, with its limit."""
     rows = []
-    heads = ["limit", "heading [deg]", "peak_period [s]", "allowable_height [m]", "low [m]", "high [m]", "bound"]
+    heads = [
+        "limit", "heading [deg]", "peak_period [s]", "allowable_height [m]", "low [m]", "high [m]", "bound",
+        "low bound", "high bound", "governed by",
+    ]  # fmt: skip
     for k, i, j in np.ndindex(*table.allowable.shape):
-        one, heading = table.allowable[k, i, j], table.headings[i]
-        place = [math.nan if heading is None else math.degrees(heading), table.periods[j]]
-        rows.append([criteria[k].text, *place, one.height, one.low, one.high, one.bound])
+        rows.append([criteria[k].text, *_place(table, i, j), *table.allowable[k, i, j], ""])
+    for i, j, k in least_of_all(table):
+        one = table.allowable[k, i, j] if k >= 0 else [math.nan] * 3 + [UNKNOWN, "", ""]
+        rows.append([ALL, *_place(table, i, j), *one, criteria[k].text if k >= 0 else ""])
     return write_rows(heads, rows, path, "-o", WriteError)
 
 
+def least_of_all(table: Table) -> list[tuple[int, int, int]]:
+    """Heading, period, and the limit that governs there (-1: not known); nothing where there is but one limit."""
+    if len(table.allowable) < 2:
+        return []
+    return [(i, j, int(k)) for (i, j), k in np.ndenumerate(governing(table))]
+
+
+def _place(table: Table, heading: int, period: int) -> list[float]:
+    angle = table.headings[heading]
+    return [math.nan if angle is None else math.degrees(angle), float(table.periods[period])]
+
+
 def draw(table: Table, criteria: Sequence[Criterion], title: str, compared: str, folder: Path) -> list[Path]:
-    """A figure for each limit: allowable significant height against peak period, a curve for each heading."""
+    """Draw allowable significant height against peak period, a curve for each heading.
+
+    A figure for each limit, and of several limits one of the smallest of all.
+    """
     made = []
     for k, one in enumerate(criteria):
         name = re.sub(r"[^A-Za-z0-9]+", "_", one.text).strip("_")
-        made.append(save(_figure(table, k, one, title, compared), folder / f"allowable_{name}.png"))
+        made.append(save(_figure(table, table.allowable[k], one.text, title, compared), folder / f"{NAMED}{name}.png"))
+    least = least_of_all(table)
+    if least:
+        found = np.empty(table.allowable.shape[1:], object)
+        for i, j, k in least:
+            found[i, j] = table.allowable[k, i, j] if k >= 0 else Allowable(math.nan, math.nan, math.nan, UNKNOWN)
+        made.append(save(_figure(table, found, ALL, title, compared), folder / f"{NAMED}all_limits.png"))
     return made
 
 
 @styled
-def _figure(table: Table, k: int, one: Criterion, title: str, compared: str) -> Any:
-    figure, plots = axes(1, 1, 6.8, 4.4, f"{title}: {one.text}" if title else one.text)
+def _figure(table: Table, allowable: np.ndarray, text: str, title: str, compared: str) -> Any:
+    """Heights (headings, periods) of `Allowable`."""
+    figure, plots = axes(1, 1, 6.8, 4.4, f"{title}: {text}" if title else text)
     plot, periods = plots[0, 0], table.periods
     for i, heading in enumerate(table.headings):
-        found = table.allowable[k, i]
+        found = allowable[i]
         height = np.array([each.height for each in found])
         low, high = np.array([each.low for each in found]), np.array([each.high for each in found])
         shade = colour(i, len(table.headings))
         plot.plot(periods, height, "o-", ms=4, color=shade, label=degrees(heading))
-        plot.fill_between(periods, low, high, color=shade, alpha=0.18, lw=0)
+        if len(periods) > 1:
+            plot.fill_between(periods, low, high, color=shade, alpha=0.18, lw=0)
+        else:
+            # Between one period and itself there is no area.
+            plot.errorbar(periods, height, [height - low, high - height], fmt="none", ecolor=shade, capsize=4, lw=1)
         open_ = np.array([bool(each.bound) for each in found])
         plot.plot(periods[open_], height[open_], "o", ms=4, mfc="white", color=shade)
     fine = np.linspace(periods[0], periods[-1], 100)
@@ -124,5 +162,8 @@ def _figure(table: Table, k: int, one: Criterion, title: str, compared: str) -> 
     plot.set_xlabel("peak period Tp [s]")
     plot.set_ylabel("allowable significant wave height Hs [m]")
     plot.legend(title="heading", fontsize=8)
-    plot.set_title(f"{compared}; shaded: its confidence interval; open: bounded by the grid", fontsize=8, loc="left")
+    within = "shaded" if len(periods) > 1 else "bar"
+    plot.set_title(
+        f"{compared}; {within}: its confidence interval; open: bounded, see allowable.csv", fontsize=8, loc="left"
+    )
     return figure

@@ -37,6 +37,11 @@ class Scatter(NamedTuple):
     periods: np.ndarray
     share: np.ndarray
 
+    def of(self, height: float, period: float) -> float:
+        """Share of time of a sea state; 0 of one that is not in the diagram."""
+        at = np.isclose(self.heights, height)[:, None] & np.isclose(self.periods, period)[None, :]
+        return float(self.share[at].sum())
+
 
 def read_scatter(path: Path) -> Scatter:
     """Read a CSV table of occurrences, in any number: they are made shares of time.
@@ -150,6 +155,17 @@ def fatigue_over(
         life = constant * breaking_load**SLOPE / total
     covered = float((share * run).sum() / len(ranges))
     return Fatigue(each * damage, found, count, covered, life)
+
+
+def not_covered(found: Fatigue) -> list[str]:
+    """What is to be known where not all of the diagram was run: the damage of the rest is lacking."""
+    if found.covered > 1.0 - 1e-6:
+        return []
+    share = 100.0 * (1.0 - found.covered)
+    return [
+        f"{share:.3g} % of the time of the scatter diagram was not run (too steep, failed, or not among --hs and "
+        "--tp): its damage is not counted, and the fatigue life is too long"
+    ]
 
 
 def told(found: Fatigue) -> dict[str, Any]:

@@ -5,23 +5,25 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from crane.operability.allowable import Table, tabulate
-from crane.operability.conditions import Condition, cases_of, sea_keys, sea_notes
-from crane.operability.criteria import Criterion, limits_of_scene, none_given, read_criteria
-from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over
-from crane.results.summary import JOINED, OF_TURNS
-from tautline.scene.errors import option_error
+from crane.operability.conditions import Condition, SeaKeys, cases_of, sea_keys, sea_notes
+from crane.operability.criteria import Criterion, limits_of_scene, none_given, notes_on, read_criteria
+from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered
+from crane.results.summary import JOINED, NOTHING, OF_TURNS
+from tautline.scene.errors import SceneError, option_error
 from tautline.statistics.gumbel import FEWEST
 
 PROBE = 3.0
 """Time, s, of a run that tells which figures there are, and their units."""
 TENSION = "tension"
+MOST_SCALED, FEW_PERIODS = 10.0, 100.0
+"""Ratio of durations up to which extremes are scaled without a note, and waves that a scaled storm should have."""
 
 
 @dataclass(frozen=True)
@@ -93,14 +95,15 @@ def operability(
     from tautline.sweeps.sweep import run_sweep
 
     keys = sea_keys(scene, any(one.heading is not None for one in asked.conditions))
-    _check(asked)
+    texts = [*asked.limits, *limits_of_scene(scene)]
+    _check(asked, texts)
+    _check_ramps(keys, scene, asked.lead)
     vary = cases_of(asked.conditions, asked.seeds, keys)
     if not vary:
         cause = "no sea state of these heights and periods is physical: all are steeper than waves can be"
         raise option_error("--hs", "", cause, "give lower waves or longer periods")
     first = {key: values[0] for key, values in vary.items()}
     figures, outputs = _found_by(application, scene.replace(first, origin="--hs, --tp, --heading, --seeds"))
-    texts = [*asked.limits, *limits_of_scene(scene)]
     if not texts and asked.scatter is None:
         raise none_given(scene)
     criteria = read_criteria(texts, figures, outputs)
@@ -109,7 +112,8 @@ def operability(
     collect += [name for name in COLLECTED if asked.scatter is not None and name not in names]
     collect = list({str(one): one for one in collect}.values())
     storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
-    notes = sea_notes(storm.replace(first), keys)
+    _check_seas(application, storm, keys, asked)
+    notes = sea_notes(storm.replace(first), keys) + scale_notes(asked) + notes_on(criteria, not storm.output.statistics)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
     for note in notes:
         (say or (lambda text: None))(f"note: {note}")
@@ -122,15 +126,76 @@ def operability(
         return found
     ratio = asked.duration / asked.simulated
     found.table = tabulate(
-        outcome.data, asked.conditions, criteria, asked.seeds, ratio, asked.share, asked.confidence, asked.compared
-    )
+        outcome.data, asked.conditions, criteria, asked.seeds, ratio, asked.share, asked.confidence, asked.compared,
+        NOTHING,
+    )  # fmt: skip
     if asked.scatter is not None:
         found.fatigue = _fatigue(outcome.data, asked, scene, found.table)
+        late = not_covered(found.fatigue)
+        for note in late:
+            (say or (lambda text: None))(f"note: {note}")
+        found.notes += late
     return found
 
 
-def _check(asked: Asked) -> None:
-    if len(asked.seeds) < FEWEST and asked.limits:
+def occurring(asked: Asked, scene: Any) -> Asked:
+    """The same, without sea states that never occur where nothing but fatigue is asked for: they do no damage."""
+    if asked.scatter is None or asked.limits or limits_of_scene(scene):
+        return asked
+    found = [one for one in asked.conditions if asked.scatter.of(one.height, one.period) > 0.0]
+    return replace(asked, conditions=found) if found else asked
+
+
+def _check_seas(application: Any, scene: Any, keys: SeaKeys, asked: Asked) -> None:
+    """Build a storm of each heading and period: what the file of responses lacks would else fail storm by storm.
+
+    Raises
+    ------
+    SceneError
+        Naming the heading and the period.
+    """
+    seen: set[tuple[float | None, float]] = set()
+    for one in asked.conditions:
+        if not one.physical or (one.heading, one.period) in seen:
+            continue
+        seen.add((one.heading, one.period))
+        try:
+            application.build(scene.replace(keys.changes(one, asked.seeds[0]), origin="--heading, --tp"))
+        except SceneError as error:
+            heading = "" if one.heading is None else f", heading {math.degrees(one.heading):g} deg"
+            where = f"sea of Tp {one.period:g} s{heading}"
+            problems = [replace(problem, cause=f"{where}: {problem.cause}") for problem in error.problems]
+            raise SceneError(problems) from None
+
+
+def scale_notes(asked: Asked) -> list[str]:
+    """What is to be known of extremes that are scaled from shorter storms."""
+    ratio, longest = asked.duration / asked.simulated, max(one.period for one in asked.conditions)
+    found = []
+    if ratio > MOST_SCALED * (1.0 + 1e-9):
+        found.append(
+            f"extremes are scaled by {ratio:.3g} in time, more than about {MOST_SCALED:g}: intervals do not hold the "
+            f"error of that. Take --simulate {asked.duration / MOST_SCALED:.0f}s or more"
+        )
+    if ratio > 1.0 and asked.simulated < FEW_PERIODS * longest:
+        found.append(
+            f"a storm of {asked.simulated:g} s has some {asked.simulated / longest:.0f} waves of {longest:g} s: of so "
+            f"few the largest does not follow Gumbel's distribution well. Take --simulate {FEW_PERIODS * longest:.0f}s "
+            "or more"
+        )
+    return found
+
+
+def _check_ramps(keys: SeaKeys, scene: Any, lead: float) -> None:
+    """Refuse a lead-in that ends before the sea is grown: the storm would be too low, and nothing would show it."""
+    for key, sea in keys.seas(scene).items():
+        if sea.ramp > lead * (1.0 + 1e-9):
+            cause = f"is shorter than {key}.ramp, {sea.ramp:g} s: the sea would still grow when the storm counts"
+            raise option_error("--lead-in", f"{lead:g} s", cause, f"give --lead-in {sea.ramp:g}s or more")
+
+
+def _check(asked: Asked, limits: Sequence[str]) -> None:
+    if len(asked.seeds) < FEWEST and limits:
         cure = f"give {FEWEST} at least; 10 give an interval of use"
         raise option_error("--seeds", str(len(asked.seeds)), "are too few storms for a distribution", cure)
     if asked.simulated > asked.duration:
@@ -148,7 +213,7 @@ def _found_by(application: Any, scene: Any) -> tuple[dict[str, str], Mapping[str
     model = application.build(short)
     result = simulate(model)
     figures = {name: str(one.get("unit") or "") for name, one in result.headline.items()}
-    sometimes = {"slack_events": "", "longest_slack": "s", "max_snap": "N", "slipping_share": ""}
+    sometimes = {name: unit for name, unit in model.figure_units.items() if name in NOTHING}
     return {**sometimes, **figures}, handles_of(model).outputs
 
 

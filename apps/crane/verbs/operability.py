@@ -93,6 +93,7 @@ def operability(
     quiet: Quiet = False,
 ) -> None:
     """Storms over sea states: extremes, and the allowable significant wave height against period and heading."""
+    from crane.operability.storms import occurring
     from crane.operability.storms import operability as run
     from tautline.cli.changes import changed
     from tautline.cli.console import say
@@ -105,10 +106,12 @@ def operability(
         hs, tp, heading, seeds, first_seed, duration, simulated, lead_in, limit, percentile, confidence, scatter,
         sn_constant,
     )  # fmt: skip
+    whole = asked
+    asked = occurring(asked, read)
     folder = output or Path(f"{scene.stem}-operability")
     if not quiet:
         print_warnings(application.warnings(read))
-        _introduce(asked)
+        _introduce(asked, len(whole.conditions) - len(asked.conditions))
     with Counter("storms", shown=not quiet) as bar:
         found = run(
             application, read, asked, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
@@ -189,28 +192,36 @@ def _compared(text: str) -> tuple[str, float]:
 
 def _share(text: str, option: str, example: str, given: str | None = None) -> float:
     """A percentage between 0 and 100, as a share."""
+    word = text.strip()
     try:
-        value = float(text.strip().removesuffix("%"))
+        value = float(word.removesuffix("%"))
     except ValueError:
         value = math.nan
+    if 0.0 < value <= 1.0 and not word.endswith("%"):
+        # Taken as a percentage, 0.9 would give an interval of next to nothing, and the smallest of the largest.
+        raise option_error(
+            option, given or text, f"may mean {100.0 * value:g} % or {value:g} %", f"write such as {example}"
+        )
     if not 0.0 < value < 100.0:
         raise option_error(option, given or text, "is no percentage between 0 and 100", f"write such as {example}")
     return value / 100.0
 
 
-def _introduce(asked: Asked) -> None:
+def _introduce(asked: Asked, absent: int) -> None:
     from tautline.cli.console import say
-    from tautline.scene.values.printed import quantity
 
     steep = [one for one in asked.conditions if not one.physical]
     count = len(asked.conditions) - len(steep)
-    say(f"{count} sea states, {len(asked.seeds)} storms of {quantity(asked.simulated, 's')} each")
+    storms = f"{len(asked.seeds)} storm{'s' if len(asked.seeds) > 1 else ''}"
+    say(f"{count} sea state{'s' if count != 1 else ''}, {storms} of {_lasting(asked.simulated)} each")
+    if absent:
+        say(f"{absent} more of the scatter diagram never occur, and are not run")
     if steep:
-        say(f"{len(steep)} more are steeper than waves can be (DNV-RP-C205, 3.5.4), and are not run")
+        say(f"{len(steep)} more are not run: waves of these periods cannot be so steep (DNV-RP-C205, 3.5.4)")
     if asked.simulated < asked.duration:
         say(
-            f"extremes are scaled to {quantity(asked.duration, 's')}: the largest of n times the duration has Gumbel's "
-            "location more by its scale times ln n; this holds for a steady state"
+            f"extremes are scaled from {_lasting(asked.simulated)} to {_lasting(asked.duration)}: Gumbel's location "
+            "grows by its scale times ln(duration / length of a run); this holds for a steady state"
         )
 
 
@@ -222,6 +233,7 @@ def _report(
     from tautline.cli.console import console, print_json, say
     from tautline.cli.run import Ended, ExitCode
     from tautline.cli.summary import two_columns
+    from tautline.cli.sweep import failures
 
     outcome, table = found.outcome, found.table
     written: dict[str, Path] = {}
@@ -238,7 +250,12 @@ def _report(
             for path in (*written.values(), *figures):
                 say(f"wrote {path}", "green")
     if outcome.failed:
-        say(f"{outcome.failed} storms did not come to their end: {folder / 'sweep.csv'} says why", "yellow")
+        say(
+            f"{outcome.failed} storms did not come to their end; the table {folder / 'sweep.csv'} has them all",
+            "yellow",
+        )
+        for text in failures(outcome):
+            say(text, "yellow")
     status = "interrupted" if outcome.interrupted else "done" if outcome.done else "no case came to its end"
     if outcome.interrupted:
         say(f"interrupted; give the same command with --resume{f' -o {folder}' if named else ''}", "yellow")
@@ -247,8 +264,9 @@ def _report(
             "scene": str(scene), "status": status, "cases": len(outcome.cases), "done": outcome.done,
             "failed": outcome.failed, "earlier": outcome.earlier,
             **{name: str(path) for name, path in written.items()}, "figures": [str(path) for path in figures],
-            "limits": _allowed(found), "fatigue": None if found.fatigue is None else told(found.fatigue),
-            "notes": found.notes, "wall_time": outcome.wall_time, "cpu_time": outcome.cpu_time,
+            "limits": _allowed(found), "all_limits": _least(found),
+            "fatigue": None if found.fatigue is None else told(found.fatigue), "notes": found.notes,
+            "wall_time": outcome.wall_time, "cpu_time": outcome.cpu_time,
         })  # fmt: skip
     if outcome.interrupted:
         raise Ended(ExitCode.INTERRUPTED)
@@ -259,7 +277,14 @@ def _report(
 def _compared_said(asked: Asked) -> str:
     if asked.compared == "most_probable":
         return "most probable largest"
-    return f"P{100.0 * asked.share:g} of the largest in {asked.duration / 3600.0:.3g} h"
+    return f"P{100.0 * asked.share:g} of the largest in {_lasting(asked.duration)}"
+
+
+def _lasting(duration: float) -> str:
+    """A duration, s, in hours where it is one at least."""
+    from tautline.scene.values.printed import quantity
+
+    return f"{duration / 3600.0:.4g} h" if duration >= 3600.0 else quantity(duration, "s")
 
 
 def _allowed(found: Found) -> list[dict[str, Any]]:
@@ -274,29 +299,71 @@ def _allowed(found: Found) -> list[dict[str, Any]]:
         told.append({
             "limit": found.criteria[k].text, "heading": table.headings[i], "peak_period": float(table.periods[j]),
             "allowable_height": _known(one.height), "low": _known(one.low), "high": _known(one.high),
-            "bound": one.bound,
+            "bound": one.bound, "low_bound": one.low_bound, "high_bound": one.high_bound,
         })  # fmt: skip
     return told
+
+
+def _least(found: Found) -> list[dict[str, Any]]:
+    """The least of all limits, heading by heading and period by period; nothing where there is but one limit."""
+    from crane.operability.allowable import UNKNOWN
+    from crane.operability.output import least_of_all
+
+    table = found.table
+    if table is None:
+        return []
+    return [
+        {
+            "heading": table.headings[i], "peak_period": float(table.periods[j]),
+            "allowable_height": _known(table.allowable[k, i, j].height) if k >= 0 else None,
+            "bound": table.allowable[k, i, j].bound if k >= 0 else UNKNOWN,
+            "governed_by": found.criteria[k].text if k >= 0 else None,
+        }
+        for i, j, k in least_of_all(table)
+    ]  # fmt: skip
 
 
 def _known(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
+def _where(one: dict[str, Any]) -> str:
+    from crane.operability.output import degrees
+
+    return f"Tp {one['peak_period']:g} s, heading {degrees(one['heading'])}"
+
+
+def _said(one: dict[str, Any]) -> str:
+    """An allowable height in words, with its interval as far as it is one."""
+    from tautline.scene.values.printed import significant
+
+    height, low, high = one["allowable_height"], one["low"], one["high"]
+    if height is None:
+        return "not known"
+    said = f"{significant(height)} m" if height > 0.0 or not one["bound"] else "none"
+    said += f", {one['bound']}" if one["bound"] else ""
+    # An end that is bounded by the grid, and not by the fit, is said to be so.
+    ends = [
+        f"from {one['low_bound'] if low == 0.0 else f'{significant(low)} m'}" if low < height else "",
+        f"to {one['high_bound'] or f'{significant(high)} m'}" if high > height else "",
+    ]
+    interval = " ".join(end for end in ends if end)
+    return f"{said} ({interval})" if interval else said
+
+
 def _rows(found: Found, asked: Asked) -> list[tuple[str, str]]:
     """Rows of the summary: allowable heights, and what it took."""
-    from crane.operability.output import degrees
     from tautline.scene.values.printed import quantity, significant
 
     rows: list[tuple[str, str]] = []
     for one in _allowed(found):
+        rows.append((f"Hs for {one['limit']}, {_where(one)}", _said(one)))
+    for one in _least(found):
         height = one["allowable_height"]
-        said = "not known" if height is None else f"{significant(height)} m"
-        if height is not None and not one["bound"]:
-            said += f" ({significant(one['low'])} to {significant(one['high'])} m)"
-        elif one["bound"] and height is not None:
-            said = one["bound"] if height == 0.0 else f"{said}, {one['bound']}"
-        rows.append((f"Hs for {one['limit']}, Tp {one['peak_period']:g} s, {degrees(one['heading'])}", said))
+        said = "not known" if height is None else "none" if height == 0.0 else f"{significant(height)} m"
+        # Of limits that the grid bounds none governs.
+        said += "" if height is None else f", {one['bound'] if height and one['bound'] else 'by ' + one['governed_by']}"
+        rows.append((f"Hs for all limits, {_where(one)}", said))
     if found.fatigue is not None:
         one_year = found.fatigue
         rows += [

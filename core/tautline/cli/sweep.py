@@ -86,9 +86,9 @@ def _report(
 ) -> None:  # fmt: skip
     if not quiet:
         console().print(two_columns(_rows(outcome)))
-        for text in _failures(outcome):
+        for text in failures(outcome):
             say(text, "yellow")
-        for path in (outcome.result, outcome.table, *figures):
+        for path in (outcome.result, outcome.table, outcome.percentiles, *figures):
             if path is not None:
                 say(f"wrote {path}", "green")
     if outcome.interrupted:
@@ -106,6 +106,7 @@ def _report(
                 "earlier": outcome.earlier,
                 "result": None if outcome.result is None else str(outcome.result),
                 "table": None if outcome.table is None else str(outcome.table),
+                "percentiles": None if outcome.percentiles is None else str(outcome.percentiles),
                 "figures": [str(path) for path in figures],
                 "wall_time": outcome.wall_time,
                 "cpu_time": outcome.cpu_time,
@@ -129,6 +130,7 @@ def _rows(outcome: Outcome) -> list[tuple[str, str]]:
         unit = str(one.attrs.get("units") or "")
         low, high = (shown(float(value), unit, system) for value in (one.min(), one.max()))
         rows.append((str(name), low if low == high else f"{low} to {high}"))
+    rows += _percentiles(data, system)
     rows += [("", ""), ("cases", str(len(outcome.cases))), ("done", str(outcome.done))]
     if outcome.failed:
         rows.append(("failed", str(outcome.failed)))
@@ -140,8 +142,28 @@ def _rows(outcome: Outcome) -> list[tuple[str, str]]:
     return rows
 
 
-def _failures(outcome: Outcome) -> list[str]:
-    """The first cases that failed, and why."""
+def _percentiles(data: Any, system: str) -> list[tuple[str, str]]:
+    """P10, P50 and P90 of each number; of what has an axis those at its last place."""
+    from tautline.sweeps.table import PERCENTILES, RANKS
+
+    rows, ranks = [], ", ".join(f"P{rank:g}" for rank in RANKS)
+    for name, one in data.data_vars.items():
+        if not str(name).endswith(PERCENTILES):
+            continue
+        unit, place, values = str(one.attrs.get("units") or ""), "", one.values
+        if values.ndim > 1:
+            along, values = one.dims[1], values[:, -1]
+            axis = data.coords.get(along)
+            at = one.shape[1] - 1 if axis is None else float(axis.values[-1])
+            axis_unit = "" if axis is None else str(axis.attrs.get("units") or "")
+            place = f" at {along} {shown(at, axis_unit, system)}"
+        told = ", ".join(shown(float(value), unit, system) for value in values)
+        rows.append((f"{str(name).removesuffix(PERCENTILES)}{place}: {ranks}", told))
+    return rows
+
+
+def failures(outcome: Outcome) -> list[str]:
+    """The first cases that failed, and why, a line each."""
     status: Any = outcome.data["status"].values.ravel()
     message: Any = outcome.data["message"].values.ravel()
     failed = [case for case, one in enumerate(status) if one not in ("done", "not run")]

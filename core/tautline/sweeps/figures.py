@@ -31,6 +31,8 @@ MOST_CURVES = 8
 DEPTH = "depth"
 """Axis that is drawn downwards."""
 HEIGHT, WIDTH = 3.2, 6.4
+NARROW, WIDE = 26, 60
+"""Letters in a line of an axis' label: keys are long."""
 
 
 def draw(data: Any, cases: Cases, folder: Path, ending: str = "png") -> list[Path]:
@@ -96,28 +98,43 @@ def _lines(data: Any, cases: Cases, name: str) -> Any:
     values = values.reshape(cases.shape[long[0]], -1)[:, :MOST_CURVES]
     one = cases.parameters[long[0]]
     figure, plots = axes(1, 1, WIDTH, HEIGHT, _title(data, name))
-    plot, places = plots[0, 0], _places(one)
+    plot = plots[0, 0]
+    places, text_of_places = _places(one, data)
     for k, column in enumerate(values.T):
         word = _word(cases.parameters[long[1]].values[k]) if len(long) > 1 else None
         plot.plot(places, column, "o-", ms=3.5, color=colour(k, values.shape[1]), label=word)
-    _ticks(plot, one)
+    _ticks(plot, one, text_of_places)
     plot.set_ylabel(text)
     if len(long) > 1:
         plot.legend(title=cases.parameters[long[1]].key)
     return figure
 
 
-def _places(one: Any) -> np.ndarray:
-    return np.array(one.numbers) if one.numeric else np.arange(len(one.values), dtype=float)
+def _places(one: Any, data: Any, letters: int = WIDE, numbers: np.ndarray | None = None) -> tuple[np.ndarray, str]:
+    """Places of a parameter's values on an axis, in the unit that keeps labels short, and the label of the axis.
+
+    Those of cases, where their `numbers` are given.
+    """
+    if not one.numeric:
+        return np.arange(len(one.values), dtype=float), _in_lines(one.key, "", letters)
+    numbers = np.array(one.numbers, float) if numbers is None else numbers
+    factor, unit = scale_in(str(data.attrs.get("units") or "si"), [numbers[np.isfinite(numbers)]], one.unit)
+    return numbers / factor, _in_lines(one.key, unit, letters)
+
+
+def _in_lines(key: str, unit: str, letters: int) -> str:
+    """A key as the label of an axis, broken at its dots and nowhere else."""
+    lines = label(key.replace(".", ". "), unit, letters).split("\n")
+    return "\n".join(line.replace(". ", ".") for line in lines)
 
 
 def _word(value: Any) -> str:
     return str(value)
 
 
-def _ticks(plot: Any, one: Any, along: str = "x") -> None:
+def _ticks(plot: Any, one: Any, text: str, along: str = "x") -> None:
     """Name an axis by a parameter, and its places by the values where these are no numbers."""
-    getattr(plot, f"set_{along}label")(label(one.key, one.unit))
+    getattr(plot, f"set_{along}label")(text)
     if not one.numeric:
         getattr(plot, f"set_{along}ticks")(range(len(one.values)), [_word(value) for value in one.values])
     elif _logarithmic(np.array(one.numbers)):
@@ -146,13 +163,14 @@ def _map(data: Any, cases: Cases, name: str) -> Any:
     order_x, order_y = np.argsort(one.numbers), np.argsort(two.numbers)
     figure, plots = axes(1, 1, WIDTH, HEIGHT + 0.8, _title(data, name))
     plot = plots[0, 0]
-    x, y = (np.array(each.numbers)[order] for each, order in ((one, order_x), (two, order_y)))
+    (x, text_x), (y, text_y) = _places(one, data), _places(two, data, NARROW)
+    x, y = x[order_x], y[order_y]
     shown = np.ma.masked_invalid(values[np.ix_(order_y, order_x)])
     low, high = float(shown.min()), float(shown.max())
     plot.pcolormesh(edges_of(x), edges_of(y), shown, cmap=SHADES, vmin=low, vmax=high)
     plot.grid(False)
-    _ticks(plot, one)
-    _ticks(plot, two, "y")
+    _ticks(plot, one, text_x)
+    _ticks(plot, two, text_y, "y")
     bar_of_shades(figure, plot, low, high, text)
     return figure
 
@@ -203,8 +221,9 @@ def _scatter(data: Any, cases: Cases, name: str) -> Any:
     values, text = _scaled(data, name)
     figure, plots = axes(1, len(numeric), 1.0 + 2.9 * len(numeric), HEIGHT, _title(data, name), sharey=True)
     for plot, one in zip(plots[0], numeric, strict=True):
-        plot.plot(cases.numbers[one.key], values, ".", ms=4)
-        plot.set_xlabel(label(one.key, one.unit, 26))
+        places, text_of_places = _places(one, data, NARROW, cases.numbers[one.key])
+        plot.plot(places, values, ".", ms=4)
+        plot.set_xlabel(text_of_places)
     plots[0, 0].set_ylabel(text)
     return figure
 

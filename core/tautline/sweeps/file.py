@@ -40,6 +40,8 @@ STATISTICS = ("max", "min", "mean", "rms", "sd", "range", "last")
 """What can be collected of an output over time."""
 EXAMPLE = "vary: {'bodies[0].mass': [2 t, 5 t, 10 t]}"
 SERIES = ("linspace", "logspace")
+OWN_COLUMNS = ("case", "status", "message", "case_wall_time", "case_cpu_time", "percentile", "parameter")
+"""Columns and dimensions of the result that are not collected."""
 
 
 class Collected(pydantic.BaseModel):
@@ -95,6 +97,8 @@ class SweepFile(Scene):
         for i, name in enumerate(names):
             if name in names[:i]:
                 raise fault(("collect", i), f"'{name}' stands twice", "leave one of them out, or give it another name")
+            if name in (*OWN_COLUMNS, *self.vary):
+                raise fault(("collect", i), f"'{name}' is a column that every result has", "give it another name")
         return self
 
     def chosen_plan(self) -> Plan:
@@ -188,6 +192,7 @@ def plan_cases(read: SweepFile, application: Any, scene: Any) -> Cases:
     """
     reader = _Reader(read, application, scene)
     parameters = [reader.parameter(key, given) for key, given in read.vary.items()]
+    reader.apart()
     if reader.problems:
         raise SceneError(reader.problems)
     plan, found = read.chosen_plan(), [one for one in parameters if one is not None]
@@ -251,6 +256,18 @@ class _Reader:
 
     def fault(self, key: Path_, cause: str, cure: str = "", value: str | None = None) -> None:
         self.problems.append(self.read.problem_at(("vary", *key), cause, cure, value))
+
+    def apart(self) -> None:
+        """Refuse a key that stands inside another: one of the two would replace the other without a word."""
+        seen: dict[Path_, str] = {}
+        for key in self.read.vary:
+            path = split_key(key)
+            for other, name in seen.items():
+                shorter = min(len(path), len(other))
+                if path[:shorter] == other[:shorter]:
+                    inner, outer = (key, name) if len(path) >= len(other) else (name, key)
+                    self.fault((key,), f"varies with {name}, and {inner} is a part of {outer}", "keep one of the two")
+            seen[path] = key
 
     def parameter(self, key: str, given: Any) -> Parameter | None:
         """What is varied by a key; None where it is at fault."""

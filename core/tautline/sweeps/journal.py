@@ -91,7 +91,7 @@ class Journal:
 
     def begin(self, resume: bool) -> None:
         """Open the journal; what is there is kept where it is gone on with."""
-        self.path.parent.mkdir(exist_ok=True)
+        self._guarded(lambda: self.path.parent.mkdir(exist_ok=True))
         writer = self._lock.take()
         if writer is not None:
             who = f"process {writer}" if writer else "another process"
@@ -161,7 +161,7 @@ class Journal:
         self._lock.give_back()
 
 
-OWN = (f".{NAME}.lock", NAME, "sweep.nc", "sweep.csv")
+OWN = (f".{NAME}.lock", NAME, "sweep.nc", "sweep.csv", "percentiles.csv")
 """Files of ours that a folder without a journal may hold."""
 
 

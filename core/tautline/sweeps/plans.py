@@ -142,6 +142,10 @@ def cases_of(parameters: Sequence[Parameter], plan: Plan, indices: bool = False)
 
 
 def _grid(parameters: tuple[Parameter, ...], plan: Plan) -> Cases:
+    for one in parameters:
+        twice = _repeated(one)
+        if twice is not None:
+            raise ValueError(f"has {one.key} = {twice} twice, and would run its cases twice; give each value once")
     shape = tuple(len(parameter.values) for parameter in parameters)
     places = np.indices(shape).reshape(len(shape), -1)
     columns = [
@@ -149,6 +153,17 @@ def _grid(parameters: tuple[Parameter, ...], plan: Plan) -> Cases:
         for one, place in zip(parameters, places, strict=True)
     ]
     return _of_columns(parameters, plan, columns, False, tuple(one.key for one in parameters), shape)
+
+
+def _repeated(one: Parameter) -> Any:
+    """A value that a parameter has twice, by its number where it is one; None where there is none."""
+    seen: set[Any] = set()
+    for value, number in zip(one.values, one.numbers, strict=True):
+        mark = repr(value) if math.isnan(number) else number
+        if mark in seen:
+            return value
+        seen.add(mark)
+    return None
 
 
 def _of_columns(

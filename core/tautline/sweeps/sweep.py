@@ -6,7 +6,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
@@ -14,14 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 from tautline.errors import TautlineError
 from tautline.results.finding import Finding
-from tautline.scene.errors import SHOWN, Problem, SceneError
+from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
 from tautline.scene.identity import model_hash
+from tautline.scene.reading.document import join_key
 from tautline.sweeps.cases import DONE, LOST, Row, Runner, job_of
 from tautline.sweeps.file import SIMULATE, SweepFile, plan_cases, read_sweep, refused
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import DATASET, RANKED, TABLE, dataset, write_csv, write_netcdf, write_percentiles
-from tautline.sweeps.verbs import check_options, check_outputs, check_verb, of_all, unknown
+from tautline.sweeps.verbs import check_figures, check_options, check_outputs, check_verb, of_all, unknown
 from tautline.sweeps.workers import Found, Measured, how, in_cluster, in_this_thread, in_threads
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 FIRST = 2
 """Cases that are run here before others get work: the first loads what comes after its loop, the second tells."""
+TRIED, PATIENCE = 1000, 10.0
+"""Cases by which it is known how long it takes to try all, and the time, s, above which that is said."""
 Progress = Callable[[int, int], None]
 
 
@@ -46,7 +49,7 @@ class Outcome:
         Of this run: time, processor time of all that took part, and that of the compiled loops, s.
     interrupted : bool
         Whether it was ended by Ctrl-C before all cases were run.
-    result, table : Path or None
+    result, table, percentiles : Path or None
         Files that were written.
     """
 
@@ -61,6 +64,7 @@ class Outcome:
     interrupted: bool = False
     result: Path | None = None
     table: Path | None = None
+    percentiles: Path | None = None
 
     @property
     def overhead(self) -> float | None:
@@ -174,8 +178,9 @@ def run_sweep(
         Called with what the user should know: who runs the cases.
     """
     one = _Sweep(read, application, scene, jobs, dask, folder, resume)
-    one.check(announce)
-    return one.run(progress or (lambda done, all: None), say or (lambda text: None))
+    say = say or (lambda text: None)
+    one.check(announce, say)
+    return one.run(progress or (lambda done, all: None), say)
 
 
 class _Sweep:
@@ -187,6 +192,8 @@ class _Sweep:
     ) -> None:  # fmt: skip
         self.began, self.used = time.perf_counter(), time.process_time()
         self.read, self.application, self.scene = read, application, scene
+        if jobs is not None and jobs < 0:
+            raise option_error("jobs", str(jobs), "is less than zero", "give 1 or more; 0 or None for all processors")
         self.jobs, self.dask, self.folder, self.resume = jobs or _processors(), dask, folder, resume
         check_verb(read, application)
         check_options(read, application, scene)
@@ -197,6 +204,8 @@ class _Sweep:
         self.journal = None if folder is None else Journal(folder, self._mark(), len(self.cases), resume)
         self.columns: dict[str, Finding] = dict(self.journal.columns or {}) if self.journal is not None else {}
         self.kept: list[Row] = []
+        # Whether all names that are asked for are known to be found: then each row is kept as soon as it is there.
+        self.named = False
         self.loop_time = self.elsewhere = 0.0
         self.process = os.getpid()
         self.lost: list[Row] = []
@@ -204,19 +213,28 @@ class _Sweep:
     def _mark(self) -> str:
         """What makes it this sweep: the scene with its files, and all of the sweep's file that changes a number."""
         about = {key: value for key, value in self.read.document.root.items() if key not in ("title", "scene")}
-        whole = [about, self.scene.document.root, model_hash(self.scene, (), getattr(self.scene, "folder", None))]
+        # The cases of a grid are numbered in the order of its keys, which a sorted text would not tell.
+        order = list(self.read.vary)
+        files = model_hash(self.scene, (), getattr(self.scene, "folder", None))
+        whole = [about, order, self.scene.document.root, files]
         return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
-    def check(self, announce: Callable[[int], None] | None) -> None:
+    def check(self, announce: Callable[[int], None] | None, say: Callable[[str], None]) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
         problems: dict[Problem, None] = {}
+        began = time.perf_counter()
         for case in range(len(self.cases)):
+            if case == TRIED:
+                left = (time.perf_counter() - began) * (len(self.cases) / TRIED - 1.0)
+                if left > PATIENCE:
+                    say(f"the values of {len(self.cases)} cases are tried first, which takes about {left:.0f} s")
             changes = self.cases.changes(case)
             try:
                 self.runner.varied(changes)
             except SceneError as error:
                 told = ", ".join(f"{key} = {value}" for key, value in changes.items())
-                problems |= dict.fromkeys(refused(self.read, error, f"case {case}: {told}").problems)
+                found = refused(self.read, error, f"case {case}: {told}").problems
+                problems |= dict.fromkeys(self._with_bounds(problem) for problem in found)
             if len(problems) > SHOWN:
                 break
         if problems:
@@ -228,6 +246,15 @@ class _Sweep:
             model = self.runner.prepare({}, announce)
         if model is not None:
             check_outputs(self.read, model)
+            self.named = check_figures(self.read, model, getattr(self.application, "sometimes", ()))
+
+    def _with_bounds(self, problem: Problem) -> Problem:
+        """Add to what a distribution makes, and the scene cannot have, that there are others with bounds."""
+        for one in self.cases.parameters:
+            if one.spread is not None and problem.key and problem.key.startswith(join_key(("vary", one.key))):
+                bounded = f"the {one.spread.name} distribution reaches there: take truncated_normal, or other numbers"
+                return replace(problem, cure=f"{problem.cure}; {bounded}" if problem.cure else bounded)
+        return problem
 
     def run(self, progress: Progress, say: Callable[[str], None]) -> Outcome:
         """Run what is not finished, and write the result."""
@@ -286,7 +313,7 @@ class _Sweep:
             self.lost.append(row)
         elif self.journal is None or not self.journal.begun:
             self.kept.append(row)
-            if self.journal is not None and row.status == DONE:
+            if self.journal is not None and (row.status == DONE or self.named):
                 self._begin()
         else:
             self.journal.add(row)
@@ -343,7 +370,7 @@ class _Sweep:
         if self.folder is not None and self.journal is not None and self.journal.begun:
             outcome.result = write_netcdf(data, self.folder / DATASET)
             outcome.table = write_csv(data, self.cases, self.folder / TABLE)
-            write_percentiles(data, self.folder / RANKED)
+            outcome.percentiles = write_percentiles(data, self.folder / RANKED)
         self._close()
         outcome.wall_time = time.perf_counter() - self.began
         outcome.cpu_time = time.process_time() - self.used + self.elsewhere

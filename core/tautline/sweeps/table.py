@@ -63,13 +63,17 @@ def dataset(cases: Cases, columns: Mapping[str, Finding], rows: Iterable[Row], a
     axes = {one.along for one in columns.values() if one.along}
     entries: dict[str, Any] = {}
     coordinates = _coordinates(cases)
+    arrays = {name: _array(values[name]) for name in columns}
+    # Cases may have other places along an axis: speeds up to that of the scene, depths down to that of the well.
+    apart = {name for name in axes if name in arrays and arrays[name][1] and not _shared(arrays[name][0])}
     for name, one in columns.items():
         about = {"units": one.unit, "long_name": one.text or name}
-        array, own = _array(values[name])
-        if own and name in axes:
+        array, own = arrays[name]
+        if own and name in axes and name not in apart:
             coordinates[name] = (name, _common(array), about)
             continue
-        along = ((one.along or f"{name} number"),) if own else ()
+        axis = name if name in axes else one.along
+        along = (f"{axis or name} number" if not axis or axis in apart else axis,) if own else ()
         entries[name] = ((*cases.dims, *along), array.reshape(*cases.shape, *array.shape[1:]), about)
     for name, array in times.items():
         entries[name] = (cases.dims, array.reshape(cases.shape), {"units": "s", "long_name": TIMES[name][1]})
@@ -78,7 +82,9 @@ def dataset(cases: Cases, columns: Mapping[str, Finding], rows: Iterable[Row], a
     for name in [name for name in coordinates if name in entries]:
         del entries[name]
     if cases.plan.name in SAMPLED and not cases.indices:
-        entries |= _percentiles({name: entries[name] for name in columns if name in entries})
+        # Of places that differ from case to case the n-th have nothing in common.
+        ranked = [name for name, one in columns.items() if name in entries and not {name, one.along} & apart]
+        entries |= _percentiles({name: entries[name] for name in ranked})
         coordinates[PERCENTILE] = (PERCENTILE, np.array(RANKS), {"units": "%", "long_name": "cases with at most this"})
     return xarray.Dataset(entries, coordinates, {**attributes, "version": __version__})
 
@@ -98,7 +104,10 @@ def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def write_percentiles(data: Any, path: Path) -> Path | None:
-    """Write percentiles as a table: a row for each number, or for each of its places; None where there are none."""
+    """Write percentiles as a table: a row for each number, or for each of its places; None where there are none.
+
+    A table that another sweep left there is removed then: it would be taken for one of this sweep.
+    """
     heads, rows = ["quantity", "unit", "along", "at", *(f"P{rank:g}" for rank in RANKS)], []
     for name, one in data.data_vars.items():
         if not str(name).endswith(PERCENTILES):
@@ -110,7 +119,10 @@ def write_percentiles(data: Any, path: Path) -> Path | None:
         along = one.dims[1]
         places = data[along].values if along in data.coords else range(one.shape[1])
         rows += [[*about, along, float(at), *column] for at, column in zip(places, one.values.T.tolist(), strict=True)]
-    return _written(path, lambda waiting: write_rows(heads, rows, waiting, "-o", WriteError)) if rows else None
+    if not rows:
+        path.unlink(missing_ok=True)
+        return None
+    return _written(path, lambda waiting: write_rows(heads, rows, waiting, "-o", WriteError))
 
 
 def _coordinates(cases: Cases) -> dict[str, Any]:
@@ -152,9 +164,14 @@ def _array(values: list[Any]) -> tuple[np.ndarray, bool]:
 
 
 def _common(array: np.ndarray) -> np.ndarray:
-    """Places along a dimension, which all cases that were run share: those of the first."""
-    known = array[~np.isnan(array).all(axis=1)]
-    return known[0] if len(known) else array[0]
+    """Places along a dimension, which all cases that were run share: those of the case that has most of them."""
+    return array[int(np.isfinite(array).sum(axis=1).argmax())]
+
+
+def _shared(array: np.ndarray) -> bool:
+    """Whether all cases have the same places (cases, places), some of them fewer than others."""
+    known = np.isfinite(array)
+    return bool(((array == _common(array)) | ~known).all())
 
 
 def write_netcdf(data: Any, path: Path) -> Path:

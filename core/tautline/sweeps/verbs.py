@@ -86,7 +86,7 @@ def names_of(collected: Sequence[Collected]) -> frozenset[str]:
 
 
 class Watch:
-    """Outputs of a run over its frames, as far as they are collected.
+    """Outputs of a run over its frames, as far as they are collected; those before ``output.begin`` do not count.
 
     Positions and velocities of things are no variables of a result: they are taken out of the frames as they come.
 
@@ -101,6 +101,8 @@ class Watch:
         self.outputs = {one.name: output_of(_handles(model), one.output) for one in self.asked}
         self.rows: dict[str, list[np.ndarray]] = {one.name: [] for one in self.asked}
         self.times: list[np.ndarray] = []
+        # The rounding of a sum of steps must not leave out the frame at `begin` itself.
+        self.begin = model.keep.begin * (1.0 - 1e-12) if model.keep is not None else 0.0
         if self.asked:
             observe = model.observe
             model.observe = lambda frames: self._look(frames, observe(frames))
@@ -118,13 +120,14 @@ class Watch:
         return variables
 
     def findings(self) -> dict[str, Finding]:
-        """The statistics that are asked for, of all frames, whatever the result keeps."""
+        """The statistics that are asked for, of all frames that count, whatever the result keeps."""
         if not self.asked:
             return {}
         time = np.concatenate(self.times)
+        counts = time >= self.begin
         return {
             one.name: Finding(
-                statistic(np.concatenate(self.rows[one.name]), time, one.statistic),
+                statistic(np.concatenate(self.rows[one.name])[counts], time[counts], one.statistic),
                 self.outputs[one.name][0].unit, f"{one.statistic} of {one.output}",
             )
             for one in self.asked
@@ -211,6 +214,31 @@ def check_outputs(read: SweepFile, model: Any) -> None:
             problems.append(read.problem_at(key, f"{one.output} is no single number", cure))
     if problems:
         raise SceneError(problems)
+
+
+def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) -> bool:
+    """Raise SceneError for figures that no run of a model has, before the first run.
+
+    Returns
+    -------
+    bool
+        Whether the model knows all its figures: of another, names are looked up in the first run that ends.
+    """
+    from tautline.scene.errors import SceneError
+    from tautline.scene.refusal import nearest
+
+    known = (*model.figure_units, *sometimes, *RUN)
+    if not model.figure_units:
+        return False
+    problems = [
+        read.problem_at(("collect", i), f"the verb finds no '{one.figure}'", nearest(one.figure, known))
+        for i, one in enumerate(read.collected())
+        if one.figure and one.figure not in known and not asks_limits(one.figure)
+    ]
+    if problems:
+        raise SceneError(problems)
+    # What a limit of the scene is called is looked up in a run.
+    return not any(asks_limits(one.figure) for one in read.collected())
 
 
 def output_of(outputs: Mapping[str, Any], name: str) -> tuple[Any, int | None]:
