@@ -1,8 +1,9 @@
 """The same scenes by Tautline and by Exudyn, in turn, in one run: CPU time, and the error of each.
 
 Writes its table into docs/performance.md and a short one into README.md. With --quick it is a reduced run that writes
-nothing; -o FILE keeps all that was measured as JSON; --references makes the references anew that take minutes. Exudyn
-comes with `pip install 'tautline[race]'`; without it only Tautline runs, and nothing is written.
+nothing; -o FILE keeps all that was measured as JSON, case by case, and --tables FILE writes the tables from it;
+--references makes the references anew that take minutes. Exudyn comes with `pip install 'tautline[race]'`; without it
+only Tautline runs, and nothing is written.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import argparse
 import json
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -301,13 +302,36 @@ def as_json(rows: Sequence[Row], measured: str) -> str:
     return json.dumps({"measured": measured, "exudyn": peer.version(), "rows": records}, indent=1) + "\n"
 
 
+def from_json(text: str) -> tuple[list[Row], str]:
+    """Rows, and the machine that they were measured on."""
+    kept = json.loads(text)
+    names = {one.name for one in fields(Row)}
+    rows = [Row(**{key: row[key] for key in names} | {"case": Case(**row["case"])}) for row in kept["rows"]]
+    return rows, kept["measured"]
+
+
+def write(rows: Sequence[Row], measured: str) -> None:
+    """Put both tables into their pages."""
+    for path, text in ((PAGE, f"{full(rows, _stored())}\nMeasured: {measured}."), (README, brief(rows, measured))):
+        old = path.read_text(encoding="utf8")
+        path.write_text(between(old, f"{BEGIN}\n{text}\n{END}", BEGIN, END), encoding="utf8")
+
+
+def _stored() -> dict[str, Any]:
+    return json.loads(scenes.STORED.read_text(encoding="utf8")) if scenes.STORED.exists() else {}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a reduced run that only shows that it runs")
     parser.add_argument("--scene", choices=[*TITLES], action="append", help="only these scenes; nothing is written")
     parser.add_argument("--references", action="store_true", help="make the stored references anew, and race nothing")
+    parser.add_argument("--tables", type=Path, metavar="FILE", help="write the tables from what -o kept; race nothing")
     parser.add_argument("-o", dest="output", type=Path, help="keep all that was measured, as JSON")
     asked = parser.parse_args()
+    if asked.tables is not None:
+        write(*from_json(asked.tables.read_text(encoding="utf8")))
+        return
     with_peer = peer.version() is not None
     if asked.references:
         if not with_peer:
@@ -316,23 +340,19 @@ def main() -> None:
         return
     if not with_peer:
         print(MISSING)
-    before, rows = load(), []
+    before, rows, measured = load(), [], ""
     for case in scenes.cases(asked.quick):
         if asked.scene and case.scene not in asked.scene:
             continue
         rows += race(case, with_peer)
         told = "; ".join(f"{row.element} {_cell(row)}" for row in rows if row.case == case)
         print(f"{case.name}: {told}", flush=True)
-    measured = machine(before) + (f"; Exudyn {peer.version()}" if with_peer else "")
-    stored = json.loads(scenes.STORED.read_text(encoding="utf8")) if scenes.STORED.exists() else {}
-    page, part = full(rows, stored), brief(rows, measured)
-    print(f"\n{page}\n{part}")
-    if asked.output is not None:
-        asked.output.write_text(as_json(rows, measured), encoding="utf8")
+        measured = machine(before) + (f"; Exudyn {peer.version()}" if with_peer else "")
+        if asked.output is not None:
+            asked.output.write_text(as_json(rows, measured), encoding="utf8")
+    print(f"\n{full(rows, _stored())}\n{brief(rows, measured)}")
     if with_peer and not asked.quick and not asked.scene:
-        for path, text in ((PAGE, f"{page}\nMeasured: {measured}."), (README, part)):
-            old = path.read_text(encoding="utf8")
-            path.write_text(between(old, f"{BEGIN}\n{text}\n{END}", BEGIN, END), encoding="utf8")
+        write(rows, measured)
 
 
 if __name__ == "__main__":

@@ -64,6 +64,7 @@ def test_what_is_kept_as_json_holds_every_time(race, rows):
     kept = json.loads(race.as_json(rows, "here"))
     assert [row["solve"] for row in kept["rows"]] == [row.solve for row in rows]
     assert kept["rows"][0]["name"] == "bar, 4 elements, 1 ms"
+    assert race.from_json(race.as_json(rows, "here")) == (rows, "here")
 
 
 def test_every_scene_is_one_that_tautline_reads(race):
