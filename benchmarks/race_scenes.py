@@ -110,7 +110,7 @@ def cases(quick: bool) -> list[Case]:
         ropes += [
             Case(scene, 100, 1e-3, 2.0, 2.0, 0.1, 1e-4, 1e-6, 1e-6, speed=speed),
             Case(scene, 100, 1e-2, 2.0, 2.0, 0.1, 1e-4, 1e-4, 1e-3, speed=speed),
-            Case(scene, 1000, 1e-3, end, end, 0.1, 1e-4, 1e-5, 1e-3, speed=speed, rounds=3),
+            Case(scene, 1000, 1e-3, end, end, 0.1, 1e-4, 1e-4, 1e-3, speed=speed, rounds=3),
             Case(scene, 1000, 1e-2, end, end, 0.1, 1e-7, 1e-4, 1e-3, speed=speed, rounds=3),
         ]
     hoses = [Case("hose", 10, 1e-3, 2.0, 1.0, 0.02, 1e-5, 1e-4, 1e-7, 0.9, U) for U in (15.0, 25.0, 35.0)]
