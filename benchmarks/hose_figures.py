@@ -13,11 +13,9 @@ from gardenhose.flutter import stability
 from gardenhose.static import forms
 from gardenhose.view.figures import draw
 from gardenhose.view.stability_figures import boundary_figure, flutter_figure, static_figure
-from tautline.view.figures.figure import COLOURS, QUIET, axes, label, save, styled
+from tautline.view.figures.figure import COLOURS, axes, label, save, styled
 
 IMAGES = hoses.ROOT / "docs" / "images"
-SHARE = 0.2
-"""Share of the peer's time that was asked for."""
 
 
 class Curve(NamedTuple):
@@ -30,7 +28,7 @@ class Curve(NamedTuple):
 
 
 @styled
-def precision(curves: Sequence[Curve], peer: tuple[float, float]) -> None:
+def precision(curves: Sequence[Curve]) -> None:
     """Error of the tip against run time."""
     figure, plots = axes(1, 1, 7.6, 5.2, "Tip of the hose at 1 s, 15 m/s")
     plot = plots[0, 0]
@@ -39,9 +37,6 @@ def precision(curves: Sequence[Curve], peer: tuple[float, float]) -> None:
         plot.loglog(curve.time, curve.to_converged, label=f"{curve.name}: error of time", **look)
         look |= {"ls": ":", "mfc": "white"}
         plot.loglog(curve.time, curve.to_exact, label=f"{curve.name}: to the exact hose", **look)
-    plot.loglog(*peer, color="black", marker="*", ms=12, ls="", label="best open peer, in 2-D")
-    plot.axvline(SHARE * peer[0], color=QUIET, lw=1.0, ls="--", label="a fifth of its time")
-    plot.axhline(peer[1], color=QUIET, lw=0.8, ls=":")
     plot.set_xlabel(label("run time of the time loop", "s"))
     plot.set_ylabel(label("distance of the tip from where it should be", "m"))
     figure.legend(*plot.get_legend_handles_labels(), loc="outside lower center", ncols=2)

@@ -11,6 +11,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
+RACE = "<!-- race: written by benchmarks/race.py -->", "<!-- end of race -->"
+"""Marks of what `race.py` writes, in docs/performance.md and in README.md."""
+
 
 class Section(NamedTuple):
     """A title, Markdown below it, and rows for the README: what was measured, the figure, what stands beside it."""

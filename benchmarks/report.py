@@ -1,4 +1,7 @@
-"""Run all benchmarks; write docs/performance.md and the README's table of figures. With --quick nothing is written."""
+"""Run all benchmarks; write docs/performance.md and the README's table of figures. With --quick nothing is written.
+
+The race with another program is a run of its own, `race.py`: its part of the page is kept.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ import stepping
 import table_2_5
 import variants
 import work_precision
-from page import Section, between, load, machine, quick_asked, table
+from page import RACE, Section, between, load, machine, quick_asked, table
 
 PAGE = jwell.ROOT / "docs" / "performance.md"
 README = jwell.ROOT / "README.md"
@@ -29,6 +32,12 @@ def page(sections: list[Section], measured: str) -> str:
         f"`benchmarks/`.\n\nMeasured: {measured}.\n"
     )
     return "\n".join([head, *(f"{section}" for section in sections)])
+
+
+def kept(old: str) -> str:
+    """What `race.py` wrote at the end of the page, with its marks; nothing where it never did."""
+    begin, end = (old.find(mark) for mark in RACE)
+    return "" if begin < 0 or end < 0 else f"\n{old[begin : end + len(RACE[1])]}\n"
 
 
 def headline(sections: list[Section], measured: str) -> str:
@@ -49,7 +58,7 @@ def main() -> None:
     text, part = page(sections, measured), headline(sections, measured)
     print(f"{text}\n{part}")
     if not quick:
-        PAGE.write_text(text, encoding="utf8")
+        PAGE.write_text(text + kept(PAGE.read_text(encoding="utf8")), encoding="utf8")
         README.write_text(between(README.read_text(encoding="utf8"), part, BEGIN, END), encoding="utf8")
 
 
