@@ -50,9 +50,9 @@ NOTES = {
     "the exact motion of the same mesh, by its modes.",
     "catenary": "A rope of 110 m over a span of 100 m (EA 1e7 N, EJ 10 N m², 5 kg/m, engineering strain), from the "
     "elastic catenary; one end moves outwards by 1 − cos πt m, 2 s. Judged by nine places along it, every 0.1 s.",
-    "flowing": "The same rope, which runs through both ends at 5 m/s of unstretched rope. With 1000 elements over 0.2 s: "
-    "all of Exudyn's elements share one axial coordinate, which fills the factors of its matrix. Exudyn has this "
-    "element in the plane only.",
+    "flowing": "The same rope, which runs through both ends at 5 m/s. With 1000 elements over 0.2 s: all of Exudyn's "
+    "elements share one axial coordinate, which fills the factors of its matrix. Exudyn has this element in the plane "
+    "only.",
     "hose": "`data/hose.yaml` with a constant speed and engineering strain, over 2 s. Judged by the tip over the first "
     "second, every 20 ms, against global polynomials without finite elements. Exudyn's curvature is θ' per "
     "unstretched length, Tautline's is the geometric one, and neither has the other: the polynomials take that of the "
