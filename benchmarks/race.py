@@ -61,8 +61,9 @@ NOTES = {
     "plumb with the rope stretched by its weight, so that it swings and bounces, over 50 s. Exudyn's "
     "`ReevingSystemSprings` is a rope without mass, with one force all along: this is the fair one of its two ways, as "
     "all else here is the same. Cable elements in contact with a circle have mass and friction, but press into the "
-    "circle by a penalty: Exudyn's own example of a belt drive takes steps of 0.01 to 0.03 ms. Tautline's rope must have "
-    "mass; it is 2e-8 of the load here. Rope that has mass, friction on the sheave and rope reeled in are left out: the connector cannot have "
+    "circle by a penalty: Exudyn's own example of a belt drive takes steps of 0.01 to 0.03 ms. Tautline's rope must "
+    "have mass; it is 2e-8 of the load here. Rope that has mass, friction on the sheave and rope reeled in are left "
+    "out: the connector cannot have "
     "the first two. Judged by the load over 10 s, every 0.1 s, against two equations solved to 1e-12, with Green's "
     "strain for Tautline, which has no other over sheaves, and engineering strain for Exudyn.",
 }
