@@ -68,8 +68,8 @@ PATIENCE = 2.0
 work than those before."""
 FIRST_WORK, MORE_WORK = 64, 8
 """Steps, iterations and factorisations of the first batch, and the most that one may do of the last."""
-BATCH_NUMBERS = 4_000_000
-"""Numbers that a batch of frames may hold in memory."""
+BATCH_NUMBERS, DIGESTED_NUMBERS = 4_000_000, 1_000_000
+"""Numbers that a batch of frames may hold in memory; and where statistics are kept, for which it is copied."""
 
 FRAMES_UNCHECKED, FRAMES_SAFE = 20, 400
 """Frames that an explicit run may go on before its step is checked again: near the critical step, and far from it."""
@@ -473,7 +473,8 @@ class Run:
 
     def _size_batch(self, rows: int, checked: float) -> None:
         """Set the length of the next batch from frames stored and from the time, s, that a look at the step took."""
-        limit = max(1, BATCH_NUMBERS // (4 * self.model.system.q.size + self.model.own + 6))
+        most = BATCH_NUMBERS if self.model.keep is None else DIGESTED_NUMBERS
+        limit = max(1, most // (4 * self.model.system.q.size + self.model.own + 6))
         per_frame, self.spent = max(self.spent, 1e-9) / rows, 0.0
         if self.explicit:
             # A look at the step takes a millisecond, which is hundreds of steps of a small scene.
