@@ -41,7 +41,7 @@ def test_percentiles_of_the_hook_load_are_those_of_friction_in_closed_form(slant
     data = tautline.sweep(
         slant, {"well.wall.friction": {"truncated_normal": SPREAD}},
         plan={"latin_hypercube": {"samples": 60, "seed": 1}}, collect=["pick_up", "slack_off", "rotating"],
-        verb="torque-drag", options={"depth": "1000:2000:500"}, folder=tmp_path / "out",
+        verb="torque-drag", options={"depth": "1000:2000:500"}, folder=tmp_path / "out", jobs=1,
     )  # fmt: skip
     assert set(data["status"].values.tolist()) == {"done"}, data["message"].values[0]
     mean, sd, low, high = SPREAD

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from twin.rehearsal import at, calm_rows, finite, lines_of, weight_twin
+from twin.rehearsal import at, finite, lines_of, weight_twin
 
 from tautline.twin.storage import load, save
 
@@ -36,10 +36,10 @@ LONG = ("doubled", "future stamps", "slower sampling", "clock 1 % fast", "NaN no
 
 
 @pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.long if k in LONG else ()) for k in BAD])
-def test_bad_data_leave_the_estimate_as_it_is(kind):
+def test_bad_data_leave_the_estimate_as_it_is(kind, settled):
     spoil, counted = BAD[kind]
-    twin = weight_twin(start="5 t")
-    lines = lines_of(twin, spoil(calm_rows()[:170]))
+    twin, rows = settled(end=17.0)
+    lines = lines_of(twin, spoil(rows))
     assert finite(lines)
     # A clock that is 1 % wrong makes the accelerations 2 % wrong, and the weight hardly.
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
@@ -50,10 +50,9 @@ def test_bad_data_leave_the_estimate_as_it_is(kind):
 
 
 @pytest.mark.parametrize("gap", [1.0, 5.0])
-def test_after_a_gap_the_twin_goes_on_and_says_that_it_was_degraded(gap):
-    rows = [row for row in calm_rows() if not 9.0 <= row[0] < 9.0 + gap - 0.05]
-    twin = weight_twin(start="5 t")
-    lines = lines_of(twin, rows)
+def test_after_a_gap_the_twin_goes_on_and_says_that_it_was_degraded(gap, settled):
+    twin, rest = settled(end=14.0 + gap)
+    lines = lines_of(twin, [row for row in rest if not 9.0 <= row[0] < 9.0 + gap - 0.05])
     after = [line for line in lines if line["time"] >= 9.0 + gap - 0.05]
     if gap > 0.4:
         assert after[0]["health"] == "degraded"
@@ -63,23 +62,21 @@ def test_after_a_gap_the_twin_goes_on_and_says_that_it_was_degraded(gap):
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
 
 
-def test_a_stream_that_ends_and_comes_back_is_gone_on_with():
-    twin = weight_twin(start="5 t")
-    rows = calm_rows()
-    for stamp, readings in rows[:100]:
+def test_a_stream_that_ends_and_comes_back_is_gone_on_with(settled):
+    twin, rows = settled(end=15.0)
+    for stamp, readings in rows[:20]:
         twin.add(stamp, readings)
     before = twin.answers(end=True)[-1]
-    lines = lines_of(twin, [(t + 30.0, r) for t, r in rows[100:]])
+    lines = lines_of(twin, [(t + 12.0, r) for t, r in rows[20:]])
     assert lines[0]["time"] > before["time"]
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
 
 
-def test_killed_and_started_again_it_goes_on_with_the_same_estimates(tmp_path):
-    rows = calm_rows()[:170]
-    whole = weight_twin(start="5 t")
+def test_killed_and_started_again_it_goes_on_with_the_same_estimates(tmp_path, settled):
+    whole, rows = settled(end=17.0)
     lines = lines_of(whole, rows)
-    first = weight_twin(start="5 t")
-    for stamp, readings in rows[:120]:
+    first, _ = settled()
+    for stamp, readings in rows[:40]:
         first.add(stamp, readings)
     save(first, tmp_path / "twin.state")
     second = weight_twin(start="5 t")

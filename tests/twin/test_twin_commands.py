@@ -7,8 +7,10 @@ import sys
 import numpy as np
 import pytest
 import xarray
+from cli.in_process import commands_of
 
 import tautline
+from crane.application import Crane
 
 MAP = """
 sensors:
@@ -26,8 +28,15 @@ SCENE = "data/hoist.yaml"
 
 
 def crane(*arguments, stdin=None):
+    """The command as a process, which reads what it is fed."""
     command = [sys.executable, "-m", "crane.main", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, input=stdin, timeout=300)
+
+
+@pytest.fixture
+def here(capsys):
+    """The command in this process, where it reads and writes files: exit code, standard output, standard error."""
+    return commands_of(Crane(), capsys)
 
 
 @pytest.fixture(scope="module")
@@ -57,40 +66,42 @@ def test_a_record_has_the_columns_of_the_map_and_the_noise_that_was_asked_for(re
 
 
 @pytest.mark.parametrize("way", ["file", "table", "objects"])
-def test_the_twin_answers_every_row_from_a_file_and_from_standard_input(rehearsal, way):
+def test_the_twin_answers_every_row_from_a_file_and_from_standard_input(rehearsal, here, way):
     text = (rehearsal / "r.csv").read_text()
     arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--json"]
     if way == "file":
-        done = crane(*arguments, "--source", rehearsal / "r.csv", "-o", rehearsal / "tw.nc")
+        code, out, told = here(*arguments, "--source", rehearsal / "r.csv", "-o", rehearsal / "tw.nc")
     elif way == "table":
         done = crane(*arguments, stdin=text)
+        code, out, told = done.returncode, done.stdout, done.stderr
     else:
         rows = [line.split(",") for line in text.splitlines()[1:]]
         names = ("time", "winch_pos", "heave", "rope_tension")
         objects = [json.dumps(dict(zip(names, map(float, row), strict=True))) for row in rows]
         done = crane(*arguments, stdin="\n".join(objects[:30] + ["{broken"] + objects[30:]) + "\n")
-    assert done.returncode == 0, done.stderr
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
+        code, out, told = done.returncode, done.stdout, done.stderr
+    assert code == 0, told
+    lines = [json.loads(line) for line in out.splitlines()]
     assert len(lines) == 61
     keys = {"time", "outputs", "estimates", "residuals", "alarms", "lag", "health"}
     assert keys <= set(lines[-1])
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
-    assert "overload" in done.stderr  # the ramp of the winch: 67 kN
+    assert "overload" in told  # the ramp of the winch: 67 kN
     if way == "file":
         with xarray.open_dataset(rehearsal / "tw.nc", engine="h5netcdf") as data:
             assert data.sizes["time"] == 61
             assert float(data["estimate payload.mass"][-1]) == lines[-1]["estimates"]["payload.mass"]["value"]
 
 
-def test_killed_and_resumed_from_its_state_it_answers_the_rows_that_are_left(rehearsal):
+def test_ended_and_resumed_from_its_state_it_answers_the_rows_that_are_left(rehearsal, here):
     rows = (rehearsal / "r.csv").read_text().splitlines(keepends=True)
     (rehearsal / "part.csv").write_text("".join(rows[:40]))
     state = rehearsal / "twin.state"
     arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--json", "--resume", state]
     first = crane(*arguments, "--source", rehearsal / "part.csv")
     assert first.returncode == 0 and state.exists(), first.stderr
-    again = crane(*arguments, "--source", rehearsal / "r.csv")
-    lines = [json.loads(line) for line in again.stdout.splitlines()]
+    _, out, _ = here(*arguments, "--source", rehearsal / "r.csv")
+    lines = [json.loads(line) for line in out.splitlines()]
     assert lines[0]["time"] == pytest.approx(3.9)
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
 
@@ -106,18 +117,18 @@ def test_killed_and_resumed_from_its_state_it_answers_the_rows_that_are_left(reh
         ({"column: heave": "column: heav"}, "there is no column 'heav'"),
     ],
 )
-def test_a_map_that_does_not_fit_is_refused_by_line_and_key(rehearsal, tmp_path, changes, said):
+def test_a_map_that_does_not_fit_is_refused_by_line_and_key(rehearsal, here, tmp_path, changes, said):
     text = MAP
     for old, new in changes.items():
         assert old in text
         text = text.replace(old, new)
     (tmp_path / "map.yaml").write_text(text)
-    done = crane(
+    code, _, told = here(
         "twin", SCENE, "--map", tmp_path / "map.yaml", "--source", rehearsal / "r.csv", "-o", tmp_path / "x.nc"
     )
-    assert done.returncode == 2
-    assert said in done.stderr
-    assert "Traceback" not in done.stderr
+    assert code == 2
+    assert said in told
+    assert "Traceback" not in told
     assert not (tmp_path / "x.nc").exists()
 
 
@@ -129,8 +140,8 @@ def test_a_map_that_does_not_fit_is_refused_by_line_and_key(rehearsal, tmp_path,
         ("--map", "nowhere.yaml", "there is no such file"),
     ],
 )
-def test_what_is_not_there_is_refused(rehearsal, option, value, said):
+def test_what_is_not_there_is_refused(rehearsal, here, option, value, said):
     arguments = {"--map": str(rehearsal / "map.yaml"), "--source": str(rehearsal / "r.csv"), option: value}
-    done = crane("twin", SCENE, *(part for pair in arguments.items() for part in pair))
-    assert done.returncode == 2
-    assert said in done.stderr
+    code, _, told = here("twin", SCENE, *(part for pair in arguments.items() for part in pair))
+    assert code == 2
+    assert said in told

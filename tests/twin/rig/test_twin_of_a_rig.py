@@ -67,9 +67,27 @@ def off(line):
     ]
 
 
+KILLED = (250.0, 285.0)
+"""While the stand is being fetched, and after it was taken up, s."""
+
+
 @pytest.fixture(scope="module")
-def two():
-    return lines_of(Twin(well(0.4, 0.1), FRICTION), record_of_connections(2))
+def two_and_states(tmp_path_factory):
+    """Lines of a twin through two connections, and by time the state that it would have left if it had been killed."""
+    folder, states, lines = tmp_path_factory.mktemp("two"), {}, []
+    twin = Twin(well(0.4, 0.1), FRICTION)
+    for k, (t, values) in enumerate(record_of_connections(2)):
+        for when in KILLED:
+            if t > when and when not in states:
+                save(twin, folder / f"{when}.state")
+                states[when] = folder / f"{when}.state", k, lines[-1]
+        lines += twin.add(t, values)
+    return lines + twin.finish(), states
+
+
+@pytest.fixture
+def two(two_and_states):
+    return two_and_states[0]
 
 
 def test_friction_of_cased_and_open_hole_is_found_within_a_hundredth_from_a_wrong_start(two):
@@ -106,16 +124,12 @@ def test_ten_connections_tell_friction_within_a_hundredth_and_say_how_well():
     assert max(away) < 0.01 and max(deviations) < 2.5
 
 
-@pytest.mark.parametrize("when", [250.0, pytest.param(285.0, marks=pytest.mark.long)])
-def test_a_twin_that_was_killed_goes_on_with_the_string_as_it_has_grown(two, when, tmp_path):
-    """While the stand is being fetched, and after it was taken up."""
+@pytest.mark.parametrize("when", [KILLED[0], pytest.param(KILLED[1], marks=pytest.mark.long)])
+def test_a_twin_that_was_killed_goes_on_with_the_string_as_it_has_grown(two_and_states, when):
+    two, (state, middle, killed) = two_and_states[0], two_and_states[1][when]
     rows = record_of_connections(2)
-    middle = next(i for i, (t, _) in enumerate(rows) if t > when)
-    twin = Twin(well(0.4, 0.1), FRICTION)
-    killed = lines_of_without_end(twin, rows[:middle])[-1]
-    save(twin, tmp_path / "state")
     again = Twin(well(0.4, 0.1), FRICTION)
-    load(again, tmp_path / "state")
+    load(again, state)
     assert again.rows.reached == killed["time"]
     lines = lines_of(again, rows[middle:])
     assert lines[0]["rig"]["added"] == pytest.approx(killed["rig"]["added"])
@@ -124,10 +138,6 @@ def test_a_twin_that_was_killed_goes_on_with_the_string_as_it_has_grown(two, whe
     for name in RIGHT:
         one, other = lines[-1]["estimates"][name], two[-1]["estimates"][name]
         assert one["value"] == pytest.approx(other["value"], abs=1.5 * other["sd"])
-
-
-def lines_of_without_end(twin, rows):
-    return [line for t, values in rows for line in twin.add(t, values)]
 
 
 # -- on bottom ---------------------------------------------------------------------------------------------------------

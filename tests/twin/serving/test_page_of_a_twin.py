@@ -3,13 +3,12 @@
 import json
 import shutil
 import socket
-import subprocess
-import sys
 import threading
 import time
 import urllib.request
 
 import pytest
+from cli.in_process import commands_of
 from twin.rehearsal import CALM, hoist, rows_of, weight_twin
 
 import tautline
@@ -95,15 +94,15 @@ def test_a_port_that_is_taken_is_refused_with_the_cure(page):
 
 
 @pytest.mark.parametrize("where", ["eighty", "70000"])
-def test_what_is_no_port_ends_with_2_and_writes_nothing(where, tmp_path):
+def test_what_is_no_port_ends_with_2_and_writes_nothing(where, tmp_path, capsys):
     (tmp_path / "map.yaml").write_text("sensors: [{column: a, unit: m, input: winch.pay_out}]\n")
     (tmp_path / "a.csv").write_text("time,a\n0,0\n")
     wanted = [
         "twin", "data/hoist.yaml", "--map", str(tmp_path / "map.yaml"), "--source", str(tmp_path / "a.csv"),
         "-o", str(tmp_path / "twin.nc"), f"--serve={where}",
     ]  # fmt: skip
-    done = subprocess.run([sys.executable, "-m", "crane.main", *wanted], capture_output=True, text=True, timeout=120)
-    assert done.returncode == 2 and "--serve" in done.stderr
+    code, _, told = commands_of(Crane(), capsys)(*wanted)
+    assert code == 2 and "--serve" in told
     assert not (tmp_path / "twin.nc").exists()
 
 
