@@ -47,12 +47,12 @@ def test_the_truth_lies_within_two_deviations_in_nine_of_ten_trials():
     within = 0
     for seed in range(60):
         rng = np.random.default_rng(seed)
-        t = 0.1 * np.arange(100)
-        noise = np.zeros(100)
-        for k in range(100):  # noise with a memory, as an input that is off has it
+        t = 0.1 * np.arange(60)  # twice as long as what is kept
+        noise = np.zeros(60)
+        for k in range(60):  # noise with a memory, as an input that is off has it
             noise[k] = 0.6 * noise[k - 1] + 0.2 * rng.standard_normal()
         y = 3.0 + noise
-        horizon = fed(Horizon([unknown("a", 6.0, 5.0)], [channel(0.2)], 3.0), t, y, np.ones((100, 1)))
+        horizon = fed(Horizon([unknown("a", 6.0, 5.0)], [channel(0.2)], 3.0), t, y, np.ones((60, 1)))
         within += abs(horizon.mean[0] - 3.0) <= 2.0 * horizon.linear_deviation[0]
     assert within >= 54
 
