@@ -1,8 +1,5 @@
 """What a sweep's file may say, and what is refused with line, key, value, cause and cure before anything is written."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from sweep.short_hoist import HOIST, MASS, PERIOD, hoist, write_sweep
@@ -127,13 +124,12 @@ def in_folder(monkeypatch, capsys):
     return run
 
 
-def test_the_scene_of_a_sweep_is_looked_for_beside_its_file(tmp_path):
+def test_the_scene_of_a_sweep_is_looked_for_beside_its_file(tmp_path, in_folder):
     folder = tmp_path / "inner"
     folder.mkdir()
     write_sweep(folder, f"vary: {{'{MASS}': [2 t]}}\ncollect: [rise]", "50 ms")
-    command = [sys.executable, "-m", "crane.main", "sweep", "inner/limits.yaml", "-q", "--json"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    code, told = in_folder(tmp_path, "inner/limits.yaml", "-q", "--json")
+    assert code == 0, told
     assert (tmp_path / "limits" / "sweep.nc").exists()
 
 
