@@ -265,3 +265,12 @@ def test_an_axis_of_a_figure_is_in_the_unit_that_keeps_its_numbers_short_and_bre
     assert places.tolist() == pytest.approx([40.0, 160.0]) and text == "bit.weight [kN]"
     text = _places(Parameter(PERIOD, "s", (5.0, 9.0), (5.0, 9.0)), data, NARROW)[1]
     assert text == "vessel.motion.heave.\nharmonic.period [s]"
+
+
+def test_the_largest_of_an_output_with_places_is_that_of_all_of_them():
+    collect = ["max_tension", "min_tension", *({"output": "tension", "statistic": one} for one in ("max", "min"))]
+    data = tautline.sweep(hoist(0.3), {MASS: ["3 t"]}, collect=collect, jobs=1)
+    assert data["tension max"].item() == data["max_tension"].item()
+    assert data["tension min"].item() == data["min_tension"].item()
+    with pytest.raises(tautline.SceneError, match="no single number"):
+        tautline.sweep(hoist(0.3), {MASS: ["3 t"]}, collect=[{"output": "tension", "statistic": "mean"}], jobs=1)
