@@ -436,3 +436,24 @@ def test_extremes_that_are_scaled_too_far_are_noted():
     far, short = scale_notes(asked(duration=10800.0, simulated=60.0))
     assert "scaled by 180" in far and "--simulate 1080s" in far
     assert "8 waves of 8 s" in short and "--simulate 800s" in short
+
+
+def test_a_limit_of_the_scene_on_an_array_is_judged_at_all_its_places(application, scene):
+    limited = scene.replace({"limits": [
+        {"output": "tension", "above": "60 kN", "name": "overload"},
+        {"output": "tension", "below": "1 kN", "for": "2 s", "name": "slack"},
+    ]})  # fmt: skip
+    found = operability(application, limited, asked((0.5,), 3, 10.0, limits=["max_tension < 60 kN"]), jobs=1)
+    texts = [one.text for one in found.criteria]
+    assert texts == ["max_tension < 60 kN", "tension < 60 kN", "tension > 1 kN"]
+    # A span has two ends, and the rope's largest tension is at one of them.
+    assert found.table.values[1].tolist() == found.table.values[0].tolist()
+    assert (found.table.values[2] < found.table.values[1]).all()
+    assert any(note.startswith("limit slack: counts in the scene after 2 s") for note in found.notes)
+
+
+def test_a_place_that_an_output_has_not_is_refused(application, scene):
+    with pytest.raises(SceneError, match=r"there is no load\.position\[7\]"):
+        operability(application, scene, asked((0.5,), 3, 10.0, limits=["load.position[7] < 3 m"]), jobs=1)
+    with pytest.raises(SceneError, match=r"load\.position is no single number.*load\.position\[0\]"):
+        operability(application, scene, asked((0.5,), 3, 10.0, limits=["load.position < 3 m"]), jobs=1)

@@ -11,7 +11,7 @@ from collections import Counter
 import numpy as np
 import pytest
 import xarray
-from sweep.short_hoist import MASS, PERIOD, hoist, write_sweep
+from sweep.short_hoist import HOIST, MASS, PERIOD, hoist, write_sweep
 
 import tautline
 from tautline.results.errors import ResultError
@@ -150,3 +150,15 @@ def test_cases_that_fail_before_the_first_that_ends_are_in_the_journal_at_once(t
     )  # fmt: skip
     assert seen == [0, 1, 2, 3]
     assert {line["status"] for line in lines_of(out)} == {"two blocked"}
+
+
+def test_a_file_that_a_value_names_and_that_has_changed_makes_another_sweep(tmp_path):
+    scene = tmp_path / "hoist.yaml"
+    scene.write_text(HOIST.read_text(encoding="utf8").replace("end: 12 s", "end: 50 ms"), encoding="utf8")
+    speed, out = tmp_path / "speed.csv", tmp_path / "out"
+    speed.write_text("t,speed\n0,0\n1,-0.5\n", encoding="utf8")
+    vary = {"path[0].drum.pay_out": [{"constant": 0.0}, {"table": {"file": "speed.csv", "column": "speed"}}]}
+    tautline.sweep(scene, vary, collect=["rise"], jobs=1, folder=out)
+    speed.write_text("t,speed\n0,0\n1,-1.5\n", encoding="utf8")
+    with pytest.raises(ResultError, match="another sweep"):
+        tautline.sweep(scene, vary, collect=["rise"], jobs=1, folder=out, resume=True)

@@ -108,3 +108,32 @@ def test_the_cases_of_sobol_indices_are_in_the_order_that_salib_reads():
 
 def test_sobol_points_are_balanced_at_powers_of_two_only():
     assert [n for n in range(1, 20) if balanced(n)] == [1, 2, 4, 8, 16]
+
+
+def of_function(cases, values):
+    """The result of a sweep whose cases came to these values of `y`."""
+    from tautline.results.finding import Finding
+    from tautline.sweeps.cases import Row
+    from tautline.sweeps.table import dataset
+
+    rows = [Row(case, "done", values={"y": float(value)}) for case, value in enumerate(values)]
+    return dataset(cases, {"y": Finding(None, "", "y")}, rows, {})
+
+
+def test_sobol_indices_of_the_function_of_ishigami_are_those_of_its_closed_form():
+    # Ishigami and Homma 1990, a = 7, b = 0.1: the third parameter acts by its interaction with the first alone.
+    from tautline.sweeps.indices import sobol_indices
+
+    cases = cases_of([spread(key, "uniform", -np.pi, np.pi) for key in "abc"], Plan("sobol", 1024, 3), True)
+    x, y, z = (cases.numbers[key] for key in "abc")
+    found = sobol_indices(of_function(cases, np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x)), cases)
+    assert np.allclose(found["y_first"].values, [0.3139, 0.4424, 0.0], atol=0.03)
+    assert np.allclose(found["y_total"].values, [0.5576, 0.4424, 0.2437], atol=0.03)
+    assert np.all(np.abs(found["y_first"].values - [0.3139, 0.4424, 0.0]) < found["y_first_interval"].values)
+
+
+def test_percentiles_of_a_linear_function_of_a_normal_variable_are_its_quantiles():
+    for name in (LATIN, SOBOL):
+        cases = cases_of([spread("a", "normal", 5.0, 2.0)], Plan(name, 1024, 1))
+        found = of_function(cases, 3.0 * cases.numbers["a"] + 1.0)["y_percentiles"].values
+        assert np.allclose(found, 16.0 + 6.0 * np.array([-1.28155, 0.0, 1.28155]), atol=0.05), name

@@ -256,6 +256,23 @@ def test_the_summary_of_a_plan_that_samples_tells_its_percentiles_and_their_tabl
     assert "max_tension: P10, P50, P90" in found.err and "wrote out/percentiles.csv" in found.err
 
 
+def test_percentiles_of_a_sweep_with_failed_cases_are_said_to_lack_them(tmp_path):
+    from tautline.cli.sweep import _left_out
+    from tautline.sweeps.file import read_sweep
+    from tautline.sweeps.sweep import run_sweep
+
+    # Beyond some 15 m/s the hook comes to the sheave within 2 s.
+    spread = {"path[0].drum.pay_out.ramp.to": {"uniform": [-22.0, -1.0]}}
+    read = read_sweep(
+        {"scene": "s", "vary": spread, "plan": {"latin_hypercube": {"samples": 4, "seed": 1}}, "collect": ["rise"]}
+    )
+    scene = hoist(2.0)
+    outcome = run_sweep(read, tautline._installed().of(scene), scene, jobs=1, folder=tmp_path / "out")
+    assert outcome.failed and outcome.done
+    (text,) = _left_out(outcome)
+    assert text.startswith(f"percentiles are those of the {outcome.done} cases")
+
+
 def test_an_axis_of_a_figure_is_in_the_unit_that_keeps_its_numbers_short_and_breaks_at_dots():
     from tautline.sweeps.figures import NARROW, _places
     from tautline.sweeps.plans import Parameter
@@ -265,3 +282,12 @@ def test_an_axis_of_a_figure_is_in_the_unit_that_keeps_its_numbers_short_and_bre
     assert places.tolist() == pytest.approx([40.0, 160.0]) and text == "bit.weight [kN]"
     text = _places(Parameter(PERIOD, "s", (5.0, 9.0), (5.0, 9.0)), data, NARROW)[1]
     assert text == "vessel.motion.heave.\nharmonic.period [s]"
+
+
+def test_the_largest_of_an_output_with_places_is_that_of_all_of_them():
+    collect = ["max_tension", "min_tension", *({"output": "tension", "statistic": one} for one in ("max", "min"))]
+    data = tautline.sweep(hoist(0.3), {MASS: ["3 t"]}, collect=collect, jobs=1)
+    assert data["tension max"].item() == data["max_tension"].item()
+    assert data["tension min"].item() == data["min_tension"].item()
+    with pytest.raises(tautline.SceneError, match="no single number"):
+        tautline.sweep(hoist(0.3), {MASS: ["3 t"]}, collect=[{"output": "tension", "statistic": "mean"}], jobs=1)

@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 from tautline.results.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import Problem, SceneError, option_error
 from tautline.scene.values.quantity import Quantity
-from tautline.sweeps.verbs import output_of
+from tautline.sweeps.verbs import output_of, single, whole
 
 WRITTEN = re.compile(r"\s*(?P<name>[^<>=]+?)\s*(?P<sense><=?|>=?)\s*(?P<value>[^<>=]+?)\s*")
 OPTION, EXAMPLE = "--limit", 'write such as --limit "max_tension < 60 kN"'
@@ -106,8 +106,9 @@ def _read(text: str, figures: Mapping[str, str], outputs: Mapping[str, Any]) -> 
             close = get_close_matches(name, [*figures, *outputs], n=1, cutoff=0.5)
             cure = f"did you mean '{close[0]}'?" if close else f"figures: {', '.join(figures)}"
             raise option_error(OPTION, text, f"a run of this scene finds no '{name}'", cure) from None
-        if output.shape and part is None:
-            raise option_error(OPTION, text, f"{name} is no single number", f"name one of them, {name}[0] the first")
+        if not single(output, part) and not whole(output, part):
+            cause = f"{name} is no single number" if part is None else f"there is no {name}"
+            raise option_error(OPTION, text, cause, f"name one, {name.partition('[')[0]}[0] the first")
         unit, of_output = output.unit, True
     try:
         value = float(Quantity(unit, any_size=True).read(_plain(match["value"])))
@@ -140,12 +141,12 @@ COUNTS = frozenset(
 """Figures that many storms have none of, or that are whole numbers: Gumbel's distribution is a rough one of them."""
 
 
-def notes_on(criteria: Sequence[Criterion], whole: bool) -> list[str]:
+def notes_on(criteria: Sequence[Criterion], every: bool) -> list[str]:
     """What is sound of limits and better done otherwise.
 
     Parameters
     ----------
-    whole : bool
+    every : bool
         Whether every frame is kept, those of the lead-in among them.
     """
     found = [
@@ -154,12 +155,21 @@ def notes_on(criteria: Sequence[Criterion], whole: bool) -> list[str]:
         for one in criteria
         if one.name in COUNTS
     ]
-    if whole and criteria:
+    if every and criteria:
         found.append(
             "limits are judged over the lead-in too: one of them needs every frame, and then none is left out; give "
             "limits on tension and positions alone to leave the lead-in out"
         )
     return found
+
+
+def lasting_notes(scene: Any) -> list[str]:
+    """Limits of a scene that count there after some time only: here they must not be passed at all."""
+    given = [one for one in getattr(scene, "limits", ()) or () if getattr(one, "for_", 0.0) > 0.0]
+    return [
+        f"limit {one.name or one.output}: counts in the scene after {one.for_:g} s; here it must not be passed at all"
+        for one in given
+    ]
 
 
 def none_given(scene: Any) -> SceneError:

@@ -13,7 +13,7 @@ import numpy as np
 
 from crane.operability.allowable import Table, tabulate
 from crane.operability.conditions import Condition, SeaKeys, cases_of, sea_keys, sea_notes
-from crane.operability.criteria import Criterion, limits_of_scene, none_given, notes_on, read_criteria
+from crane.operability.criteria import Criterion, lasting_notes, limits_of_scene, none_given, notes_on, read_criteria
 from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
 from tautline.scene.errors import SceneError, option_error
@@ -114,6 +114,7 @@ def operability(
     storm = scene.replace(_storm(scene, asked, collect) | keys.ramps(scene, 0.5 * asked.lead), origin="--duration")
     _check_seas(application, storm, keys, asked)
     notes = sea_notes(storm.replace(first), keys) + scale_notes(asked) + notes_on(criteria, not storm.output.statistics)
+    notes += lasting_notes(scene)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
     for note in notes:
         (say or (lambda text: None))(f"note: {note}")

@@ -86,7 +86,7 @@ def _report(
 ) -> None:  # fmt: skip
     if not quiet:
         console().print(two_columns(_rows(outcome)))
-        for text in failures(outcome):
+        for text in [*failures(outcome), *_left_out(outcome)]:
             say(text, "yellow")
         for path in (outcome.result, outcome.table, outcome.percentiles, *figures):
             if path is not None:
@@ -140,6 +140,17 @@ def _rows(outcome: Outcome) -> list[tuple[str, str]]:
     if outcome.overhead is not None:
         rows.append(("beside the compiled loops", f"{significant(100.0 * outcome.overhead, 2)} %"))
     return rows
+
+
+def _left_out(outcome: Outcome) -> list[str]:
+    """What percentiles and indices do not hold: cases that failed, which are seldom a fair draw of all."""
+    if not outcome.failed:
+        return []
+    if outcome.cases.indices:
+        return ["Sobol' indices leave out each sample of which a case failed"]
+    if outcome.percentiles is not None:
+        return [f"percentiles are those of the {outcome.done} cases that came to their end: they may be biased"]
+    return []
 
 
 def _percentiles(data: Any, system: str) -> list[tuple[str, str]]:

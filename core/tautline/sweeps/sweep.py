@@ -6,6 +6,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import islice
@@ -18,7 +19,7 @@ from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
 from tautline.scene.identity import model_hash
 from tautline.scene.reading.document import join_key
 from tautline.sweeps.cases import DONE, LOST, Row, Runner, job_of
-from tautline.sweeps.file import SIMULATE, SweepFile, plan_cases, read_sweep, refused
+from tautline.sweeps.file import ORIGIN, SIMULATE, SweepFile, plan_cases, read_sweep, refused
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import DATASET, RANKED, TABLE, dataset, write_csv, write_netcdf, write_percentiles
@@ -215,9 +216,18 @@ class _Sweep:
         about = {key: value for key, value in self.read.document.root.items() if key not in ("title", "scene")}
         # The cases of a grid are numbered in the order of its keys, which a sorted text would not tell.
         order = list(self.read.vary)
-        files = model_hash(self.scene, (), getattr(self.scene, "folder", None))
-        whole = [about, order, self.scene.document.root, files]
+        whole = [about, order, self.scene.document.root, self._files()]
         return sha256(json.dumps(whole, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+    def _files(self) -> list[str]:
+        """Hashes of the scene with its files, and with those that values name: records of motion, responses."""
+        scenes = [self.scene]
+        for one in self.cases.parameters:
+            for value in one.values if not one.numeric else ():
+                # A value that cannot be had beside the others as they are is tried with them, case by case.
+                with suppress(SceneError):
+                    scenes.append(self.scene.replace({one.key: value}, origin=ORIGIN))
+        return [model_hash(scene, (), getattr(scene, "folder", None)) for scene in scenes]
 
     def check(self, announce: Callable[[int], None] | None, say: Callable[[str], None]) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -99,6 +99,8 @@ class Watch:
     def __init__(self, model: Any, collected: Sequence[Collected]) -> None:
         self.asked = [one for one in collected if one.output]
         self.outputs = {one.name: output_of(_handles(model), one.output) for one in self.asked}
+        # Of an output of several numbers the largest, or the smallest, of all of them.
+        self.over = {one.name: np.min if one.statistic == "min" else np.max for one in self.asked}
         self.rows: dict[str, list[np.ndarray]] = {one.name: [] for one in self.asked}
         self.times: list[np.ndarray] = []
         # The rounding of a sum of steps must not leave out the frame at `begin` itself.
@@ -115,8 +117,9 @@ class Watch:
                 values = getattr(frames, vector)[:, places]
                 values = values if part is None else values[:, part]
             else:
-                values = _series(output, part, variables, len(frames.time))
-            self.rows[name].append(np.array(values, float).reshape(len(frames.time)))
+                values = _series(output, part, variables, len(frames.time), self.over[name])
+            values = np.array(values, float).reshape(len(frames.time), -1)
+            self.rows[name].append(self.over[name](values, axis=1))
         return variables
 
     def findings(self) -> dict[str, Finding]:
@@ -209,8 +212,9 @@ def check_outputs(read: SweepFile, model: Any) -> None:
             name = str(error.args[0])
             problems.append(read.problem_at(key, f"there is no output '{name}'", nearest(name, sorted(handles))))
             continue
-        if output.shape and (part is None or len(output.shape) > 1 or (output.shape[0] and part >= output.shape[0])):
+        if not single(output, part) and not (whole(output, part) and one.statistic in OVER_PLACES):
             cure = f"name one of its numbers, {one.output.partition('[')[0]}[0] the first"
+            cure += "; max and min take all of them" if whole(output, part) else ""
             problems.append(read.problem_at(key, f"{one.output} is no single number", cure))
     if problems:
         raise SceneError(problems)
@@ -241,6 +245,25 @@ def check_figures(read: SweepFile, model: Any, sometimes: Sequence[str] = ()) ->
     return not any(asks_limits(one.figure) for one in read.collected())
 
 
+OVER_PLACES = ("max", "min")
+"""Statistics that an output of several numbers has as a whole: the largest, and the smallest, of all of them."""
+
+
+def single(output: Any, part: int | None) -> bool:
+    """Whether an output, or the part of it that is named, is one number."""
+    if not output.shape:
+        return True
+    return part is not None and len(output.shape) == 1 and not (output.shape[0] and part >= output.shape[0])
+
+
+def whole(output: Any, part: int | None) -> bool:
+    """Whether an output stands for all its places, such as the tension at both ends of all spans.
+
+    The three coordinates of a position are no places: the largest of them says nothing.
+    """
+    return bool(output.shape) and part is None and output.places is None
+
+
 def output_of(outputs: Mapping[str, Any], name: str) -> tuple[Any, int | None]:
     """An output and which of its numbers is meant; KeyError for a name that there is not."""
     if name in outputs:
@@ -251,12 +274,14 @@ def output_of(outputs: Mapping[str, Any], name: str) -> tuple[Any, int | None]:
     raise KeyError(name)
 
 
-def _series(output: Any, part: int | None, frames: Mapping[str, np.ndarray], count: int) -> np.ndarray:
-    """Values of an output in all frames, (frames,)."""
+def _series(
+    output: Any, part: int | None, frames: Mapping[str, np.ndarray], count: int, over: Callable[..., Any]
+) -> np.ndarray:
+    """Values of an output in all frames, (frames,); of several numbers what `over` makes of them."""
     found = np.empty(count)
     for k in range(count):
         value = output.value({name: array[k : k + 1] for name, array in frames.items()})
-        found[k] = value if part is None else np.asarray(value)[part]
+        found[k] = over(np.asarray(value)) if part is None else np.asarray(value)[part]
     return found
 
 
