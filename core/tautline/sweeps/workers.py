@@ -20,8 +20,9 @@ from tautline.results.finding import Finding
 from tautline.scene.errors import option_error
 from tautline.sweeps.cases import LOST, Job, Row, Runner, run_packed
 
-THREADED = 0.5
-"""Share of its time that threads may together spend outside of compiled loops, before they wait for each other."""
+THREADED = 0.8
+"""Share of the time that threads may together spend outside of compiled loops. One of them is there at a time: at 1 the
+others would wait."""
 START = 10.0
 """Run time, s, of each worker from which processes are worth starting."""
 PIECE = 0.25
