@@ -9,15 +9,22 @@ from contextlib import contextmanager
 
 
 class Ear:
-    """Whether Ctrl-C was pressed."""
+    """Whether Ctrl-C was pressed.
 
-    def __init__(self) -> None:
-        self.heard = False
+    Parameters
+    ----------
+    patient : bool
+        Whether to take note only: whoever listens asks at times at which he can be interrupted.
+    """
+
+    def __init__(self, patient: bool = False) -> None:
+        self.heard, self.patient = False, patient
 
     def press(self, number: int, frame: object) -> None:
         """Take note of the signal and raise, as Python does."""
         self.heard = True
-        raise KeyboardInterrupt
+        if not self.patient:
+            raise KeyboardInterrupt
 
     def check(self) -> None:
         """Raise KeyboardInterrupt where it was pressed and did not come through."""
@@ -34,9 +41,9 @@ def _in_main_thread() -> bool:
 
 
 @contextmanager
-def listening() -> Iterator[Ear]:
+def listening(patient: bool = False) -> Iterator[Ear]:
     """Listen to Ctrl-C; only in the main thread, where it is raised, and where nobody else does already."""
-    ear = Ear()
+    ear = Ear(patient)
     if not _in_main_thread():
         yield ear
         return
@@ -55,7 +62,8 @@ def listening() -> Iterator[Ear]:
 def _terminate(number: int, frame: object) -> None:
     for ear in _ears:
         ear.heard = True
-    raise KeyboardInterrupt
+    if not (_ears and _ears[-1].patient):
+        raise KeyboardInterrupt
 
 
 @contextmanager

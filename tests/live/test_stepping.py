@@ -305,6 +305,30 @@ def test_after_ctrl_c_a_simulation_stands_between_two_steps_and_goes_on():
     assert np.abs(sim["position"] - other["position"]).max() < 1e-6
 
 
+def test_ctrl_c_between_two_calls_of_the_loop_leaves_nothing_half_done():
+    import signal
+
+    sim, other = (tautline.Simulation(scene_of("hoist")) for _ in range(2))
+    arrive = sim._arrive
+
+    def pressed(end):
+        if end > 0.2:
+            signal.raise_signal(signal.SIGINT)
+        arrive(end)
+
+    sim._arrive = pressed
+    for _ in range(2):
+        with pytest.raises(tautline.Interrupted):
+            sim.advance_to(1.0)
+    sim._arrive = arrive
+    assert 0.2 < sim.time < 1.0
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    sim.advance_to(1.0)
+    other.advance_to(1.0)
+    assert np.array_equal(sim.result["time"], other.result["time"])
+    assert np.array_equal(sim.result["position"], other.result["position"])
+
+
 def test_what_stops_without_frames_says_so_all_the_same():
     sim = tautline.Simulation(scene_of("hoist"), keep=False)
     with pytest.raises(StoppedEarly) as stop:

@@ -27,6 +27,7 @@ from tautline.integrators.time_loop import (
     record_now,
 )
 from tautline.integrators.vibration.critical_step import CriticalStep
+from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
 from tautline.live.equations import Equations
 from tautline.live.errors import SimulationError, unknown
@@ -224,23 +225,24 @@ class Simulation:
         ahead = self._frame_time(self._frame + max(0, round((time - self._next) / self.model.solver.interval)))
         if abs(time - ahead) <= self._tolerance:
             time = ahead
-        self.inputs.write(begin, time)
-        self._observed = None
-        while True:
-            frame = self._next
-            end = frame if frame <= time else time
-            self._go(begin, end)
-            if end == time:
-                return
-            begin = end
+        # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
+        with listening(patient=True) as ear:
+            self.inputs.write(begin, time)
+            self._observed = None
+            while begin < time:
+                end = min(self._next, time)
+                self._go(begin, end, ear)
+                begin = end
+        if ear.heard:
+            raise Interrupted(self._time, self._so_far)
 
     def _frame_time(self, k: int) -> float:
         """Time of the k-th frame after the first; they go on after the scene's end."""
         last = self._grid.size - 1
         return float(self._grid[k] if k <= last else self._grid[last] + (k - last) * self.model.solver.interval)
 
-    def _go(self, begin: float, end: float) -> None:
-        """Take the steps from one time to the next."""
+    def _go(self, begin: float, end: float, ear: Ear) -> None:
+        """Take the steps from one time to the next; raises Interrupted where Ctrl-C was heard meanwhile."""
         if self._watched:
             self._check_step(end - begin)
         self._steps[0] = max(1, math.ceil((end - begin) / self._step - CLOSE))
@@ -253,6 +255,8 @@ class Simulation:
                 status, filled, reached = self._call(begin)
                 if status != 0:
                     self._stop(begin, reached, Status(status))
+                if ear.heard:
+                    raise KeyboardInterrupt
                 if filled:
                     break
         except KeyboardInterrupt:
