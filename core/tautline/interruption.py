@@ -7,6 +7,18 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+try:
+    # What the functions of `signal` call. They make enumerations of what they give back, 3 to 4 us a call, which is as
+    # much as all else that an advance of a simulation costs beside its steps.
+    from _signal import getsignal as handler_of
+    from _signal import signal as handle
+except ImportError:
+    from signal import getsignal as handler_of
+    from signal import signal as handle
+
+
+SIGINT = int(signal.SIGINT)
+
 
 class Ear:
     """Whether Ctrl-C was pressed.
@@ -47,16 +59,16 @@ def listening(patient: bool = False) -> Iterator[Ear]:
     if not _in_main_thread():
         yield ear
         return
-    plain = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    plain = handler_of(SIGINT) is signal.default_int_handler
     if plain:
-        signal.signal(signal.SIGINT, ear.press)
+        handle(SIGINT, ear.press)
     _ears.append(ear)
     try:
         yield ear
     finally:
         _ears.remove(ear)
         if plain:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            handle(SIGINT, signal.default_int_handler)
 
 
 def _terminate(number: int, frame: object) -> None:
