@@ -12,13 +12,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
-from tautline.elements.curvature import square_of, write_gradient, write_hessian
+from tautline.elements.cubic import (
+    AXES,
+    MATERIAL,
+    NODE,
+    VECTORS,
+    add_forces,
+    combined,
+    dot,
+    lengths_of,
+    nodes_of,
+    row_of,
+    scaled_sum,
+    shape_of,
+    vectors,
+)
+from tautline.elements.curvature import derivatives_of, gradient_of, square_of, write_gradient, write_hessian
 from tautline.elements.flow import combine
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, SECOND, THIRD, WEIGHT
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import WIDTH, members, pack, spread
 
 BENDING = np.dtype([("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("smoothing", "f8")])
 """An element: its nodes' places, EJ N m^2, c s, smoothing 1/m."""
@@ -100,24 +115,47 @@ def _viscosity(row, square):
     return 0.25 * row.stiffness * row.damping / depth, -1.0 / depth
 
 
+@kernel(forceinline=True)
+def _properties(rows, each):
+    """EJ, damping and the square of the smoothing curvature of four elements, and whether any of them is damped."""
+    i, j, k, l = rows[each[0]], rows[each[1]], rows[each[2]], rows[each[3]]
+    smoothing = pack(i.smoothing, j.smoothing, k.smoothing, l.smoothing)
+    return (
+        pack(i.stiffness, j.stiffness, k.stiffness, l.stiffness),
+        pack(i.damping, j.damping, k.damping, l.damping),
+        smoothing * smoothing,
+        i.damping != 0.0 or j.damping != 0.0 or k.damping != 0.0 or l.damping != 0.0,
+    )
+
+
 @kernel
 def _residual(g, t, q, v, a, r):
-    s, z = g.shapes, g.vector
-    for n in range(g.rows.size):
-        row = g.rows[n]
-        first = vectors(row.a, row.b)
-        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
+    for n in range(0, g.rows.size, WIDTH):
+        each, counts = members(n, g.rows.size)
+        i, j = nodes_of(g.rows, each)
+        length = lengths_of(q, i, j)
+        stiffness, damping, depth, damped = _properties(g.rows, each)
+        h = 1.0 / length
+        half = 0.5 * stiffness * counts
+        shape, rates = shape_of(q, i, j), shape_of(v, i, j)
+        none = spread(0.0)
+        on_chord = on_first = on_second = (none, none, none)
         for k in range(g.points.shape[0]):
-            _write_curve(g, k, q, first, length)
-            square = write_gradient(z[Z], z[GRADIENT])
-            force = 0.5 * row.stiffness
-            if row.damping != 0.0:
-                force += _viscosity(row, square)[0] * _rate(g, v, first)
-            force *= g.points[k, WEIGHT] * length
-            for c in range(AXES):
-                f, m = force * z[GRADIENT, c], force * z[GRADIENT, 3 + c]
-                for i in range(VECTORS):
-                    r[first[i] + c] += s[NX, i] * f + s[NXX, i] * m
+            p = g.points[k]
+            # N' and N'' of position enter by its difference.
+            n1, n2, n3 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
+            m1, m2, m3 = p[SECOND + 2] * h * h, p[SECOND + 1] * h, p[SECOND + 3] * h
+            slope, turn = combined((n1, n2, n3), shape), combined((m1, m2, m3), shape)
+            square, by_a, by_b, by_c = derivatives_of(slope, turn)
+            by_slope, by_turn = gradient_of(slope, turn, by_a, by_b, by_c)
+            force = p[WEIGHT] * length * half
+            if damped:
+                rate = dot(by_slope, combined((n1, n2, n3), rates)) + dot(by_turn, combined((m1, m2, m3), rates))
+                force = force + force * 0.5 * damping * rate / (square + depth)
+            on_chord = scaled_sum(scaled_sum(on_chord, n1 * force, by_slope), m1 * force, by_turn)
+            on_first = scaled_sum(scaled_sum(on_first, n2 * force, by_slope), m2 * force, by_turn)
+            on_second = scaled_sum(scaled_sum(on_second, n3 * force, by_slope), m3 * force, by_turn)
+        add_forces(r, i, j, on_chord, on_first, on_second)
 
 
 @kernel

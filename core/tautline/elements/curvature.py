@@ -37,6 +37,28 @@ def write_gradient(z, gradient):
     return (a * c - b * b) * third
 
 
+@kernel(forceinline=True)
+def derivatives_of(e, k):
+    """kappa^2 of e = r' and k = r'', three numbers or lanes each; and 2 d(kappa^2)/d(a, b / 2, c).
+    These are the factors of :func:`gradient_of`.
+    """
+    a = e[0] * e[0] + e[1] * e[1] + e[2] * e[2]
+    b = e[0] * k[0] + e[1] * k[1] + e[2] * k[2]
+    c = k[0] * k[0] + k[1] * k[1] + k[2] * k[2]
+    inverse = 1.0 / a
+    third = inverse * inverse * inverse
+    square = (a * c - b * b) * third
+    return square, 2.0 * (3.0 * b * b - 2.0 * a * c) * third * inverse, -2.0 * b * third, 2.0 * inverse * inverse
+
+
+@kernel(forceinline=True)
+def gradient_of(e, k, by_a, by_b, by_c):
+    """d(kappa^2)/dr' and d(kappa^2)/dr'', with the factors that :func:`derivatives_of` returned."""
+    by_e = (by_a * e[0] + by_b * k[0], by_a * e[1] + by_b * k[1], by_a * e[2] + by_b * k[2])
+    by_k = (by_b * e[0] + by_c * k[0], by_b * e[1] + by_c * k[1], by_b * e[2] + by_c * k[2])
+    return by_e, by_k
+
+
 @kernel
 def write_hessian(z, hessian):
     """Write the second derivatives (6, 6)."""

@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.cubic import AXES, MATERIAL, VECTORS, add_scalars, vectors
+from tautline.elements.cubic import AXES, MATERIAL, VECTORS, add_scalars, lengths_of, nodes_of, vectors
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import WIDTH, gather, members, pack, scatter, spread
 
 INERTIA = np.dtype([("a", "i8"), ("b", "i8"), ("mass", "f8"), ("damping", "f8"), ("load", "f8", (3,))])
 """An element: its nodes' places, mass kg/m, mass-proportional damping 1/s (eq. 2.168), load with the weight N/m."""
@@ -41,45 +42,58 @@ def _write_block(mass, length, block):
     block[2, 3] = block[3, 2] = -22.0 * h * m
 
 
-@kernel
-def _add_momentum(e, h, factor, x, r):
-    """r += factor M x, for an element of length h."""
-    i, j = e.a, e.b
-    m = factor * e.mass * h / 420.0
-    for c in range(AXES):
-        x1, x2, x3, x4 = x[i + c], h * x[i + 3 + c], x[j + c], h * x[j + 3 + c]
-        r[i + c] += m * (156.0 * x1 + 22.0 * x2 + 54.0 * x3 - 13.0 * x4)
-        r[i + 3 + c] += m * h * (22.0 * x1 + 4.0 * x2 + 13.0 * x3 - 3.0 * x4)
-        r[j + c] += m * (54.0 * x1 + 13.0 * x2 + 156.0 * x3 - 22.0 * x4)
-        r[j + 3 + c] += m * h * (-13.0 * x1 - 3.0 * x2 - 22.0 * x3 + 4.0 * x4)
+@kernel(forceinline=True)
+def _momentum(r1, s1, r2, s2):
+    """420 / (m h) times the consistent mass matrix' product with accelerations, or velocities, of four elements.
+
+    The slopes' accelerations s1, s2 have been multiplied by the length h; the slopes' rows are still to be.
+    """
+    return (
+        156.0 * r1 + 22.0 * s1 + 54.0 * r2 - 13.0 * s2,
+        22.0 * r1 + 4.0 * s1 + 13.0 * r2 - 3.0 * s2,
+        54.0 * r1 + 13.0 * s1 + 156.0 * r2 - 22.0 * s2,
+        -13.0 * r1 - 3.0 * s1 - 22.0 * r2 + 4.0 * s2,
+    )
 
 
-@kernel
-def _subtract_force(e, h, v, r):
-    if e.damping != 0.0:
-        _add_momentum(e, h, e.damping, v, r)
+@kernel(forceinline=True)
+def _add_four(g, n, q, v, a, r, moving):
+    """Add inertia (where ``moving``), damping by mass, and less the load, of four elements from the n-th on."""
+    each, counts = members(n, g.rows.size)
+    i, j = nodes_of(g.rows, each)
+    h = lengths_of(q, i, j) * counts
+    w, x, y, z = g.rows[each[0]], g.rows[each[1]], g.rows[each[2]], g.rows[each[3]]
+    m = pack(w.mass, x.mass, y.mass, z.mass) * h / 420.0
+    damped = w.damping != 0.0 or x.damping != 0.0 or y.damping != 0.0 or z.damping != 0.0
+    damping = pack(w.damping, x.damping, y.damping, z.damping)
+    half = 0.5 * h
+    sixth = half * h / 6.0
     for c in range(AXES):
-        if e.load[c] != 0.0:
-            half = 0.5 * e.load[c] * h
-            sixth = half * h / 6.0
-            r[e.a + c] -= half
-            r[e.a + 3 + c] -= sixth
-            r[e.b + c] -= half
-            r[e.b + 3 + c] += sixth
+        r1 = s1 = r2 = s2 = spread(0.0)
+        if moving:
+            r1, s1 = gather(a, i, c), gather(a, i, AXES + c)
+            r2, s2 = gather(a, j, c), gather(a, j, AXES + c)
+        if damped:
+            r1, s1 = r1 + damping * gather(v, i, c), s1 + damping * gather(v, i, AXES + c)
+            r2, s2 = r2 + damping * gather(v, j, c), s2 + damping * gather(v, j, AXES + c)
+        load = pack(w.load[c], x.load[c], y.load[c], z.load[c])
+        on_r1, on_s1, on_r2, on_s2 = _momentum(r1, h * s1, r2, h * s2)
+        scatter(r, i, c, m * on_r1 - load * half)
+        scatter(r, i, AXES + c, m * h * on_s1 - load * sixth)
+        scatter(r, j, c, m * on_r2 - load * half)
+        scatter(r, j, AXES + c, m * h * on_s2 + load * sixth)
 
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    for n in range(g.rows.size):
-        h = _length(q, g.rows[n].a, g.rows[n].b)
-        _add_momentum(g.rows[n], h, 1.0, a, r)
-        _subtract_force(g.rows[n], h, v, r)
+    for n in range(0, g.rows.size, WIDTH):
+        _add_four(g, n, q, v, a, r, True)
 
 
 @kernel
 def _force(g, t, q, v, a, r):
-    for n in range(g.rows.size):
-        _subtract_force(g.rows[n], _length(q, g.rows[n].a, g.rows[n].b), v, r)
+    for n in range(0, g.rows.size, WIDTH):
+        _add_four(g, n, q, v, a, r, False)
 
 
 @kernel

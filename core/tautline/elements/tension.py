@@ -14,12 +14,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.cubic import AXES, MATERIAL, NODE, VECTORS, row_of, vectors
+from tautline.elements.cubic import (
+    AXES,
+    MATERIAL,
+    NODE,
+    VECTORS,
+    add_forces,
+    combined,
+    dot,
+    lengths_of,
+    nodes_of,
+    row_of,
+    scaled_sum,
+    shape_of,
+    vectors,
+)
 from tautline.elements.flow import NX, NXL, NXX, NXXL, combine, watch_length, write_shapes
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, WEIGHT
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import WIDTH, members, pack, root, spread, where_negative
 
 TENSION = np.dtype(
     [("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("engineering", "i8"), ("slack", "i8")]
@@ -64,53 +79,63 @@ def is_slack(row, strain):
     return row.slack == 1 and strain < 0.0
 
 
+@kernel(forceinline=True)
+def _properties(rows, each):
+    """EA, damping, and flags of engineering strain and of going slack, of four elements."""
+    i, j, k, l = rows[each[0]], rows[each[1]], rows[each[2]], rows[each[3]]
+    return (
+        pack(i.stiffness, j.stiffness, k.stiffness, l.stiffness),
+        pack(i.damping, j.damping, k.damping, l.damping),
+        pack(i.engineering, j.engineering, k.engineering, l.engineering),
+        pack(i.slack, j.slack, k.slack, l.slack),
+    )
+
+
+@kernel(forceinline=True)
+def _is_any(rows, each):
+    """Whether any of four elements is damped, has engineering strain, goes slack."""
+    i, j, k, l = rows[each[0]], rows[each[1]], rows[each[2]], rows[each[3]]
+    damped = i.damping != 0.0 or j.damping != 0.0 or k.damping != 0.0 or l.damping != 0.0
+    return (
+        damped,
+        i.engineering + j.engineering + k.engineering + l.engineering > 0,
+        i.slack + j.slack + k.slack + l.slack > 0,
+    )
+
+
 @kernel
 def _residual(g, t, q, v, a, r):
-    for n in range(g.rows.size):
-        row = g.rows[n]
-        i, j = row.a, row.b
-        length = q[j + MATERIAL] - q[i + MATERIAL]
+    for n in range(0, g.rows.size, WIDTH):
+        each, counts = members(n, g.rows.size)
+        i, j = nodes_of(g.rows, each)
+        length = lengths_of(q, i, j)
+        stiffness, damping, engineering, slack = _properties(g.rows, each)
+        damped, engineered, slackens = _is_any(g.rows, each)
         h = 1.0 / length
-        # Forces on position (their sum is zero) and on both slopes.
-        rx = ry = rz = sx = sy = sz = tx = ty = tz = 0.0
+        shape, rates = shape_of(q, i, j), shape_of(v, i, j)
+        none = spread(0.0)
+        on_chord = on_first = on_second = (none, none, none)
         for k in range(g.points.shape[0]):
             p = g.points[k]
             # The first functions of both positions are opposite: position enters by its difference.
-            n1, n2, n4 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
-            x = n1 * (q[j] - q[i]) + n2 * q[i + 3] + n4 * q[j + 3]
-            y = n1 * (q[j + 1] - q[i + 1]) + n2 * q[i + 4] + n4 * q[j + 4]
-            z = n1 * (q[j + 2] - q[i + 2]) + n2 * q[i + 5] + n4 * q[j + 5]
-            strain, factor, _ = strain_of(row, x * x + y * y + z * z)
-            if is_slack(row, strain):
-                continue
-            if row.damping != 0.0:
-                x_d = n1 * (v[j] - v[i]) + n2 * v[i + 3] + n4 * v[j + 3]
-                y_d = n1 * (v[j + 1] - v[i + 1]) + n2 * v[i + 4] + n4 * v[j + 4]
-                z_d = n1 * (v[j + 2] - v[i + 2]) + n2 * v[i + 5] + n4 * v[j + 5]
-                strain += row.damping * factor * (x * x_d + y * y_d + z * z_d)
-            force = p[WEIGHT] * length * row.stiffness * strain * factor
-            fx, fy, fz = force * x, force * y, force * z
-            rx += n1 * fx
-            ry += n1 * fy
-            rz += n1 * fz
-            sx += n2 * fx
-            sy += n2 * fy
-            sz += n2 * fz
-            tx += n4 * fx
-            ty += n4 * fy
-            tz += n4 * fz
-        r[i] -= rx
-        r[i + 1] -= ry
-        r[i + 2] -= rz
-        r[i + 3] += sx
-        r[i + 4] += sy
-        r[i + 5] += sz
-        r[j] += rx
-        r[j + 1] += ry
-        r[j + 2] += rz
-        r[j + 3] += tx
-        r[j + 4] += ty
-        r[j + 5] += tz
+            n1, n2, n3 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
+            e = combined((n1, n2, n3), shape)
+            square = dot(e, e)
+            strain, factor = 0.5 * (square - 1.0), spread(1.0)
+            if engineered:
+                size = root(square)
+                strain = strain + engineering * (size - 1.0 - strain)
+                factor = factor + engineering * (1.0 / size - factor)
+            carried = p[WEIGHT] * length * stiffness * counts
+            if slackens:
+                carried = where_negative(slack * strain, none, carried)
+            if damped:
+                strain = strain + damping * factor * dot(e, combined((n1, n2, n3), rates))
+            force = carried * strain * factor
+            on_chord = scaled_sum(on_chord, n1 * force, e)
+            on_first = scaled_sum(on_first, n2 * force, e)
+            on_second = scaled_sum(on_second, n3 * force, e)
+        add_forces(r, i, j, on_chord, on_first, on_second)
 
 
 @kernel

@@ -1,0 +1,107 @@
+"""Four elements at once: each counts once, whatever stands beside it."""
+
+import numpy as np
+import pytest
+
+from tautline.cable.model.elements import records
+from tautline.elements.bending import BENDING, Bending
+from tautline.elements.inertia import INERTIA, Inertia
+from tautline.elements.tension import TENSION, Tension
+from tautline.kernels import groups as over
+from tautline.kernels import lanes
+from tautline.kernels.groups import link
+from tautline.kernels.hermite import gauss, table
+from tautline.kernels.jit import entry
+
+NODE = 7
+
+
+@entry
+def _residual(groups, q, v, a, r):
+    over.residual(groups, 0.0, q, v, a, r)
+
+
+@entry
+def _operations(x, y, out):
+    a, b = lanes.load(x, 0), lanes.load(y, 0)
+    lanes.store(out, 0, a + b * 2.0 - 1.0 / a)
+    lanes.store(out, 4, -a / (3.0 - b))
+    lanes.store(out, 8, lanes.root(a) + 1)
+    lanes.store(out, 12, lanes.where_negative(b, a, lanes.spread(0.5)))
+    lanes.store(out, 16, lanes.gather(x, (3, 1, 1, 0), 1))
+    lanes.scatter(out, (20, 20, 22, 20), 1, a)
+
+
+@entry
+def _members(n, count, places, counts):
+    each, counted = lanes.members(n, count)
+    for k in range(4):
+        places[k] = each[k]
+    lanes.store(counts, 0, counted)
+
+
+def test_operations_act_lane_by_lane():
+    x, y, out = np.array([0.5, 2.0, 3.0, 7.0, 9.0]), np.array([1.0, -2.0, 4.0, -0.5]), np.zeros(24)
+    _operations(x, y, out)
+    a = x[:4]
+    wanted = [a + 2.0 * y - 1.0 / a, -a / (3.0 - y), np.sqrt(a) + 1.0, np.where(y < 0.0, a, 0.5), x[[4, 2, 2, 1]]]
+    assert np.allclose(out[:20], np.concatenate(wanted), rtol=1e-15)
+    # What falls on one place is summed there.
+    assert np.array_equal(out[20:], [0.0, a[0] + a[1] + a[3], 0.0, a[2]])
+
+
+@pytest.mark.parametrize("count", range(1, 10))
+def test_every_member_of_a_group_counts_once(count):
+    counted = np.zeros(count)
+    for n in range(0, count, lanes.WIDTH):
+        places, counts = np.zeros(4, np.int64), np.zeros(4)
+        _members(n, count, places, counts)
+        np.add.at(counted, places, counts)
+    assert np.array_equal(counted, np.ones(count))
+
+
+def _rope(count, rng):
+    """A rope of unlike elements, its nodes in any order in the full vectors; all kinds of group, row by row."""
+    places = NODE * rng.permutation(count + 1)
+    rows = [{"a": int(places[k]), "b": int(places[k + 1])} for k in range(count)]
+    tension = [
+        {"stiffness": rng.uniform(1, 3), "damping": rng.choice([0.0, 0.4]), "engineering": rng.integers(2),
+         "slack": rng.integers(2)} for _ in rows
+    ]  # fmt: skip
+    bending = [
+        {"stiffness": rng.uniform(1, 3), "damping": rng.choice([0.0, 0.4]), "smoothing": rng.uniform(0.1, 1)}
+        for _ in rows
+    ]
+    inertia = [
+        {"mass": rng.uniform(1, 3), "damping": rng.choice([0.0, 0.4]), "load": tuple(rng.uniform(-1, 1, 3))}
+        for _ in rows
+    ]
+    points, block = table(*gauss(3)), np.zeros((12, 12))
+
+    def groups(some):
+        def of(kind, more):
+            return records(kind, [rows[k] | more[k] for k in some])
+
+        return (
+            Tension(of(TENSION, tension), points, np.zeros((2, 3)), block),
+            Bending(of(BENDING, bending), points, np.zeros((5, 4)), np.zeros((4, 6)), np.zeros((2, 6, 6)), block),
+            Inertia(of(INERTIA, inertia), np.zeros((4, 4))),
+        )  # fmt: skip
+
+    q, v, a = rng.standard_normal((3, NODE * (count + 1)))
+    for k, place in enumerate(places):
+        q[place : place + 3] = 0.9 * k + 0.2 * rng.standard_normal(3)
+        q[place + 3 : place + 6] = [1.0, 0.2, -0.1] + 0.2 * rng.standard_normal(3)
+        q[place + 6], v[place + 6], a[place + 6] = float(k), 0.0, 0.0
+    return groups, q, v, a
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 7, 8, 9])
+def test_elements_beside_each_other_are_what_each_is_alone(count):
+    groups, q, v, a = _rope(count, np.random.default_rng(count))
+    for kind in range(3):
+        together, alone = np.zeros((2, q.size))
+        _residual(link((groups(range(count))[kind],), "residual"), q, v, a, together)
+        for k in range(count):
+            _residual(link((groups([k])[kind],), "residual"), q, v, a, alone)
+        assert np.allclose(together, alone, rtol=0.0, atol=1e-13 * np.abs(alone).max())
