@@ -12,13 +12,13 @@ import numpy as np
 from references import ale_ancf as reference
 
 from tautline.cable.model.elements import records
-from tautline.elements.bending import BENDING, Bending, FlowingBending
+from tautline.elements.bending import BENDING, FlowingBending, new_bending
 from tautline.elements.flow import Flow
 from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.linear import LinearInertia, LinearTension
 from tautline.elements.linear_flow import LINEAR_FLOW, LinearFlow
 from tautline.elements.nodal.outlet import OUTLET, Outlets
-from tautline.elements.tension import TENSION, FlowingTension, Tension
+from tautline.elements.tension import TENSION, FlowingTension, new_tension
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import Dofs
 from tautline.kernels.hermite import gauss, lobatto, table
@@ -151,7 +151,7 @@ def flow(damped=True):
 
 
 def tension(damped=True, points=GAUSS):
-    return Tension(_tensions(CUBIC, damped), points, np.zeros((2, 3)), np.zeros((12, 12)))
+    return new_tension(_tensions(CUBIC, damped), points)
 
 
 def flowing_tension(damped=True, points=GAUSS):
@@ -160,8 +160,7 @@ def flowing_tension(damped=True, points=GAUSS):
 
 
 def bending(damped=True):
-    scratch = np.zeros((5, 4)), np.zeros((4, 6)), np.zeros((2, 6, 6)), np.zeros((12, 12))
-    return Bending(_bendings(damped), GAUSS, *scratch)
+    return new_bending(_bendings(damped), GAUSS)
 
 
 def flowing_bending(damped=True):

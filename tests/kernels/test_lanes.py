@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 
 from tautline.cable.model.elements import records
-from tautline.elements.bending import BENDING, Bending
+from tautline.elements.bending import BENDING, new_bending
 from tautline.elements.inertia import INERTIA, Inertia
-from tautline.elements.tension import TENSION, Tension
+from tautline.elements.tension import TENSION, new_tension
 from tautline.kernels import groups as over
 from tautline.kernels import lanes
+from tautline.kernels.dofs import Dofs
 from tautline.kernels.groups import link
 from tautline.kernels.hermite import gauss, table
 from tautline.kernels.jit import entry
+from tautline.kernels.matrix import dense, new_matrix
 
 NODE = 7
 
@@ -19,6 +21,11 @@ NODE = 7
 @entry
 def _residual(groups, q, v, a, r):
     over.residual(groups, 0.0, q, v, a, r)
+
+
+@entry
+def _tangent(groups, q, v, a, matrix, dofs):
+    over.smooth_tangent(groups, 0.0, q, v, a, 0.7, -1.3, 2.1, matrix, dofs)
 
 
 @entry
@@ -60,6 +67,12 @@ def test_every_member_of_a_group_counts_once(count):
     assert np.array_equal(counted, np.ones(count))
 
 
+def _all_free(size):
+    """Unknowns that are all degrees of freedom there are."""
+    each, none = np.arange(size), np.zeros(0, np.int64)
+    return Dofs(np.arange(size + 1), each, np.ones(size), each, none, none, np.zeros(0), none, none, each, none, none)
+
+
 def _rope(count, rng):
     """A rope of unlike elements, its nodes in any order in the full vectors; all kinds of group, row by row."""
     places = NODE * rng.permutation(count + 1)
@@ -76,15 +89,15 @@ def _rope(count, rng):
         {"mass": rng.uniform(1, 3), "damping": rng.choice([0.0, 0.4]), "load": tuple(rng.uniform(-1, 1, 3))}
         for _ in rows
     ]
-    points, block = table(*gauss(3)), np.zeros((12, 12))
+    points = table(*gauss(3))
 
     def groups(some):
         def of(kind, more):
             return records(kind, [rows[k] | more[k] for k in some])
 
         return (
-            Tension(of(TENSION, tension), points, np.zeros((2, 3)), block),
-            Bending(of(BENDING, bending), points, np.zeros((5, 4)), np.zeros((4, 6)), np.zeros((2, 6, 6)), block),
+            new_tension(of(TENSION, tension), points),
+            new_bending(of(BENDING, bending), points),
             Inertia(of(INERTIA, inertia), np.zeros((4, 4))),
         )  # fmt: skip
 
@@ -99,9 +112,16 @@ def _rope(count, rng):
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 7, 8, 9])
 def test_elements_beside_each_other_are_what_each_is_alone(count):
     groups, q, v, a = _rope(count, np.random.default_rng(count))
-    for kind in range(3):
-        together, alone = np.zeros((2, q.size))
-        _residual(link((groups(range(count))[kind],), "residual"), q, v, a, together)
-        for k in range(count):
-            _residual(link((groups([k])[kind],), "residual"), q, v, a, alone)
-        assert np.allclose(together, alone, rtol=0.0, atol=1e-13 * np.abs(alone).max())
+    free = _all_free(q.size)
+    alone = [groups([k]) for k in range(count)]
+    for kind, together in enumerate(groups(range(count))):
+        residual, of_each = np.zeros((2, q.size))
+        matrix, matrix_of_each = new_matrix(q.size, q.size - 1), new_matrix(q.size, q.size - 1)
+        _residual(link((together,), "residual"), q, v, a, residual)
+        _tangent(link((together,), "smooth_tangent"), q, v, a, matrix, free)
+        for one in alone:
+            _residual(link((one[kind],), "residual"), q, v, a, of_each)
+            _tangent(link((one[kind],), "smooth_tangent"), q, v, a, matrix_of_each, free)
+        assert np.allclose(residual, of_each, rtol=0.0, atol=1e-13 * np.abs(of_each).max())
+        wanted = dense(matrix_of_each)
+        assert np.allclose(dense(matrix), wanted, rtol=0.0, atol=1e-13 * np.abs(wanted).max())

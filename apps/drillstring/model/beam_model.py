@@ -22,10 +22,10 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.string.fluid import Fluid, fluid_of, mass_beside, weight_in
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
-from tautline.elements.bending import BENDING, Bending
+from tautline.elements.bending import BENDING, new_bending
 from tautline.elements.cubic import AXES, MATERIAL
 from tautline.elements.inertia import INERTIA, Inertia
-from tautline.elements.tension import TENSION, Tension
+from tautline.elements.tension import TENSION, new_tension
 from tautline.elements.twist import TWISTED, Twist
 from tautline.elements.weld import Welds
 from tautline.kernels.hermite import gauss, lobatto, table
@@ -85,19 +85,18 @@ def _elements(scene: DrillstringScene, mesh: Lumps) -> list:
             ),
             np.zeros((4, 4)),
         ),
-        Tension(
+        new_tension(
             records(
                 n, TENSION, **ends, stiffness=mesh.of_links(lambda tube: tube.youngs_modulus * tube.area),
                 damping=damping.structural, engineering=1,
             ),
-            table(*lobatto()), np.zeros((2, 3)), np.zeros((12, 12)),
+            table(*lobatto()),
         ),
     ]  # fmt: skip
     if scene.model.bending != "none":
         rigidity = mesh.of_links(lambda tube: tube.youngs_modulus * tube.second_moment)
         rows = records(n, BENDING, **ends, stiffness=rigidity)
-        scratch = np.zeros((5, 4)), np.zeros((4, 6)), np.zeros((2, 6, 6)), np.zeros((12, 12))
-        groups.append(Bending(rows, table(*gauss(3)), *scratch))
+        groups.append(new_bending(rows, table(*gauss(3))))
         if nodes.twins.size:
             below = nodes.twins[:, 1] // NODE
             stiff = 4.0 * rigidity / mesh.length

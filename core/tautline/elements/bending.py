@@ -14,50 +14,71 @@ import numpy as np
 
 from tautline.elements.cubic import (
     AXES,
+    BLOCK_OF_FOUR,
     MATERIAL,
     NODE,
     VECTORS,
+    add_blocks,
     add_forces,
+    add_to_row,
+    clear_blocks,
     combined,
     dot,
     lengths_of,
     nodes_of,
+    place_of,
     row_of,
     scaled_sum,
     shape_of,
     vectors,
 )
-from tautline.elements.curvature import derivatives_of, gradient_of, square_of, write_gradient, write_hessian
+from tautline.elements.curvature import (
+    derivatives_of,
+    gradient_of,
+    square_of,
+    store_hessian,
+    write_gradient,
+    write_hessian,
+)
 from tautline.elements.flow import combine
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, SECOND, THIRD, WEIGHT
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import WIDTH, members, pack, spread
+from tautline.kernels.lanes import WIDTH, load, members, pack, spread, store
 
 BENDING = np.dtype([("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("smoothing", "f8")])
 """An element: its nodes' places, EJ N m^2, c s, smoothing 1/m."""
 BOTH = 6
 """Components of z = (r', r'')."""
+TURNED_OF_FOUR = BOTH * BOTH * WIDTH
+BLOCK = TURNED_OF_FOUR + BOTH * WIDTH
+SCRATCH = BLOCK + BLOCK_OF_FOUR
+"""Places in ``four``: after the stresses of four elements these times the rates of z, then their blocks; and all."""
 
 
 class Bending(NamedTuple):
     """Elements (n,) of ``BENDING`` through whose nodes nothing moves.
 
-    ``points`` (k, 18) is the table of the shape functions; scratch are ``shapes`` (5, 4), ``vector`` (4, 6), ``stress``
-    (2, 6, 6) and ``block`` (12, 12).
+    ``points`` (k, 18) is the table of the shape functions; scratch are ``shapes`` (5, 4), ``vector`` (3, 6), ``four``
+    (``SCRATCH``,) and ``block`` (12, 12).
     """
 
     rows: np.recarray
     points: np.ndarray
     shapes: np.ndarray
     vector: np.ndarray
-    stress: np.ndarray
+    four: np.ndarray
     block: np.ndarray
 
 
+def new_bending(rows: np.recarray, points: np.ndarray) -> Bending:
+    """A group of elements through whose nodes nothing moves, with its scratch."""
+    return Bending(rows, points, np.zeros((5, 4)), np.zeros((3, 6)), np.zeros(SCRATCH), np.zeros((12, 12)))
+
+
 class FlowingBending(NamedTuple):
-    """The same with moving material; ``vector`` is (14, 6) and ``block`` (14, 14)."""
+    """The same with moving material; ``vector`` is (14, 6), ``stress`` (2, 6, 6) and ``block`` (14, 14)."""
 
     rows: np.recarray
     points: np.ndarray
@@ -192,25 +213,70 @@ def add_point(s, stress, weight, block):
                     block[3 * i + x, 3 * j + y] += by_e * s[NX, j] + by_k * s[NXX, j]
 
 
+@kernel(forceinline=True)
+def _stress_of_four(four, slope, turn, rates, viscosity, fading, cc, ck):
+    """Make of the Hessian of kappa^2 that of F = (1 + viscosity d(kappa^2)/dt) grad(kappa^2): ck dF/dz + cc dF/dz.
+
+    ``rates`` are those of slope and turn, ``fading`` is the logarithmic derivative of the viscosity by kappa^2.
+    """
+    _, by_a, by_b, by_c = derivatives_of(slope, turn)
+    by_slope, by_turn = gradient_of(slope, turn, by_a, by_b, by_c)
+    gradient = (*by_slope, *by_turn)
+    z_d = (*rates[0], *rates[1])
+    rate = dot(by_slope, rates[0]) + dot(by_turn, rates[1])
+    for y in range(BOTH):
+        turned = spread(0.0)
+        for x in range(BOTH):
+            turned = turned + load(four, (BOTH * x + y) * WIDTH) * z_d[x]
+        store(four, TURNED_OF_FOUR + y * WIDTH, turned)
+    for x in range(BOTH):
+        for y in range(BOTH):
+            at = (BOTH * x + y) * WIDTH
+            hessian, both = load(four, at), gradient[x] * gradient[y]
+            changed = fading * rate * both + gradient[x] * load(four, TURNED_OF_FOUR + y * WIDTH) + rate * hessian
+            store(four, at, ck * (hessian + viscosity * changed) + cc * viscosity * both)
+
+
+@kernel(forceinline=True)
+def _add_point_of_four(four, factor, first, second):
+    """Add a point's part of four elements' blocks: ``factor`` times the stresses (6, 6), by the rows N' and N''."""
+    for x in range(AXES):
+        for y in range(AXES):
+            ee, ek = factor * load(four, (BOTH * x + y) * WIDTH), factor * load(four, (BOTH * x + 3 + y) * WIDTH)
+            ke = factor * load(four, (BOTH * (3 + x) + y) * WIDTH)
+            kk = factor * load(four, (BOTH * (3 + x) + 3 + y) * WIDTH)
+            for l in range(AXES):
+                at = BLOCK + place_of(l, x) + y * WIDTH
+                add_to_row(four, at, first[l] * ee + second[l] * ke, first)
+                add_to_row(four, at, first[l] * ek + second[l] * kk, second)
+
+
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    s, z, stress, block = g.shapes, g.vector, g.stress, g.block
-    for n in range(g.rows.size):
-        row = g.rows[n]
-        first = vectors(row.a, row.b)
-        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
-        block.fill(0.0)
+    for n in range(0, g.rows.size, WIDTH):
+        each, _ = members(n, g.rows.size)
+        i, j = nodes_of(g.rows, each)
+        length = lengths_of(q, i, j)
+        stiffness, damping, depth, damped = _properties(g.rows, each)
+        h = 1.0 / length
+        shape, rates = shape_of(q, i, j), shape_of(v, i, j)
+        clear_blocks(g.four, BLOCK)
         for k in range(g.points.shape[0]):
-            _write_curve(g, k, q, first, length)
-            for c in range(AXES):
-                z[RATE, c], z[RATE, 3 + c] = combine(s[NX], v, first, c), combine(s[NXX], v, first, c)
-            square = write_gradient(z[Z], z[GRADIENT])
-            rate = 0.0
-            for x in range(BOTH):
-                rate += z[GRADIENT, x] * z[RATE, x]
-            _write_stress(row, z, stress, square, rate, cc, ck)
-            add_point(s, stress[0], g.points[k, WEIGHT] * length, block)
-        add_block(matrix, dofs, row.a, row.b - row.a, 2 * AXES, block)
+            p = g.points[k]
+            first = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
+            second = p[SECOND + 2] * h * h, p[SECOND + 1] * h, p[SECOND + 3] * h
+            slope, turn = combined(first, shape), combined(second, shape)
+            square = store_hessian(slope, turn, g.four)
+            # The elastic force is EJ / 2 times the gradient of kappa^2.
+            factor = 0.5 * p[WEIGHT] * length * stiffness
+            if damped:
+                both, depth_of_all = (combined(first, rates), combined(second, rates)), square + depth
+                viscosity = 0.5 * damping / depth_of_all
+                _stress_of_four(g.four, slope, turn, both, viscosity, -1.0 / depth_of_all, cc, ck)
+            else:
+                factor = ck * factor
+            _add_point_of_four(g.four, factor, first, second)
+        add_blocks(matrix, dofs, g.four, BLOCK, each, i, j, g.block)
 
 
 @kernel

@@ -7,12 +7,16 @@ that :func:`vectors` gives.
 
 from __future__ import annotations
 
-from tautline.kernels.dofs import add_entry
+from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import gather, gather_vector, scatter_vector
+from tautline.kernels.lanes import WIDTH, gather, gather_vector, load, scatter_vector, spread, store
 
 NODE, MATERIAL, VECTORS, AXES = 7, 6, 4, 3
 """Unknowns of a node; place of p among them; vectors of an element; components of a vector."""
+SHAPE = 3 * AXES
+"""Numbers on which the slope of an element depends: r2 - r1, r1' and r2'."""
+BLOCK_OF_FOUR = SHAPE * SHAPE * WIDTH
+"""Places in memory of the derivatives of four elements' forces by these numbers."""
 
 
 @kernel
@@ -27,9 +31,33 @@ def row_of(j):
     return (j // 2) * NODE + (j % 2) * AXES
 
 
+@kernel(forceinline=True)
+def in_a_row(number, n, place, count):
+    """Whether degrees of freedom are unknowns of the band (n,), numbered one after the other."""
+    first = number[place]
+    if first < 0 or first + count > n:
+        return False
+    for c in range(1, count):
+        if number[place + c] != first + c:
+            return False
+    return True
+
+
 @kernel
 def add_scalars(matrix, dofs, a, b, factor, block):
     """Add factor times a block (4, 4) of scalars, each of which stands for all three axes."""
+    number = dofs.number
+    n, centre = matrix.band.shape[0], 2 * ((matrix.band.shape[1] - 1) // 3)
+    if in_a_row(number, n, a, 2 * AXES) and in_a_row(number, n, b, 2 * AXES):
+        for j in range(VECTORS):
+            column = number[a if j < 2 else b] + AXES * (j % 2)
+            for i in range(VECTORS):
+                at = centre + number[a if i < 2 else b] + AXES * (i % 2) - column
+                x = factor * block[i, j]
+                matrix.band[column, at] += x
+                matrix.band[column + 1, at] += x
+                matrix.band[column + 2, at] += x
+        return
     first = vectors(a, b)
     for i in range(VECTORS):
         for j in range(VECTORS):
@@ -92,3 +120,83 @@ def add_forces(r, a, b, on_chord, on_first, on_second):
     scatter_vector(r, a, AXES, on_first)
     scatter_vector(r, b, 0, on_chord)
     scatter_vector(r, b, AXES, on_second)
+
+
+@kernel(forceinline=True)
+def clear_blocks(four, at):
+    """Set the derivatives of four elements' forces by their shapes, from place ``at`` on, to zero."""
+    for k in range(at, at + BLOCK_OF_FOUR, WIDTH):
+        store(four, k, spread(0.0))
+
+
+@kernel(forceinline=True)
+def add_to_row(four, at, x, n):
+    """Add x n1, x n2 and x n3 to a row of the derivatives, at one axis of r2 - r1, r1' and r2'."""
+    store(four, at, load(four, at) + x * n[0])
+    store(four, at + AXES * WIDTH, load(four, at + AXES * WIDTH) + x * n[1])
+    store(four, at + 2 * AXES * WIDTH, load(four, at + 2 * AXES * WIDTH) + x * n[2])
+
+
+@kernel(forceinline=True)
+def place_of(i, x):
+    """Where the row of one axis of the i-th vector of a shape begins."""
+    return (AXES * i + x) * SHAPE * WIDTH
+
+
+@kernel(forceinline=True)
+def _add_column(column, at, to, four, place, sign):
+    """Add a column of derivatives to one of a band: what works on r2 - r1 to r2, with the other sign to r1.
+
+    The unknowns of r1 and r1' begin at ``at`` of the column, those of r2 and r2' at ``to``.
+    """
+    step = SHAPE * WIDTH
+    for c in range(AXES):
+        chord = sign * four[place + c * step]
+        column[at + c] -= chord
+        column[to + c] += chord
+        column[at + AXES + c] += sign * four[place + (AXES + c) * step]
+        column[to + AXES + c] += sign * four[place + (2 * AXES + c) * step]
+
+
+@kernel
+def add_blocks(matrix, dofs, four, at, each, a, b, block):
+    """Add the derivatives of four elements' forces by their shapes to a matrix; ``block`` (12, 12) is scratch.
+
+    Of members that are the last one over again, which stand for those that there are not, the first counts.
+    """
+    number = dofs.number
+    n, centre = matrix.band.shape[0], 2 * ((matrix.band.shape[1] - 1) // 3)
+    for lane in range(WIDTH):
+        if lane > 0 and each[lane] == each[lane - 1]:
+            break
+        i, j = a[lane], b[lane]
+        if not (in_a_row(number, n, i, 2 * AXES) and in_a_row(number, n, j, 2 * AXES)):
+            _write_block(four, at, lane, block)
+            add_block(matrix, dofs, i, j - i, 2 * AXES, block)
+            continue
+        i, j = number[i], number[j]
+        for c in range(AXES):
+            chord = at + c * WIDTH + lane
+            first, second = chord + AXES * WIDTH, chord + 2 * AXES * WIDTH
+            _add_column(matrix.band[i + c], centre - c, centre + j - i - c, four, chord, -1.0)
+            _add_column(matrix.band[j + c], centre + i - j - c, centre - c, four, chord, 1.0)
+            _add_column(matrix.band[i + AXES + c], centre - AXES - c, centre + j - i - AXES - c, four, first, 1.0)
+            _add_column(matrix.band[j + AXES + c], centre + i - j - AXES - c, centre - AXES - c, four, second, 1.0)
+
+
+@kernel
+def _write_block(four, at, lane, block):
+    """Write one element's derivatives by (r1, r1', r2, r2')."""
+    for i in range(SHAPE):
+        # r2 - r1 belongs to r2, and with the other sign to r1; r1' and r2' have rows of their own.
+        row = i + 2 * AXES if i < AXES else i if i < 2 * AXES else i + AXES
+        for j in range(SHAPE):
+            column = j + 2 * AXES if j < AXES else j if j < 2 * AXES else j + AXES
+            x = four[at + (SHAPE * i + j) * WIDTH + lane]
+            block[row, column] = x
+            if i < AXES:
+                block[i, column] = -x
+            if j < AXES:
+                block[row, j] = -x
+            if i < AXES and j < AXES:
+                block[i, j] = x

@@ -7,6 +7,7 @@ itself (eqs 2.55, 2.99-2.108) is not.
 from __future__ import annotations
 
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import WIDTH, store
 
 AXES = 3
 
@@ -40,6 +41,7 @@ def write_gradient(z, gradient):
 @kernel(forceinline=True)
 def derivatives_of(e, k):
     """kappa^2 of e = r' and k = r'', three numbers or lanes each; and 2 d(kappa^2)/d(a, b / 2, c).
+
     These are the factors of :func:`gradient_of`.
     """
     a = e[0] * e[0] + e[1] * e[1] + e[2] * e[2]
@@ -84,3 +86,32 @@ def write_hessian(z, hessian):
             hessian[i, 3 + j] = mixed
             hessian[3 + j, i] = mixed
             hessian[3 + i, 3 + j] = 2.0 * by_c * one + by_bb * e * f
+
+
+@kernel(forceinline=True)
+def store_hessian(e, k, four):
+    """Write second derivatives by (r', r''), (6, 6) lanes, to memory, as :func:`write_hessian`; returns kappa^2."""
+    a = e[0] * e[0] + e[1] * e[1] + e[2] * e[2]
+    b = e[0] * k[0] + e[1] * k[1] + e[2] * k[2]
+    c = k[0] * k[0] + k[1] * k[1] + k[2] * k[2]
+    inverse = 1.0 / a
+    third = inverse * inverse * inverse
+    by_a = (3.0 * b * b - 2.0 * a * c) * third * inverse
+    by_b = -2.0 * b * third
+    by_c = inverse * inverse
+    by_aa = (6.0 * a * c - 12.0 * b * b) * third * inverse * inverse
+    by_ab = 6.0 * b * third * inverse
+    by_ac = -2.0 * third
+    by_bb = -2.0 * third
+    for i in range(AXES):
+        for j in range(AXES):
+            slopes = 4.0 * by_aa * e[i] * e[j] + 2.0 * by_ab * (e[i] * k[j] + k[i] * e[j]) + by_bb * k[i] * k[j]
+            mixed = 2.0 * by_ab * e[i] * e[j] + 4.0 * by_ac * e[i] * k[j] + by_bb * k[i] * e[j]
+            turns = by_bb * e[i] * e[j]
+            if i == j:
+                slopes, mixed, turns = slopes + 2.0 * by_a, mixed + by_b, turns + 2.0 * by_c
+            store(four, (6 * i + j) * WIDTH, slopes)
+            store(four, (6 * i + 3 + j) * WIDTH, mixed)
+            store(four, (6 * (3 + j) + i) * WIDTH, mixed)
+            store(four, (6 * (3 + i) + 3 + j) * WIDTH, turns)
+    return (a * c - b * b) * third

@@ -16,14 +16,19 @@ import numpy as np
 
 from tautline.elements.cubic import (
     AXES,
+    BLOCK_OF_FOUR,
     MATERIAL,
     NODE,
     VECTORS,
+    add_blocks,
     add_forces,
+    add_to_row,
+    clear_blocks,
     combined,
     dot,
     lengths_of,
     nodes_of,
+    place_of,
     row_of,
     scaled_sum,
     shape_of,
@@ -45,13 +50,19 @@ TENSION = np.dtype(
 class Tension(NamedTuple):
     """Elements (n,) of ``TENSION`` through whose nodes nothing moves.
 
-    ``points`` (k, 18) is the table of the shape functions; scratch are ``vector`` (2, 3) and ``block`` (12, 12).
+    ``points`` (k, 18) is the table of the shape functions; scratch are ``four`` (``BLOCK_OF_FOUR``,) and ``block``
+    (12, 12).
     """
 
     rows: np.recarray
     points: np.ndarray
-    vector: np.ndarray
+    four: np.ndarray
     block: np.ndarray
+
+
+def new_tension(rows: np.recarray, points: np.ndarray) -> Tension:
+    """A group of elements through whose nodes nothing moves, with its scratch."""
+    return Tension(rows, points, np.zeros(BLOCK_OF_FOUR), np.zeros((12, 12)))
 
 
 class FlowingTension(NamedTuple):
@@ -140,39 +151,50 @@ def _residual(g, t, q, v, a, r):
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    e, e_d = g.vector[0], g.vector[1]
-    block = g.block
-    for n in range(g.rows.size):
-        row = g.rows[n]
-        first = vectors(row.a, row.b)
-        length = q[row.b + MATERIAL] - q[row.a + MATERIAL]
+    for n in range(0, g.rows.size, WIDTH):
+        each, _ = members(n, g.rows.size)
+        i, j = nodes_of(g.rows, each)
+        length = lengths_of(q, i, j)
+        stiffness, damping, engineering, slack = _properties(g.rows, each)
+        damped, engineered, slackens = _is_any(g.rows, each)
         h = 1.0 / length
-        block.fill(0.0)
+        shape, rates = shape_of(q, i, j), shape_of(v, i, j)
+        none = spread(0.0)
+        clear_blocks(g.four, 0)
         for k in range(g.points.shape[0]):
             p = g.points[k]
-            shape = (p[FIRST] * h, p[FIRST + 1], p[FIRST + 2] * h, p[FIRST + 3])
-            square = rate = 0.0
-            for c in range(AXES):
-                e[c], e_d[c] = combine(shape, q, first, c), combine(shape, v, first, c)
-                square += e[c] * e[c]
-                rate += e[c] * e_d[c]
-            strain, factor, bent = strain_of(row, square)
-            if is_slack(row, strain):
-                continue
-            weight = p[WEIGHT] * length * row.stiffness
-            stress = strain + row.damping * factor * rate
-            along = ck * (factor * factor + row.damping * factor * bent * rate + stress * bent)
-            along += cc * row.damping * factor * factor
-            mixed = ck * row.damping * factor * factor
+            functions = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
+            e = combined(functions, shape)
+            square = dot(e, e)
+            strain, factor, bent = 0.5 * (square - 1.0), spread(1.0), none
+            if engineered:
+                size = root(square)
+                strain = strain + engineering * (size - 1.0 - strain)
+                factor = factor + engineering * (1.0 / size - factor)
+                bent = -engineering / (square * size)
+            weight = p[WEIGHT] * length * stiffness
+            if slackens:
+                weight = where_negative(slack * strain, none, weight)
+            # The force's change with e is along e e^T + mixed e e.^T + across I.
+            stress, along, mixed, e_d = strain, factor * factor, none, e
+            if damped:
+                e_d = combined(functions, rates)
+                rate = dot(e, e_d)
+                stress = strain + damping * factor * rate
+                along = along + damping * factor * bent * rate
+                mixed = ck * weight * damping * factor * factor
+            along = weight * (ck * (along + stress * bent) + cc * damping * factor * factor)
+            across = ck * weight * stress * factor
             for x in range(AXES):
                 for y in range(AXES):
-                    entry = weight * (along * e[x] * e[y] + mixed * e[x] * e_d[y])
+                    change = along * e[x] * e[y]
+                    if damped:
+                        change = change + mixed * e[x] * e_d[y]
                     if x == y:
-                        entry += weight * ck * stress * factor
-                    for i in range(VECTORS):
-                        for j in range(VECTORS):
-                            block[3 * i + x, 3 * j + y] += shape[i] * shape[j] * entry
-        add_block(matrix, dofs, row.a, row.b - row.a, 2 * AXES, block)
+                        change = change + across
+                    for l in range(AXES):
+                        add_to_row(g.four, place_of(l, x) + y * WIDTH, functions[l] * change, functions)
+        add_blocks(matrix, dofs, g.four, 0, each, i, j, g.block)
 
 
 @kernel

@@ -13,7 +13,7 @@ from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
-from tautline.kernels.jit import kernel
+from tautline.kernels.jit import ORDINARY, kernel
 from tautline.system.model import SolverSettings
 from tautline.system.system import System
 
@@ -84,7 +84,7 @@ def _local_error(m, state, h):
     return abs(m.beta - 1.0 / 6.0) * h * h * worst
 
 
-@kernel
+@kernel(fastmath=ORDINARY)
 def _best_order(m, state, h, jumped):
     """Remember the acceleration before the step; returns the order of polynomial that would have predicted the new one.
 
@@ -100,8 +100,9 @@ def _best_order(m, state, h, jumped):
         constant = max(constant, m.length[i] * abs(now - before))
         linear = max(linear, m.length[i] * abs(now - 2.0 * before + old))
         square = max(square, m.length[i] * abs(now - 3.0 * before + 3.0 * old - oldest))
-        m.history[1, i] = old
-        m.history[0, i] = before
+    for i in range(state.q.size):
+        m.history[1, i] = m.history[0, i]
+        m.history[0, i] = state.keep[2, i]
     if moved < reach * constant and moved < reach * linear and moved < reach * square:
         return STILL
     if jumped:

@@ -18,6 +18,7 @@ from tautline.integrators.rows import (
     close_room,
     expand_rows,
     heed_place,
+    name_worst,
     renew_factors,
     room_for_matrix,
     rows_of,
@@ -33,6 +34,7 @@ from tautline.kernels.band import BOLD, CAREFUL
 from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed
 from tautline.kernels.jit import kernel
 from tautline.kernels.matrix import (
+    NO_BLOCKS,
     Factors,
     Matrix,
     clear,
@@ -102,11 +104,13 @@ def corrector(
     n = system.size
     unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
     rows = rows_of(system, in_parts=not (by_energy or full))
+    # Factors of a part of the rows are made anew by columns, not by blocks.
+    how = (BOLD, NO_BLOCKS) if isinstance(rows, Window) else (CAREFUL, system.blocks)
     return Corrector(
         float(tolerance), float(contraction), int(full), float(unit), int(by_energy), int(max_iterations),
         system.scale,
         new_matrix(n, system.bandwidth, system.border),
-        new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL),
+        new_factors(n, system.bandwidth, system.border, *how),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
         new_changed(), np.zeros(1, np.int64), np.zeros(1), rows,
     )  # fmt: skip
@@ -160,6 +164,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             previous = energy = np.inf
         size = worst_row(c.rows, c.increment, c.scale, state.counters)
         if not np.isfinite(size):
+            name_worst(c.rows, c.increment, c.scale, state.counters)
             return NOT_FINITE
         enough = ROUNDING_MOST * c.tolerance if c.rounded[0] == 1 else c.tolerance
         if size <= enough if not c.by_energy else energy <= c.tolerance:
@@ -174,6 +179,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             event = True
             continue
         if iteration == c.max_iterations:
+            name_worst(c.rows, c.increment, c.scale, state.counters)
             break
         slow = c.full or size > c.contraction * previous
         slow = aim(c.rows, dofs, state, c.increment, c.scale, c.tolerance, previous < np.inf, slow)

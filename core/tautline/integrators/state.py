@@ -8,7 +8,8 @@ import numpy as np
 
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.jit import kernel
+from tautline.kernels.jit import REORDERED, kernel
+from tautline.kernels.lanes import WIDTH, larger, largest_of, load, size, spread, sum_of
 from tautline.system.system import System
 
 STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST, ROWS = range(6)
@@ -71,6 +72,24 @@ def worst_between(residual, scale, counters, first, last):
             if not np.isfinite(size):
                 return np.inf
     return worst
+
+
+@kernel
+def largest_of_all(residual, scale):
+    """The same of all rows, without the row: what every iteration asks for."""
+    most, nothing, n = spread(0.0), spread(0.0), residual.size
+    whole = n - n % WIDTH
+    for i in range(0, whole, WIDTH):
+        x = size(load(residual, i)) / load(scale, i)
+        most = larger(most, x)
+        # Zero, but not of what is no number or infinite.
+        nothing = nothing + 0.0 * x
+    worst, finite = largest_of(most), sum_of(nothing) == 0.0
+    for i in range(whole, n):
+        x = abs(residual[i]) / scale[i]
+        worst = max(worst, x)
+        finite = finite and np.isfinite(x)
+    return worst if finite else np.inf
 
 
 @kernel
@@ -174,7 +193,7 @@ def _mean_force(state, i):
     return 0.5 * (state.residual[i] + state.entered[1, i])
 
 
-@kernel
+@kernel(fastmath=REORDERED)
 def observe_motion(state, v, a, h):
     """Add a step, with velocities and accelerations at its start, to the integrals that give the oscillation frequency.
 

@@ -171,6 +171,15 @@ def _where_negative(typing: Any, x: Any, yes: Any, no: Any) -> Any:
     return LANES(LANES, LANES, LANES), code
 
 
+@intrinsic
+def _unpacked(typing: Any, x: Any) -> Any:
+    def code(context: Any, builder: Any, given: Any, values: Any) -> Any:
+        numbers = [builder.extract_element(values[0], _constant(k)) for k in range(WIDTH)]
+        return context.make_tuple(builder, given.return_type, numbers)
+
+    return types.UniTuple(types.float64, WIDTH)(LANES), code
+
+
 if config.DISABLE_JIT:
 
     def _gather(x, places, offset):
@@ -194,6 +203,9 @@ if config.DISABLE_JIT:
 
     def _where_negative(x, yes, no):
         return np.where(x < 0.0, yes, no)
+
+    def _unpacked(x):
+        return tuple(x.tolist())
 
 
 @kernel(forceinline=True)
@@ -242,6 +254,32 @@ def root(x):
 def where_negative(x, yes, no):
     """One or the other in each lane, by the sign of x."""
     return _where_negative(x, yes, no)
+
+
+@kernel(forceinline=True)
+def size(x):
+    """Values without their signs."""
+    return _where_negative(x, -x, x)
+
+
+@kernel(forceinline=True)
+def larger(x, y):
+    """The larger of two in each lane; y where one is no number."""
+    return _where_negative(y - x, x, y)
+
+
+@kernel(forceinline=True)
+def largest_of(x):
+    """The largest of four."""
+    a, b, c, d = _unpacked(x)
+    return max(max(a, b), max(c, d))
+
+
+@kernel(forceinline=True)
+def sum_of(x):
+    """The sum of four."""
+    a, b, c, d = _unpacked(x)
+    return (a + b) + (c + d)
 
 
 @kernel(forceinline=True)

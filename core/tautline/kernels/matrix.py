@@ -11,7 +11,17 @@ from typing import NamedTuple
 import numpy as np
 from numba import typeof
 
-from tautline.kernels.band import CAREFUL, eliminate, equilibrate, find_envelope, renew, substitute, substitute_between
+from tautline.kernels.band import (
+    CAREFUL,
+    eliminate,
+    equilibrate,
+    find_envelope,
+    measure_diagonal,
+    renew,
+    substitute,
+    substitute_between,
+)
+from tautline.kernels.blocks import Blocks, factorise_blocks, new_blocks, substitute_blocks
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lapack import factorise_dense, solve_dense
 
@@ -43,7 +53,8 @@ class Factors(NamedTuple):
     from the diagonal a column of the band's factors goes, ``right`` (n,) is the last column that a row reaches, and
     ``inverse`` (n,) is one over their diagonal. ``scale`` (n,) has made the diagonal of the band one: slopes and
     positions are of one size then, and rows are seldom exchanged, which would fill the band: only where a pivot is
-    below ``threshold`` of its column's largest entry. ``column`` (3 k + 1,) is scratch.
+    below ``threshold`` of its column's largest entry. ``column`` (3 k + 1,) is scratch. ``blocks`` are the factors of a
+    band that is block tridiagonal, where it was made with such.
     """
 
     matrix: Matrix
@@ -58,6 +69,11 @@ class Factors(NamedTuple):
     integers: np.ndarray
     column: np.ndarray
     threshold: float
+    blocks: Blocks
+
+
+NO_BLOCKS = np.zeros(1, np.int64)
+"""Starts of the blocks of a matrix that is factorised by columns."""
 
 
 def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
@@ -68,13 +84,15 @@ def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
     )
 
 
-def new_factors(size: int, bandwidth: int, border: int = 0, threshold: float = CAREFUL) -> Factors:
-    """Zero matrix with room for its factors."""
+def new_factors(
+    size: int, bandwidth: int, border: int = 0, threshold: float = CAREFUL, blocks: np.ndarray = NO_BLOCKS
+) -> Factors:
+    """Zero matrix with room for its factors; ``blocks`` (m + 1,) are the starts of the band's blocks and its size."""
     return Factors(
         new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
         np.zeros((border, size - border)), *(np.zeros(size - border, np.int32) for _ in range(3)),
         np.zeros(size - border), np.zeros(size - border), np.zeros(8, np.int32),
-        np.zeros(3 * bandwidth + 1), threshold,
+        np.zeros(3 * bandwidth + 1), threshold, new_blocks(blocks),
     )  # fmt: skip
 
 
@@ -153,6 +171,9 @@ def add_at(matrix, row, column, x):
 @kernel(forceinline=True)
 def _substitute(f, n, k, x):
     """Solve by the band's factors."""
+    if f.blocks.taken[0] == 1:
+        substitute_blocks(f.blocks, x)
+        return
     substitute(
         f.matrix.band, f.pivots, f.above, f.below, f.inverse, f.scale, f.integers[EXCHANGED] > 0, n, k, x
     )  # fmt: skip
@@ -163,13 +184,15 @@ def factorise_matrix(factors):
     """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    equilibrate(f.matrix.band, f.scale, n, k)
-    find_envelope(f.matrix.band, f.below, f.right, n, k)
-    row, f.integers[EXCHANGED] = eliminate(
-        f.matrix.band, f.pivots, f.above, f.below, f.right, f.inverse, f.threshold, n, k
-    )  # fmt: skip
-    if row != 0:
-        return row
+    measure_diagonal(f.matrix.band, f.scale, n, k)
+    if f.blocks.starts.size == 1 or not factorise_blocks(f.matrix.band, f.blocks, f.scale, n, k):
+        equilibrate(f.matrix.band, f.scale, n, k)
+        find_envelope(f.matrix.band, f.below, f.right, n, k)
+        row, f.integers[EXCHANGED] = eliminate(
+            f.matrix.band, f.pivots, f.above, f.below, f.right, f.inverse, f.threshold, n, k
+        )  # fmt: skip
+        if row != 0:
+            return row
     m = f.corner_pivots.size
     if m == 0:
         return 0

@@ -10,7 +10,7 @@ import numpy as np
 
 from tautline.cable.input.parts import Element
 from tautline.cable.model.layout import Layout
-from tautline.elements.bending import BENDING, Bending, FlowingBending
+from tautline.elements.bending import BENDING, FlowingBending, new_bending
 from tautline.elements.bending_damping import VISCOUS, BendingDamping
 from tautline.elements.flow import Flow
 from tautline.elements.inertia import INERTIA, Inertia
@@ -19,7 +19,7 @@ from tautline.elements.linear_flow import LINEAR_FLOW, LinearFlow
 from tautline.elements.nodal.outlet import OUTLET, Outlets
 from tautline.elements.pipe import PIPE, Pipes
 from tautline.elements.shared_flow import SharedFlow, unit_matrices
-from tautline.elements.tension import TENSION, FlowingTension, Tension
+from tautline.elements.tension import TENSION, FlowingTension, new_tension
 from tautline.kernels.hermite import gauss, lobatto, table
 
 SMOOTHING = 0.01
@@ -151,7 +151,7 @@ def _tension(layout: Layout, kind: str, moving: bool, elements: list[Element], q
         return LinearTension(rows, np.zeros((4, 3)), np.zeros((8, 8)))
     if moving:
         return FlowingTension(rows, points, np.zeros((6, 4)), np.zeros((9, 3)), np.zeros((14, 14)))
-    return Tension(rows, points, np.zeros((2, 3)), np.zeros((12, 12)))
+    return new_tension(rows, points)
 
 
 def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
@@ -161,11 +161,12 @@ def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
         | {"smoothing": SMOOTHING / length_of(layout, e)}
         for e in elements
     ]
-    common = records(BENDING, rows), table(*gauss(3)), np.zeros((5, 4))
-    stress = np.zeros((2, 6, 6))
+    common = records(BENDING, rows), table(*gauss(3))
     if moving:
-        return FlowingBending(*common, np.zeros((14, 6)), stress, np.zeros((14, 14)))
-    return Bending(*common, np.zeros((4, 6)), stress, np.zeros((12, 12)))
+        return FlowingBending(
+            *common, np.zeros((5, 4)), np.zeros((14, 6)), np.zeros((2, 6, 6)), np.zeros((14, 14))
+        )  # fmt: skip
+    return new_bending(*common)
 
 
 def _pipes(layout: Layout, elements: list[Element]) -> Pipes:
