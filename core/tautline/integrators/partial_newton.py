@@ -20,6 +20,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.changes import COUNT, FIRST, PAST, PLACED
 from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES
 from tautline.kernels.matrix import (
     Matrix,
     add_columns,
@@ -94,8 +95,10 @@ def take_all(w, state):
 def _take(w, dofs, state, first, last):
     """Solve for rows ``first`` to ``last`` - 1, and ask for the residual of all that these can change.
 
-    Twice the band on either side: degrees of freedom that are held are not in it, and have a residual too.
+    Twice the band on either side: degrees of freedom that are held are not in it, and have a residual too. The rows are
+    made whole blocks of `LANES`.
     """
+    first, last = first // LANES * LANES, min(state.q.size, (last + LANES - 1) // LANES * LANES)
     w.at[SOLVED], w.at[SOLVED_END] = first, last
     w.at[ASKED], w.at[ASKED_END] = max(0, first - 2 * w.band), min(state.q.size, last + 2 * w.band)
     _ask(w, dofs, state, w.at[ASKED], w.at[ASKED_END])
@@ -137,6 +140,7 @@ def aim(w, dofs, state, right_side, scale, tolerance, tried, slow):
     first, last = max(0, first - at[MARGIN]), min(n, last + at[MARGIN])
     if last - first < PART * n:
         _take(w, dofs, state, first, last)
+        first, last = at[SOLVED], at[SOLVED_END]
     else:
         take_all(w, state)
         first, last = 0, n

@@ -468,12 +468,26 @@ def gather(array, i, last):
 @_lowered(gather, lambda args: LANE if _is_vector(args[0]) else None)
 def _gather(context, builder, sig, args):
     array, i, last = args
-    x = ir.Constant(_NUMBERS, ir.Undefined)
-    for k in range(LANES):
-        at = _pointer(context, builder, sig.args[0], array, _clamped(builder, i, k, last))
-        one = context.cast(builder, builder.load(at), sig.args[0].dtype, types.float64)
-        x = builder.insert_element(x, one, _INDEX(k))
-    return x
+    kind = sig.args[0]
+
+    def each() -> Any:
+        x = ir.Constant(_NUMBERS, ir.Undefined)
+        for k in range(LANES):
+            at = _pointer(context, builder, kind, array, _clamped(builder, i, k, last))
+            one = context.cast(builder, builder.load(at), kind.dtype, types.float64)
+            x = builder.insert_element(x, one, _INDEX(k))
+        return x
+
+    if kind.layout != "C" or kind.dtype != types.float64:
+        return each()
+    found = cgutils.alloca_once(builder, _NUMBERS)
+    with builder.if_else(builder.icmp_signed("<=", builder.add(i, i.type(LANES)), last), likely=True) as (all_, some):
+        with all_:
+            at = builder.bitcast(_pointer(context, builder, kind, array, i), _NUMBERS.as_pointer())
+            builder.store(builder.load(at, align=8), found)
+        with some:
+            builder.store(each(), found)
+    return builder.load(found)
 
 
 def scatter(array, i, last, x):
@@ -485,12 +499,25 @@ def scatter(array, i, last, x):
 @_lowered(scatter, lambda args: types.none if _is_vector(args[0]) else None)
 def _scatter(context, builder, sig, args):
     array, i, last, x = args
+    kind = sig.args[0]
     x = _numbers(context, builder, x, sig.args[3])
-    for k in range(LANES):
-        place = builder.add(i, i.type(k))
-        with builder.if_then(builder.icmp_signed("<", place, last), likely=True):
-            one = context.cast(builder, builder.extract_element(x, _INDEX(k)), types.float64, sig.args[0].dtype)
-            builder.store(one, _pointer(context, builder, sig.args[0], array, place))
+
+    def each() -> None:
+        for k in range(LANES):
+            place = builder.add(i, i.type(k))
+            with builder.if_then(builder.icmp_signed("<", place, last), likely=True):
+                one = context.cast(builder, builder.extract_element(x, _INDEX(k)), types.float64, kind.dtype)
+                builder.store(one, _pointer(context, builder, kind, array, place))
+
+    if kind.layout != "C" or kind.dtype != types.float64:
+        each()
+        return context.get_dummy_value()
+    with builder.if_else(builder.icmp_signed("<=", builder.add(i, i.type(LANES)), last), likely=True) as (all_, some):
+        with all_:
+            at = builder.bitcast(_pointer(context, builder, kind, array, i), _NUMBERS.as_pointer())
+            builder.store(x, at, align=8)
+        with some:
+            each()
     return context.get_dummy_value()
 
 
