@@ -22,6 +22,7 @@ from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import (
     LANES,
     any_of,
+    equals,
     exp,
     gather,
     lane,
@@ -60,67 +61,73 @@ def _ready_projection(law, i, last, h, beta, gamma, touch, along_rate, around_ra
     rows = law.rows
     static, kinetic, mass, links = load_fields(rows.static, i, last)
     force_a, force_c, _, _ = load_fields(rows.force_a, i, last)
-    sticks = gather(rows.settled, i, last) == STICK
-    scatter(rows.status, i, last, where(sticks, HELD, SLIP))
+    sticks = equals(rows.settled, i, last, STICK)
+    change(rows.status, i, last, sticks, HELD)
+    change(rows.status, i, last, negated(sticks), SLIP)
     scatter(rows.factor, i, last, where(sticks, static, kinetic))
-    scatter(rows.dropped, i, last, 0)
-    scatter(rows.reversed, i, last, 0)
-    scatter(rows.forced, i, last, 0)
+    for k in range(i, min(i + LANES, last)):
+        rows[k].dropped = rows[k].reversed = rows[k].forced = 0
     scatter(rows.slip_a, i, last, touch.along)
     scatter(rows.slip_c, i, last, touch.around)
     if gamma > 0.0:
         scatter(rows.c, i, last, (STIFFNESS / gamma) * (mass * beta + links))
     free = (force_a == 0.0) & (force_c == 0.0)
     x, y = where(free, touch.along, -force_a), where(free, touch.around, -force_c)
-    size = sqrt(x * x + y * y)
-    over = 1.0 / where(size > 0.0, size, 1.0)
-    scatter(rows.nx, i, last, x * over)
-    scatter(rows.ny, i, last, y * over)
+    # Of the direction only the sign of its product with the slip is ever asked for.
+    scatter(rows.nx, i, last, x)
+    scatter(rows.ny, i, last, y)
+
+
+@kernel(forceinline=True)
+def change(array, i, last, mask, value):
+    """Set whole numbers of contacts where the mask says yes; nothing is written that stands there already."""
+    if any_of(mask & negated(equals(array, i, last, value))):
+        chosen = where(mask, 1.0, 0.0)
+        for k in range(i, min(i + LANES, last)):
+            if lane(chosen, k - i) > 0.0:
+                array[k] = value
 
 
 @kernel(forceinline=True)
 def _trial(law, i, last, touch):
-    """Force that would hold each contact, turned round, its size, N, and the factor of friction."""
+    """Force that would hold each contact, turned round, N, its size squared, and the factor of friction."""
     force_a, force_c, _, _ = load_fields(law.rows.force_a, i, last)
     _, _, factor, c = load_fields(law.rows.nx, i, last)
     x, y = c * touch.along - force_a, c * touch.around - force_c
-    return x, y, sqrt(x * x + y * y), factor
+    return x, y, x * x + y * y, factor
 
 
 @kernel(forceinline=True)
 def _restless_projection(law, i, last, touch, converged):
     rows = law.rows
-    status = gather(rows.status, i, last)
-    slips, presses = status == SLIP, touch.normal > 0.0
-    x, y, size, factor = _trial(law, i, last, touch)
-    holds = size <= factor * touch.normal
-    nx, ny = gather(rows.nx, i, last), gather(rows.ny, i, last)
+    slips, presses = equals(rows.status, i, last, SLIP), touch.normal > 0.0
+    x, y, square, factor = _trial(law, i, last, touch)
+    limit = factor * touch.normal
+    sticks = presses & equals(rows.status, i, last, STICK) & (square <= limit * limit)
+    nx, ny, _, _ = load_fields(rows.nx, i, last)
     # Of pipe that is clear of the wall nothing is to be done once its direction of slip is forgotten.
     clear = negated(presses) & slips & (nx == 0.0) & (ny == 0.0)
+    slides = presses & slips
     if converged:
-        settled = gather(rows.settled, i, last)
-        slip_a, slip_c = gather(rows.slip_a, i, last), gather(rows.slip_c, i, last)
-        goes_on = (settled == SLIP) & (touch.along * slip_a + touch.around * slip_c >= 0.0)
-        calm = clear | (presses & ((slips & goes_on) | ((status == STICK) & holds)))
-        return within(i, last) & negated(calm)
-    held = presses & (status == HELD)
-    goes_on = presses & slips & (touch.along * nx + touch.around * ny >= 0.0)
-    calm = clear | held | goes_on | (presses & (status == STICK) & holds)
+        _, _, slip_a, slip_c = load_fields(rows.force_a, i, last)
+        goes_on = equals(rows.settled, i, last, SLIP) & (touch.along * slip_a + touch.around * slip_c >= 0.0)
+        return within(i, last) & negated(clear | sticks | (slides & goes_on))
+    held = presses & equals(rows.status, i, last, HELD)
+    goes_on = slides & (touch.along * nx + touch.around * ny >= 0.0)
     if any_of(held):
-        scatter(rows.status, i, last, where(held, STICK, status))
+        change(rows.status, i, last, held, STICK)
     if any_of(goes_on):
-        over = 1.0 / where(size > 0.0, size, 1.0)
-        turned = goes_on & (size > 0.0)
-        scatter(rows.nx, i, last, where(turned, x * over, nx))
-        scatter(rows.ny, i, last, where(turned, y * over, ny))
-    return within(i, last) & negated(calm)
+        turned = goes_on & (square > 0.0)
+        scatter(rows.nx, i, last, where(turned, x, nx))
+        scatter(rows.ny, i, last, where(turned, y, ny))
+    return within(i, last) & negated(clear | sticks | held | goes_on)
 
 
 @kernel(forceinline=True)
 def _resist_projection(law, i, last, touch):
-    x, y, size, factor = _trial(law, i, last, touch)
-    slips = gather(law.rows.status, i, last) == SLIP
-    share = where(slips, factor * touch.normal / where(size > 0.0, size, 1.0), 1.0)
+    x, y, square, factor = _trial(law, i, last, touch)
+    slips = equals(law.rows.status, i, last, SLIP)
+    share = where(slips, factor * touch.normal / sqrt(where(square > 0.0, square, 1.0)), 1.0)
     return -share * x, -share * y
 
 
@@ -130,10 +137,11 @@ def _accept_projection(law, i, last, touch):
     presses = touch.normal > 0.0
     along, around = _resist_projection(law, i, last, touch)
     along, around = where(presses, along, 0.0), where(presses, around, 0.0)
-    slips = negated(presses) | (gather(rows.status, i, last) == SLIP)
+    slips = negated(presses) | equals(rows.status, i, last, SLIP)
     scatter(rows.force_a, i, last, along)
     scatter(rows.force_c, i, last, around)
-    scatter(rows.settled, i, last, where(slips, SLIP, STICK))
+    change(rows.settled, i, last, slips, SLIP)
+    change(rows.settled, i, last, negated(slips), STICK)
     return along, around
 
 

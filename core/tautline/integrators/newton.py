@@ -32,6 +32,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.band import BOLD, CAREFUL
 from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.matrix import (
     Factors,
     Matrix,
@@ -237,17 +238,19 @@ def _step(c, state, beta, gamma, fraction):
     """Solve for the increment and add it; returns the energy error of eq. 2.78."""
     first, last = solve_for_increment(c.rows, c.factors, c.increment, c.right_side)
     first = max(0, first)
-    energy = largest = 0.0
-    fastest = c.fastest[0] if last - first < state.q.size else 0.0
-    for i in range(first, last):
-        step = -fraction * c.increment[i]
-        energy += c.right_side[i] * c.increment[i]
-        fastest = max(fastest, abs(state.v[i]))
-        largest = max(largest, gamma * abs(step))
-        state.q[i] += step
-        state.v[i] += gamma * step
-        state.a[i] += beta * step
+    products = steps = spread(0.0)
+    speeds = spread(c.fastest[0] if last - first < state.q.size else 0.0)
+    for i in range(first, last, LANES):
+        step = -fraction * gather(c.increment, i, last)
+        v = gather(state.v, i, last)
+        products += where(within(i, last), gather(c.right_side, i, last) * step, 0.0)
+        speeds = larger(abs(v), speeds)
+        steps = larger(abs(step), steps)
+        scatter(state.q, i, last, gather(state.q, i, last) + step)
+        scatter(state.v, i, last, v + gamma * step)
+        scatter(state.a, i, last, gather(state.a, i, last) + beta * step)
+    fastest = largest(speeds)
     state.counters[ROWS] += last - first
     c.fastest[0] = fastest
-    c.rounded[0] = 1 if largest <= ROUNDED * fastest else 0
-    return np.sqrt(abs(energy) / c.unit)
+    c.rounded[0] = 1 if gamma * largest(steps) <= ROUNDED * fastest else 0
+    return np.sqrt(abs(total(products)) / (fraction * c.unit))

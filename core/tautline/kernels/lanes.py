@@ -490,6 +490,21 @@ def _gather(context, builder, sig, args):
     return builder.load(found)
 
 
+def equals(array, i, last, value):
+    """Which of entries i to i + 3 of an array of whole numbers, or a field of records, are ``value``."""
+    return array[np.minimum(np.arange(i, i + LANES), last - 1)] == value
+
+
+@_lowered(equals, lambda args: MASK if _is_vector(args[0]) and isinstance(args[0].dtype, types.Integer) else None)
+def _equals(context, builder, sig, args):
+    array, i, last, value = args
+    x = ir.Constant(_BITS, ir.Undefined)
+    for k in range(LANES):
+        at = _pointer(context, builder, sig.args[0], array, _clamped(builder, i, k, last))
+        x = builder.insert_element(x, builder.load(at), _INDEX(k))
+    return _mask(builder, builder.icmp_signed("==", x, _splat(builder, value, _BITS)))
+
+
 def scatter(array, i, last, x):
     """Write lanes over entries i to i + 3, those before ``last``."""
     n = min(LANES, last - i)

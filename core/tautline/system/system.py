@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.kernels.dofs import Dofs
+from tautline.kernels.dofs import Dofs, runs_of
 from tautline.kernels.groups import laid_out, link, without_friction
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.masters import Masters
@@ -329,6 +329,7 @@ def _dofs(degrees: Degrees, masters: Masters, free: np.ndarray, rank: np.ndarray
         free=free,
         tied=np.array(sorted(degrees.masters), dtype=np.int64),
         flowing=np.array(sorted(flowing), dtype=np.int64),
+        runs=runs_of(free),
     )
 
 
@@ -352,7 +353,7 @@ def number_by_mass(system: System) -> MassNumbering:
     rank = np.argsort(order)
     dofs = system.dofs
     renumbered = dofs._replace(
-        unknown=_moved(dofs.unknown, rank), number=_moved(dofs.number, rank), free=dofs.free[order],
+        unknown=_moved(dofs.unknown, rank), number=_moved(dofs.number, rank), free=dofs.free[order], runs=runs_of(dofs.free[order]),
     )  # fmt: skip
     return MassNumbering(renumbered, order, system.mass_pattern.renumbered(rank).width(border), border)
 
