@@ -8,17 +8,32 @@ friction is chosen by the type of ``WallContact.law`` (friction.py).
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from drillstring.groups.friction import act, force_now, prepare, settle, status
+from drillstring.groups.friction import act, status
+from drillstring.groups.friction_of_four import accept, ready, resist, restless, slip_of
 from tautline.kernels.changes import note_change
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
-from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, members
+from tautline.kernels.lanes import (
+    LANES,
+    add_rows,
+    any_of,
+    gather,
+    lane,
+    larger,
+    load_fields,
+    load_rows,
+    scatter,
+    sqrt,
+    total,
+    where,
+    within,
+)
+from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, held_arcs, members
 
 CENTRED = 1.0e-6
 """Offset from the hole's axis, m, below which no direction to the wall is defined."""
@@ -72,69 +87,104 @@ class Touch(NamedTuple):
     beta: float
 
 
+@kernel(forceinline=True)
+def _touching(x, y, dx, dy, slide, spin, stiffness, damping, clearance, radius, k1, k2):
+    """How a lump at (x, y) touches, or four of them in lanes; ``slide`` m/s along the hole, ``spin`` rad/s."""
+    offset = sqrt(x * x + y * y)
+    centred = offset < CENTRED
+    offset = larger(offset, CENTRED)
+    over = 1.0 / offset
+    ex, ey = where(centred, 1.0, x * over), where(centred, 0.0, y * over)
+    rate = ex * dx + ey * dy
+    normal = stiffness * (offset - clearance) + damping * rate
+    beta = where(centred, 1.0, 1.0 - (k1 * ex + k2 * ey) * (offset + radius))
+    along = where(centred, 0.0, beta * slide)
+    around = where(centred, 0.0, ex * dy - ey * dx + radius * spin)
+    normal = where(centred, 0.0, larger(normal, 0.0))
+    return Touch(ex, ey, offset, where(centred, 0.0, rate), normal, along, around, beta)
+
+
 @kernel
 def touch(g, i, q, v):
     """Geometry and normal force of contact i (normal force 0 where the pipe is clear of the wall)."""
     p = g.springs[i]
-    o = PER_BODY * p.body
-    x, y = q[o + 1], q[o + 2]
-    offset = sqrt(x * x + y * y)
-    if offset < CENTRED:
-        return Touch(1.0, 0.0, CENTRED, 0.0, 0.0, 0.0, 0.0, 1.0)
-    ex, ey = x / offset, y / offset
-    rate = ex * v[o + 1] + ey * v[o + 2]
-    normal = p.stiffness * (offset - p.clearance) + p.damping * rate
-    seat = g.curve.seats[p.body]
-    beta = 1.0 - (seat.k1 * ex + seat.k2 * ey) * (offset + p.radius)
-    along = beta * v[o]
-    around = ex * v[o + 2] - ey * v[o + 1] + p.radius * v[o + 3]
-    return Touch(ex, ey, offset, rate, max(0.0, normal), along, around, beta)
+    seat, o = g.curve.seats[p.body], PER_BODY * p.body
+    return _touching(
+        q[o + 1], q[o + 2], v[o + 1], v[o + 2], v[o], v[o + 3],
+        p.stiffness, p.damping, p.clearance, p.radius, seat.k1, seat.k2,
+    )  # fmt: skip
+
+
+@kernel(forceinline=True)
+def _touch_of_four(g, i, last, above, q, v):
+    """The same of contacts i to i + 3, in lanes; contact 0 is that of body ``above``."""
+    _, x, y, _ = load_rows(q, above + i, above + last)
+    slide, dx, dy, spin = load_rows(v, above + i, above + last)
+    k1, k2, _, _ = held_arcs(g.curve, above + i, above + last)
+    return _touching(x, y, dx, dy, slide, spin, *load_fields(g.springs.stiffness, i, last), k1, k2)
 
 
 @kernel
 def _begin(g, t, h, beta, gamma, q, v, a):
-    for i in range(g.springs.size):
-        o = PER_BODY * g.springs[i].body
-        c = touch(g, i, q, v)
-        slip_rate_around = c.ex * a[o + 2] - c.ey * a[o + 1] + g.springs[i].radius * a[o + 3]
-        prepare(g.law, i, h, beta, gamma, c, c.beta * a[o], slip_rate_around)
+    last = g.springs.size
+    above = _first_body(g)
+    for i in range(0, last, LANES):
+        c = _touch_of_four(g, i, last, above, q, v)
+        slide, dx, dy, spin = load_rows(a, above + i, above + last)
+        around_rate = c.ex * dy - c.ey * dx + gather(g.springs.radius, i, last) * spin
+        ready(g.law, i, last, h, beta, gamma, c, c.beta * slide, around_rate)
+
+
+@kernel(forceinline=True)
+def _first_body(g):
+    """The body of the first contact; the others follow."""
+    return g.springs[0].body if g.springs.size > 0 else 0
 
 
 @kernel
-def _in_window(g):
+def _in_window(g, above):
     """First and past the last contact that is asked for."""
-    above = g.springs[0].body if g.springs.size > 0 else 0
     first, last = members(g.curve, ALONE, above + g.springs.size)
     return max(0, first - above), max(0, last - above)
 
 
 @kernel
 def _switch(g, t, q, v, converged, changed):
-    first, last = _in_window(g)
-    for i in range(first, last):
-        c = touch(g, i, q, v)
-        if status(g.law, i, c, converged) > 0:
-            note_change(changed, PER_BODY * g.springs[i].body, PER_BODY)
+    above = _first_body(g)
+    first, last = _in_window(g, above)
+    for i in range(first, last, LANES):
+        c = _touch_of_four(g, i, last, above, q, v)
+        asks = restless(g.law, i, last, c, converged)
+        if any_of(asks):
+            asked = where(asks, 1.0, 0.0)
+            for k in range(i, min(i + LANES, last)):
+                if lane(asked, k - i) > 0.0 and status(g.law, k, slip_of(c, k - i), converged) > 0:
+                    note_change(changed, PER_BODY * (above + k), PER_BODY)
 
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    first, last = _in_window(g)
-    for i in range(first, last):
-        c = touch(g, i, q, v)
-        if c.normal > 0.0:
-            o = PER_BODY * g.springs[i].body
-            along, around = act(g.law, i, c)[0:2]
-            r[o] -= c.beta * along
-            r[o + 1] += c.normal * c.ex + around * c.ey
-            r[o + 2] += c.normal * c.ey - around * c.ex
-            r[o + 3] += g.springs[i].viscous * v[o + 3] - g.springs[i].radius * around
+    above = _first_body(g)
+    first, last = _in_window(g, above)
+    for i in range(first, last, LANES):
+        c = _touch_of_four(g, i, last, above, q, v)
+        presses = c.normal > 0.0
+        if any_of(presses):
+            along, around = resist(g.law, i, last, c)
+            along, around = where(presses, along, 0.0), where(presses, around, 0.0)
+            _, _, _, spin = load_rows(v, above + i, above + last)
+            viscous = where(presses, gather(g.springs.viscous, i, last), 0.0)
+            about = viscous * spin - gather(g.springs.radius, i, last) * around
+            add_rows(
+                r, above + i, above + last, -c.beta * along, c.normal * c.ex + around * c.ey,
+                c.normal * c.ey - around * c.ex, about,
+            )  # fmt: skip
 
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     stiffness, damping = g.scratch[0], g.scratch[1]
-    first, last = _in_window(g)
+    first, last = _in_window(g, _first_body(g))
     for i in range(first, last):
         c = touch(g, i, q, v)
         if c.normal > 0.0:
@@ -200,27 +250,34 @@ def _energy(g, t, q, v, e):
 @kernel
 def _dissipation(g, t, q, v, p):
     """With the mean of the friction at both ends of the step, which ``_commit`` has kept."""
-    for i in range(g.springs.size):
-        c = touch(g, i, q, v)
-        depth = c.offset - g.springs[i].clearance
-        p[0] += (c.normal - g.springs[i].stiffness * max(0.0, depth)) * c.rate
-        if c.normal > 0.0:
-            spin = v[PER_BODY * g.springs[i].body + 3]
-            p[0] += g.springs[i].viscous * spin**2
-            p[0] -= g.springs[i].mean_along * c.along + g.springs[i].mean_around * c.around
+    last = g.springs.size
+    above = _first_body(g)
+    for i in range(0, last, LANES):
+        c = _touch_of_four(g, i, last, above, q, v)
+        stiffness, _, clearance, _ = load_fields(g.springs.stiffness, i, last)
+        _, _, _, spin = load_rows(v, above + i, above + last)
+        mean_along, mean_around = gather(g.springs.mean_along, i, last), gather(g.springs.mean_around, i, last)
+        lost = (c.normal - stiffness * larger(c.offset - clearance, 0.0)) * c.rate
+        rubbed = gather(g.springs.viscous, i, last) * spin * spin - mean_along * c.along - mean_around * c.around
+        lost += where(c.normal > 0.0, rubbed, 0.0)
+        p[0] += total(where(within(i, last), lost, 0.0))
 
 
 @kernel
 def _commit(g, t, h, q, v, a):
-    for i in range(g.springs.size):
-        c = touch(g, i, q, v)
-        settle(g.law, i, c)
-        along, around = force_now(g.law, i, c)
-        along, around = (along, around) if c.normal > 0.0 else (0.0, 0.0)
-        share = 0.5 if h > 0.0 else 0.0
-        g.springs[i].mean_along = along + share * (g.springs[i].along - along)
-        g.springs[i].mean_around = around + share * (g.springs[i].around - around)
-        g.springs[i].normal, g.springs[i].along, g.springs[i].around = c.normal, along, around
+    share = 0.5 if h > 0.0 else 0.0
+    rows, last = g.springs, g.springs.size
+    above = _first_body(g)
+    for i in range(0, last, LANES):
+        c = _touch_of_four(g, i, last, above, q, v)
+        along, around = accept(g.law, i, last, c)
+        presses = c.normal > 0.0
+        along, around = where(presses, along, 0.0), where(presses, around, 0.0)
+        scatter(rows.mean_along, i, last, along + share * (gather(rows.along, i, last) - along))
+        scatter(rows.mean_around, i, last, around + share * (gather(rows.around, i, last) - around))
+        scatter(rows.normal, i, last, c.normal)
+        scatter(rows.along, i, last, along)
+        scatter(rows.around, i, last, around)
 
 
 @kernel

@@ -10,6 +10,7 @@ import numpy as np
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, add_rows, gather, load_rows, sqrt, total, where, within
 from tautline.lumped.curve import ALONE, PER_BODY, Curve, members
 
 
@@ -23,11 +24,10 @@ class Drag(NamedTuple):
 @kernel
 def _residual(g, t, q, v, a, r):
     first, last = members(g.curve, ALONE, g.coefficient.size)
-    for i in range(first, last):
-        o = PER_BODY * i
-        drag = g.coefficient[i] * hypot(v[o + 1], v[o + 2])
-        r[o + 1] += drag * v[o + 1]
-        r[o + 2] += drag * v[o + 2]
+    for i in range(first, last, LANES):
+        _, x, y, _ = load_rows(v, i, last)
+        drag = gather(g.coefficient, i, last) * sqrt(x * x + y * y)
+        add_rows(r, i, last, 0.0, drag * x, drag * y, 0.0)
 
 
 @kernel
@@ -47,9 +47,11 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    for i in range(g.coefficient.size):
-        o = PER_BODY * i
-        p[0] += g.coefficient[i] * hypot(v[o + 1], v[o + 2]) ** 3
+    last = g.coefficient.size
+    for i in range(0, last, LANES):
+        _, x, y, _ = load_rows(v, i, last)
+        square = x * x + y * y
+        p[0] += total(where(within(i, last), gather(g.coefficient, i, last) * square * sqrt(square), 0.0))
 
 
 register(Drag, residual=_residual, tangent=_tangent, dissipation=_dissipation)

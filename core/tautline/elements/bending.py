@@ -25,6 +25,7 @@ from tautline.elements.cubic import (
     combined,
     dot,
     lengths_of,
+    members,
     nodes_of,
     place_of,
     row_of,
@@ -45,14 +46,14 @@ from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, SECOND, THIRD, WEIGHT
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import WIDTH, load, members, pack, spread, store
+from tautline.kernels.lanes import LANES, load, pack, spread, store
 
 BENDING = np.dtype([("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("smoothing", "f8")])
 """An element: its nodes' places, EJ N m^2, c s, smoothing 1/m."""
 BOTH = 6
 """Components of z = (r', r'')."""
-TURNED_OF_FOUR = BOTH * BOTH * WIDTH
-BLOCK = TURNED_OF_FOUR + BOTH * WIDTH
+TURNED_OF_FOUR = BOTH * BOTH * LANES
+BLOCK = TURNED_OF_FOUR + BOTH * LANES
 SCRATCH = BLOCK + BLOCK_OF_FOUR
 """Places in ``four``: after the stresses of four elements these times the rates of z, then their blocks; and all."""
 
@@ -151,7 +152,7 @@ def _properties(rows, each):
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    for n in range(0, g.rows.size, WIDTH):
+    for n in range(0, g.rows.size, LANES):
         each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
         length = lengths_of(q, i, j)
@@ -227,13 +228,13 @@ def _stress_of_four(four, slope, turn, rates, viscosity, fading, cc, ck):
     for y in range(BOTH):
         turned = spread(0.0)
         for x in range(BOTH):
-            turned = turned + load(four, (BOTH * x + y) * WIDTH) * z_d[x]
-        store(four, TURNED_OF_FOUR + y * WIDTH, turned)
+            turned = turned + load(four, (BOTH * x + y) * LANES) * z_d[x]
+        store(four, TURNED_OF_FOUR + y * LANES, turned)
     for x in range(BOTH):
         for y in range(BOTH):
-            at = (BOTH * x + y) * WIDTH
+            at = (BOTH * x + y) * LANES
             hessian, both = load(four, at), gradient[x] * gradient[y]
-            changed = fading * rate * both + gradient[x] * load(four, TURNED_OF_FOUR + y * WIDTH) + rate * hessian
+            changed = fading * rate * both + gradient[x] * load(four, TURNED_OF_FOUR + y * LANES) + rate * hessian
             store(four, at, ck * (hessian + viscosity * changed) + cc * viscosity * both)
 
 
@@ -242,18 +243,18 @@ def _add_point_of_four(four, factor, first, second):
     """Add a point's part of four elements' blocks: ``factor`` times the stresses (6, 6), by the rows N' and N''."""
     for x in range(AXES):
         for y in range(AXES):
-            ee, ek = factor * load(four, (BOTH * x + y) * WIDTH), factor * load(four, (BOTH * x + 3 + y) * WIDTH)
-            ke = factor * load(four, (BOTH * (3 + x) + y) * WIDTH)
-            kk = factor * load(four, (BOTH * (3 + x) + 3 + y) * WIDTH)
+            ee, ek = factor * load(four, (BOTH * x + y) * LANES), factor * load(four, (BOTH * x + 3 + y) * LANES)
+            ke = factor * load(four, (BOTH * (3 + x) + y) * LANES)
+            kk = factor * load(four, (BOTH * (3 + x) + 3 + y) * LANES)
             for l in range(AXES):
-                at = BLOCK + place_of(l, x) + y * WIDTH
+                at = BLOCK + place_of(l, x) + y * LANES
                 add_to_row(four, at, first[l] * ee + second[l] * ke, first)
                 add_to_row(four, at, first[l] * ek + second[l] * kk, second)
 
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    for n in range(0, g.rows.size, WIDTH):
+    for n in range(0, g.rows.size, LANES):
         each, _ = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
         length = lengths_of(q, i, j)

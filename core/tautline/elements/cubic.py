@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import WIDTH, gather, gather_vector, load, scatter_vector, spread, store
+from tautline.kernels.lanes import LANES, add_to, collect, load, pack, spread, store
 
 NODE, MATERIAL, VECTORS, AXES = 7, 6, 4, 3
 """Unknowns of a node; place of p among them; vectors of an element; components of a vector."""
 SHAPE = 3 * AXES
 """Numbers on which the slope of an element depends: r2 - r1, r1' and r2'."""
-BLOCK_OF_FOUR = SHAPE * SHAPE * WIDTH
+BLOCK_OF_FOUR = SHAPE * SHAPE * LANES
 """Places in memory of the derivatives of four elements' forces by these numbers."""
 
 
@@ -69,6 +69,32 @@ def add_scalars(matrix, dofs, a, b, factor, block):
 
 
 @kernel(forceinline=True)
+def members(n, count):
+    """Numbers of four members of a group from the n-th on, and 1 for each of them.
+
+    Where there are fewer left, the last stands for those that there are not, and counts 0.
+    """
+    last = count - 1
+    i, j, k = min(n + 1, last), min(n + 2, last), min(n + 3, last)
+    counts = pack(1.0, 1.0 if n + 1 <= last else 0.0, 1.0 if n + 2 <= last else 0.0, 1.0 if n + 3 <= last else 0.0)
+    return (n, i, j, k), counts
+
+
+@kernel(forceinline=True)
+def collect_vector(x, places, offset):
+    """Three lanes: the components of vectors that begin at four places, each moved by ``offset``."""
+    return collect(x, places, offset), collect(x, places, offset + 1), collect(x, places, offset + 2)
+
+
+@kernel(forceinline=True)
+def add_to_vector(x, places, offset, vector):
+    """Add three lanes to the vectors that begin at four places, each moved by ``offset``."""
+    add_to(x, places, offset, vector[0])
+    add_to(x, places, offset + 1, vector[1])
+    add_to(x, places, offset + 2, vector[2])
+
+
+@kernel(forceinline=True)
 def nodes_of(rows, each):
     """Places of the first and of the second nodes of four elements."""
     i, j, k, l = each
@@ -78,15 +104,15 @@ def nodes_of(rows, each):
 @kernel(forceinline=True)
 def lengths_of(q, a, b):
     """Unstretched lengths of four elements."""
-    return gather(q, b, MATERIAL) - gather(q, a, MATERIAL)
+    return collect(q, b, MATERIAL) - collect(q, a, MATERIAL)
 
 
 @kernel(forceinline=True)
 def shape_of(x, a, b):
     """What a slope of four elements depends on: r2 - r1, r1' and r2', three lanes each; of positions or rates."""
-    r1, r2 = gather_vector(x, a, 0), gather_vector(x, b, 0)
+    r1, r2 = collect_vector(x, a, 0), collect_vector(x, b, 0)
     chord = (r2[0] - r1[0], r2[1] - r1[1], r2[2] - r1[2])
-    return chord, gather_vector(x, a, AXES), gather_vector(x, b, AXES)
+    return chord, collect_vector(x, a, AXES), collect_vector(x, b, AXES)
 
 
 @kernel(forceinline=True)
@@ -116,16 +142,16 @@ def scaled_sum(x, s, y):
 def add_forces(r, a, b, on_chord, on_first, on_second):
     """Add what works on r2 - r1, r1' and r2' of four elements to a residual."""
     x, y, z = on_chord
-    scatter_vector(r, a, 0, (-x, -y, -z))
-    scatter_vector(r, a, AXES, on_first)
-    scatter_vector(r, b, 0, on_chord)
-    scatter_vector(r, b, AXES, on_second)
+    add_to_vector(r, a, 0, (-x, -y, -z))
+    add_to_vector(r, a, AXES, on_first)
+    add_to_vector(r, b, 0, on_chord)
+    add_to_vector(r, b, AXES, on_second)
 
 
 @kernel(forceinline=True)
 def clear_blocks(four, at):
     """Set the derivatives of four elements' forces by their shapes, from place ``at`` on, to zero."""
-    for k in range(at, at + BLOCK_OF_FOUR, WIDTH):
+    for k in range(at, at + BLOCK_OF_FOUR, LANES):
         store(four, k, spread(0.0))
 
 
@@ -133,14 +159,14 @@ def clear_blocks(four, at):
 def add_to_row(four, at, x, n):
     """Add x n1, x n2 and x n3 to a row of the derivatives, at one axis of r2 - r1, r1' and r2'."""
     store(four, at, load(four, at) + x * n[0])
-    store(four, at + AXES * WIDTH, load(four, at + AXES * WIDTH) + x * n[1])
-    store(four, at + 2 * AXES * WIDTH, load(four, at + 2 * AXES * WIDTH) + x * n[2])
+    store(four, at + AXES * LANES, load(four, at + AXES * LANES) + x * n[1])
+    store(four, at + 2 * AXES * LANES, load(four, at + 2 * AXES * LANES) + x * n[2])
 
 
 @kernel(forceinline=True)
 def place_of(i, x):
     """Where the row of one axis of the i-th vector of a shape begins."""
-    return (AXES * i + x) * SHAPE * WIDTH
+    return (AXES * i + x) * SHAPE * LANES
 
 
 @kernel(forceinline=True)
@@ -149,7 +175,7 @@ def _add_column(column, at, to, four, place, sign):
 
     The unknowns of r1 and r1' begin at ``at`` of the column, those of r2 and r2' at ``to``.
     """
-    step = SHAPE * WIDTH
+    step = SHAPE * LANES
     for c in range(AXES):
         chord = sign * four[place + c * step]
         column[at + c] -= chord
@@ -166,7 +192,7 @@ def add_blocks(matrix, dofs, four, at, each, a, b, block):
     """
     number = dofs.number
     n, centre = matrix.band.shape[0], 2 * ((matrix.band.shape[1] - 1) // 3)
-    for lane in range(WIDTH):
+    for lane in range(LANES):
         if lane > 0 and each[lane] == each[lane - 1]:
             break
         i, j = a[lane], b[lane]
@@ -176,8 +202,8 @@ def add_blocks(matrix, dofs, four, at, each, a, b, block):
             continue
         i, j = number[i], number[j]
         for c in range(AXES):
-            chord = at + c * WIDTH + lane
-            first, second = chord + AXES * WIDTH, chord + 2 * AXES * WIDTH
+            chord = at + c * LANES + lane
+            first, second = chord + AXES * LANES, chord + 2 * AXES * LANES
             _add_column(matrix.band[i + c], centre - c, centre + j - i - c, four, chord, -1.0)
             _add_column(matrix.band[j + c], centre + i - j - c, centre - c, four, chord, 1.0)
             _add_column(matrix.band[i + AXES + c], centre - AXES - c, centre + j - i - AXES - c, four, first, 1.0)
@@ -192,7 +218,7 @@ def _write_block(four, at, lane, block):
         row = i + 2 * AXES if i < AXES else i if i < 2 * AXES else i + AXES
         for j in range(SHAPE):
             column = j + 2 * AXES if j < AXES else j if j < 2 * AXES else j + AXES
-            x = four[at + (SHAPE * i + j) * WIDTH + lane]
+            x = four[at + (SHAPE * i + j) * LANES + lane]
             block[row, column] = x
             if i < AXES:
                 block[i, column] = -x

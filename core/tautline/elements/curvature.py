@@ -7,7 +7,7 @@ itself (eqs 2.55, 2.99-2.108) is not.
 from __future__ import annotations
 
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import WIDTH, store
+from tautline.kernels.lanes import LANES, store
 
 AXES = 3
 
@@ -110,8 +110,8 @@ def store_hessian(e, k, four):
             turns = by_bb * e[i] * e[j]
             if i == j:
                 slopes, mixed, turns = slopes + 2.0 * by_a, mixed + by_b, turns + 2.0 * by_c
-            store(four, (6 * i + j) * WIDTH, slopes)
-            store(four, (6 * i + 3 + j) * WIDTH, mixed)
-            store(four, (6 * (3 + j) + i) * WIDTH, mixed)
-            store(four, (6 * (3 + i) + 3 + j) * WIDTH, turns)
+            store(four, (6 * i + j) * LANES, slopes)
+            store(four, (6 * i + 3 + j) * LANES, mixed)
+            store(four, (6 * (3 + j) + i) * LANES, mixed)
+            store(four, (6 * (3 + i) + 3 + j) * LANES, turns)
     return (a * c - b * b) * third

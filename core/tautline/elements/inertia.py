@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.cubic import AXES, MATERIAL, VECTORS, add_scalars, lengths_of, nodes_of, vectors
+from tautline.elements.cubic import AXES, MATERIAL, VECTORS, add_scalars, lengths_of, members, nodes_of, vectors
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import WIDTH, gather, members, pack, scatter, spread
+from tautline.kernels.lanes import LANES, add_to, collect, pack, spread
 
 INERTIA = np.dtype([("a", "i8"), ("b", "i8"), ("mass", "f8"), ("damping", "f8"), ("load", "f8", (3,))])
 """An element: its nodes' places, mass kg/m, mass-proportional damping 1/s (eq. 2.168), load with the weight N/m."""
@@ -71,28 +71,28 @@ def _add_four(g, n, q, v, a, r, moving):
     for c in range(AXES):
         r1 = s1 = r2 = s2 = spread(0.0)
         if moving:
-            r1, s1 = gather(a, i, c), gather(a, i, AXES + c)
-            r2, s2 = gather(a, j, c), gather(a, j, AXES + c)
+            r1, s1 = collect(a, i, c), collect(a, i, AXES + c)
+            r2, s2 = collect(a, j, c), collect(a, j, AXES + c)
         if damped:
-            r1, s1 = r1 + damping * gather(v, i, c), s1 + damping * gather(v, i, AXES + c)
-            r2, s2 = r2 + damping * gather(v, j, c), s2 + damping * gather(v, j, AXES + c)
+            r1, s1 = r1 + damping * collect(v, i, c), s1 + damping * collect(v, i, AXES + c)
+            r2, s2 = r2 + damping * collect(v, j, c), s2 + damping * collect(v, j, AXES + c)
         load = pack(w.load[c], x.load[c], y.load[c], z.load[c])
         on_r1, on_s1, on_r2, on_s2 = _momentum(r1, h * s1, r2, h * s2)
-        scatter(r, i, c, m * on_r1 - load * half)
-        scatter(r, i, AXES + c, m * h * on_s1 - load * sixth)
-        scatter(r, j, c, m * on_r2 - load * half)
-        scatter(r, j, AXES + c, m * h * on_s2 + load * sixth)
+        add_to(r, i, c, m * on_r1 - load * half)
+        add_to(r, i, AXES + c, m * h * on_s1 - load * sixth)
+        add_to(r, j, c, m * on_r2 - load * half)
+        add_to(r, j, AXES + c, m * h * on_s2 + load * sixth)
 
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    for n in range(0, g.rows.size, WIDTH):
+    for n in range(0, g.rows.size, LANES):
         _add_four(g, n, q, v, a, r, True)
 
 
 @kernel
 def _force(g, t, q, v, a, r):
-    for n in range(0, g.rows.size, WIDTH):
+    for n in range(0, g.rows.size, LANES):
         _add_four(g, n, q, v, a, r, False)
 
 

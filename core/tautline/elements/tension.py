@@ -9,7 +9,6 @@ derivative of the stored energy by L and the power of the damping (the print of 
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +26,7 @@ from tautline.elements.cubic import (
     combined,
     dot,
     lengths_of,
+    members,
     nodes_of,
     place_of,
     row_of,
@@ -39,7 +39,7 @@ from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, WEIGHT
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import WIDTH, members, pack, root, spread, where_negative
+from tautline.kernels.lanes import LANES, pack, spread, sqrt, where
 
 TENSION = np.dtype(
     [("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("engineering", "i8"), ("slack", "i8")]
@@ -116,7 +116,7 @@ def _is_any(rows, each):
 
 @kernel
 def _residual(g, t, q, v, a, r):
-    for n in range(0, g.rows.size, WIDTH):
+    for n in range(0, g.rows.size, LANES):
         each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
         length = lengths_of(q, i, j)
@@ -134,12 +134,12 @@ def _residual(g, t, q, v, a, r):
             square = dot(e, e)
             strain, factor = 0.5 * (square - 1.0), spread(1.0)
             if engineered:
-                size = root(square)
+                size = sqrt(square)
                 strain = strain + engineering * (size - 1.0 - strain)
                 factor = factor + engineering * (1.0 / size - factor)
             carried = p[WEIGHT] * length * stiffness * counts
             if slackens:
-                carried = where_negative(slack * strain, none, carried)
+                carried = where(slack * strain < 0.0, 0.0, carried)
             if damped:
                 strain = strain + damping * factor * dot(e, combined((n1, n2, n3), rates))
             force = carried * strain * factor
@@ -151,7 +151,7 @@ def _residual(g, t, q, v, a, r):
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    for n in range(0, g.rows.size, WIDTH):
+    for n in range(0, g.rows.size, LANES):
         each, _ = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
         length = lengths_of(q, i, j)
@@ -168,13 +168,13 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
             square = dot(e, e)
             strain, factor, bent = 0.5 * (square - 1.0), spread(1.0), none
             if engineered:
-                size = root(square)
+                size = sqrt(square)
                 strain = strain + engineering * (size - 1.0 - strain)
                 factor = factor + engineering * (1.0 / size - factor)
                 bent = -engineering / (square * size)
             weight = p[WEIGHT] * length * stiffness
             if slackens:
-                weight = where_negative(slack * strain, none, weight)
+                weight = where(slack * strain < 0.0, 0.0, weight)
             # The force's change with e is along e e^T + mixed e e.^T + across I.
             stress, along, mixed, e_d = strain, factor * factor, none, e
             if damped:
@@ -193,7 +193,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
                     if x == y:
                         change = change + across
                     for l in range(AXES):
-                        add_to_row(g.four, place_of(l, x) + y * WIDTH, functions[l] * change, functions)
+                        add_to_row(g.four, place_of(l, x) + y * LANES, functions[l] * change, functions)
         add_blocks(matrix, dofs, g.four, 0, each, i, j, g.block)
 
 

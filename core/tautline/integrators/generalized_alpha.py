@@ -13,7 +13,8 @@ from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
-from tautline.kernels.jit import ORDINARY, kernel
+from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread
 from tautline.system.model import SolverSettings
 from tautline.system.system import System
 
@@ -84,7 +85,7 @@ def _local_error(m, state, h):
     return abs(m.beta - 1.0 / 6.0) * h * h * worst
 
 
-@kernel(fastmath=ORDINARY)
+@kernel
 def _best_order(m, state, h, jumped):
     """Remember the acceleration before the step; returns the order of polynomial that would have predicted the new one.
 
@@ -92,17 +93,20 @@ def _best_order(m, state, h, jumped):
     no step in which a law has changed its status. Where a mode is far too fast for the step, its acceleration predicts
     a way that folds elements, and a folded element is in equilibrium too: better to predict that nothing moves.
     """
-    constant = linear = square = moved = 0.0
     reach = h * h * m.beta * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
-    for i in range(state.q.size):
-        moved = max(moved, m.length[i] * abs(state.q[i] - state.keep[0, i]))
-        now, before, old, oldest = state.a[i], state.keep[2, i], m.history[0, i], m.history[1, i]
-        constant = max(constant, m.length[i] * abs(now - before))
-        linear = max(linear, m.length[i] * abs(now - 2.0 * before + old))
-        square = max(square, m.length[i] * abs(now - 3.0 * before + 3.0 * old - oldest))
-    for i in range(state.q.size):
-        m.history[1, i] = m.history[0, i]
-        m.history[0, i] = state.keep[2, i]
+    n = state.q.size
+    moves = constants = lines = squares = spread(0.0)
+    for i in range(0, n, LANES):
+        length = gather(m.length, i, n)
+        now, before = gather(state.a, i, n), gather(state.keep[2], i, n)
+        old, oldest = gather(m.history[0], i, n), gather(m.history[1], i, n)
+        moves = larger(moves, length * abs(gather(state.q, i, n) - gather(state.keep[0], i, n)))
+        constants = larger(constants, length * abs(now - before))
+        lines = larger(lines, length * abs(now - 2.0 * before + old))
+        squares = larger(squares, length * abs(now - 3.0 * before + 3.0 * old - oldest))
+        scatter(m.history[1], i, n, old)
+        scatter(m.history[0], i, n, before)
+    moved, constant, linear, square = largest(moves), largest(constants), largest(lines), largest(squares)
     if moved < reach * constant and moved < reach * linear and moved < reach * square:
         return STILL
     if jumped:

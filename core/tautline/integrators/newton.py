@@ -18,7 +18,6 @@ from tautline.integrators.rows import (
     close_room,
     expand_rows,
     heed_place,
-    name_worst,
     renew_factors,
     room_for_matrix,
     rows_of,
@@ -33,8 +32,9 @@ from tautline.kernels import groups as over
 from tautline.kernels.band import BOLD, CAREFUL
 from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.matrix import (
-    NO_BLOCKS,
+    NO_NODES,
     Factors,
     Matrix,
     clear,
@@ -104,8 +104,8 @@ def corrector(
     n = system.size
     unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
     rows = rows_of(system, in_parts=not (by_energy or full))
-    # Factors of a part of the rows are made anew by columns, not by blocks.
-    how = (BOLD, NO_BLOCKS) if isinstance(rows, Window) else (CAREFUL, system.blocks)
+    # Factors of a part of the rows are made anew by columns, not by nodes.
+    how = (BOLD, NO_NODES) if isinstance(rows, Window) else (CAREFUL, system.nodes)
     return Corrector(
         float(tolerance), float(contraction), int(full), float(unit), int(by_energy), int(max_iterations),
         system.scale,
@@ -164,7 +164,6 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             previous = energy = np.inf
         size = worst_row(c.rows, c.increment, c.scale, state.counters)
         if not np.isfinite(size):
-            name_worst(c.rows, c.increment, c.scale, state.counters)
             return NOT_FINITE
         enough = ROUNDING_MOST * c.tolerance if c.rounded[0] == 1 else c.tolerance
         if size <= enough if not c.by_energy else energy <= c.tolerance:
@@ -179,7 +178,6 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             event = True
             continue
         if iteration == c.max_iterations:
-            name_worst(c.rows, c.increment, c.scale, state.counters)
             break
         slow = c.full or size > c.contraction * previous
         slow = aim(c.rows, dofs, state, c.increment, c.scale, c.tolerance, previous < np.inf, slow)
@@ -243,17 +241,19 @@ def _step(c, state, beta, gamma, fraction):
     """Solve for the increment and add it; returns the energy error of eq. 2.78."""
     first, last = solve_for_increment(c.rows, c.factors, c.increment, c.right_side)
     first = max(0, first)
-    energy = largest = 0.0
-    fastest = c.fastest[0] if last - first < state.q.size else 0.0
-    for i in range(first, last):
-        step = -fraction * c.increment[i]
-        energy += c.right_side[i] * c.increment[i]
-        fastest = max(fastest, abs(state.v[i]))
-        largest = max(largest, gamma * abs(step))
-        state.q[i] += step
-        state.v[i] += gamma * step
-        state.a[i] += beta * step
+    products = steps = spread(0.0)
+    speeds = spread(c.fastest[0] if last - first < state.q.size else 0.0)
+    for i in range(first, last, LANES):
+        step = -fraction * gather(c.increment, i, last)
+        v = gather(state.v, i, last)
+        products += where(within(i, last), gather(c.right_side, i, last) * step, 0.0)
+        speeds = larger(abs(v), speeds)
+        steps = larger(abs(step), steps)
+        scatter(state.q, i, last, gather(state.q, i, last) + step)
+        scatter(state.v, i, last, v + gamma * step)
+        scatter(state.a, i, last, gather(state.a, i, last) + beta * step)
+    fastest = largest(speeds)
     state.counters[ROWS] += last - first
     c.fastest[0] = fastest
-    c.rounded[0] = 1 if largest <= ROUNDED * fastest else 0
-    return np.sqrt(abs(energy) / c.unit)
+    c.rounded[0] = 1 if gamma * largest(steps) <= ROUNDED * fastest else 0
+    return np.sqrt(abs(total(products)) / (fraction * c.unit))

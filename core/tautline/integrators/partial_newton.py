@@ -20,6 +20,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.changes import COUNT, FIRST, PAST, PLACED
 from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, any_of, gather, within
 from tautline.kernels.matrix import (
     Matrix,
     add_columns,
@@ -94,8 +95,10 @@ def take_all(w, state):
 def _take(w, dofs, state, first, last):
     """Solve for rows ``first`` to ``last`` - 1, and ask for the residual of all that these can change.
 
-    Twice the band on either side: degrees of freedom that are held are not in it, and have a residual too.
+    Twice the band on either side: degrees of freedom that are held are not in it, and have a residual too. The rows are
+    made whole blocks of `LANES`.
     """
+    first, last = first // LANES * LANES, min(state.q.size, (last + LANES - 1) // LANES * LANES)
     w.at[SOLVED], w.at[SOLVED_END] = first, last
     w.at[ASKED], w.at[ASKED_END] = max(0, first - 2 * w.band), min(state.q.size, last + 2 * w.band)
     _ask(w, dofs, state, w.at[ASKED], w.at[ASKED_END])
@@ -124,9 +127,12 @@ def aim(w, dofs, state, right_side, scale, tolerance, tried, slow):
     """
     at, n = w.at, right_side.size
     first, last = n, 0
-    for i in range(at[ASKED], at[ASKED_END]):
-        if abs(right_side[i]) > LITTLE * tolerance * scale[i]:
-            first, last = min(first, i), i + 1
+    end = at[ASKED_END]
+    for b in range(at[ASKED], end, LANES):
+        if any_of(within(b, end) & (abs(gather(right_side, b, end)) > LITTLE * tolerance * gather(scale, b, end))):
+            for i in range(b, min(b + LANES, end)):
+                if abs(right_side[i]) > LITTLE * tolerance * scale[i]:
+                    first, last = min(first, i), i + 1
     above = first < at[SOLVED] + w.band and at[SOLVED] > 0
     below = last > at[SOLVED_END] - w.band and at[SOLVED_END] < n
     if tried and (above or below):
@@ -137,12 +143,36 @@ def aim(w, dofs, state, right_side, scale, tolerance, tried, slow):
     first, last = max(0, first - at[MARGIN]), min(n, last + at[MARGIN])
     if last - first < PART * n:
         _take(w, dofs, state, first, last)
+        first, last = at[SOLVED], at[SOLVED_END]
     else:
         take_all(w, state)
         first, last = 0, n
-    for i in range(first, last):
-        right_side[i] = state.residual[dofs.free[i]]
+    _reduce_rows(dofs, state.residual, right_side, first, last)
     return slow
+
+
+@kernel
+def _reduce_rows(dofs, full, reduced, first, last):
+    """Take rows ``first`` to ``last`` - 1 out of a full vector; no row of a system with a window is tied."""
+    if dofs.runs.size == 3:
+        place = dofs.runs[1] - dofs.runs[0]
+        for i in range(first, last):
+            reduced[i] = full[place + i]
+    else:
+        for i in range(first, last):
+            reduced[i] = full[dofs.free[i]]
+
+
+@kernel
+def _expand_rows(dofs, reduced, full, first, last):
+    """The other way."""
+    if dofs.runs.size == 3:
+        place = dofs.runs[1] - dofs.runs[0]
+        for i in range(first, last):
+            full[place + i] = reduced[i]
+    else:
+        for i in range(first, last):
+            full[dofs.free[i]] = reduced[i]
 
 
 # -- state and residual ----------------------------------------------------------------------------------------------
@@ -156,11 +186,10 @@ def expand_part(w, dofs, state):
         expand(dofs, state.v, state.full_v)
         expand(dofs, state.a, state.full_a)
         return
-    for i in range(w.at[ASKED], w.at[ASKED_END]):
-        place = dofs.free[i]
-        state.full_q[place] = state.q[i]
-        state.full_v[place] = state.v[i]
-        state.full_a[place] = state.a[i]
+    first, last = w.at[ASKED], w.at[ASKED_END]
+    _expand_rows(dofs, state.q, state.full_q, first, last)
+    _expand_rows(dofs, state.v, state.full_v, first, last)
+    _expand_rows(dofs, state.a, state.full_a, first, last)
 
 
 @kernel
@@ -172,8 +201,7 @@ def balance_part(w, groups, dofs, state, t, right_side):
     for i in range(w.asked[0], w.asked[1]):
         state.residual[i] = w.own[i]
     if _is_part(w):
-        for i in range(w.at[ASKED], w.at[ASKED_END]):
-            right_side[i] = w.own[dofs.free[i]]
+        _reduce_rows(dofs, w.own, right_side, w.at[ASKED], w.at[ASKED_END])
     else:
         reduce(dofs, w.own, right_side)
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from tautline.integrators import partial_newton as part
 from tautline.integrators.partial_newton import Window, is_worth_while, new_window
-from tautline.integrators.state import largest_of_all, worst_between
+from tautline.integrators.state import worst_between
 from tautline.kernels import groups as over
 from tautline.kernels.dispatch import by_type
 from tautline.kernels.dofs import expand, reduce
@@ -61,17 +61,7 @@ def _balance(rows, groups, dofs, state, t, right_side):
 
 @kernel
 def _worst(rows, residual, scale, counters):
-    return largest_of_all(residual, scale)
-
-
-@kernel
-def _name_worst(rows, residual, scale, counters):
-    worst_between(residual, scale, counters, 0, residual.size)
-
-
-@kernel
-def _named_already(rows, residual, scale, counters):
-    return
+    return worst_between(residual, scale, counters, 0, residual.size)
 
 
 @kernel
@@ -107,7 +97,6 @@ aim = by_type({AllRows: _aim, Window: part.aim})
 expand_rows = by_type({AllRows: _expand, Window: part.expand_part})
 balance = by_type({AllRows: _balance, Window: part.balance_part})
 worst_row = by_type({AllRows: _worst, Window: part.worst_of_part})
-name_worst = by_type({AllRows: _name_worst, Window: _named_already})
 heed_place = by_type({AllRows: _heed_nothing, Window: part.heed_place})
 renew_factors = by_type({AllRows: _renew, Window: part.renew_part})
 room_for_matrix = by_type({AllRows: _room, Window: part.room_in_window})

@@ -8,8 +8,8 @@ import numpy as np
 
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.jit import REORDERED, kernel
-from tautline.kernels.lanes import WIDTH, larger, largest_of, load, size, spread, sum_of
+from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, gather, lane, larger, largest, spread, total, where, within
 from tautline.system.system import System
 
 STEPS, ITERATIONS, FACTORISATIONS, HALVINGS, WORST, ROWS = range(6)
@@ -60,36 +60,28 @@ def new_state(system: System) -> State:
     )  # fmt: skip
 
 
-@kernel(forceinline=True)
+@kernel
 def worst_between(residual, scale, counters, first, last):
     """Largest residual of rows over its scale; its row goes to the counters; NaN counts as infinite."""
-    worst = 0.0
+    most, place = spread(0.0), spread(0.0)
+    lost = spread(0.0)
+    for i in range(first, last, LANES):
+        size = abs(gather(residual, i, last)) / gather(scale, i, last)
+        place = where(size > most, i, place)
+        most = larger(size, most)
+        lost += 0.0 * size  # no number or infinite: neither becomes zero
+    worst = largest(most)
+    if worst > 0.0:
+        for k in range(LANES):
+            if lane(most, k) == worst:
+                counters[WORST] = min(int(lane(place, k)) + k, last - 1)
+    if total(lost) == 0.0:
+        return worst
     for i in range(first, last):
-        size = abs(residual[i]) / scale[i]
-        if not size <= worst:
-            worst = size
+        if not np.isfinite(residual[i] / scale[i]):
             counters[WORST] = i
-            if not np.isfinite(size):
-                return np.inf
-    return worst
-
-
-@kernel
-def largest_of_all(residual, scale):
-    """The same of all rows, without the row: what every iteration asks for."""
-    most, nothing, n = spread(0.0), spread(0.0), residual.size
-    whole = n - n % WIDTH
-    for i in range(0, whole, WIDTH):
-        x = size(load(residual, i)) / load(scale, i)
-        most = larger(most, x)
-        # Zero, but not of what is no number or infinite.
-        nothing = nothing + 0.0 * x
-    worst, finite = largest_of(most), sum_of(nothing) == 0.0
-    for i in range(whole, n):
-        x = abs(residual[i]) / scale[i]
-        worst = max(worst, x)
-        finite = finite and np.isfinite(x)
-    return worst if finite else np.inf
+            break
+    return np.inf
 
 
 @kernel
@@ -193,18 +185,21 @@ def _mean_force(state, i):
     return 0.5 * (state.residual[i] + state.entered[1, i])
 
 
-@kernel(fastmath=REORDERED)
+@kernel
 def observe_motion(state, v, a, h):
     """Add a step, with velocities and accelerations at its start, to the integrals that give the oscillation frequency.
 
     The start counts as the end does, or what is let go would seem to begin without an acceleration.
     """
-    moved = turned = 0.0
-    for i in range(state.q.size):
-        moved += state.inertia[i] * (state.v[i] * state.v[i] + v[i] * v[i])
-        turned += state.inertia[i] * (state.a[i] * state.a[i] + a[i] * a[i])
-    state.ledger[MOVED] += 0.5 * h * moved
-    state.ledger[TURNED] += 0.5 * h * turned
+    moved = turned = spread(0.0)
+    n = state.q.size
+    for i in range(0, n, LANES):
+        inertia = where(within(i, n), gather(state.inertia, i, n), 0.0)
+        v1, a1, v0, a0 = gather(state.v, i, n), gather(state.a, i, n), gather(v, i, n), gather(a, i, n)
+        moved += inertia * (v1 * v1 + v0 * v0)
+        turned += inertia * (a1 * a1 + a0 * a0)
+    state.ledger[MOVED] += 0.5 * h * total(moved)
+    state.ledger[TURNED] += 0.5 * h * total(turned)
 
 
 def oscillation_frequency(state: State) -> float:

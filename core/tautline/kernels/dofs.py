@@ -29,7 +29,7 @@ class Dofs(NamedTuple):
     ``free`` (n,) is the full degree of freedom that each unknown is, and ``tied`` lists those with masters;
     a master that is held stands in ``unknown`` as -1 less its full number, and ``carried`` lists what has such masters;
     ``held`` lists those that are fixed (``motion`` -1) or follow a function of time, and ``offset`` is added to it;
-    ``driven`` says which of ``held`` follow one. ``flowing`` lists held and tied ones whose rate counts at rest:
+    ``driven`` says which of ``held`` follow one. ``runs`` is `runs_of` of ``free``. ``flowing`` lists held and tied ones whose rate counts at rest:
     material that flows steadily past nodes that stand still.
     """
 
@@ -45,6 +45,23 @@ class Dofs(NamedTuple):
     free: np.ndarray
     tied: np.ndarray
     flowing: np.ndarray
+    runs: np.ndarray
+
+
+LONG = 8
+"""Unknowns of a run, in the mean, from which on runs are worth going through one by one."""
+
+
+def runs_of(free: np.ndarray) -> np.ndarray:
+    """Unknowns and degrees of freedom that follow one another side by side: first of both and count of each run (3 m,).
+
+    None where runs are short: then each unknown is looked up.
+    """
+    starts = np.flatnonzero(np.diff(free, prepend=-2) != 1)
+    if starts.size * LONG > free.size:
+        return np.zeros(0, np.int64)
+    counts = np.diff(starts, append=free.size)
+    return np.column_stack([starts, free[starts], counts]).astype(np.int64).ravel()
 
 
 DOFS = typeof(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
@@ -65,8 +82,13 @@ def prescribe(dofs, functions, t, q, v, a):
 @kernel(forceinline=True)
 def expand(dofs, reduced, full):
     """Write reduced unknowns into the full vector; held degrees of freedom are left as they are."""
-    for i in range(dofs.free.size):
-        full[dofs.free[i]] = reduced[i]
+    for k in range(0, dofs.runs.size, 3):
+        first, place, count = dofs.runs[k], dofs.runs[k + 1], dofs.runs[k + 2]
+        for i in range(count):
+            full[place + i] = reduced[first + i]
+    if dofs.runs.size == 0:
+        for i in range(dofs.free.size):
+            full[dofs.free[i]] = reduced[i]
     for i in dofs.tied:
         x = 0.0
         for k in range(dofs.start[i], dofs.start[i + 1]):
@@ -102,8 +124,13 @@ def keep_flowing(dofs, v, a):
 @kernel(forceinline=True)
 def reduce(dofs, full, reduced):
     """Sum full residuals into the reduced rows they belong to."""
-    for i in range(dofs.free.size):
-        reduced[i] = full[dofs.free[i]]
+    for k in range(0, dofs.runs.size, 3):
+        first, place, count = dofs.runs[k], dofs.runs[k + 1], dofs.runs[k + 2]
+        for i in range(count):
+            reduced[first + i] = full[place + i]
+    if dofs.runs.size == 0:
+        for i in range(dofs.free.size):
+            reduced[i] = full[dofs.free[i]]
     for i in dofs.tied:
         for k in range(dofs.start[i], dofs.start[i + 1]):
             if dofs.unknown[k] >= 0:

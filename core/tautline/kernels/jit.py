@@ -32,11 +32,6 @@ OPTIONS = {
 code that would allocate an array does not compile. The time loop allocates nothing, by construction. ``contract`` lets
 a product and a sum be one instruction with one rounding; no sum is reordered, and what is no number stays so."""
 
-REORDERED = False if UNFUSED else {"contract", "reassoc"}
-"""Of a kernel whose sum over all unknowns may be made of several at once: ``@kernel(fastmath=REORDERED)``."""
-ORDINARY = False if UNFUSED else {"contract", "nnan", "nsz"}
-"""Of a kernel that looks for the largest of numbers that are known to be numbers: several are compared at once."""
-
 
 def entry(function: Any = None, *, part: bool = False, **options: Any) -> Any:
     """Decorator of compiled code that Python calls: cached across processes, releases the GIL."""

@@ -13,6 +13,7 @@ from numba import typeof
 
 from tautline.kernels.band import (
     CAREFUL,
+    NARROW,
     eliminate,
     equilibrate,
     find_envelope,
@@ -21,12 +22,17 @@ from tautline.kernels.band import (
     substitute,
     substitute_between,
 )
-from tautline.kernels.blocks import Blocks, factorise_blocks, new_blocks, substitute_blocks
+from tautline.kernels.band_blocks import pack, room_for_blocks, solve_by_blocks
 from tautline.kernels.jit import entry, kernel
+from tautline.kernels.lanes import LANES
 from tautline.kernels.lapack import factorise_dense, solve_dense
+from tautline.kernels.node_blocks import NodeBlocks, factorise_nodes, new_node_blocks, solve_by_nodes
 
-EXCHANGED = 7
-"""Place among the ``integers`` of factors: how many rows of the band were exchanged."""
+EXCHANGED, PACKED, REACH = 7, 8, 9
+"""Places among the ``integers`` of factors: how many rows of the band were exchanged; what is known of the blocks
+(`FRESH` and so on), and how many of them stand beside each other."""
+FRESH, TRIED, IN_BLOCKS = range(3)
+"""Factors that nothing was solved with yet; once; and those that are packed, to be solved with again."""
 
 
 class Matrix(NamedTuple):
@@ -53,8 +59,9 @@ class Factors(NamedTuple):
     from the diagonal a column of the band's factors goes, ``right`` (n,) is the last column that a row reaches, and
     ``inverse`` (n,) is one over their diagonal. ``scale`` (n,) has made the diagonal of the band one: slopes and
     positions are of one size then, and rows are seldom exchanged, which would fill the band: only where a pivot is
-    below ``threshold`` of its column's largest entry. ``column`` (3 k + 1,) is scratch. ``blocks`` are the factors of a
-    band that is block tridiagonal, where it was made with such.
+    below ``threshold`` of its column's largest entry. ``column`` (3 k + 1,) is scratch. ``blocks`` are the band's
+    factors once more, as they are quickest to solve with (band_blocks.py). ``nodes`` are the factors of a matrix that
+    was made for a chain of nodes (node_blocks.py).
     """
 
     matrix: Matrix
@@ -69,11 +76,12 @@ class Factors(NamedTuple):
     integers: np.ndarray
     column: np.ndarray
     threshold: float
-    blocks: Blocks
+    blocks: np.ndarray
+    nodes: NodeBlocks
 
 
-NO_BLOCKS = np.zeros(1, np.int64)
-"""Starts of the blocks of a matrix that is factorised by columns."""
+NO_NODES = np.zeros(1, np.int64)
+"""Starts of the nodes of a matrix that is no chain of such."""
 
 
 def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
@@ -85,14 +93,16 @@ def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
 
 
 def new_factors(
-    size: int, bandwidth: int, border: int = 0, threshold: float = CAREFUL, blocks: np.ndarray = NO_BLOCKS
+    size: int, bandwidth: int, border: int = 0, threshold: float = CAREFUL, nodes: np.ndarray = NO_NODES
 ) -> Factors:
-    """Zero matrix with room for its factors; ``blocks`` (m + 1,) are the starts of the band's blocks and its size."""
+    """Zero matrix with room for its factors; ``nodes`` (m + 1,) are the starts of the band's nodes and its size."""
     return Factors(
         new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
         np.zeros((border, size - border)), *(np.zeros(size - border, np.int32) for _ in range(3)),
-        np.zeros(size - border), np.zeros(size - border), np.zeros(8, np.int32),
-        np.zeros(3 * bandwidth + 1), threshold, new_blocks(blocks),
+        np.zeros(size - border), np.zeros(size - border), np.zeros(10, np.int32),
+        np.zeros(3 * bandwidth + 1), threshold,
+        np.zeros(room_for_blocks(size - border, bandwidth) if bandwidth > NARROW and nodes.size == 1 else (2, 0)),
+        new_node_blocks(nodes),
     )  # fmt: skip
 
 
@@ -102,7 +112,8 @@ def cut(factors: Factors, first: int, last: int) -> Factors:
     each = {
         name: getattr(factors, name)[first:last] for name in ("pivots", "above", "below", "right", "inverse", "scale")
     }
-    return factors._replace(matrix=Matrix(band, none, none, np.zeros((0, 0))), columns=none, **each)
+    own = {"matrix": Matrix(band, none, none, np.zeros((0, 0))), "columns": none, "blocks": np.zeros((2, 0))}
+    return factors._replace(**own, **each)
 
 
 @kernel
@@ -168,12 +179,29 @@ def add_at(matrix, row, column, x):
         matrix.corner[column - n, row - n] += x
 
 
+@kernel
+def _pack(f, first, last):
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    f.integers[REACH] = pack(
+        f.matrix.band, f.above, f.below, f.inverse, f.scale, f.blocks, n, k, first, last, f.integers[REACH]
+    )
+
+
 @kernel(forceinline=True)
 def _substitute(f, n, k, x):
-    """Solve by the band's factors."""
-    if f.blocks.taken[0] == 1:
-        substitute_blocks(f.blocks, x)
+    """Solve by the band's factors: row by row what is solved with once, in blocks what is solved with again."""
+    if f.nodes.taken[0] == 1:
+        solve_by_nodes(f.nodes, x)
         return
+    if k > NARROW and f.blocks.size > 0 and f.integers[EXCHANGED] == 0:
+        count = (n + LANES - 1) // LANES
+        if f.integers[PACKED] == TRIED:
+            f.integers[REACH] = 1
+            _pack(f, 0, count)
+        f.integers[PACKED] = min(f.integers[PACKED] + 1, IN_BLOCKS)
+        if f.integers[PACKED] == IN_BLOCKS:
+            solve_by_blocks(f.blocks, f.integers[REACH], n, k, 0, count, x)
+            return
     substitute(
         f.matrix.band, f.pivots, f.above, f.below, f.inverse, f.scale, f.integers[EXCHANGED] > 0, n, k, x
     )  # fmt: skip
@@ -184,8 +212,9 @@ def factorise_matrix(factors):
     """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    f.integers[PACKED] = FRESH
     measure_diagonal(f.matrix.band, f.scale, n, k)
-    if f.blocks.starts.size == 1 or not factorise_blocks(f.matrix.band, f.blocks, f.scale, n, k):
+    if f.nodes.starts.size == 1 or not factorise_nodes(f.matrix.band, f.nodes, f.scale, n, k):
         equilibrate(f.matrix.band, f.scale, n, k)
         find_envelope(f.matrix.band, f.below, f.right, n, k)
         row, f.integers[EXCHANGED] = eliminate(
@@ -217,17 +246,27 @@ def renew_matrix(factors, matrix, first, last):
     Returns the columns that were made, or -1 where all has to be factorised.
     """
     n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
-    return renew(matrix.band, factors, n, k, first, last)
+    made = renew(matrix.band, factors, n, k, first, last)
+    if made > 0 and factors.integers[PACKED] == IN_BLOCKS:
+        begin = max(0, first - k)
+        beside = (k + LANES - 1) // LANES
+        end = (begin + made + LANES - 1) // LANES + beside
+        _pack(factors, max(0, begin // LANES - beside), min((n + LANES - 1) // LANES, end))
+    return made
 
 
 @entry
 def solve_rows(factors, x, first, last):
     """Solve for rows ``first`` to ``last`` - 1, as if the unknowns and right sides of all others were zero.
 
-    What is wrong with that is left in the rows beside them. The other places of ``x`` (n,) are scratch.
+    What is wrong with that is left in the rows beside them. The other places of ``x`` (n,) are scratch. Both ends are
+    to stand where blocks of `LANES` rows do.
     """
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    if f.integers[PACKED] == IN_BLOCKS:
+        solve_by_blocks(f.blocks, f.integers[REACH], n, k, first // LANES, (last + LANES - 1) // LANES, x)
+        return
     for j in range(last, min(n, last + k)):
         x[j] = 0.0
     for j in range(first, last):

@@ -403,6 +403,7 @@ def _with_held_free(dofs: Dofs, held: list[int]) -> Dofs:
         factor=np.array([factor for own in masters for _, factor in own], dtype=float),
         number=np.array(numbers, dtype=np.int64),
         free=np.concatenate((dofs.free, np.array(held, dtype=np.int64))),
+        runs=np.zeros(0, dtype=np.int64),
     )
 
 

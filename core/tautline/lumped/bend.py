@@ -9,9 +9,10 @@ import numpy as np
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, add_rows, gather, load_rows
 from tautline.lumped import generated
-from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_of, place, pull_back, slopes
-from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve, members
+from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_between, chord_of, place, pull_back, slopes
+from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve, held_arcs, members
 
 THREE = 9
 """Coordinates of a bend: x, u, v of three bodies."""
@@ -49,28 +50,31 @@ def _hole(g, i, q):
 @kernel
 def _residual(g, t, q, v, a, r):
     first, last = members(g.curve, SPAN, g.stiffness.size)
-    a2, below = chord_of(g.curve, first, q)
-    u2, v2 = across(first, q)
-    for i in range(first, last):
-        a1, above, u1, v1 = a2, below, u2, v2
-        a2, below = chord_of(g.curve, i + 1, q)
-        u2, v2 = across(i + 1, q)
-        h1, h2 = _hole(g, i, q)
-        _, d = generated.bend_gradient(g.length[i] + a1, u1, v1, g.length[i + 1] + a2, u2, v2, h1, h2)
-        f = g.stiffness[i]
-        for k in range(BOTH):
-            r[place(i, k)] += f * d[0] * above[k]
-            r[place(i, k + 3)] += f * d[3] * below[k]
-        r[place(i, 1)] -= f * d[1]
-        r[place(i, 2)] -= f * d[2]
-        r[place(i, 4)] += f * (d[1] - d[4])
-        r[place(i, 5)] += f * (d[2] - d[5])
-        r[place(i, 7)] += f * d[4]
-        r[place(i, 8)] += f * d[5]
+    for i in range(first, last, LANES):
+        one, two, three = load_rows(q, i, last), load_rows(q, i + 1, last + 1), load_rows(q, i + 2, last + 2)
+        arc1, arc2 = held_arcs(g.curve, i, last), held_arcs(g.curve, i + 1, last + 1)
+        arc3 = held_arcs(g.curve, i + 2, last + 2)
+        a1, above = chord_between(one, arc1, two, arc2)
+        a2, below = chord_between(two, arc2, three, arc3)
+        half = 0.5 * g.stiff
+        h1 = half * (arc3[2] + arc3[0] * three[0] - arc1[2] - arc1[0] * one[0])
+        h2 = half * (arc3[3] + arc3[1] * three[0] - arc1[3] - arc1[1] * one[0])
+        _, d = generated.bend_gradient(
+            gather(g.length, i, last) + a1, two[1] - one[1], two[2] - one[2],
+            gather(g.length, i + 1, last + 1) + a2, three[1] - two[1], three[2] - two[2], h1, h2,
+        )  # fmt: skip
+        f = gather(g.stiffness, i, last)
         # The turning of the hole from body to body changes as the ends move along it.
-        half = 0.5 * f * g.stiff
-        r[place(i, 0)] -= half * (d[6] * g.curve.seats[i].k1 + d[7] * g.curve.seats[i].k2)
-        r[place(i, 6)] += half * (d[6] * g.curve.seats[i + 2].k1 + d[7] * g.curve.seats[i + 2].k2)
+        upper, lower = d[0], d[3]
+        along1 = upper * above[0] - half * (d[6] * arc1[0] + d[7] * arc1[1])
+        along3 = lower * below[3] + half * (d[6] * arc3[0] + d[7] * arc3[1])
+        add_rows(r, i, last, f * along1, f * (upper * above[1] - d[1]), f * (upper * above[2] - d[2]), 0.0)
+        add_rows(
+            r, i + 1, last + 1, f * (upper * above[3] + lower * below[0]),
+            f * (upper * above[4] + lower * below[1] + d[1] - d[4]),
+            f * (upper * above[5] + lower * below[2] + d[2] - d[5]), 0.0,
+        )  # fmt: skip
+        add_rows(r, i + 2, last + 2, f * along3, f * (lower * below[4] + d[4]), f * (lower * below[5] + d[5]), 0.0)
 
 
 def bend_slopes() -> Slopes:

@@ -9,8 +9,9 @@ import numpy as np
 from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, add_rows, gather, load_fields, load_rows, total, where, within
 from tautline.lumped import generated
-from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, downward, hold_arcs, members, vertical_depth
+from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, downward, downward_of_four, held_arcs, hold_arcs, members, vertical_depth
 
 LUMP = np.dtype(
     [
@@ -47,43 +48,36 @@ def _begin(g, t, h, beta, gamma, q, v, a):
 
 
 @kernel
-def _add_damping(b, o, v, r):
-    r[o] += b.damping_along * v[o]
-    r[o + 1] += b.damping_across * v[o + 1]
-    r[o + 2] += b.damping_across * v[o + 2]
-    r[o + 3] += b.damping_about * v[o + 3]
-
-
-@kernel
 def _residual(g, t, q, v, a, r):
     first, last = members(g.curve, ALONE, g.lumps.size)
-    for i in range(first, last):
-        b, seat, o = g.lumps[i], g.curve.seats[i], PER_BODY * i
-        g1, g2, g3 = downward(g.curve, i, q[o])
-        part = generated.body_residual(
-            b.mass, b.polar, b.transverse, b.lateral_mass, b.weight,
-            seat.k1, seat.k2, g1, g2, g3, q[o + 1], q[o + 2], q[o + 3],
-            v[o], v[o + 1], v[o + 2], v[o + 3], a[o], a[o + 1], a[o + 2], a[o + 3],
+    for i in range(first, last, LANES):
+        mass, polar, transverse, lateral = load_fields(g.lumps.mass, i, last)
+        weight, along, across, about = load_fields(g.lumps.weight, i, last)
+        k1, k2, _, _ = held_arcs(g.curve, i, last)
+        (x, u, w, th), (dx, du, dw, dth) = load_rows(q, i, last), load_rows(v, i, last)
+        g1, g2, g3 = downward_of_four(g.curve, i, last, x)
+        r0, r1, r2, r3 = generated.body_residual(
+            mass, polar, transverse, lateral, weight, k1, k2, g1, g2, g3, u, w, th, dx, du, dw, dth,
+            *load_rows(a, i, last),
         )  # fmt: skip
-        for k in range(PER_BODY):
-            r[o + k] += part[k]
-        _add_damping(b, o, v, r)
+        add_rows(r, i, last, r0 + along * dx, r1 + across * du, r2 + across * dw, r3 + about * dth)
 
 
 @kernel
 def _eccentric_residual(g, t, q, v, a, r):
     first, last = members(g.curve, ALONE, g.lumps.size)
-    for i in range(first, last):
-        b, seat, o = g.lumps[i], g.curve.seats[i], PER_BODY * i
-        g1, g2, g3 = downward(g.curve, i, q[o])
-        part = generated.eccentric_body_residual(
-            b.mass, b.polar, b.transverse, b.lateral_mass, b.weight, b.e1, b.e2,
-            seat.k1, seat.k2, g1, g2, g3, q[o + 1], q[o + 2], q[o + 3],
-            v[o], v[o + 1], v[o + 2], v[o + 3], a[o], a[o + 1], a[o + 2], a[o + 3],
+    for i in range(first, last, LANES):
+        mass, polar, transverse, lateral = load_fields(g.lumps.mass, i, last)
+        weight, along, across, about = load_fields(g.lumps.weight, i, last)
+        e1, e2 = gather(g.lumps.e1, i, last), gather(g.lumps.e2, i, last)
+        k1, k2, _, _ = held_arcs(g.curve, i, last)
+        (x, u, w, th), (dx, du, dw, dth) = load_rows(q, i, last), load_rows(v, i, last)
+        g1, g2, g3 = downward_of_four(g.curve, i, last, x)
+        r0, r1, r2, r3 = generated.eccentric_body_residual(
+            mass, polar, transverse, lateral, weight, e1, e2, k1, k2, g1, g2, g3, u, w, th, dx, du, dw, dth,
+            *load_rows(a, i, last),
         )  # fmt: skip
-        for k in range(PER_BODY):
-            r[o + k] += part[k]
-        _add_damping(b, o, v, r)
+        add_rows(r, i, last, r0 + along * dx, r1 + across * du, r2 + across * dw, r3 + about * dth)
 
 
 @kernel
@@ -199,10 +193,12 @@ def _eccentric_energy(g, t, q, v, e):
 
 @kernel
 def _dissipation(g, t, q, v, p):
-    for i in range(g.lumps.size):
-        b, o = g.lumps[i], PER_BODY * i
-        p[0] += b.damping_along * v[o] ** 2 + b.damping_about * v[o + 3] ** 2
-        p[0] += b.damping_across * (v[o + 1] ** 2 + v[o + 2] ** 2)
+    last = g.lumps.size
+    for i in range(0, last, LANES):
+        _, along, across, about = load_fields(g.lumps.weight, i, last)
+        dx, du, dw, dth = load_rows(v, i, last)
+        lost = along * dx * dx + about * dth * dth + across * (du * du + dw * dw)
+        p[0] += total(where(within(i, last), lost, 0.0))
 
 
 register(

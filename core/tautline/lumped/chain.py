@@ -32,6 +32,18 @@ def chord_of(curve, i, q):
     )  # fmt: skip
 
 
+@kernel(forceinline=True)
+def chord_between(above, held_above, below, held_below):
+    """The same of four links, in lanes: bodies' coordinates (x, u, v, theta) and the arcs that they are held to."""
+    x1, u1, v1, _ = above
+    x2, u2, v2, _ = below
+    k11, k21, f11, f21 = held_above
+    k12, k22, f12, f22 = held_below
+    return generated.chord_gradient(
+        x1, u1, v1, x2, u2, v2, f11 + k11 * x1, f21 + k21 * x1, k11, k21, f12 + k12 * x2, f22 + k22 * x2, k12, k22
+    )
+
+
 @kernel
 def add_chord_hessian(curve, i, q, factor, corner, chord, hessian):
     """Add factor times the Hessian (6, 6) of the chord of link i to ``hessian`` from row and column ``corner`` on.

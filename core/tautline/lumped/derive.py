@@ -133,18 +133,19 @@ class _Printer(PythonCodePrinter):
 
 
 def _root_powers(expressions: list[sp.Expr]) -> tuple[list[tuple[sp.Symbol, sp.Expr]], list[sp.Expr]]:
-    """Name each square root once and write x^(n/2) as a power of it: pow() is dear."""
-    names: dict[sp.Expr, sp.Symbol] = {}
+    """Name each square root once and write x^(n/2) as a power of it, or of one over it: pow() and divisions are dear."""
+    names: dict[sp.Expr, tuple[sp.Symbol, sp.Symbol]] = {}
 
     def half(e: sp.Expr) -> bool:
         return e.is_Pow and e.exp.is_Rational and e.exp.q == 2
 
     def named(e: sp.Expr) -> sp.Expr:
-        symbol = names.setdefault(e.base, sp.Symbol(f"root{len(names) + 1}"))
-        return symbol**e.exp.p
+        number = len(names) + 1
+        root, over = names.setdefault(e.base, (sp.Symbol(f"root{number}"), sp.Symbol(f"over{number}")))
+        return root**e.exp.p if e.exp > 0 else over ** (-e.exp.p)
 
     replaced = [e.replace(half, named) for e in expressions]
-    return [(symbol, sp.sqrt(base)) for base, symbol in names.items()], replaced
+    return [(root, sp.sqrt(base)) for base, (root, _) in names.items()], replaced
 
 
 def _function(name: str, arguments: str, doc: str, outputs: list[tuple[str, sp.Expr]], returns: str = "") -> str:
@@ -161,6 +162,9 @@ def _function(name: str, arguments: str, doc: str, outputs: list[tuple[str, sp.E
             lines.append(f"    {symbol} = {printer.doprint(expression)}")
             pending.remove((symbol, expression))
         lines.append(f"    {root} = {printer.doprint(value)}")
+        over = sp.Symbol(str(root).replace("root", "over"))
+        if any(e.has(over) for e in [*reduced, *(e for _, e in common)]):
+            lines.append(f"    {over} = 1.0/{root}")
     assert done == set(root_of)
     lines += [f"    {symbol} = {printer.doprint(expression)}" for symbol, expression in pending]
     for (target, _), expression in zip(outputs, reduced[len(roots) :], strict=True):
@@ -246,7 +250,7 @@ def _gradient_kernels(
 
 def source() -> str:
     """The whole text of ``generated.py``, without its hash line."""
-    parts = ["from math import cos, sin, sqrt\n\nfrom tautline.kernels.jit import kernel\n"]
+    parts = ["from tautline.kernels.jit import kernel\nfrom tautline.kernels.lanes import cos, sin, sqrt\n"]
     parts += _body_kernels("body", eccentric=False)
     parts += _body_kernels("eccentric_body", eccentric=True)
     value, coordinates, held = chord()

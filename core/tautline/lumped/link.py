@@ -9,9 +9,10 @@ import numpy as np
 from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, add_rows, gather, load_rows, total, where, within
 from tautline.lumped import generated
-from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_of, place, pull_back, slopes
-from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve, members
+from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_between, chord_of, place, pull_back, slopes
+from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve, held_arcs, members
 
 SPRING = np.dtype([(name, np.float64) for name in ("length", "axial", "torsional")])
 """A link: unstretched length m; axial stiffness EA / l0 N/m; torsional stiffness GJ / l0 N m/rad."""
@@ -52,20 +53,41 @@ def _rate(i, v, gradient):
     return rate
 
 
+@kernel(forceinline=True)
+def _four(g, i, last, q):
+    """Stretch of links i to i + 3, m, its gradient (6,), and the twist, rad, in lanes."""
+    above, below = load_rows(q, i, last), load_rows(q, i + 1, last + 1)
+    a, slope = chord_between(above, held_arcs(g.curve, i, last), below, held_arcs(g.curve, i + 1, last + 1))
+    length = gather(g.springs.length, i, last)
+    stretch, d = generated.link_stretch_gradient(length, a, below[1] - above[1], below[2] - above[2])
+    gradient = (
+        d[0] * slope[0], d[0] * slope[1] - d[1], d[0] * slope[2] - d[2],
+        d[0] * slope[3], d[0] * slope[4] + d[1], d[0] * slope[5] + d[2],
+    )  # fmt: skip
+    return stretch, gradient, below[3] - above[3]
+
+
+@kernel(forceinline=True)
+def _rate_of_four(i, last, v, d):
+    """Rates of the stretch, m/s, and of the twist, rad/s, in lanes."""
+    above, below = load_rows(v, i, last), load_rows(v, i + 1, last + 1)
+    rate = d[0] * above[0] + d[1] * above[1] + d[2] * above[2] + d[3] * below[0] + d[4] * below[1] + d[5] * below[2]
+    return rate, below[3] - above[3]
+
+
 @kernel
 def _residual(g, t, q, v, a, r):
     first, last = members(g.curve, SPAN, g.springs.size)
-    for i in range(first, last):
-        stretch, gradient = stretch_of(g, i, q)
-        tension = g.springs[i].axial * stretch
-        twist = q[PER_BODY * (i + 1) + 3] - q[PER_BODY * i + 3]
+    for i in range(first, last, LANES):
+        stretch, d, twist = _four(g, i, last, q)
+        axial, torsional = gather(g.springs.axial, i, last), gather(g.springs.torsional, i, last)
         if g.damping > 0.0:
-            tension += g.springs[i].axial * g.damping * _rate(i, v, gradient)
-            twist += g.damping * (v[PER_BODY * (i + 1) + 3] - v[PER_BODY * i + 3])
-        for k in range(BOTH):
-            r[place(i, k)] += tension * gradient[k]
-        r[PER_BODY * i + 3] -= g.springs[i].torsional * twist
-        r[PER_BODY * (i + 1) + 3] += g.springs[i].torsional * twist
+            rate, turning = _rate_of_four(i, last, v, d)
+            stretch += g.damping * rate
+            twist += g.damping * turning
+        tension, torque = axial * stretch, torsional * twist
+        add_rows(r, i, last, tension * d[0], tension * d[1], tension * d[2], -torque)
+        add_rows(r, i + 1, last + 1, tension * d[3], tension * d[4], tension * d[5], torque)
 
 
 def link_slopes() -> Slopes:
@@ -128,10 +150,13 @@ def _energy(g, t, q, v, e):
 @kernel
 def _dissipation(g, t, q, v, p):
     if g.damping > 0.0:
-        for i in range(g.springs.size):
-            _, gradient = stretch_of(g, i, q)
-            p[0] += g.damping * g.springs[i].axial * _rate(i, v, gradient) ** 2
-            p[0] += g.damping * g.springs[i].torsional * (v[PER_BODY * (i + 1) + 3] - v[PER_BODY * i + 3]) ** 2
+        last = g.springs.size
+        for i in range(0, last, LANES):
+            _, d, _ = _four(g, i, last, q)
+            rate, turning = _rate_of_four(i, last, v, d)
+            lost = gather(g.springs.axial, i, last) * rate * rate
+            lost += gather(g.springs.torsional, i, last) * turning * turning
+            p[0] += g.damping * total(where(within(i, last), lost, 0.0))
 
 
 register(Links, residual=_residual, tangent=_tangent, energy=_energy, dissipation=_dissipation)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tautline.kernels.blocks import ROWS
-from tautline.kernels.lanes import WIDTH
-from tautline.kernels.matrix import NO_BLOCKS
+from tautline.kernels.lanes import LANES
+from tautline.kernels.matrix import NO_NODES
+from tautline.kernels.node_blocks import ROWS
 from tautline.system.masters import Masters
 
 LOCAL = 60
@@ -49,7 +49,7 @@ class Pattern:
         inner = np.maximum(self.row, self.column) < self.size - border
         return int(np.abs(self.row - self.column)[inner].max(initial=0))
 
-    def blocks(self, border: int = 0) -> np.ndarray:
+    def nodes(self, border: int = 0) -> np.ndarray:
         """Divide the band into blocks each of which is coupled with its neighbours only: starts, and the band's size.
 
         The least of the largest blocks, then the fewest. (1,) where these have more rows than `ROWS`, or so few that
@@ -63,9 +63,9 @@ class Pattern:
         ends = np.flatnonzero(beyond == np.arange(1, size + 1)) + 1
         parts = [_divided(beyond[begin:end] - begin) for begin, end in zip([0, *ends[:-1]], ends, strict=True)]
         if any(part is None for part in parts) or not parts:
-            return NO_BLOCKS
+            return NO_NODES
         starts = np.concatenate([[0], *(begin + part[1:] for begin, part in zip([0, *ends[:-1]], parts, strict=True))])
-        return starts if starts.size > LEAST_BLOCKS and np.diff(starts).max() > WIDTH else NO_BLOCKS
+        return starts if starts.size > LEAST_BLOCKS and np.diff(starts).max() > LANES else NO_NODES
 
     def toarray(self) -> np.ndarray:
         """In full (size, size): 1 where an entry may differ from zero."""

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tautline.kernels.dofs import Dofs
+from tautline.kernels.dofs import Dofs, runs_of
 from tautline.kernels.groups import laid_out, link, without_friction
-from tautline.kernels.matrix import NO_BLOCKS
+from tautline.kernels.matrix import NO_NODES
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.masters import Masters
 from tautline.system.pattern import Pattern, narrow, pattern_of
@@ -101,7 +101,7 @@ class System:
         Entries of the mass matrix that may differ from zero.
     border : int
         Unknowns, the last ones, that are kept out of the band because too many others depend on them.
-    blocks : (m + 1,) int array
+    nodes : (m + 1,) int array
         Starts of the blocks by which the band is block tridiagonal, and its size; (1,) where it is not.
     algebraic : (k,) int array
         Reduced unknowns that are multipliers.
@@ -131,7 +131,7 @@ class System:
     mass_bandwidth: int
     mass_pattern: Pattern
     border: int = 0
-    blocks: np.ndarray = field(default_factory=lambda: NO_BLOCKS)
+    nodes: np.ndarray = field(default_factory=lambda: NO_NODES)
     algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     places: list[str] = field(default_factory=list)
     force: float = 0.0
@@ -230,7 +230,7 @@ def assemble(
         mass_bandwidth=numbering.mass_bandwidth,
         mass_pattern=mass_pattern,
         border=border,
-        blocks=numbering.blocks,
+        nodes=numbering.nodes,
         algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
         places=list(degrees.names),
         window=window if window is not None and numbering.in_one_piece else np.zeros(0, np.int64),
@@ -286,7 +286,7 @@ class Numbering(NamedTuple):
     mass_bandwidth: int
     mass_pattern: Pattern
     border: int
-    blocks: np.ndarray
+    nodes: np.ndarray
     mass_couples_held: bool
     in_one_piece: bool
 
@@ -314,7 +314,7 @@ def _numbering(structure: Structure) -> Numbering:
     return Numbering(
         dofs, free[order], number, rank, pattern.width(border),
         (mass_pattern if border == 0 else pattern).width(border), mass_pattern, border,
-        pattern.blocks(border), any(_couples(masters, s) for s in mass_stencils),
+        pattern.nodes(border), any(_couples(masters, s) for s in mass_stencils),
         dofs.tied.size == border == 0 and in_order,
     )  # fmt: skip
 
@@ -336,6 +336,7 @@ def _dofs(degrees: Degrees, masters: Masters, free: np.ndarray, rank: np.ndarray
         free=free,
         tied=np.array(sorted(degrees.masters), dtype=np.int64),
         flowing=np.array(sorted(flowing), dtype=np.int64),
+        runs=runs_of(free),
     )
 
 
@@ -359,7 +360,7 @@ def number_by_mass(system: System) -> MassNumbering:
     rank = np.argsort(order)
     dofs = system.dofs
     renumbered = dofs._replace(
-        unknown=_moved(dofs.unknown, rank), number=_moved(dofs.number, rank), free=dofs.free[order],
+        unknown=_moved(dofs.unknown, rank), number=_moved(dofs.number, rank), free=dofs.free[order], runs=runs_of(dofs.free[order]),
     )  # fmt: skip
     return MassNumbering(renumbered, order, system.mass_pattern.renumbered(rank).width(border), border)
 

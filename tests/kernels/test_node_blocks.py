@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tautline.kernels.blocks import ROWS
-from tautline.kernels.matrix import NO_BLOCKS, factorise_matrix, new_factors, solve_matrix
+from tautline.kernels.matrix import NO_NODES, factorise_matrix, new_factors, solve_matrix
+from tautline.kernels.node_blocks import ROWS
 from tautline.system.pattern import Pattern
 
 REFUSED, TAKEN = 0, 1
@@ -29,7 +29,7 @@ def factorised(full, starts, border=0):
     banded = full[: n - border, : n - border]
     rows, columns = np.nonzero(banded)
     k = int(np.abs(rows - columns).max())
-    factors = new_factors(n, k, border, blocks=starts)
+    factors = new_factors(n, k, border, nodes=starts)
     matrix = factors.matrix
     for i, j in zip(rows, columns, strict=True):
         matrix.band[j, 2 * k + i - j] = full[i, j]
@@ -55,7 +55,7 @@ def test_blocks_solve_what_the_matrix_says(sizes, spread):
     rng = np.random.default_rng(len(sizes))
     full, starts = block_tridiagonal(sizes, rng, spread)
     factors = factorised(full, starts)
-    assert factors.blocks.taken[0] == TAKEN
+    assert factors.nodes.taken[0] == TAKEN
     scale = np.sqrt(np.abs(np.diagonal(full)))
     for _ in range(3):
         exact = rng.uniform(-1.0, 1.0, full.shape[0]) / scale
@@ -70,7 +70,7 @@ def test_a_border_goes_with_blocks():
     full[:n, :n], full[:n, n:], full[n:, :n] = inner, rng.uniform(-1, 1, (n, 2)), rng.uniform(-1, 1, (2, n))
     full[n:, n:] = [[9.0, 1.0], [-1.0, 7.0]]
     factors = factorised(full, starts, border=2)
-    assert factors.blocks.taken[0] == TAKEN
+    assert factors.nodes.taken[0] == TAKEN
     exact = rng.uniform(-1.0, 1.0, n + 2)
     assert np.allclose(solved(factors, full @ exact), exact, rtol=0.0, atol=1e-12)
 
@@ -79,7 +79,7 @@ def test_a_zero_on_the_diagonal_is_passed_by_within_its_block():
     full, starts = block_tridiagonal((6,) * 4, np.random.default_rng(2))
     full[7, 7] = 0.0
     factors = factorised(full, starts)
-    assert factors.blocks.taken[0] == TAKEN
+    assert factors.nodes.taken[0] == TAKEN
     exact = np.linspace(-1.0, 1.0, full.shape[0])
     assert np.allclose(solved(factors, full @ exact), exact, rtol=0.0, atol=1e-12)
 
@@ -90,7 +90,7 @@ def test_a_block_that_needs_rows_of_the_next_is_refused_and_solved_by_columns(sm
     full, starts = block_tridiagonal((6,) * 4, np.random.default_rng(3))
     full[:6, :6] = np.ones((6, 6)) + small * np.eye(6)
     factors = factorised(full, starts)
-    assert factors.blocks.taken[0] == REFUSED
+    assert factors.nodes.taken[0] == REFUSED
     exact = np.linspace(-1.0, 1.0, full.shape[0])
     assert np.allclose(solved(factors, full @ exact), exact, rtol=0.0, atol=1e-10)
 
@@ -105,7 +105,7 @@ def test_factors_that_were_refused_once_are_taken_again():
     for i, j in zip(*np.nonzero(full), strict=True):
         factors.matrix.band[j, 2 * k + i - j] = full[i, j]
     assert factorise_matrix(factors) == 0
-    assert factors.blocks.taken[0] == TAKEN
+    assert factors.nodes.taken[0] == TAKEN
     exact = np.linspace(-1.0, 1.0, full.shape[0])
     assert np.allclose(solved(factors, full @ exact), exact, rtol=0.0, atol=1e-12)
 
@@ -117,13 +117,13 @@ def _pattern(full):
 @pytest.mark.parametrize("sizes", [(3, 6, 6, 6, 3), (6,) * 9, (3, 6, 6, 6, 6, 6), (7,) * 5])
 def test_a_chain_of_nodes_is_divided_into_its_nodes(sizes):
     full, starts = block_tridiagonal(sizes, np.random.default_rng(5))
-    assert np.array_equal(_pattern(full).blocks(), starts)
+    assert np.array_equal(_pattern(full).nodes(), starts)
 
 
 @pytest.mark.parametrize("sizes", [(2,) * 20, (9,) * 9, (6, 6), (1,)])
 def test_what_is_too_narrow_too_wide_or_too_short_has_no_blocks(sizes):
     full, _ = block_tridiagonal(sizes, np.random.default_rng(6))
-    assert np.array_equal(_pattern(full).blocks(), NO_BLOCKS)
+    assert np.array_equal(_pattern(full).nodes(), NO_NODES)
     assert ROWS == 8
 
 
@@ -132,9 +132,9 @@ def test_parts_that_are_not_coupled_at_all_are_divided_too():
     n = one.shape[0]
     full = np.zeros((2 * n, 2 * n))
     full[:n, :n] = full[n:, n:] = one
-    starts = _pattern(full).blocks()
+    starts = _pattern(full).nodes()
     assert starts[0] == 0 and starts[-1] == 2 * n and np.diff(starts).max() <= ROWS
     factors = factorised(full, starts)
-    assert factors.blocks.taken[0] == TAKEN
+    assert factors.nodes.taken[0] == TAKEN
     exact = np.linspace(-1.0, 1.0, 2 * n)
     assert np.allclose(solved(factors, full @ exact), exact, rtol=0.0, atol=1e-12)

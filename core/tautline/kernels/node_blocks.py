@@ -18,15 +18,15 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import WIDTH, load, spread, store
+from tautline.kernels.lanes import LANES, load, spread, store
 
-ROWS = 2 * WIDTH
+ROWS = 2 * LANES
 """Most rows of a block, and places of a column in memory: two registers."""
 GROWTH = 100.0
 """Largest entry of G, the matrix being scaled to a unit diagonal, with which factors are taken."""
 
 
-class Blocks(NamedTuple):
+class NodeBlocks(NamedTuple):
     """Factors of a block tridiagonal matrix.
 
     Block i is of unknowns ``starts[i]`` to ``starts[i + 1]`` - 1; ``starts`` is (1,) where a matrix has no blocks.
@@ -46,11 +46,11 @@ class Blocks(NamedTuple):
     work: np.ndarray
 
 
-def new_blocks(starts: np.ndarray) -> Blocks:
+def new_node_blocks(starts: np.ndarray) -> NodeBlocks:
     """Room for the factors of a matrix that is divided so; none for ``starts`` (1,)."""
     count, size = starts.size - 1, int(starts[-1])
     stride = ROWS * int(np.diff(starts).max(initial=0))
-    return Blocks(
+    return NodeBlocks(
         starts.astype(np.int64), stride, *(np.zeros(count * stride) for _ in range(3)), np.zeros(1, np.int64),
         np.zeros(size + ROWS if count else 0), np.zeros(ROWS * count), np.zeros((3, ROWS * ROWS if count else 0)),
     )  # fmt: skip
@@ -75,7 +75,7 @@ def _product(m, at, columns, x, place):
 
 
 @kernel
-def substitute_blocks(f, x):
+def solve_by_nodes(f, x):
     """Solve by the factors; ``x`` holds the right side before and the solution after."""
     starts, stride, right, steps = f.starts, f.stride, f.right, f.steps
     count, n = starts.size - 1, starts[starts.size - 1]
@@ -161,7 +161,7 @@ def _invert(s, size, scale, first, pivots):
 
 
 @kernel
-def factorise_blocks(band, f, scale, n, k):
+def factorise_nodes(band, f, scale, n, k):
     """Make the factors of a band (n, 3 k + 1), which stays as it is; ``scale`` (n,) is one over its diagonal's roots.
 
     Returns whether they are taken.

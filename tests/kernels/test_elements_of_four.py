@@ -5,6 +5,7 @@ import pytest
 
 from tautline.cable.model.elements import records
 from tautline.elements.bending import BENDING, new_bending
+from tautline.elements.cubic import members
 from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.tension import TENSION, new_tension
 from tautline.kernels import groups as over
@@ -33,15 +34,15 @@ def _operations(x, y, out):
     a, b = lanes.load(x, 0), lanes.load(y, 0)
     lanes.store(out, 0, a + b * 2.0 - 1.0 / a)
     lanes.store(out, 4, -a / (3.0 - b))
-    lanes.store(out, 8, lanes.root(a) + 1)
-    lanes.store(out, 12, lanes.where_negative(b, a, lanes.spread(0.5)))
-    lanes.store(out, 16, lanes.gather(x, (3, 1, 1, 0), 1))
-    lanes.scatter(out, (20, 20, 22, 20), 1, a)
+    lanes.store(out, 8, lanes.sqrt(a) + 1)
+    lanes.store(out, 12, lanes.where(b < 0.0, a, 0.5))
+    lanes.store(out, 16, lanes.collect(x, (3, 1, 1, 0), 1))
+    lanes.add_to(out, (20, 20, 22, 20), 1, a)
 
 
 @entry
 def _members(n, count, places, counts):
-    each, counted = lanes.members(n, count)
+    each, counted = members(n, count)
     for k in range(4):
         places[k] = each[k]
     lanes.store(counts, 0, counted)
@@ -60,7 +61,7 @@ def test_operations_act_lane_by_lane():
 @pytest.mark.parametrize("count", range(1, 10))
 def test_every_member_of_a_group_counts_once(count):
     counted = np.zeros(count)
-    for n in range(0, count, lanes.WIDTH):
+    for n in range(0, count, lanes.LANES):
         places, counts = np.zeros(4, np.int64), np.zeros(4)
         _members(n, count, places, counts)
         np.add.at(counted, places, counts)
@@ -70,7 +71,7 @@ def test_every_member_of_a_group_counts_once(count):
 def _all_free(size):
     """Unknowns that are all degrees of freedom there are."""
     each, none = np.arange(size), np.zeros(0, np.int64)
-    return Dofs(np.arange(size + 1), each, np.ones(size), each, none, none, np.zeros(0), none, none, each, none, none)
+    return Dofs(np.arange(size + 1), each, np.ones(size), each, none, none, np.zeros(0), none, none, each, none, none, none)
 
 
 def _rope(count, rng):

@@ -1,0 +1,236 @@
+"""The laws of friction at four contacts at a time, in lanes: what a step asks of all contacts of a string.
+
+The laws are those of friction.py, which says what their rows are. Where a contact changes its status, which is seldom,
+that file's functions are asked for it alone; so are tangents. Every law offers
+
+- ``ready(law, i, last, h, beta, gamma, touch, along_rate, around_rate)`` at the start of an attempt of a step,
+- ``restless(law, i, last, touch, converged)``: a mask of the contacts whose ``status`` is to be asked,
+- ``resist(law, i, last, touch)``: the friction force on the pipe along and around, N,
+- ``accept(law, i, last, touch)``: the step is accepted; the friction force of the accepted state.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drillstring.groups.friction import HELD, SLIP, STICK, STIFFNESS, Karnopp, Projection, Regularised, prepare
+from drillstring.groups.sliding import Sliding
+from tautline.kernels.dispatch import by_type
+from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import (
+    LANES,
+    any_of,
+    equals,
+    exp,
+    gather,
+    lane,
+    larger,
+    load_fields,
+    negated,
+    scatter,
+    sqrt,
+    where,
+    within,
+)
+
+NEVER = float(np.inf)
+"""What no force is above."""
+
+
+class Slip(NamedTuple):
+    """What a law of friction asks of a contact: normal force N, slip velocity along and around m/s."""
+
+    normal: float
+    along: float
+    around: float
+
+
+@kernel(forceinline=True)
+def slip_of(touch, k):
+    """That of lane k."""
+    return Slip(lane(touch.normal, k), lane(touch.along, k), lane(touch.around, k))
+
+
+# -- projection ------------------------------------------------------------------------------------------------------
+
+
+@kernel(forceinline=True)
+def _ready_projection(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
+    rows = law.rows
+    static, kinetic, mass, links = load_fields(rows.static, i, last)
+    force_a, force_c, _, _ = load_fields(rows.force_a, i, last)
+    sticks = equals(rows.settled, i, last, STICK)
+    change(rows.status, i, last, sticks, HELD)
+    change(rows.status, i, last, negated(sticks), SLIP)
+    scatter(rows.factor, i, last, where(sticks, static, kinetic))
+    for k in range(i, min(i + LANES, last)):
+        rows[k].dropped = rows[k].reversed = rows[k].forced = 0
+    scatter(rows.slip_a, i, last, touch.along)
+    scatter(rows.slip_c, i, last, touch.around)
+    if gamma > 0.0:
+        scatter(rows.c, i, last, (STIFFNESS / gamma) * (mass * beta + links))
+    free = (force_a == 0.0) & (force_c == 0.0)
+    x, y = where(free, touch.along, -force_a), where(free, touch.around, -force_c)
+    # Of the direction only the sign of its product with the slip is ever asked for.
+    scatter(rows.nx, i, last, x)
+    scatter(rows.ny, i, last, y)
+
+
+@kernel(forceinline=True)
+def change(array, i, last, mask, value):
+    """Set whole numbers of contacts where the mask says yes; nothing is written that stands there already."""
+    if any_of(mask & negated(equals(array, i, last, value))):
+        chosen = where(mask, 1.0, 0.0)
+        for k in range(i, min(i + LANES, last)):
+            if lane(chosen, k - i) > 0.0:
+                array[k] = value
+
+
+@kernel(forceinline=True)
+def _trial(law, i, last, touch):
+    """Force that would hold each contact, turned round, N, its size squared, and the factor of friction."""
+    force_a, force_c, _, _ = load_fields(law.rows.force_a, i, last)
+    _, _, factor, c = load_fields(law.rows.nx, i, last)
+    x, y = c * touch.along - force_a, c * touch.around - force_c
+    return x, y, x * x + y * y, factor
+
+
+@kernel(forceinline=True)
+def _restless_projection(law, i, last, touch, converged):
+    rows = law.rows
+    slips, presses = equals(rows.status, i, last, SLIP), touch.normal > 0.0
+    x, y, square, factor = _trial(law, i, last, touch)
+    limit = factor * touch.normal
+    sticks = presses & equals(rows.status, i, last, STICK) & (square <= limit * limit)
+    nx, ny, _, _ = load_fields(rows.nx, i, last)
+    # Of pipe that is clear of the wall nothing is to be done once its direction of slip is forgotten.
+    clear = negated(presses) & slips & (nx == 0.0) & (ny == 0.0)
+    slides = presses & slips
+    if converged:
+        _, _, slip_a, slip_c = load_fields(rows.force_a, i, last)
+        goes_on = equals(rows.settled, i, last, SLIP) & (touch.along * slip_a + touch.around * slip_c >= 0.0)
+        return within(i, last) & negated(clear | sticks | (slides & goes_on))
+    held = presses & equals(rows.status, i, last, HELD)
+    goes_on = slides & (touch.along * nx + touch.around * ny >= 0.0)
+    if any_of(held):
+        change(rows.status, i, last, held, STICK)
+    if any_of(goes_on):
+        turned = goes_on & (square > 0.0)
+        scatter(rows.nx, i, last, where(turned, x, nx))
+        scatter(rows.ny, i, last, where(turned, y, ny))
+    return within(i, last) & negated(clear | sticks | held | goes_on)
+
+
+@kernel(forceinline=True)
+def _resist_projection(law, i, last, touch):
+    x, y, square, factor = _trial(law, i, last, touch)
+    slips = equals(law.rows.status, i, last, SLIP)
+    share = where(slips, factor * touch.normal / sqrt(where(square > 0.0, square, 1.0)), 1.0)
+    return -share * x, -share * y
+
+
+@kernel(forceinline=True)
+def _accept_projection(law, i, last, touch):
+    rows = law.rows
+    presses = touch.normal > 0.0
+    along, around = _resist_projection(law, i, last, touch)
+    along, around = where(presses, along, 0.0), where(presses, around, 0.0)
+    slips = negated(presses) | equals(rows.status, i, last, SLIP)
+    scatter(rows.force_a, i, last, along)
+    scatter(rows.force_c, i, last, around)
+    change(rows.settled, i, last, slips, SLIP)
+    change(rows.settled, i, last, negated(slips), STICK)
+    return along, around
+
+
+# -- Karnopp ---------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def _ready_karnopp(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
+    for k in range(i, min(i + LANES, last)):
+        prepare(law, k, h, beta, gamma, slip_of(touch, k - i), lane(along_rate, k - i), lane(around_rate, k - i))
+
+
+@kernel(forceinline=True)
+def _resist_karnopp(law, i, last, touch):
+    rows = law.rows
+    size = sqrt(touch.along * touch.along + touch.around * touch.around)
+    share = gather(rows.kinetic, i, last) * touch.normal / where(size > 0.0, size, 1.0)
+    held = gather(rows.held, i, last) == 1
+    along = where(held, gather(rows.force_a, i, last), -share * touch.along)
+    return along, where(held, gather(rows.force_c, i, last), -share * touch.around)
+
+
+@kernel(forceinline=True)
+def _accept_karnopp(law, i, last, touch):
+    along, around = _resist_karnopp(law, i, last, touch)
+    presses = touch.normal > 0.0
+    along, around = where(presses, along, 0.0), where(presses, around, 0.0)
+    scatter(law.rows.settled_a, i, last, along)
+    scatter(law.rows.settled_c, i, last, around)
+    return along, around
+
+
+# -- regularised, sliding --------------------------------------------------------------------------------------------
+
+
+@kernel(forceinline=True)
+def _resist_regularised(law, i, last, touch):
+    size = sqrt(touch.along * touch.along + touch.around * touch.around)
+    static, kinetic = gather(law.static, i, last), gather(law.kinetic, i, last)
+    creeps = size < law.slip_velocity
+    ratio = static / law.slip_velocity
+    if any_of(negated(creeps)):
+        fade = exp(-larger(size - law.slip_velocity, 0.0) / law.decay_velocity)
+        mu = kinetic + (static - kinetic) * fade
+        ratio = where(creeps, ratio, mu / where(creeps, 1.0, size))
+    return -ratio * touch.normal * touch.along, -ratio * touch.normal * touch.around
+
+
+@kernel(forceinline=True)
+def _resist_sliding(law, i, last, touch):
+    push = gather(law.rows.factor, i, last) * touch.normal
+    return push * gather(law.rows.along, i, last), push * gather(law.rows.around, i, last)
+
+
+@kernel(forceinline=True)
+def _accept_as_is(law, i, last, touch):
+    return resist(law, i, last, touch)
+
+
+@kernel(forceinline=True)
+def _nothing_to_make_ready(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
+    return
+
+
+@kernel(forceinline=True)
+def _never_restless(law, i, last, touch, converged):
+    return touch.normal > NEVER
+
+
+ready = by_type(
+    {
+        Projection: _ready_projection, Karnopp: _ready_karnopp, Regularised: _nothing_to_make_ready,
+        Sliding: _nothing_to_make_ready,
+    }
+)  # fmt: skip
+restless = by_type(
+    {
+        Projection: _restless_projection, Karnopp: _never_restless, Regularised: _never_restless,
+        Sliding: _never_restless,
+    }
+)  # fmt: skip
+resist = by_type(
+    {
+        Projection: _resist_projection, Karnopp: _resist_karnopp, Regularised: _resist_regularised,
+        Sliding: _resist_sliding,
+    }
+)  # fmt: skip
+accept = by_type(
+    {
+        Projection: _accept_projection, Karnopp: _accept_karnopp, Regularised: _accept_as_is, Sliding: _accept_as_is,
+    }
+)  # fmt: skip
