@@ -34,7 +34,6 @@ from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.matrix import (
-    NO_NODES,
     Factors,
     Matrix,
     clear,
@@ -104,13 +103,11 @@ def corrector(
     n = system.size
     unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
     rows = rows_of(system, in_parts=not (by_energy or full))
-    # Factors of a part of the rows are made anew by columns, not by nodes.
-    how = (BOLD, NO_NODES) if isinstance(rows, Window) else (CAREFUL, system.nodes)
     return Corrector(
         float(tolerance), float(contraction), int(full), float(unit), int(by_energy), int(max_iterations),
         system.scale,
         new_matrix(n, system.bandwidth, system.border),
-        new_factors(n, system.bandwidth, system.border, *how),
+        new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
         new_changed(), np.zeros(1, np.int64), np.zeros(1), rows,
     )  # fmt: skip

@@ -26,16 +26,11 @@ NARROW = 3
 
 
 @kernel
-def measure_diagonal(band, scale, n, k):
-    """Write one over the square roots of the diagonal to ``scale`` (n,), 1 where it is zero."""
+def equilibrate(band, scale, n, k):
+    """Scale rows and columns by one over the square root of the diagonal; ``scale`` (n,) keeps by what."""
     for j in range(n):
         size = abs(band[j, 2 * k])
         scale[j] = 1.0 / sqrt(size) if size > 0.0 else 1.0
-
-
-@kernel
-def equilibrate(band, scale, n, k):
-    """Scale rows and columns by ``scale`` (n,)."""
     for j in range(n):
         column = band[j]
         first, last = max(0, j - k), min(n, j + k + 1)

@@ -17,7 +17,6 @@ from tautline.kernels.band import (
     eliminate,
     equilibrate,
     find_envelope,
-    measure_diagonal,
     renew,
     substitute,
     substitute_between,
@@ -26,7 +25,6 @@ from tautline.kernels.band_blocks import pack, room_for_blocks, solve_by_blocks
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lanes import LANES
 from tautline.kernels.lapack import factorise_dense, solve_dense
-from tautline.kernels.node_blocks import NodeBlocks, factorise_nodes, new_node_blocks, solve_by_nodes
 
 EXCHANGED, PACKED, REACH = 7, 8, 9
 """Places among the ``integers`` of factors: how many rows of the band were exchanged; what is known of the blocks
@@ -60,8 +58,7 @@ class Factors(NamedTuple):
     ``inverse`` (n,) is one over their diagonal. ``scale`` (n,) has made the diagonal of the band one: slopes and
     positions are of one size then, and rows are seldom exchanged, which would fill the band: only where a pivot is
     below ``threshold`` of its column's largest entry. ``column`` (3 k + 1,) is scratch. ``blocks`` are the band's
-    factors once more, as they are quickest to solve with (band_blocks.py). ``nodes`` are the factors of a matrix that
-    was made for a chain of nodes (node_blocks.py).
+    factors once more, as they are quickest to solve with (band_blocks.py).
     """
 
     matrix: Matrix
@@ -77,11 +74,6 @@ class Factors(NamedTuple):
     column: np.ndarray
     threshold: float
     blocks: np.ndarray
-    nodes: NodeBlocks
-
-
-NO_NODES = np.zeros(1, np.int64)
-"""Starts of the nodes of a matrix that is no chain of such."""
 
 
 def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
@@ -92,17 +84,14 @@ def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
     )
 
 
-def new_factors(
-    size: int, bandwidth: int, border: int = 0, threshold: float = CAREFUL, nodes: np.ndarray = NO_NODES
-) -> Factors:
-    """Zero matrix with room for its factors; ``nodes`` (m + 1,) are the starts of the band's nodes and its size."""
+def new_factors(size: int, bandwidth: int, border: int = 0, threshold: float = CAREFUL) -> Factors:
+    """Zero matrix with room for its factors."""
     return Factors(
         new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
         np.zeros((border, size - border)), *(np.zeros(size - border, np.int32) for _ in range(3)),
         np.zeros(size - border), np.zeros(size - border), np.zeros(10, np.int32),
         np.zeros(3 * bandwidth + 1), threshold,
-        np.zeros(room_for_blocks(size - border, bandwidth) if bandwidth > NARROW and nodes.size == 1 else (2, 0)),
-        new_node_blocks(nodes),
+        np.zeros(room_for_blocks(size - border, bandwidth) if bandwidth > NARROW else (2, 0)),
     )  # fmt: skip
 
 
@@ -190,9 +179,6 @@ def _pack(f, first, last):
 @kernel(forceinline=True)
 def _substitute(f, n, k, x):
     """Solve by the band's factors: row by row what is solved with once, in blocks what is solved with again."""
-    if f.nodes.taken[0] == 1:
-        solve_by_nodes(f.nodes, x)
-        return
     if k > NARROW and f.blocks.size > 0 and f.integers[EXCHANGED] == 0:
         count = (n + LANES - 1) // LANES
         if f.integers[PACKED] == TRIED:
@@ -213,15 +199,13 @@ def factorise_matrix(factors):
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     f.integers[PACKED] = FRESH
-    measure_diagonal(f.matrix.band, f.scale, n, k)
-    if f.nodes.starts.size == 1 or not factorise_nodes(f.matrix.band, f.nodes, f.scale, n, k):
-        equilibrate(f.matrix.band, f.scale, n, k)
-        find_envelope(f.matrix.band, f.below, f.right, n, k)
-        row, f.integers[EXCHANGED] = eliminate(
-            f.matrix.band, f.pivots, f.above, f.below, f.right, f.inverse, f.threshold, n, k
-        )  # fmt: skip
-        if row != 0:
-            return row
+    equilibrate(f.matrix.band, f.scale, n, k)
+    find_envelope(f.matrix.band, f.below, f.right, n, k)
+    row, f.integers[EXCHANGED] = eliminate(
+        f.matrix.band, f.pivots, f.above, f.below, f.right, f.inverse, f.threshold, n, k
+    )  # fmt: skip
+    if row != 0:
+        return row
     m = f.corner_pivots.size
     if m == 0:
         return 0

@@ -8,9 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tautline.kernels.lanes import LANES
-from tautline.kernels.matrix import NO_NODES
-from tautline.kernels.node_blocks import ROWS
 from tautline.system.masters import Masters
 
 LOCAL = 60
@@ -19,8 +16,6 @@ MOST_MARKS = 200_000_000
 """Places of a band, a byte each, up to which entries are marked in it."""
 PAIRS = 100_000
 """Entries that are looked at together."""
-LEAST_BLOCKS = 4
-"""Blocks from which on factors by blocks are worth while."""
 NEAR = 0.25
 """Share of the least possible width by which a band may be wider before a better order is looked for."""
 
@@ -49,44 +44,11 @@ class Pattern:
         inner = np.maximum(self.row, self.column) < self.size - border
         return int(np.abs(self.row - self.column)[inner].max(initial=0))
 
-    def nodes(self, border: int = 0) -> np.ndarray:
-        """Divide the band into blocks each of which is coupled with its neighbours only: starts, and the band's size.
-
-        The least of the largest blocks, then the fewest. (1,) where these have more rows than `ROWS`, or so few that
-        they gain nothing.
-        """
-        size = self.size - border
-        inner = np.maximum(self.row, self.column) < size
-        reach = np.arange(size)
-        np.maximum.at(reach, self.row[inner], self.column[inner])
-        beyond = np.maximum.accumulate(reach) + 1
-        ends = np.flatnonzero(beyond == np.arange(1, size + 1)) + 1
-        parts = [_divided(beyond[begin:end] - begin) for begin, end in zip([0, *ends[:-1]], ends, strict=True)]
-        if any(part is None for part in parts) or not parts:
-            return NO_NODES
-        starts = np.concatenate([[0], *(begin + part[1:] for begin, part in zip([0, *ends[:-1]], parts, strict=True))])
-        return starts if starts.size > LEAST_BLOCKS and np.diff(starts).max() > LANES else NO_NODES
-
     def toarray(self) -> np.ndarray:
         """In full (size, size): 1 where an entry may differ from zero."""
         full = np.zeros((self.size, self.size), dtype=np.int8)
         full[self.row, self.column] = 1
         return full
-
-
-def _divided(beyond: np.ndarray) -> np.ndarray | None:
-    """Starts of the blocks of a part that is coupled with nothing else, and its size; None where one is too large.
-
-    Row i and those before it reach to ``beyond[i]`` - 1. The number of rows in the first block decides on all others.
-    """
-    found = []
-    for first in range(1, min(ROWS, beyond.size) + 1):
-        starts = [0, first]
-        while starts[-1] < beyond.size and starts[-1] - starts[-2] <= ROWS:
-            starts.append(int(beyond[starts[-1] - 1]))
-        if starts[-1] - starts[-2] <= ROWS:
-            found.append(np.array(starts))
-    return min(found, key=lambda starts: (np.diff(starts).max(), starts.size), default=None)
 
 
 def pattern_of(masters: Masters, size: int, stencils: Sequence[np.ndarray]) -> Pattern:

@@ -11,7 +11,6 @@ import numpy as np
 
 from tautline.kernels.dofs import Dofs, runs_of
 from tautline.kernels.groups import laid_out, link, without_friction
-from tautline.kernels.matrix import NO_NODES
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.masters import Masters
 from tautline.system.pattern import Pattern, narrow, pattern_of
@@ -101,8 +100,6 @@ class System:
         Entries of the mass matrix that may differ from zero.
     border : int
         Unknowns, the last ones, that are kept out of the band because too many others depend on them.
-    nodes : (m + 1,) int array
-        Starts of the blocks by which the band is block tridiagonal, and its size; (1,) where it is not.
     algebraic : (k,) int array
         Reduced unknowns that are multipliers.
     places : list of str
@@ -131,7 +128,6 @@ class System:
     mass_bandwidth: int
     mass_pattern: Pattern
     border: int = 0
-    nodes: np.ndarray = field(default_factory=lambda: NO_NODES)
     algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     places: list[str] = field(default_factory=list)
     force: float = 0.0
@@ -230,7 +226,6 @@ def assemble(
         mass_bandwidth=numbering.mass_bandwidth,
         mass_pattern=mass_pattern,
         border=border,
-        nodes=numbering.nodes,
         algebraic=np.array([rank[number[i]] for i in algebraic], dtype=np.int64),
         places=list(degrees.names),
         window=window if window is not None and numbering.in_one_piece else np.zeros(0, np.int64),
@@ -286,7 +281,6 @@ class Numbering(NamedTuple):
     mass_bandwidth: int
     mass_pattern: Pattern
     border: int
-    nodes: np.ndarray
     mass_couples_held: bool
     in_one_piece: bool
 
@@ -314,7 +308,7 @@ def _numbering(structure: Structure) -> Numbering:
     return Numbering(
         dofs, free[order], number, rank, pattern.width(border),
         (mass_pattern if border == 0 else pattern).width(border), mass_pattern, border,
-        pattern.nodes(border), any(_couples(masters, s) for s in mass_stencils),
+        any(_couples(masters, s) for s in mass_stencils),
         dofs.tied.size == border == 0 and in_order,
     )  # fmt: skip
 
