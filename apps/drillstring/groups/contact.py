@@ -23,12 +23,16 @@ from tautline.kernels.lanes import (
     add_rows,
     any_of,
     gather,
+    keep_rows,
     lane,
     larger,
+    load,
     load_fields,
     load_rows,
+    same_rows,
     scatter,
     sqrt,
+    store,
     total,
     where,
     within,
@@ -65,13 +69,23 @@ the mean of that friction and the one before."""
 class WallContact(NamedTuple):
     """Contacts (n,) of ``SPRING`` of successive bodies; ``law`` is the law of friction with its own rows.
 
-    ``scratch`` is zeros (2, 4, 4).
+    ``scratch`` is zeros (2, 4, 4). ``kept`` is from :func:`nothing_kept`, or empty: then nothing is kept.
     """
 
     curve: Curve
     law: tuple
     springs: np.recarray
     scratch: np.ndarray
+    kept: np.ndarray = np.zeros(0)
+
+
+KEPT = 16
+"""Numbers that are kept of a contact: its body's coordinates and rates (8), and how it touches with them (8)."""
+
+
+def nothing_kept(count: int) -> np.ndarray:
+    """Room for how ``count`` contacts touch at a state, which a step asks for several times; no state yet."""
+    return np.full(-(-count // LANES) * LANES * KEPT, np.nan)
 
 
 class Touch(NamedTuple):
@@ -124,12 +138,48 @@ def _touch_of_four(g, i, last, above, q, v):
     return _touching(x, y, dx, dy, slide, spin, *load_fields(g.springs.stiffness, i, last), k1, k2)
 
 
+@kernel(forceinline=True)
+def _touch_anew(g, i, last, above, q, v):
+    """The same, found and kept."""
+    c = _touch_of_four(g, i, last, above, q, v)
+    if g.kept.size > 0:
+        at = KEPT * i
+        keep_rows(q, above + i, above + last, g.kept, at)
+        keep_rows(v, above + i, above + last, g.kept, at + 16)
+        store(g.kept, at + 32, c.ex)
+        store(g.kept, at + 36, c.ey)
+        store(g.kept, at + 40, c.offset)
+        store(g.kept, at + 44, c.rate)
+        store(g.kept, at + 48, c.normal)
+        store(g.kept, at + 52, c.along)
+        store(g.kept, at + 56, c.around)
+        store(g.kept, at + 60, c.beta)
+    return c
+
+
+@kernel(forceinline=True)
+def _touch_here(g, i, last, above, q, v):
+    """The same, as it was found last where coordinates and rates are those of then, number by number.
+
+    In the iterations of a step laws and forces ask for the same state in turn; its acceptance asks once more. What else
+    it depends on is the same from the beginning of a step on, when it is found anew. ``i`` is a multiple of `LANES`.
+    """
+    kept, at = g.kept, KEPT * i
+    if kept.size > 0 and same_rows(q, above + i, above + last, kept, at):
+        if same_rows(v, above + i, above + last, kept, at + 16):
+            return Touch(
+                load(kept, at + 32), load(kept, at + 36), load(kept, at + 40), load(kept, at + 44),
+                load(kept, at + 48), load(kept, at + 52), load(kept, at + 56), load(kept, at + 60),
+            )  # fmt: skip
+    return _touch_anew(g, i, last, above, q, v)
+
+
 @kernel
 def _begin(g, t, h, beta, gamma, q, v, a):
     last = g.springs.size
     above = _first_body(g)
     for i in range(0, last, LANES):
-        c = _touch_of_four(g, i, last, above, q, v)
+        c = _touch_anew(g, i, last, above, q, v)
         slide, dx, dy, spin = load_rows(a, above + i, above + last)
         around_rate = c.ex * dy - c.ey * dx + gather(g.springs.radius, i, last) * spin
         ready(g.law, i, last, h, beta, gamma, c, c.beta * slide, around_rate)
@@ -152,12 +202,12 @@ def _in_window(g, above):
 def _switch(g, t, q, v, converged, changed):
     above = _first_body(g)
     first, last = _in_window(g, above)
-    for i in range(first, last, LANES):
-        c = _touch_of_four(g, i, last, above, q, v)
+    for i in range(first // LANES * LANES, last, LANES):
+        c = _touch_here(g, i, last, above, q, v)
         asks = restless(g.law, i, last, c, converged)
         if any_of(asks):
             asked = where(asks, 1.0, 0.0)
-            for k in range(i, min(i + LANES, last)):
+            for k in range(max(i, first), min(i + LANES, last)):
                 if lane(asked, k - i) > 0.0 and status(g.law, k, slip_of(c, k - i), converged) > 0:
                     note_change(changed, PER_BODY * (above + k), PER_BODY)
 
@@ -166,8 +216,8 @@ def _switch(g, t, q, v, converged, changed):
 def _residual(g, t, q, v, a, r):
     above = _first_body(g)
     first, last = _in_window(g, above)
-    for i in range(first, last, LANES):
-        c = _touch_of_four(g, i, last, above, q, v)
+    for i in range(first // LANES * LANES, last, LANES):
+        c = _touch_here(g, i, last, above, q, v)
         presses = c.normal > 0.0
         if any_of(presses):
             along, around = resist(g.law, i, last, c)
@@ -269,7 +319,7 @@ def _commit(g, t, h, q, v, a):
     rows, last = g.springs, g.springs.size
     above = _first_body(g)
     for i in range(0, last, LANES):
-        c = _touch_of_four(g, i, last, above, q, v)
+        c = _touch_here(g, i, last, above, q, v)
         along, around = accept(g.law, i, last, c)
         presses = c.normal > 0.0
         along, around = where(presses, along, 0.0), where(presses, around, 0.0)

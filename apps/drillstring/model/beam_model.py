@@ -21,6 +21,7 @@ from drillstring.results.beam_observe import BeamObserver
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.fluid import Fluid, fluid_of, mass_beside, weight_in
 from drillstring.string.lumps import Lumps
+from drillstring.well.in_hole import Hole
 from drillstring.well.wellbore import Wellbore
 from tautline.elements.bending import BENDING, new_bending
 from tautline.elements.cubic import AXES, MATERIAL
@@ -132,14 +133,12 @@ def _around(scene: DrillstringScene, well: Wellbore, mesh: Lumps, points: Points
         rows = records(at.size, OFF_AXIS, mass=mass[at], weight=weight[at], e1=off[0][at], e2=off[1][at])
         groups.append(BeamEccentricity(hole_of(well, nodes_as_points(mesh, at)), rows))
     if scene.well.wall is not None:
-        groups.append(_contact(scene, well, points, fluid, law, moving))
+        groups.append(_contact(scene, hole, points, fluid, law, moving))
     return groups
 
 
-def _contact(
-    scene: DrillstringScene, well: Wellbore, points: Points, fluid: Fluid, law: str, moving: bool
-) -> BeamContact:
-    """The wall at every point; what is given for a lump scales as in the lumped model."""
+def _contact(scene: DrillstringScene, hole: Hole, points: Points, fluid: Fluid, law: str, moving: bool) -> BeamContact:
+    """The wall at every point of the hole; what is given for a lump scales as in the lumped model."""
     wall = scene.well.wall
     assert wall is not None
     mesh = points.mesh
@@ -154,7 +153,7 @@ def _contact(
     # The stiffness that holds a point along the string: that of half elements up and down.
     stiffness = 4.0 * (mesh.of_links(lambda tube: tube.youngs_modulus * tube.area) / mesh.length)[points.element]
     return BeamContact(
-        hole=hole_of(well, points),
+        hole=hole,
         law=law_of(
             wall, law, place - 0.5 * points.length, place + 0.5 * points.length, mass, stiffness,
             1.0 / (1.0 / (mass + lateral) + radius**2 / polar), moving,

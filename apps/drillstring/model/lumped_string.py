@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from drillstring.groups.contact import SPRING, WallContact
+from drillstring.groups.contact import SPRING, WallContact, nothing_kept
 from drillstring.groups.drag import Drag
 from drillstring.groups.friction import BANDED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised
 from drillstring.string.factors import factors_of
@@ -134,6 +134,7 @@ def contact_of(
             clearance=0.5 * (hole_diameter - contact_od[below]), radius=radius, viscous=contact_rotation * share[below],
         ),
         scratch=np.zeros((2, 4, 4)),
+        kept=nothing_kept(n),
     )  # fmt: skip
 
 

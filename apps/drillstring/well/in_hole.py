@@ -33,9 +33,13 @@ PIECE = np.dtype(
 POINT = np.dtype(
     [("vectors", "i8"), ("turns", "i8"), ("place", "i8", (MOST,)), ("turn", "i8", (2,)), ("arc", "i8")]
     + [("weight", "f8", (MOST,)), ("share", "f8", (2,))]
+    + [("found", "i8")]
+    + [(name, "f8") for name in ("x", "y", "z")]
+    + [(name, "f8") for name in "tx ty tz ex ey ez fx fy fz offset bend_e bend_f beta".split()]
 )
 """A point of the beam: how many vectors and rotations it depends on, where those begin or are in the full vector, the
-arc that it is held to, and their weights (of slopes in m)."""
+arc that it is held to, and their weights (of slopes in m). Then the last `Spot` that was found: of which arc, counted
+from 1 (0: none), at which position m, and what it was."""
 
 
 class Hole(NamedTuple):
@@ -114,12 +118,22 @@ def hold_points(hole, q):
 
 @kernel
 def spot(hole, i, q):
-    """Where point i is in the hole."""
+    """Where point i is in the hole. Wall and mud ask for one position several times in a step: it is found once."""
     p = hole.points[i]
-    arc = hole.arcs[p.arc]
-    x = combined(p, q, 0) - arc.origin[0]
-    y = combined(p, q, 1) - arc.origin[1]
-    z = combined(p, q, 2) - arc.origin[2]
+    x, y, z = combined(p, q, 0), combined(p, q, 1), combined(p, q, 2)
+    if p.found != p.arc + 1 or p.x != x or p.y != y or p.z != z:
+        s = _found(hole.arcs[p.arc], x, y, z)
+        p.found, p.x, p.y, p.z = p.arc + 1, x, y, z
+        p.tx, p.ty, p.tz, p.ex, p.ey, p.ez = s.tx, s.ty, s.tz, s.ex, s.ey, s.ez
+        p.fx, p.fy, p.fz, p.offset, p.bend_e, p.bend_f, p.beta = s.fx, s.fy, s.fz, s.offset, s.bend_e, s.bend_f, s.beta
+        return s
+    return Spot(p.tx, p.ty, p.tz, p.ex, p.ey, p.ez, p.fx, p.fy, p.fz, p.offset, p.bend_e, p.bend_f, p.beta)
+
+
+@kernel
+def _found(arc, x, y, z):
+    """Where a position is along an arc of the hole."""
+    x, y, z = x - arc.origin[0], y - arc.origin[1], z - arc.origin[2]
     a1 = x * arc.m1[0] + y * arc.m1[1] + z * arc.m1[2]
     a2 = x * arc.m2[0] + y * arc.m2[1] + z * arc.m2[2]
     along = x * arc.t[0] + y * arc.t[1] + z * arc.t[2]
@@ -129,8 +143,10 @@ def spot(hole, i, q):
     if k > 0.0:
         n1, n2 = arc.k1 / k, arc.k2 / k
         b = n1 * a1 + n2 * a2
-        r = sqrt((1.0 - k * b) ** 2 + (k * along) ** 2)
-        cosine, sine = (1.0 - k * b) / r, k * along / r
+        near, far = 1.0 - k * b, k * along
+        r = sqrt(near * near + far * far)
+        over = 1.0 / r
+        cosine, sine = near * over, far * over
         inward, aside = (2.0 * b - k * (b * b + along * along)) / (1.0 + r), n1 * a2 - n2 * a1
     # The vector towards the centre turns with the tangent; that square to the arc's plane stays.
     nx, ny, nz = _mix(arc.m1, arc.m2, n1, n2)

@@ -19,7 +19,7 @@ BLOCK = LANES * LANES
 
 
 def room_for_blocks(size: int, bandwidth: int) -> tuple[int, int]:
-    """Shape of the blocks of a band: (2, ...) forward and backward, the block on the diagonal before those beside it."""
+    """Shape of the blocks of a band, forward and backward: that on the diagonal stands before those beside it."""
     return 2, -(-size // LANES) * (1 + reach_of(bandwidth)) * BLOCK
 
 

@@ -29,8 +29,8 @@ class Dofs(NamedTuple):
     ``free`` (n,) is the full degree of freedom that each unknown is, and ``tied`` lists those with masters;
     a master that is held stands in ``unknown`` as -1 less its full number, and ``carried`` lists what has such masters;
     ``held`` lists those that are fixed (``motion`` -1) or follow a function of time, and ``offset`` is added to it;
-    ``driven`` says which of ``held`` follow one. ``runs`` is `runs_of` of ``free``. ``flowing`` lists held and tied ones whose rate counts at rest:
-    material that flows steadily past nodes that stand still.
+    ``driven`` says which of ``held`` follow one. ``flowing`` lists held and tied ones whose rate counts at rest:
+    material that flows steadily past nodes that stand still. ``runs`` is `runs_of` of ``free``.
     """
 
     start: np.ndarray

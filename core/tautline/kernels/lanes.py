@@ -555,9 +555,9 @@ _ROWS = types.UniTuple(LANE, LANES)
 
 
 def load_rows(array, i, last):
-    """Columns of rows i to i + 3 of an array of four numbers a row, laid flat: four lanes. Rows from ``last`` on repeat.
+    """Columns of rows i to i + 3 of an array of four numbers a row, laid flat: four lanes.
 
-    So the four coordinates of four bodies are read by four loads.
+    Rows from ``last`` on repeat the one before. So the four coordinates of four bodies are read by four loads.
     """
     rows = array.reshape(-1, LANES)[np.minimum(np.arange(i, i + LANES), last - 1)]
     return tuple(rows[:, k].copy() for k in range(LANES))
@@ -595,7 +595,7 @@ def _load_fields(context, builder, sig, args):
 
 
 def add_rows(array, i, last, a, b, c, d):
-    """Add four lanes to the columns of rows i to i + 3 of an array of four numbers a row, laid flat; before ``last``."""
+    """Add four lanes to the columns of rows i to i + 3, before ``last``, of four numbers each, laid flat."""
     n = min(LANES, last - i)
     rows = np.column_stack([np.broadcast_to(x, LANES) for x in (a, b, c, d)])
     array.reshape(-1, LANES)[i : i + n] += rows[:n]
@@ -612,6 +612,51 @@ def _add_rows(context, builder, sig, args):
             at = builder.bitcast(_pointer(context, builder, sig.args[0], array, first), _NUMBERS.as_pointer())
             builder.store(builder.fadd(builder.load(at, align=8), row), at, align=8)
     return context.get_dummy_value()
+
+
+def same_rows(array, i, last, kept, at):
+    """Whether rows i to i + 3, of four numbers each, are those that stand in ``kept`` from place ``at`` on."""
+    rows = array.reshape(-1, LANES)[np.minimum(np.arange(i, i + LANES), last - 1)]
+    return bool(np.all(rows.ravel() == kept[at : at + LANES * LANES]))
+
+
+def _raw_rows(context: Any, builder: Any, sig: Any, args: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+    """The rows, and the addresses of as many in the fourth argument from the place in the fifth on."""
+    array, i, last, kept, at = args
+    rows, places = [], []
+    for k in range(LANES):
+        place = builder.mul(_clamped(builder, i, k, last), i.type(LANES))
+        row = builder.bitcast(_pointer(context, builder, sig.args[0], array, place), _NUMBERS.as_pointer())
+        rows.append(builder.load(row, align=8))
+        beside = _pointer(context, builder, sig.args[3], kept, builder.add(at, at.type(LANES * k)))
+        places.append(builder.bitcast(beside, _NUMBERS.as_pointer()))
+    return rows, places
+
+
+def _two_vectors(args: tuple[types.Type, ...]) -> bool:
+    return all(_is_vector(kind) and kind.layout == "C" for kind in (args[0], args[3]))
+
+
+@_lowered(same_rows, lambda args: types.boolean if _two_vectors(args) else None)
+def _same_rows(context, builder, sig, args):
+    rows, places = _raw_rows(context, builder, sig, args)
+    same = None
+    for row, place in zip(rows, places, strict=True):
+        equal = _mask(builder, builder.fcmp_ordered("==", row, builder.load(place, align=8)))
+        same = equal if same is None else builder.and_(same, equal)
+    return builder.icmp_signed("==", builder.bitcast(_choice(builder, same), ir.IntType(LANES)), ir.IntType(LANES)(-1))
+
+
+def keep_rows(array, i, last, kept, at):
+    """Write rows i to i + 3, of four numbers each, into ``kept`` from place ``at`` on; see `same_rows`."""
+    rows = array.reshape(-1, LANES)[np.minimum(np.arange(i, i + LANES), last - 1)]
+    kept[at : at + LANES * LANES] = rows.ravel()
+
+
+@_lowered(keep_rows, lambda args: types.none if _two_vectors(args) else None)
+def _keep_rows(context, builder, sig, args):
+    for row, place in zip(*_raw_rows(context, builder, sig, args), strict=True):
+        builder.store(row, place, align=8)
 
 
 # -- members at any place ----------------------------------------------------------------------------------------------

@@ -11,7 +11,18 @@ from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, add_rows, gather, load_fields, load_rows, total, where, within
 from tautline.lumped import generated
-from tautline.lumped.curve import ALONE, PER_BODY, STRIDE, Curve, downward, downward_of_four, held_arcs, hold_arcs, members, vertical_depth
+from tautline.lumped.curve import (
+    ALONE,
+    PER_BODY,
+    STRIDE,
+    Curve,
+    downward,
+    downward_of_four,
+    held_arcs,
+    hold_arcs,
+    members,
+    vertical_depth,
+)
 
 LUMP = np.dtype(
     [

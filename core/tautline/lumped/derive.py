@@ -133,7 +133,7 @@ class _Printer(PythonCodePrinter):
 
 
 def _root_powers(expressions: list[sp.Expr]) -> tuple[list[tuple[sp.Symbol, sp.Expr]], list[sp.Expr]]:
-    """Name each square root once and write x^(n/2) as a power of it, or of one over it: pow() and divisions are dear."""
+    """Name each square root once and write x^(n/2) as a power of it or of one over it: pow() is dear, so is /."""
     names: dict[sp.Expr, tuple[sp.Symbol, sp.Symbol]] = {}
 
     def half(e: sp.Expr) -> bool:

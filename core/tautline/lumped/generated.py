@@ -1,4 +1,4 @@
-"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation 365c03b944634603."""
+"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation 5ad0c0678f598d5d."""
 
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import cos, sin, sqrt

@@ -11,7 +11,17 @@ from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, add_rows, gather, load_rows, total, where, within
 from tautline.lumped import generated
-from tautline.lumped.chain import BOTH, Slopes, across, add_chord_hessian, chord_between, chord_of, place, pull_back, slopes
+from tautline.lumped.chain import (
+    BOTH,
+    Slopes,
+    across,
+    add_chord_hessian,
+    chord_between,
+    chord_of,
+    place,
+    pull_back,
+    slopes,
+)
 from tautline.lumped.curve import PER_BODY, PLACES, STRIDE, Curve, held_arcs, members
 
 SPRING = np.dtype([(name, np.float64) for name in ("length", "axial", "torsional")])

@@ -354,7 +354,8 @@ def number_by_mass(system: System) -> MassNumbering:
     rank = np.argsort(order)
     dofs = system.dofs
     renumbered = dofs._replace(
-        unknown=_moved(dofs.unknown, rank), number=_moved(dofs.number, rank), free=dofs.free[order], runs=runs_of(dofs.free[order]),
+        unknown=_moved(dofs.unknown, rank), number=_moved(dofs.number, rank), free=dofs.free[order],
+        runs=runs_of(dofs.free[order]),
     )  # fmt: skip
     return MassNumbering(renumbered, order, system.mass_pattern.renumbered(rank).width(border), border)
 

@@ -1,0 +1,96 @@
+"""Factors in blocks of four unknowns against dense linear algebra and against substitution row by row."""
+
+import numpy as np
+import pytest
+
+from tautline.kernels.matrix import (
+    IN_BLOCKS,
+    PACKED,
+    factorise_matrix,
+    new_factors,
+    new_matrix,
+    renew_matrix,
+    solve_matrix,
+    solve_rows,
+)
+
+BANDS = [(5, 4), (12, 4), (48, 10), (49, 10), (50, 7), (51, 11), (203, 12)]
+
+
+def _band(n, k, seed=0):
+    """A band with a large diagonal, in which no row is exchanged; some of its entries are zero."""
+    rng = np.random.default_rng([n, k, seed])
+    full = rng.standard_normal((n, n)) * (rng.random((n, n)) < 0.7)
+    i, j = np.indices(full.shape)
+    full[np.abs(i - j) > k] = 0.0
+    return full + np.diag(3.0 * k + rng.random(n))
+
+
+def _write(full, matrix, k):
+    for j in range(len(full)):
+        for i in range(max(0, j - k), min(len(full), j + k + 1)):
+            matrix.band[j, 2 * k + i - j] = full[i, j]
+
+
+def _solved(factors, b):
+    x = b.copy()
+    solve_matrix(factors, x)
+    return x
+
+
+@pytest.mark.parametrize(("n", "k"), BANDS)
+def test_what_is_solved_with_again_is_solved_in_blocks_and_is_the_same(n, k):
+    full, factors = _band(n, k), new_factors(n, k)
+    _write(full, factors.matrix, k)
+    assert factorise_matrix(factors) == 0
+    b = np.random.default_rng(1).standard_normal(n)
+    by_rows = _solved(factors, b)
+    assert factors.integers[PACKED] != IN_BLOCKS
+    by_blocks = _solved(factors, b)
+    assert factors.integers[PACKED] == IN_BLOCKS
+    np.testing.assert_allclose(by_blocks, by_rows, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(full @ by_blocks, b, rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize(("n", "k"), BANDS[2:])
+def test_blocks_are_renewed_with_the_factors(n, k):
+    full, factors, changed = _band(n, k), new_factors(n, k), new_matrix(n, k)
+    _write(full, factors.matrix, k)
+    factorise_matrix(factors)
+    b = np.random.default_rng(2).standard_normal(n)
+    _solved(factors, b), _solved(factors, b)
+    first, last = n // 3, n // 3 + 6
+    full[first:last, first:last] *= 1.3
+    _write(full, changed, k)
+    assert renew_matrix(factors, changed, first, last) > 0
+    np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-13)
+
+
+def test_a_part_of_the_rows_is_solved_in_blocks_as_row_by_row():
+    n, k, first, last = 203, 12, 60, 124
+    full, b = _band(n, k), np.random.default_rng(3).standard_normal(n)
+    b[:first] = b[last:] = 0.0
+    found = []
+    for times in (0, 2):
+        factors = new_factors(n, k)
+        _write(full, factors.matrix, k)
+        factorise_matrix(factors)
+        for _ in range(times):
+            _solved(factors, b)
+        x = b.copy()
+        solve_rows(factors, x, first, last)
+        found.append(x[first:last])
+    np.testing.assert_allclose(found[1], found[0], rtol=0.0, atol=1e-15)
+
+
+def test_factors_with_exchanged_rows_are_never_put_into_blocks():
+    n, k = 40, 6
+    full = _band(n, k)
+    full[np.arange(0, n, 5), np.arange(0, n, 5)] = 1e-9
+    factors = new_factors(n, k)
+    _write(full, factors.matrix, k)
+    assert factorise_matrix(factors) == 0
+    b = np.random.default_rng(4).standard_normal(n)
+    for _ in range(3):
+        np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-7)
+    assert factors.integers[PACKED] != IN_BLOCKS
