@@ -238,7 +238,7 @@ def _step(c, state, beta, gamma, fraction):
     """Solve for the increment and add it; returns the energy error of eq. 2.78."""
     first, last = solve_for_increment(c.rows, c.factors, c.increment, c.right_side)
     first = max(0, first)
-    products = steps = spread(0.0)
+    products, steps = spread(0.0), spread(0.0)
     speeds = spread(c.fastest[0] if last - first < state.q.size else 0.0)
     for i in range(first, last, LANES):
         step = -fraction * gather(c.increment, i, last)

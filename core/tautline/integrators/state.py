@@ -191,7 +191,7 @@ def observe_motion(state, v, a, h):
 
     The start counts as the end does, or what is let go would seem to begin without an acceleration.
     """
-    moved = turned = spread(0.0)
+    moved, turned = spread(0.0), spread(0.0)
     n = state.q.size
     for i in range(0, n, LANES):
         inertia = where(within(i, n), gather(state.inertia, i, n), 0.0)
