@@ -280,6 +280,11 @@ class Appearance:
                 found.setdefault(quantity.name, []).append(quantity)
         return found
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Its notes, and what is drawn larger than it is, as sentences."""
+        return (*(f"{text} drawn {factor:.6g} times as large" for text, factor in self.enlarged), *self.notes)
+
     def thinned(self, every: int) -> Appearance:
         """The same with every so many of its frames, and the last."""
         frames = np.unique([*range(0, len(self.time), every), len(self.time) - 1])
@@ -338,7 +343,6 @@ class Appearance:
         found += [ruler.points for ruler in self.rulers]
         found = [points for points in found if len(points)]
         return np.concatenate(found) if found else np.zeros((1, 3))
-
 
     def base(self, points: np.ndarray) -> float | None:
         """Height of what everything stands on, m: the highest ground below all points (n, 3), else a floor there.

@@ -15,7 +15,7 @@ FLAT = 0.05
 
 
 def scales(appearance: Appearance, points: np.ndarray) -> tuple[Ruler, ...]:
-    """Rulers of an appearance; where it has none, one of the height, on the left of points (n, 3), m, as they are seen."""
+    """Rulers of an appearance; where it has none, one of heights, on the left of points (n, 3), m, as seen."""
     if appearance.rulers:
         return appearance.rulers
     low, high = points.min(axis=0), points.max(axis=0)

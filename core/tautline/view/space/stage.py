@@ -308,7 +308,7 @@ class Stage:
         self._lettering(clock.prop, 15)
         digits = _digits(self.appearance.time)
         self._moves.append(lambda frame: setattr(clock, "input", f"t = {self.appearance.time[frame]:.{digits}f} s"))
-        notes = [*self.appearance.notes, *self._thickness_notes(), *self._arrow_notes()]
+        notes = [*self.appearance.remarks, *self._thickness_notes(), *self._arrow_notes()]
         if notes:
             words = self.plotter.add_text(_wrapped(notes), position=(0.16, 0.028), viewport=True, font_size=1)
             self._lettering(words.prop, 12)

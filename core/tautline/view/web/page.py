@@ -37,6 +37,8 @@ PICTURES, ENOUGH = 1500, 500
 """Most pictures of a page, and as many as it has whatever it weighs, below `MOST`: between them it interpolates."""
 MOMENTS = 20_000
 """Most values in the history of a thing."""
+DEEP = 0.85
+"""Share of the picture's height from which water is so high that most of what is seen hangs in it."""
 LOOKED_AT = 60
 """Frames, about, that the camera is placed for."""
 DIRECTIONS = 160
@@ -232,13 +234,13 @@ def describe(appearance: Appearance, pack: Pack, colour: str | None, radius: flo
             for one in appearance.arrows
             if one.longest > 0.0 and len(one.points(0))
         ],
-        "levels": [_level(one, middle) for one in appearance.levels],
+        "levels": [_level(one, middle, low[2] + DEEP * (high - low)[2]) for one in appearance.levels],
         "labels": [{"text": one.text, "place": pack.track(one.place, middle)} for one in appearance.labels],
         "rulers": [
             {
                 "text": f"{one.text}, {one.unit}" if one.unit else one.text,
                 "points": (np.asarray(one.points, float) - middle).round(6).tolist(),
-                "numbers": [f"{number:g}" for number in one.numbers],
+                "numbers": [_tidy(float(number)) for number in one.numbers],
             }
             for one in rulers
         ],
@@ -252,10 +254,12 @@ def _planes(change: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.ascontiguousarray(unsigned).reshape(-1, 1).view(np.uint8).T)
 
 
-def _level(level: Level, middle: np.ndarray) -> dict[str, Any]:
+def _level(level: Level, middle: np.ndarray, shallow: float) -> dict[str, Any]:
+    """A level; water is deep where it is above `shallow`, m: most of what is seen is below."""
     said = {
         "name": level.name, "height": float(level.height - middle[2]), "colour": level.colour,
-        "opacity": level.opacity, "clear": level.clear, "waves": None,
+        "opacity": level.opacity, "clear": level.clear, "deep": bool(level.clear and level.height > shallow),
+        "waves": None,
     }  # fmt: skip
     if (waves := level.waves) is not None:
         said["waves"] = {

@@ -554,10 +554,11 @@ class Plane {
   constructor(spec, size, sun) {
     this.spec = spec;
     this.sea = spec.waves && new Sea(spec.waves);
-    const far = FAR * size;
+    // Of deep water a patch of the surface is drawn: one is to see what hangs below it.
+    const far = (spec.deep ? 0.5 : FAR) * size;
     // A sea is fine around its vessel, and coarse beyond.
     const longest = this.sea && 2 * Math.PI / this.sea.number[this.sea.amplitude.reduce((a, b, k, all) => (b > all[a] ? k : a), 0)];
-    const near = (this.near = this.sea ? Math.min(1.6 * size, 4 * longest) : 0);
+    const near = (this.near = this.sea ? Math.min(0.9 * far, 1.6 * size, 4 * longest) : 0);
     const half = this.sea
       ? [...Array.from({ length: FINE + 1 }, (_, k) => (near * k) / FINE), ...Array.from({ length: AROUND }, (_, k) => near + (far - near) * ((k + 1) / AROUND) ** 2)]
       : [0, far];

@@ -351,10 +351,10 @@ function advance(seconds) {
   if (next !== state.when.at) show(next);
 }
 
-/** Speeds to choose from; one that plays everything in 8 to 20 s is chosen, the true one if it does. */
+/** Speeds to choose from: the true one is chosen if it plays everything in 4 to 90 s, else one that does about that. */
 function speeds() {
   const span = page.time[frames - 1] - page.time[0];
-  const usual = span >= 4 && span <= 60 ? 1 : round(Math.max(span / 8, 1e-9));
+  const usual = span >= 4 && span <= 90 ? 1 : round(Math.max(span < 4 ? span / 8 : span / 90, 1e-9));
   const all = new Set([0.1, 0.25, 0.5, 1, 2, 5, 0.25 * usual, 0.5 * usual, usual, 2 * usual, 5 * usual]);
   for (const speed of [...all].sort((a, b) => a - b)) {
     const option = made("option", $("speed"), speed === 1 ? "1× (real time)" : `${Number(speed.toPrecision(3))}×`);
