@@ -9,9 +9,15 @@ from tautline.view.space.appearance import Appearance, Ruler
 
 ASIDE = 0.06
 """Distance of a scale from what it stands beside, over the size of the picture."""
-TICKS = 6
+TICKS = 8
 FLAT = 0.05
 """Height over size below which a picture needs no scale of heights."""
+
+
+def grid_pitch(size: float) -> float:
+    """Pitch of a grid on the ground, m: 1, 2 or 5 times a power of ten, at most an eighth of the picture's size."""
+    power = 10.0 ** np.floor(np.log10(size / 8.0))
+    return float(power * next(digit for digit in (5.0, 2.0, 1.0) if digit * power <= size / 8.0 * (1.0 + 1e-6)))
 
 
 def scales(appearance: Appearance, points: np.ndarray) -> tuple[Ruler, ...]:

@@ -21,6 +21,7 @@ from tautline.view.space.appearance import Appearance, History, Level, Line, Qua
 from tautline.view.space.camera import ANGLE
 from tautline.view.space.colours import shading
 from tautline.view.space.scales import scales
+from tautline.view.space.surroundings import deep
 
 WEB = resources.files("tautline.view") / "web"
 
@@ -37,8 +38,6 @@ PICTURES, ENOUGH = 1500, 500
 """Most pictures of a page, and as many as it has whatever it weighs, below `MOST`: between them it interpolates."""
 MOMENTS = 20_000
 """Most values in the history of a thing."""
-DEEP = 0.85
-"""Share of the picture's height from which water is so high that most of what is seen hangs in it."""
 LOOKED_AT = 60
 """Frames, about, that the camera is placed for."""
 DIRECTIONS = 160
@@ -234,7 +233,7 @@ def describe(appearance: Appearance, pack: Pack, colour: str | None, radius: flo
             for one in appearance.arrows
             if one.longest > 0.0 and len(one.points(0))
         ],
-        "levels": [_level(one, middle, low[2] + DEEP * (high - low)[2]) for one in appearance.levels],
+        "levels": [_level(one, middle, deep(one, extent)) for one in appearance.levels],
         "labels": [{"text": one.text, "place": pack.track(one.place, middle)} for one in appearance.labels],
         "rulers": [
             {
@@ -254,11 +253,10 @@ def _planes(change: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.ascontiguousarray(unsigned).reshape(-1, 1).view(np.uint8).T)
 
 
-def _level(level: Level, middle: np.ndarray, shallow: float) -> dict[str, Any]:
-    """A level; water is deep where it is above `shallow`, m: most of what is seen is below."""
+def _level(level: Level, middle: np.ndarray, is_deep: bool) -> dict[str, Any]:
     said = {
         "name": level.name, "height": float(level.height - middle[2]), "colour": level.colour,
-        "opacity": level.opacity, "clear": level.clear, "deep": bool(level.clear and level.height > shallow),
+        "opacity": level.opacity, "clear": level.clear, "deep": is_deep,
         "waves": None,
     }  # fmt: skip
     if (waves := level.waves) is not None:
@@ -357,7 +355,7 @@ def _history(appearance: Appearance, history: History, pack: Pack, moments: np.n
 
 def _digits_of(span: float, size: float) -> int:
     """Digits after the point with which numbers that differ by at most `span` are told apart, of a size."""
-    least = max(span, 1e-3 * size)
+    least = max(span, 0.02 * size)
     return int(np.clip(np.ceil(TOLD - np.log10(least)), -12, 12)) if least > 0.0 else 0
 
 

@@ -199,9 +199,9 @@ const PLAIN_FRAGMENT = `
       // Water: the flatter one looks on it the more of the sky it shows, and the less of what is below.
       float steep = abs(dot(normal, look));
       float mirror = 0.02 + 0.98 * pow(1.0 - steep, 5.0);
-      float light = 0.55 + 0.45 * dot(normal, sun);
+      float light = clamp(1.0 + 4.0 * (dot(normal, sun) - sun.z), 0.6, 1.4);
       vec3 half_ = normalize(sun + look);
-      colour = mix(plain * (0.6 + 0.5 * light), haze, 0.7 * mirror) + 0.35 * pow(max(dot(normal, half_), 0.0), 80.0);
+      colour = mix(plain * light, haze * (0.5 + 0.5 * light), 0.6 * mirror) + 0.25 * pow(max(dot(normal, half_), 0.0), 80.0);
       cover = mix(opacity, 0.97, mirror);
     }
     colour = mix(colour, line, grid * max(0.16 * across(pitch), 0.3 * across(5.0 * pitch)));
@@ -475,7 +475,7 @@ class Body {
 
   /** Make it stand out, or not. */
   mark(on) {
-    this.mesh.material.emissive.set(on ? 0x2a3f55 : 0);
+    this.mesh.material.emissive.set(on ? 0x1c2733 : 0);
   }
 }
 
