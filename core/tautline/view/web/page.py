@@ -109,7 +109,7 @@ class Pack:
         if not array.size or np.array_equal(array, np.broadcast_to(array[:1], array.shape), equal_nan=True):
             array = array[:1]
         known = np.isfinite(array)
-        count = np.rint(np.where(known, array, 0.0) * 10.0**digits)
+        count = _counted(np.where(known, array, 0.0), digits)
         there = known.any(axis=0)
         low = np.where(known, count, np.inf).min(axis=0, initial=np.inf)
         high = np.where(known, count, -np.inf).max(axis=0, initial=-np.inf)
@@ -244,6 +244,16 @@ def describe(appearance: Appearance, pack: Pack, colour: str | None, radius: flo
             for one in rulers
         ],
     }  # fmt: skip
+
+
+def _counted(array: np.ndarray, digits: int) -> np.ndarray:
+    """Numbers in steps of a decimal digit, rounded as their text would be: 1.005, which is a little less, to 1.00."""
+    steps = array * 10.0**digits
+    count = np.rint(steps)
+    close = np.abs(np.abs(steps - np.floor(steps)) - 0.5) < 1e-6
+    if digits >= 0:
+        count[close] = [np.rint(float(f"{one:.{digits}f}") * 10.0**digits) for one in array[close]]
+    return np.asarray(count)
 
 
 def _planes(change: np.ndarray) -> np.ndarray:

@@ -61,11 +61,14 @@ function told(found, all) {
 
 const ray = new THREE.Raycaster();
 
-/** The body under a place on the page. */
+/** The body under a place on the page; of a wheel between plates the wheel, which has more to tell. */
 function hit(x, y) {
   ray.setFromCamera(new THREE.Vector2((2 * x) / innerWidth - 1, 1 - (2 * y) / innerHeight), camera);
   const hits = ray.intersectObjects(bodies.map((body) => body.mesh));
-  return hits.length ? bodies.find((body) => body.mesh === hits[0].object) : null;
+  if (!hits.length) return null;
+  const found = hits.map(({ object, distance }) => ({ body: bodies.find((one) => one.mesh === object), distance }));
+  const telling = found.find(({ body, distance }) => body.histories.length && distance - found[0].distance < 2 * body.spec.size);
+  return (telling ?? found[0]).body;
 }
 
 /** What is at a place on the page: a line that is very near, else a body, else a line within reach. */
@@ -311,10 +314,19 @@ function address() {
 
 // ---------------------------------------------------------------- begin
 
+const SLOW = 45; // ms from one picture to the next from which fewer pixels are drawn while things move
+const LEAST_DENSITY = 0.5;
 let drawn = 0;
+let slow = 0;
+let rest = 0;
 const pace = { pictures: 0, seconds: 0 };
 function draw(now) {
   const seconds = Math.min((now - drawn) / 1000, 0.25);
+  // Fewer pixels after some slow pictures one after the other; all of them when nothing has moved for a while.
+  slow = state.playing && 1000 * seconds > SLOW ? slow + 1 : 0;
+  if (slow > 4 && density.share > LEAST_DENSITY) [slow] = [0, set_density(Math.max(0.7 * density.share, LEAST_DENSITY))];
+  rest = state.playing || state.dirty ? 0 : rest + 1;
+  if (rest === 10 && density.share < 1) set_density(1);
   drawn = now;
   if (state.playing) {
     advance(seconds);

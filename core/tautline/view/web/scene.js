@@ -175,38 +175,41 @@ const PLAIN_VERTEX = `
     gl_Position = projectionMatrix * viewMatrix * at;
   }`;
 
-const PLAIN_FRAGMENT = `
-  uniform vec3 plain, line, haze, sun, middle;
-  uniform float opacity, pitch, grid, clear;
+const GROUND_FRAGMENT = `
+  uniform vec3 plain, line, haze;
+  uniform float opacity, pitch, grid;
   varying vec3 place;
   varying vec2 reach;
-  float across(float pitch) {
-    vec2 off = abs(fract((place.xy - middle.xy) / pitch - 0.5) - 0.5) * pitch;
-    vec2 wide = fwidth(place.xy);
-    // Where the lines come closer than pixels they fade.
-    vec2 far = 1.0 - smoothstep(vec2(0.08), vec2(0.35), wide / pitch);
-    vec2 drawn = (1.0 - smoothstep(vec2(0.3), vec2(1.0), off / max(wide, 1e-9))) * far;
-    return max(drawn.x, drawn.y);
-  }
   void main() {
-    float faded = 1.0 - smoothstep(0.1, 1.0, length(reach));
+    float share = clamp((1.0 - dot(reach, reach)) * 1.1, 0.0, 1.0);
+    float faded = share * share * share;
+    vec2 at = place.xy / pitch;
+    vec2 wide = fwidth(at);
+    vec2 off = abs(fract(at - 0.5) - 0.5) / wide;
+    // Every fifth line is stronger. Where lines come closer than pixels they fade.
+    vec2 fifth = step(abs(mod(floor(at + 0.5) + 2.5, 5.0) - 2.5), vec2(0.1));
+    vec2 drawn = clamp(1.4 - 1.4 * off, 0.0, 1.0) * mix(0.16 * clamp(1.3 - 3.5 * wide, 0.0, 1.0), 0.3 * clamp(1.3 - 0.7 * wide, 0.0, 1.0), fifth);
+    vec3 colour = mix(plain, line, grid * max(drawn.x, drawn.y));
+    gl_FragColor = vec4(mix(haze, colour, faded), opacity * min(3.0 * faded, 1.0));
+  }`;
+
+const WATER_FRAGMENT = `
+  uniform vec3 plain, haze, sun;
+  uniform float opacity;
+  varying vec3 place;
+  varying vec2 reach;
+  void main() {
+    float share = clamp((1.0 - dot(reach, reach)) * 1.1, 0.0, 1.0);
+    float faded = share * share * share;
     vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
     normal *= sign(normal.z + 1e-6);
-    vec3 look = normalize(cameraPosition - place);
-    vec3 colour = plain;
-    float cover = opacity;
-    if (clear > 0.5) {
-      // Water: the flatter one looks on it the more of the sky it shows, and the less of what is below.
-      float steep = abs(dot(normal, look));
-      float mirror = 0.02 + 0.98 * pow(1.0 - steep, 5.0);
-      float light = clamp(1.0 + 4.0 * (dot(normal, sun) - sun.z), 0.6, 1.4);
-      vec3 half_ = normalize(sun + look);
-      colour = mix(plain * light, haze * (0.5 + 0.5 * light), 0.6 * mirror) + 0.25 * pow(max(dot(normal, half_), 0.0), 80.0);
-      cover = mix(opacity, 0.97, mirror);
-    }
-    colour = mix(colour, line, grid * max(0.16 * across(pitch), 0.3 * across(5.0 * pitch)));
-    colour = mix(haze, colour, faded);
-    gl_FragColor = vec4(colour, cover * min(2.5 * faded, 1.0));
+    // The flatter one looks on water the more of the sky it shows, and the less of what is below.
+    float flat_ = 1.0 - abs(dot(normal, normalize(cameraPosition - place)));
+    float mirror = flat_ * flat_ * flat_ * flat_;
+    // What leans to the sun is brighter, more than in nature, so that waves are seen.
+    float light = clamp(1.0 + 4.0 * (dot(normal, sun) - sun.z), 0.6, 1.4);
+    vec3 colour = mix(plain * light, haze * (0.5 + 0.5 * light), 0.6 * mirror);
+    gl_FragColor = vec4(mix(haze, colour, faded), mix(opacity, 0.97, mirror) * min(3.0 * faded, 1.0));
   }`;
 
 const SKY_VERTEX = `
@@ -223,10 +226,8 @@ const SKY_FRAGMENT = `
   varying vec3 way;
   void main() {
     float up = normalize(way).z;
-    vec3 colour = up > 0.0 ? mix(horizon, zenith, pow(min(2.2 * up, 1.0), 0.7)) : mix(horizon, nadir, smoothstep(0.0, 0.4, -up));
-    // A step of brightness over many pixels would show as a band.
-    float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
-    gl_FragColor = vec4(colour + (noise - 0.5) / 255.0, 1.0);
+    vec3 colour = up > 0.0 ? mix(horizon, zenith, min(2.0 * up, 1.0)) : mix(horizon, nadir, smoothstep(0.0, 0.4, -up));
+    gl_FragColor = vec4(colour, 1.0);
   }`;
 
 const SHADE_FRAGMENT = `
@@ -546,8 +547,8 @@ class Sea {
 }
 
 const FAR = 14; // radius of a level over the size of the picture
-const FINE = 80; // parts of a sea from its middle to where its waves end
-const AROUND = 20; // and from there to its edge
+const FINE = 50; // parts of a sea from its middle to where its waves end
+const AROUND = 10; // and from there to its edge
 
 /** Water, ground or floor: a plane that fades into the haze, with a grid of round pitch or with waves. */
 class Plane {
@@ -579,13 +580,12 @@ class Plane {
     geometry.setIndex(faces);
     this.middle = this.sea ? this.sea.origin : [0, 0];
     this.material = new THREE.ShaderMaterial({
-      vertexShader: PLAIN_VERTEX, fragmentShader: PLAIN_FRAGMENT, side: THREE.DoubleSide, depthWrite: false,
+      vertexShader: PLAIN_VERTEX, fragmentShader: spec.clear ? WATER_FRAGMENT : GROUND_FRAGMENT, side: THREE.DoubleSide, depthWrite: false,
       transparent: spec.clear, blending: spec.clear ? NORMAL : CUSTOM, // what is not clear is drawn first, and all else over it
       blendSrcAlpha: spec.clear ? null : ONE,
       uniforms: {
         plain: { value: rgb(spec.colour) }, line: { value: rgb("#ffffff") }, haze: { value: rgb("#ffffff") }, sun: { value: sun },
-        middle: { value: new THREE.Vector3(0, 0, 0) }, opacity: { value: spec.opacity }, pitch: { value: round(size / 8) },
-        grid: { value: this.sea ? 0 : spec.clear ? 0.4 : 1 }, clear: { value: spec.clear ? 1 : 0 }, size: { value: far },
+        opacity: { value: spec.opacity }, pitch: { value: round(size / 8) }, grid: { value: spec.clear ? 0 : 1 }, size: { value: far },
       },
     });
     this.mesh = new THREE.Mesh(geometry, this.material);

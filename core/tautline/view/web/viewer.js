@@ -208,10 +208,21 @@ function follow() {
   controls.target.add(shift);
 }
 
+/** Pixels that are drawn for each of the page's: fewer while things move, where that is slow, and all when they rest. */
+const density = { full: 1, share: 1 };
+function set_density(share) {
+  density.share = share;
+  renderer.setPixelRatio(density.full * share);
+  for (const tube of tubes) tube.material.uniforms.height.value = innerHeight;
+  state.dirty = true;
+}
+
 function resize() {
   const [wide, high] = [innerWidth, innerHeight];
   document.body.style.setProperty("--under", `${document.querySelector("header").getBoundingClientRect().bottom + 6}px`);
-  renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+  document.body.style.setProperty("--foot", `${document.querySelector("footer").offsetHeight}px`);
+  density.full = Math.min(devicePixelRatio, 2);
+  renderer.setPixelRatio(density.full * density.share);
   renderer.setSize(wide, high, false);
   camera.aspect = wide / high;
   for (const tube of tubes) tube.material.uniforms.height.value = high;
