@@ -74,7 +74,7 @@ class Opened:
         self.until("!tautline.state.dirty")
 
     def until(self, condition: str) -> None:
-        """Wait until a condition holds; Playwright's own waiting evaluates text in the page, which is forbidden there."""
+        """Wait until a condition holds; Playwright's own waiting evaluates text, which the page forbids."""
         for _ in range(400):
             if self.ask(condition):
                 return
