@@ -317,6 +317,8 @@ def test_the_first_camera_shows_all_of_the_scene_clear_of_what_is_written(browse
             places += [opened.ask(f"tautline.middle('{name}')") for name in ("payload", "drum winch")]
             x, y, z = np.array(places).T
             foot = opened.ask("document.querySelector('footer').getBoundingClientRect().top")
+            legend = opened.ask("document.getElementById('legend').getBoundingClientRect().toJSON()")
+            assert not np.any((x > legend["left"]) & (x < legend["right"]) & (y < legend["bottom"]))
             assert x.min() >= 0 and x.max() <= wide and y.min() >= 0 and y.max() <= foot and z.max() < 1.0
         # It fills the room: either way nearly, or the legend would hide it.
         assert np.ptp(y) > 0.3 * high or np.ptp(x) > 0.3 * wide

@@ -32,7 +32,7 @@ TOLD = 3
 """Decimal digits of a quantity's range that are stored and told, at least: the range is 1000 to 10 000 steps."""
 MOST = 40_000_000
 """Bytes of what changes with time, before it is packed: in base64 a page stays below 60 MB even if nothing packs."""
-USUAL = 12_000_000
+USUAL = 25_000_000
 """Bytes of what changes with time from which a page holds no more than `ENOUGH` pictures."""
 PICTURES, ENOUGH = 1500, 500
 """Most pictures of a page, and as many as it has whatever it weighs, below `MOST`: between them it interpolates."""

@@ -115,14 +115,29 @@ controls.addEventListener("start", () => (state.moved = true));
 
 // ---------------------------------------------------------------- camera
 
-/** Room for the picture between what is written around it, px. */
-function room() {
+/** Places for the picture between what is written around it, px: beside the legend, or below it. */
+function rooms() {
   const [wide, high] = [innerWidth, innerHeight];
   const foot = document.querySelector("footer").offsetHeight + 30;
   const head = $("legend").getBoundingClientRect();
   const title = document.querySelector("header").getBoundingClientRect();
-  if (wide > 700) return { left: 40, right: wide - 60, top: Math.max(title.bottom, 60) + 12, bottom: high - foot };
-  return { left: 20, right: wide - 44, top: Math.max(title.bottom, head.bottom) + 10, bottom: high - foot };
+  const bottom = high - foot;
+  if (wide <= 700) return [{ left: 20, right: wide - 44, top: Math.max(title.bottom, head.bottom) + 10, bottom }];
+  const top = Math.max(title.bottom, 60) + 12;
+  if (!head.height) return [{ left: 40, right: wide - 60, top, bottom }];
+  return [
+    { left: 40, right: head.left - 20, top, bottom },
+    { left: 40, right: wide - 60, top: Math.max(title.bottom, head.bottom) + 16, bottom },
+  ];
+}
+
+let room = null; // the place that the picture has
+
+/** Keep the middle of the view in the middle of its room. */
+function center_view() {
+  const [wide, high] = [innerWidth, innerHeight];
+  room ??= rooms()[0];
+  camera.setViewOffset(wide, high, 0.5 * (wide - room.left - room.right), 0.5 * (high - room.top - room.bottom), wide, high);
 }
 
 /** Put the eye where everything just fits into the room for it. */
@@ -133,21 +148,33 @@ function fit() {
   state.moved = false;
 }
 
-/** Put the eye in a direction so that points just fit, not nearer than so far. */
+/** Put the eye in a direction so that points just fit, not nearer than so far; in the room where they are larger. */
 function frame_points(points, eye, least) {
-  const { left, right, top, bottom } = room();
-  const [wide, high] = [innerWidth, innerHeight];
   const back = new THREE.Vector3(...eye).normalize();
   const across = new THREE.Vector3().crossVectors(camera.up, back);
   if (across.length() < 1e-6) across.set(1, 0, 0);
   across.normalize();
   const over = new THREE.Vector3().crossVectors(back, across);
-  const slope = Math.tan((page.angle * Math.PI) / 360);
-  const reach = [(slope * Math.max(right - left, 80)) / high, (slope * Math.max(bottom - top, 80)) / high];
   const seen = points.map((point) => {
     const at = new THREE.Vector3(...point);
     return [[at.dot(across), at.dot(over)], at.dot(back)];
   });
+  const fits = rooms().map((place) => ({ place, ...fitted(seen, place) }));
+  const best = fits.reduce((one, other) => (other.far < one.far ? other : one));
+  room = best.place;
+  const far = Math.max(best.far, best.middle + least);
+  const [x, y] = best.shifts(far).map(([lowest, most]) => -0.5 * (lowest + most));
+  controls.target.copy(across).multiplyScalar(x).addScaledVector(over, y).addScaledVector(back, best.middle);
+  camera.position.copy(controls.target).addScaledVector(back, far - best.middle);
+  center_view();
+  controls.update();
+  state.dirty = true;
+}
+
+/** How far off the eye must be for points, across, over and near, to fit into a room. */
+function fitted(seen, { left, right, top, bottom }) {
+  const slope = Math.tan((page.angle * Math.PI) / 360) / innerHeight;
+  const reach = [slope * Math.max(right - left, 80), slope * Math.max(bottom - top, 80)];
   // Bisect for the least distance at which some shift brings all points between both pairs of edges.
   const shifts = (away) =>
     [0, 1].map((axis) => {
@@ -159,16 +186,9 @@ function frame_points(points, eye, least) {
   let [near, far] = [middle, middle + 1000 * page.size];
   for (let k = 0; k < 60; k++) {
     const away = 0.5 * (near + far);
-    const fits = shifts(away).every(([lowest, most]) => lowest <= most);
-    [near, far] = fits ? [near, away] : [away, far];
+    [near, far] = shifts(away).every(([lowest, most]) => lowest <= most) ? [near, away] : [away, far];
   }
-  far = Math.max(far, middle + least);
-  const [x, y] = shifts(far).map(([lowest, most]) => -0.5 * (lowest + most));
-  controls.target.copy(across).multiplyScalar(x).addScaledVector(over, y).addScaledVector(back, middle);
-  camera.position.copy(controls.target).addScaledVector(back, far - middle);
-  camera.setViewOffset(wide, high, 0.5 * (wide - left - right), 0.5 * (high - top - bottom), wide, high);
-  controls.update();
-  state.dirty = true;
+  return { far, middle, shifts };
 }
 
 /** Corners of the box around a body, or around a line, now. */
@@ -226,8 +246,7 @@ function resize() {
   renderer.setSize(wide, high, false);
   camera.aspect = wide / high;
   for (const tube of tubes) tube.material.uniforms.height.value = high;
-  const { left, right, top, bottom } = room();
-  camera.setViewOffset(wide, high, 0.5 * (wide - left - right), 0.5 * (high - top - bottom), wide, high);
+  center_view();
   if (!state.moved) fit();
   if (state.pinned) plot();
   state.dirty = true;
