@@ -145,7 +145,7 @@ def pages(work: Path, images: Path) -> None:
             while tab.evaluate("document.body.dataset.ready") != "1":
                 tab.wait_for_timeout(50)
             tab.wait_for_timeout(500)
-            tab.screenshot(path=str(images / f"page_{name}.png"))
+            tab.screenshot(path=str(images / f"page_{name}.jpg"), type="jpeg", quality=85)
             tab.close()
         opened.close()
 

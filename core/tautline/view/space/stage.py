@@ -138,6 +138,8 @@ class Stage:
     def _light(self) -> None:
         """Sky behind everything; a sun that stands still, and a little light from the eye."""
         self.plotter.set_background(HAZE, top=ZENITH if self.appearance.floor or self.appearance.levels else PAPER)
+        # VTK strews noise over a gradient, which makes a picture five times as large.
+        self.plotter.renderer.SetDitherGradient(False)
         self.sun = sun(self.appearance.eye)
         key = self.pyvista.Light(light_type="scene light", intensity=0.78)
         key.positional, key.position, key.focal_point = False, tuple(self.sun), (0.0, 0.0, 0.0)
