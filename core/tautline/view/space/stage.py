@@ -21,7 +21,7 @@ from tautline.view.space.colours import Shading, shading
 from tautline.view.space.graphics import graphics, new_plotter
 from tautline.view.space.mesh import turned_about
 from tautline.view.space.scales import grid_pitch, scales
-from tautline.view.space.surroundings import SHADED, Surface, ground_colour, shadow, sun, surfaces
+from tautline.view.space.surroundings import FLOOR_NAME, SHADED, Surface, ground_colour, shadow, sun, surfaces
 from tautline.view.space.tube import rings, skin
 
 SIZE = (1280, 720)
@@ -46,8 +46,8 @@ ZENITH, HAZE, PAPER = "#B9D1E8", "#F1F4F6", "#FFFFFF"
 """Background at the top and at the bottom of a picture; and at the top of one that is below ground."""
 LIFT = 5.0e-4
 """Height of a shadow above what it falls on, over the picture's size, so that it is seen."""
-GRID = 40
-"""Lines of a grid to either side of its middle."""
+GRID, PIECES = 30, 12
+"""Lines of a grid to either side of its middle, and pieces of each, which fade."""
 NEAREST = 1e-3
 """Distance of the nearest thing that is shown over that of the farthest, without zoom."""
 NOTE_WIDTH = 110
@@ -316,13 +316,10 @@ class Stage:
         """Lines of a round pitch on a level; they fade as it does."""
         pitch = grid_pitch(self.size)
         middle = np.round(0.5 * (self._extent.min(axis=0) + self._extent.max(axis=0)) / pitch)[:2] * pitch
-        step = pitch * np.arange(-GRID, GRID + 1)
-        a, b = np.meshgrid(step, step, indexing="ij")
-        rows = np.stack([a, b], axis=-1)
-        ends = np.concatenate([
-            np.stack([rows[:, :-1], rows[:, 1:]], axis=2).reshape(-1, 2),
-            np.stack([rows[:-1], rows[1:]], axis=2).reshape(-1, 2),
-        ])  # fmt: skip
+        line, along = pitch * np.arange(-GRID, GRID + 1), pitch * GRID * np.linspace(-1.0, 1.0, PIECES + 1)
+        b, a = np.meshgrid(np.repeat(along, 2)[1:-1], line)
+        rows = np.stack([a.ravel(), b.ravel()], axis=-1)
+        ends = np.concatenate([rows, rows[:, ::-1]])
         share = np.clip(1.0 - np.hypot(*ends.T) / (GRID * pitch), 0.0, 1.0)
         points = np.column_stack([ends + middle, np.full(len(ends), height + 0.5 * LIFT * self.size)])
         cells = np.column_stack([np.full(len(ends) // 2, 2), np.arange(len(ends)).reshape(-1, 2)])
@@ -402,7 +399,11 @@ class Stage:
     def _grid_notes(self) -> list[str]:
         """The pitch of the grid, and whether lengths are true."""
         true = [] if self.appearance.enlarged else ["lengths and motions 1:1"]
-        return true + [f"grid of {grid_pitch(self.size):g} m" for one in self.surfaces if not one.level.clear][:1]
+        grids = [f"grid of {grid_pitch(self.size):g} m" for one in self.surfaces if not one.level.clear]
+        floor = (
+            " on a floor that is not in the scene" if any(one.level.name == FLOOR_NAME for one in self.surfaces) else ""
+        )
+        return true + [text + floor for text in grids[:1]]
 
     def _thickness_notes(self) -> list[str]:
         """How much thicker than it is each line is drawn; lines of one factor share a note."""

@@ -9,8 +9,8 @@ import numpy as np
 from tautline.view.space.appearance import Appearance, Level
 from tautline.view.space.sea import Waves
 
-FLOOR = "#D3D7D9"
-"""Of a floor that is not in the scene."""
+FLOOR, FLOOR_NAME = "#D3D7D9", "floor"
+"""Colour and name of a floor that is not in the scene."""
 DEEP = 0.85
 """Share of the picture's height from which water is so high that most of what is seen hangs in it."""
 FAR, PATCH = 14.0, 0.5
@@ -100,7 +100,7 @@ def surfaces(appearance: Appearance, extent: np.ndarray) -> list[Surface]:
     made = [_surface(level, PATCH * size if deep(level, extent) else FAR * size, middle) for level in appearance.levels]
     base = appearance.base(extent)
     if base is not None and all(level.clear for level in appearance.levels):
-        made.append(_surface(Level("floor", base, FLOOR, 1.0), FAR * size, middle))
+        made.append(_surface(Level(FLOOR_NAME, base, FLOOR, 1.0), FAR * size, middle))
     return made
 
 
