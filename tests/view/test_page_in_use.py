@@ -385,3 +385,17 @@ def test_a_window_that_changes_its_size_keeps_everything_in_view(browser, swing)
         x, y, _ = np.array([opened.ask(f"tautline.place(0, {k})") for k in range(5)]).T
         assert x.min() > 0 and x.max() < 500 and y.min() > 0 and y.max() < 900
         assert opened.ask("document.getElementById('space').clientWidth") == 500
+
+
+@pytest.mark.parametrize(("wide", "high"), [(1280, 720), (900, 500), (390, 780)])
+def test_what_reaches_up_to_the_right_stays_clear_of_the_legend(browser, tmp_path, wide, high):
+    points = np.linspace([0.0, 0.0, 0.0], [40.0, 0.0, 22.0], 30)
+    force = ranged("tension", "tension", "N", np.linspace([1e3, 2e3], [2e3, 4e3], 30).T)
+    line = Line("rope", lambda frame: points, 0.02, (force,))
+    page = write_page(Appearance("up", np.arange(2.0), (line,), eye=(0.0, -1.0, 0.2)), tmp_path / "up.html")
+    with Opened(browser, page, viewport={"width": wide, "height": high}) as opened:
+        x, y, _ = np.array([opened.ask(f"tautline.place(0, {k})") for k in range(30)]).T
+        legend = opened.ask("document.getElementById('legend').getBoundingClientRect().toJSON()")
+        assert not np.any((x > legend["left"]) & (x < legend["right"]) & (y < legend["bottom"]))
+        assert x.min() >= 0.0 and x.max() <= wide and y.min() >= 0.0 and y.max() <= high
+        assert max(np.ptp(x) / wide, np.ptp(y) / high) > 0.35
