@@ -1,13 +1,14 @@
 """The gallery: every scene of data/, run and drawn as its engineers would first look at it.
 
-Writes docs/gallery.md and the pictures in docs/images/gallery, and the film that the README shows. Nothing in it is
-drawn by hand, and no picture is touched up. ``--quick`` runs a tenth of every scene into a temporary folder: whether it
-works at all.
+Writes docs/gallery.md and the pictures in docs/images/gallery, and the film that the README shows. Pages are opened in
+Chromium, by Playwright; without them the pictures of pages stay as they are. Nothing is drawn by hand, and no picture
+is touched up. ``--quick`` runs a tenth of every scene into a temporary folder: whether it works at all.
 """
 
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -19,9 +20,17 @@ from tautline.results.result import Result
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = Path("images") / "gallery"
+BROWSER = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"]
 WIDE, SMALL = "1280x720", "640x360"
 FILM = ("hoist", ("--rate", "8", "--size", SMALL, "--speed", "1.5"))
 QUICK = 0.1
+PAGES = (
+    ("hoist", "hoist", "t=5&thing=drum winch", "light"),
+    ("hoist", "night", "t=5&thing=payload", "dark"),
+    ("jwell", "jwell", "t=20&line=1&node=9", "light"),
+    ("landing", "landing", "t=20&go=sheave tip", "light"),
+)
+"""Scene, name of the picture, what is asked of its page, and the hour."""
 
 
 class Shot(NamedTuple):
@@ -115,6 +124,32 @@ def _early(options: tuple[str, ...]) -> tuple[str, ...]:
     return tuple("last" if word.startswith("t=") else word for word in options)
 
 
+def pages(work: Path, images: Path) -> None:
+    """Pictures of pages, as a browser shows them."""
+    browser = next((found for name in ("chromium", "google-chrome") if (found := shutil.which(name))), None)
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        browser = None
+    if browser is None:
+        print("no browser: pictures of pages are left as they are")
+        return
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=browser, args=BROWSER)
+        for scene, name, asked, hour in PAGES:
+            page = work / f"{scene}.html"
+            if not page.exists():
+                run("render", str(work / f"{scene}.nc"), "--html", str(page))
+            tab = opened.new_page(viewport={"width": 1280, "height": 720}, color_scheme=hour)
+            tab.goto(f"{page.as_uri()}#{asked}")
+            while tab.evaluate("document.body.dataset.ready") != "1":
+                tab.wait_for_timeout(50)
+            tab.wait_for_timeout(500)
+            tab.screenshot(path=str(images / f"page_{name}.jpg"), type="jpeg", quality=85)
+            tab.close()
+        opened.close()
+
+
 def commands(shot: Shot) -> str:
     """What a user types for the pictures."""
     lines = [f"tautline simulate data/{shot.scene}.yaml"]
@@ -142,6 +177,7 @@ def main() -> None:
             parts += [f"## {title}", "", shot.text, "", commands(shot), ""]
             for path in pictures(shot, result, docs / IMAGES, quick):
                 parts.append(f"![{title}: {path.stem}]({path.relative_to(docs).as_posix()})\n")
+        pages(Path(work), docs / IMAGES)
         scene, options = FILM
         run("render", str(Path(work) / f"{scene}.nc"), "--movie", str(docs / IMAGES / f"{scene}.gif"), *options)
         (docs / "gallery.md").write_text("\n".join(parts), encoding="utf8")

@@ -152,7 +152,7 @@ def test_exaggerated_displacements_grow_by_the_factor_and_the_note_says_so(hangi
     np.testing.assert_allclose(
         large.solids[-1].pose(15)[:3, 3], large.lines[0].points(15)[large.lines[0].nodes[1]], atol=1e-13
     )
-    assert any("5 times" in note for note in large.notes) and not any("times" in note for note in plain.notes)
+    assert any("5 times" in note for note in large.remarks) and not any("times" in note for note in plain.remarks)
     bent = [look.lines[0].quantities[1].values(15) for look in (plain, large)]
     np.testing.assert_array_equal(*bent)
 

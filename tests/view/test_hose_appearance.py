@@ -176,7 +176,7 @@ def test_exaggeration_leaves_what_lies_along_the_first_frame_as_it_is():
     np.testing.assert_allclose(large.lines[1].points(0)[-1], large.lines[0].points(100)[-1], atol=1e-9)
     mark = marks(large)[3].pose(90)[:3, 3]
     assert np.linalg.norm(large.lines[0].points(90) - mark, axis=-1).min() < 0.01
-    assert any("10 times" in note for note in large.notes) and not any("drawn" in note for note in plain.notes)
+    assert any("10 times" in note for note in large.remarks) and not any("drawn" in note for note in plain.remarks)
 
 
 def test_a_run_of_one_frame_can_be_seen():

@@ -192,7 +192,8 @@ def test_the_factor_magnifies_offsets_and_thickness_exactly():
     assert np.all(many["string"].radius == 50.0 * one["string"].radius)
     assert many["hole"].radius == 50.0 * one["hole"].radius
     assert np.all(many["hole"].points(0) == one["hole"].points(0))
-    assert "across: 50 x" in appearance(result, Look("true", 50.0)).notes
+    assert appearance(result, Look("true", 50.0)).enlarged == (("across the hole", 50.0),)
+    assert one and not appearance(result, Look("true", 1.0)).enlarged
 
 
 def test_a_hole_is_drawn_about_a_hundredth_of_the_picture_wide_and_says_so():
@@ -200,7 +201,7 @@ def test_a_hole_is_drawn_about_a_hundredth_of_the_picture_wide_and_says_so():
     picture = appearance(result, Look())
     radius = parts(picture)["hole"].radius
     assert 0.008 < 2.0 * radius / np.ptp(result["well_position"], axis=0).max() < 0.016
-    assert f"across: {2.0 * radius / HOLE:.6g} x" in picture.notes
+    assert picture.enlarged == (("across the hole", pytest.approx(2.0 * radius / HOLE)),)
 
 
 @pytest.mark.parametrize(("name", "sag"), [("a", 3.278958), ("b", 233.5539), ("c", 24.735459)])

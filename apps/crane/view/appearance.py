@@ -10,8 +10,9 @@ import numpy as np
 from crane.geometry.quaternion import rotation_of
 from crane.results.course import Course, course_of, laid_out, scene_of
 from crane.scene.scene import Body, Drum, End, Sheave
-from crane.view import machinery
+from crane.view import histories, machinery
 from crane.view.rope_line import RopeLine, cut, rope_line
+from crane.view.sea_surface import waves_of
 from crane.view.structure import Site, structure
 from tautline.results.naming import title_of
 from tautline.results.result import Result
@@ -82,21 +83,24 @@ def appearance(result: Result, look: Look) -> Appearance:
     for one in shown:
         solids += one.solids()
     eye = _eye(rope.points, course)
-    notes = [f"sag drawn {factor:g} times as large"] if factor != 1.0 else []
-    notes += ["the vessel's turns are not shown: the file of its motion is not at hand"] if site.lost else []
+    levels = tuple(_levels(ropes, site))
+    notes = ["the vessel's turns are not shown: the file of its motion is not at hand"] if site.lost else []
     deck = next((solid for solid in solids if solid.name == "deck"), None)
     if deck is not None and scene.water is not None and deck.points[:, 2].max() < scene.water.surface:
         notes.append("the winch is where the scene has it: its deck is under water")
+    if any(level.waves is not None for level in levels):
+        notes.append("waves are those of the vessel's motion; forces on rope and load are those of still water")
     return Appearance(
         units=look.units,
         title=title_of(result),
         time=np.array(result.time),
         lines=tuple(_line(one, site, f"rope {k + 1}" if k else "rope") for k, one in enumerate(ropes)),
         solids=tuple(solids),
-        levels=tuple(_levels(ropes, site)),
+        levels=levels,
         labels=tuple(one.label(eye) for one in shown) if len(shown) <= MOST_LABELS else (),
         eye=eye,
         notes=tuple(notes),
+        enlarged=(("sag of the rope", factor),) if factor != 1.0 else (),
     )
 
 
@@ -120,7 +124,7 @@ def _levels(ropes: list[RopeLine], site: Site) -> Iterator[Level]:
     room = max(2.0 * float(np.ptp(heights)), site.size)
     near = (float(heights.min()) - room, float(heights.max()) + room)
     if scene.water is not None and near[0] < scene.water.surface < near[1]:
-        yield Level("water", scene.water.surface, WATER)
+        yield Level("water", scene.water.surface, WATER, waves=waves_of(scene))
     if scene.ground is not None and near[0] < scene.ground.level < near[1]:
         yield Level("ground", scene.ground.level, GROUND, 0.9)
 
@@ -184,7 +188,8 @@ def _sheaves(site: Site, crane: bool, load: bool) -> Iterator[Solid]:
         if not (crane if item.body is None else load):
             continue
         mesh = machinery.sheave(item.radius, site.diameter, site.width(i))
-        yield Solid(f"sheave {item.name}", *mesh, stored(_wheel_poses(site, i, turned[:, k])), STEEL)
+        told = histories.of_sheave(site.result, site.scene.path, i)
+        yield Solid(f"sheave {item.name}", *mesh, stored(_wheel_poses(site, i, turned[:, k])), STEEL, histories=told)
 
 
 def _drums(site: Site) -> Iterator[Solid]:
@@ -195,7 +200,9 @@ def _drums(site: Site) -> Iterator[Solid]:
         item = site.scene.path[i]
         way = np.sign(site.course.layout.wheels.radius[i]) * (1.0 if i == 0 else -1.0)
         mesh = machinery.drum(item.radius, site.diameter, 2.0 * site.drum_half(i))
-        yield Solid(f"drum {item.name}", *mesh, stored(_wheel_poses(site, i, way * turned[:, k])), STEEL)
+        told = histories.of_drum(site.result, site.scene.path, i)
+        poses = stored(_wheel_poses(site, i, way * turned[:, k]))
+        yield Solid(f"drum {item.name}", *mesh, poses, STEEL, histories=told)
 
 
 class _Box(NamedTuple):
@@ -266,9 +273,11 @@ class _Load:
         parts: list[Mesh] = [slings]
         if self.wheels:
             parts += self._plates()
-        yield Solid(f"rigging of {name}", *joined(*parts), poses, PAINT if self.wheels else STEEL, smooth=False)
+        told = histories.of_load(self.site.result, self.site.scene.path, self.k, name)
+        colour = PAINT if self.wheels else STEEL
+        yield Solid(f"rigging of {name}", *joined(*parts), poses, colour, smooth=False, histories=told)
         if self.box.size.any():
-            yield Solid(name, *load, stored(self._falling()), LOAD, smooth=False)
+            yield Solid(name, *load, stored(self._falling()), LOAD, smooth=False, histories=told)
 
     def _plates(self) -> Iterator[Mesh]:
         """Plates on either side of sheaves of one axis, down to the swivel."""

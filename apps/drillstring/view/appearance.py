@@ -28,6 +28,7 @@ from tautline.view.space.appearance import (
     STEEL,
     Appearance,
     Arrows,
+    History,
     Line,
     Look,
     Quantity,
@@ -92,7 +93,9 @@ def appearance(result: Result, look: Look) -> Appearance:
         labels=words(drawn, size, low),
         rulers=(depth_scale(drawn, size, look.units),),
         eye=drawn.eye,
-        notes=_notes(course, factor, unrolled),
+        notes=_notes(course, unrolled),
+        enlarged=(("across the hole", factor),) if factor != 1.0 else (),
+        floor=False,
         units=look.units,
     )
 
@@ -172,10 +175,25 @@ def _solids(result: Result, drawn: Drawn, size: float) -> tuple[Solid, ...]:
         c, s = math.cos(turned[frame]), math.sin(turned[frame])
         return pose_of(place, axes @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
+    # fmt: off
     made = [
-        Solid("block", *block((0.6 if course.upright else 0.3) * height), held, colour=PAINT),
-        Solid("bit", *bit(across, long), drilling, colour=LOAD),
+        Solid(
+            "block", *block((0.6 if course.upright else 0.3) * height), held, colour=PAINT,
+            histories=_told(
+                result, ("hook_load", "hook load", "N"), ("surface_torque", "surface torque", "N m"),
+                ("block_position", "block position, down", "m"),
+            ),
+        ),
+        Solid(
+            "bit", *bit(across, long), drilling, colour=LOAD,
+            histories=_told(
+                result, ("weight_on_bit", "weight on bit", "N"), ("torque_on_bit", "torque on bit", "N m"),
+                ("rotation_rate", "rotary speed", "rad/s"), ("bit_depth", "measured depth", "m"),
+                ("bit_speed", "speed along the hole", "m/s"),
+            ),
+        ),
     ]
+    # fmt: on
     if course.upright:
         made.append(Solid("derrick", *derrick(height), colour=STEEL, smooth=False))
         # Not a level that goes on: the well would be seen through it.
@@ -244,8 +262,17 @@ def _factor(course: Course, size: float, unrolled: bool) -> float:
     return max(1.0, float(f"{factor:.2g}"))
 
 
-def _notes(course: Course, factor: float, unrolled: bool) -> tuple[str, ...]:
-    along = "depth along the hole at its true length" if unrolled else "depth at its true length"
-    across = f"across: {factor:.6g} x" if factor != 1.0 else "across: true"
-    symbols = ["derrick, block and bit are symbols"] if course.upright else []
-    return (across, along, *symbols, *course.notes) if unrolled else (across, *symbols, *course.notes)
+def _notes(course: Course, unrolled: bool) -> tuple[str, ...]:
+    along = ("depth along the hole at its true length",) if unrolled else ()
+    symbols = ("derrick, block and bit are symbols",) if course.upright else ()
+    return (*along, *symbols, *course.notes)
+
+
+def _told(result: Result, *kinds: tuple[str, str, str]) -> tuple[History, ...]:
+    """Stored variables, where they are there; of several columns the last, which is the bit's."""
+    found = []
+    for name, text, unit in kinds:
+        if name in result:
+            values = np.asarray(result[name])
+            found.append(History(name, text, unit, values if values.ndim == 1 else values[:, -1]))
+    return tuple(found)

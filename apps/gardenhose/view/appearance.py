@@ -12,7 +12,7 @@ from gardenhose.cables import streams
 from gardenhose.motion.curves import Trace
 from gardenhose.scene import HoseScene
 from tautline.cable.input.embedded_scene import embedded
-from tautline.cable.view.appearance import extent_of, factor_of, note_of, quantities, sampled
+from tautline.cable.view.appearance import enlarged_by, extent_of, factor_of, quantities, sampled
 from tautline.cable.view.symbols import mass, pin, plate, supports
 from tautline.results.naming import title_of
 from tautline.results.result import Result
@@ -23,6 +23,7 @@ from tautline.view.space.appearance import (
     STEEL,
     WATER,
     Appearance,
+    History,
     Line,
     Look,
     Solid,
@@ -86,7 +87,8 @@ def appearance(result: Result, look: Look) -> Appearance:
         lines=(Line("hose", points, 0.0, shown, nodes=hose.nodes), *path),
         solids=(*held, *marks),
         eye=facing(sampled(places), places[0, -1] - places[0, 0]),
-        notes=(*more, *notes, *note_of(factor, "displacements across the hose, from its first frame,")),
+        notes=(*more, *notes),
+        enlarged=enlarged_by(factor, "displacements across the hose, from its first frame,"),
     )
 
 
@@ -166,7 +168,8 @@ def _water(result: Result, scene: HoseScene | None, hose: Chain, extent: float) 
     def pose_at(k: int) -> Values:
         return lambda frame: poses(frame)[k]
 
-    solids = [Solid(f"water {k + 1}", points, triangles, pose_at(k), WATER) for k in range(MARKS)]
+    told = (History("flow_speed", "speed of the water", "m/s", speed),)
+    solids = [Solid(f"water {k + 1}", points, triangles, pose_at(k), WATER, histories=told) for k in range(MARKS)]
     if slower == 1.0:
         return solids, ["marks move with the water"]
     return solids, [f"marks move with the water, {slower:g} times more slowly than it does"]

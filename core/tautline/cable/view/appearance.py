@@ -18,6 +18,7 @@ from tautline.view.space.appearance import (
     STEEL,
     Appearance,
     Arrows,
+    History,
     Line,
     Look,
     Quantity,
@@ -71,8 +72,12 @@ def appearance(result: Result, look: Look) -> Appearance:
     pulled = [(still(homes[i]), places[i]) for anchor in scene.anchors for i in anchor.nodes]
     pulled += [(places[spring.nodes[0]], places[spring.nodes[1]]) for spring in scene.springs]
     springs = [coil(*ends, size, name) for ends, name in _numbered("spring", pulled)]
-    heavy = [(one.model.mass, places[i]) for one in scene.masses for i in one.nodes if one.model.mass > 0.0]
-    masses = [mass(*one, extent, name) for one, name in _numbered("mass", heavy)]
+    heavy = [(one.model.mass, i) for one in scene.masses for i in one.nodes if one.model.mass > 0.0]
+    order = [node.id for node in scene.nodes]
+    masses = [
+        mass(kilograms, places[i], extent, name, _coordinates(position[:, order.index(i)]))
+        for (kilograms, i), name in _numbered("mass", heavy)
+    ]
     held = _supports(scene, places, size)
     signs = [text for text, some in (("supports", held), ("springs", springs), ("masses", masses)) if some]
     notes = [f"{_listed(signs)} are signs, not to scale"] if signs else []
@@ -83,7 +88,8 @@ def appearance(result: Result, look: Look) -> Appearance:
         solids=(*held, *masses),
         arrows=_forces(scene, result.time, drawn),
         eye=facing(sampled(drawn)),
-        notes=(*notes, *note_of(factor)),
+        notes=tuple(notes),
+        enlarged=enlarged_by(factor),
     )
 
 
@@ -102,9 +108,9 @@ def factor_of(look: Look, views: Mapping[str, str]) -> float:
     return factor
 
 
-def note_of(factor: float, what: str = "displacements from the first frame") -> tuple[str, ...]:
-    """What a reader must know of a picture in which displacements are not drawn as they are."""
-    return () if factor == 1.0 else (f"{what} are drawn {factor:g} times as large",)
+def enlarged_by(factor: float, what: str = "displacements from the first frame") -> tuple[tuple[str, float], ...]:
+    """What a picture shows larger than it is, and how many times."""
+    return () if factor == 1.0 else ((what, factor),)
 
 
 def sampled(position: np.ndarray) -> np.ndarray:
@@ -236,6 +242,11 @@ def _forces(scene: CableScene, time: np.ndarray, position: np.ndarray) -> tuple[
         return acts[frame][:, None] * force
 
     return (Arrows("force", "force", "N", lambda frame: position[frame, nodes], vectors, longest),)
+
+
+def _coordinates(position: np.ndarray) -> tuple[History, ...]:
+    """Histories of a place (frames, 3), m; the height first."""
+    return tuple(History(axis, axis, "m", position[:, c]) for axis, c in (("z", 2), ("x", 0), ("y", 1)))
 
 
 def _place(position: np.ndarray, node: int) -> Values:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tautline.view.space.appearance import LOAD, PAINT, STEEL, Line, Solid, Values, axes_of, pose_of
+from tautline.view.space.appearance import LOAD, PAINT, STEEL, History, Line, Solid, Values, axes_of, pose_of
 from tautline.view.space.mesh import Mesh, box, joined, moved, turned_about
 
 STEEL_DENSITY = 7850.0
@@ -22,7 +22,9 @@ def ball(radius: float) -> Mesh:
     return turned_about(radius * profile, 2 * ROUND)
 
 
-def mass(kilograms: float, place: Values, extent: float, name: str = "mass") -> Solid:
+def mass(
+    kilograms: float, place: Values, extent: float, name: str = "mass", histories: tuple[History, ...] = ()
+) -> Solid:
     """A ball at a moving place: of the size that steel would have, but neither too small to see nor in the way.
 
     Parameters
@@ -32,7 +34,7 @@ def mass(kilograms: float, place: Values, extent: float, name: str = "mass") -> 
     """
     radius = (0.75 * kilograms / (np.pi * STEEL_DENSITY)) ** (1.0 / 3.0)
     points, triangles = ball(float(np.clip(radius, 0.008 * extent, 0.03 * extent)))
-    return Solid(name, points, triangles, lambda frame: pose_of(place(frame)), LOAD)
+    return Solid(name, points, triangles, lambda frame: pose_of(place(frame)), LOAD, histories=histories)
 
 
 def pin(size: float) -> Mesh:

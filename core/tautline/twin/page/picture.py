@@ -86,7 +86,7 @@ def _shape(appearance: Appearance) -> dict[str, Any]:
             for one in appearance.levels
         ],
         "low": _rounded(extent.min(axis=0)), "high": _rounded(extent.max(axis=0)), "eye": list(appearance.eye),
-        "notes": list(appearance.notes),
+        "notes": list(appearance.remarks),
     }  # fmt: skip
 
 

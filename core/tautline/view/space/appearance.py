@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from tautline.results.errors import ResultError
+from tautline.view.space.sea import Waves
 
 Values = Callable[[int], np.ndarray]
 """An array at a frame, counted from 0."""
@@ -109,6 +110,24 @@ class Line:
     thick: bool = True
 
 
+@dataclass(frozen=True, eq=False)
+class History:
+    """A number of a thing as a whole over time: the tension at a drum.
+
+    Attributes
+    ----------
+    name, text, unit : str
+        As of a `Quantity`.
+    values : (frames,) array
+        SI; not finite where it is not known.
+    """
+
+    name: str
+    text: str
+    unit: str
+    values: np.ndarray
+
+
 @dataclass(frozen=True)
 class Solid:
     """A thing that moves without changing its shape.
@@ -126,6 +145,8 @@ class Solid:
     opacity : float
     smooth : bool
         Whether neighbouring faces are shaded as one round surface where they meet at less than 30 degrees.
+    histories : tuple of History
+        What is told of it when it is picked; the first is drawn as a curve.
     """
 
     name: str
@@ -135,6 +156,7 @@ class Solid:
     colour: str = STEEL
     opacity: float = 1.0
     smooth: bool = True
+    histories: tuple[History, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -163,12 +185,21 @@ class Arrows:
 
 @dataclass(frozen=True)
 class Level:
-    """A level plane that goes on beyond the picture: sea surface, ground, formation top. `height` in m."""
+    """A level plane that goes on beyond the picture: sea surface, ground, formation top. `height` in m.
+
+    A sea may have `waves` about its height; without them it is still.
+    """
 
     name: str
     height: float
     colour: str = WATER
     opacity: float = 0.45
+    waves: Waves | None = None
+
+    @property
+    def clear(self) -> bool:
+        """Whether one sees through it, as through water."""
+        return self.opacity < 0.6
 
 
 @dataclass(frozen=True)
@@ -211,7 +242,12 @@ class Appearance:
     eye : tuple of float
         Direction from what is seen to the eye, of a view that shows it well.
     notes : tuple of str
-        What a reader of the picture must know: that offsets are drawn twenty times larger.
+        What a reader of the picture must know: that a derrick is a symbol.
+    enlarged : tuple of (str, float)
+        What is drawn larger than it is, and how many times: ``("across the hole", 190.0)``. Empty where all lengths
+        and motions are true. The thickness of lines is told by whoever draws them.
+    floor : bool
+        Whether a floor may be drawn below everything, where there is no ground; a well has none.
     source : (frames,) array of int or None
         Frames of the result that these are; None for all of them.
     units : str
@@ -230,6 +266,8 @@ class Appearance:
     rulers: tuple[Ruler, ...] = ()
     eye: tuple[float, float, float] = (0.9, -1.0, 0.5)
     notes: tuple[str, ...] = ()
+    enlarged: tuple[tuple[str, float], ...] = ()
+    floor: bool = True
     source: np.ndarray | None = None
     units: str = "si"
 
@@ -241,6 +279,11 @@ class Appearance:
             for quantity in line.quantities:
                 found.setdefault(quantity.name, []).append(quantity)
         return found
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Its notes, and what is drawn larger than it is, as sentences."""
+        return (*(f"{text} drawn {factor:.6g} times as large" for text, factor in self.enlarged), *self.notes)
 
     def thinned(self, every: int) -> Appearance:
         """The same with every so many of its frames, and the last."""
@@ -257,7 +300,14 @@ class Appearance:
             self,
             time=self.time[frames],
             lines=tuple(map(line, self.lines)),
-            solids=tuple(replace(one, pose=chosen_of(one.pose)) for one in self.solids),
+            solids=tuple(
+                replace(
+                    one,
+                    pose=chosen_of(one.pose),
+                    histories=tuple(replace(each, values=each.values[frames]) for each in one.histories),
+                )
+                for one in self.solids
+            ),
             arrows=tuple(
                 replace(one, points=chosen_of(one.points), vectors=chosen_of(one.vectors)) for one in self.arrows
             ),
@@ -293,6 +343,17 @@ class Appearance:
         found += [ruler.points for ruler in self.rulers]
         found = [points for points in found if len(points)]
         return np.concatenate(found) if found else np.zeros((1, 3))
+
+    def base(self, points: np.ndarray) -> float | None:
+        """Height of what everything stands on, m: the highest ground below all points (n, 3), else a floor there.
+
+        None where there is neither: in a well, and where water is all that is below.
+        """
+        low, size = float(points[:, 2].min()), float(np.ptp(points, axis=0).max(initial=0.0))
+        below = [one.height for one in self.levels if not one.clear]
+        if below:
+            return max(below)
+        return low - 0.01 * size if self.floor and not self.levels else None
 
 
 def chosen(views: Mapping[str, str], look: Look) -> Look:

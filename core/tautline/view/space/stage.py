@@ -20,6 +20,8 @@ from tautline.view.space.camera import ANGLE, CLOSE, Aim, aim, fitted
 from tautline.view.space.colours import Shading, shading
 from tautline.view.space.graphics import graphics, new_plotter
 from tautline.view.space.mesh import turned_about
+from tautline.view.space.scales import grid_pitch, scales
+from tautline.view.space.surroundings import FLOOR_NAME, SHADED, Surface, ground_colour, shadow, sun, surfaces
 from tautline.view.space.tube import rings, skin
 
 SIZE = (1280, 720)
@@ -36,12 +38,16 @@ LEGEND = 0.13
 """Share of the width that the legend takes."""
 FOOT = 0.04
 """Share of half the height by which everything is moved up, off the clock and the notes."""
-HEADROOM = 1.17
+HEADROOM = 1.2
 """Room around what is seen."""
 LOOKED_AT = 24
 """Frames, about, that the camera is placed for."""
-BEYOND = 25.0
-"""Radius of a level over the picture's size: its edge is the horizon."""
+ZENITH, HAZE, PAPER = "#B9D1E8", "#F1F4F6", "#FFFFFF"
+"""Background at the top and at the bottom of a picture; and at the top of one that is below ground."""
+LIFT = 5.0e-4
+"""Height of a shadow above what it falls on, over the picture's size, so that it is seen."""
+GRID, PIECES = 30, 12
+"""Lines of a grid to either side of its middle, and pieces of each, which fade."""
 NEAREST = 1e-3
 """Distance of the nearest thing that is shown over that of the farthest, without zoom."""
 NOTE_WIDTH = 110
@@ -100,13 +106,15 @@ class Stage:
         self.shading: Shading | None = shading(appearance, colour)
         self.scale = min(size[0] / SIZE[0], size[1] / SIZE[1])
         self.pyvista = graphics()
-        self.plotter = new_plotter(off_screen=not window, window_size=list(size), lighting="light kit")
-        self.plotter.set_background("white")
+        self.plotter = new_plotter(off_screen=not window, window_size=list(size), lighting="none")
+        self._light()
         if not smooth:
             self.plotter.render_window.SetMultiSamples(0)
         frames = len(appearance.time)
         looked_at = np.unique(np.linspace(0, frames - 1, min(frames, LOOKED_AT)).round().astype(int))
-        self._extent = appearance.extent([int(frame) for frame in looked_at])
+        extent = appearance.extent([int(frame) for frame in looked_at])
+        self.rulers, self.surfaces = scales(appearance, extent), surfaces(appearance, extent)
+        self._extent = np.concatenate([extent, *(one.points for one in self.rulers)])
         self.size = max(float(np.ptp(self._extent, axis=0).max()), 1e-6)
         self.frame = 0
         if self.aim.zoom == CLOSE:
@@ -114,15 +122,29 @@ class Stage:
         self.seen = self.size / self.aim.zoom
         self._followed = appearance.place_of(self.aim.follows) if self.aim.follows else None
         self._moves: list[Callable[[int], None]] = []
+        base = appearance.base(extent)
+        self._flat = None if base is None else shadow(self.sun, base + LIFT * self.size)
+        self._shade = next((one.level.colour for one in self.surfaces if one.level.height == base), "")
         for add, parts in (
             (self._line, appearance.lines), (self._solid, appearance.solids), (self._arrows, appearance.arrows),
-            (self._level, appearance.levels), (self._label, appearance.labels), (self._ruler, appearance.rulers),
+            (self._surface, self.surfaces), (self._label, appearance.labels), (self._ruler, self.rulers),
         ):  # fmt: skip
             for part in parts:
                 add(part)  # type: ignore[operator]
         self._words()
         self.look()
         self.show(0)
+
+    def _light(self) -> None:
+        """Sky behind everything; a sun that stands still, and a little light from the eye."""
+        self.plotter.set_background(HAZE, top=ZENITH if self.appearance.floor or self.appearance.levels else PAPER)
+        # VTK strews noise over a gradient, which makes a picture five times as large.
+        self.plotter.renderer.SetDitherGradient(False)
+        self.sun = sun(self.appearance.eye)
+        key = self.pyvista.Light(light_type="scene light", intensity=0.78)
+        key.positional, key.position, key.focal_point = False, tuple(self.sun), (0.0, 0.0, 0.0)
+        self.plotter.add_light(key)
+        self.plotter.add_light(self.pyvista.Light(light_type="headlight", intensity=0.5))
 
     def show(self, frame: int) -> None:
         """Move everything to a frame; nothing is rendered."""
@@ -196,6 +218,7 @@ class Stage:
         if line.hollow:
             actor.prop.culling = "front"
         shade, colours = self.shading, None if quantity is None else mesh.point_data["value"]
+        dark = self._shadow(mesh) if line.thick and not line.hollow else None
 
         def move(frame: int) -> None:
             at, out = rings(line.points(frame), radius, sides)
@@ -205,16 +228,34 @@ class Stage:
                 colours[:] = np.repeat(quantity.values(frame) / shade.factor, sides)
             mesh.GetPoints().Modified()
             mesh.Modified()
+            if dark is not None and self._flat is not None:
+                dark.points[:] = at @ self._flat[:3, :3].T + self._flat[:3, 3]
+                dark.GetPoints().Modified()
+                dark.Modified()
 
         self._moves.append(move)
+
+    def _shadow(self, mesh: Any, pose: Any = None) -> Any:
+        """The shadow of a mesh on what everything stands on; a mesh of its own where no pose moves it."""
+        if self._flat is None or not self._shade:
+            return None
+        flat = self._flat
+        own = self.pyvista.PolyData.from_regular_faces(np.array(mesh.points), mesh.regular_faces)
+        colour = tuple(SHADED * part for part in self.pyvista.Color(ground_colour(self._shade)).float_rgb)
+        actor = self.plotter.add_mesh(own, color=colour, lighting=False, reset_camera=False, pickable=False)
+        if pose is not None:
+            self._moves.append(lambda frame: setattr(actor, "user_matrix", flat @ pose(frame)))
+        return own
 
     def _solid(self, solid: Solid) -> None:
         mesh = self.pyvista.PolyData.from_regular_faces(np.asarray(solid.points, float), solid.triangles)
         if solid.smooth:
             mesh = mesh.compute_normals(feature_angle=SHARP, split_vertices=True, consistent_normals=False)
-        look = {"color": solid.colour, "opacity": solid.opacity, "ambient": 0.2, "specular": 0.15}
+        look = {"color": solid.colour, "opacity": solid.opacity, "ambient": 0.3, "specular": 0.15}
         actor = self.plotter.add_mesh(mesh, reset_camera=False, **look)
         pose = solid.pose
+        if solid.opacity > 0.3:
+            self._shadow(mesh, pose or (lambda frame: np.eye(4)))
         if pose is not None:
             self._moves.append(lambda frame: setattr(actor, "user_matrix", pose(frame)))
 
@@ -243,12 +284,52 @@ class Stage:
 
         self._moves.append(move)
 
-    def _level(self, level: Any) -> None:
-        middle = 0.5 * (self._extent.min(axis=0) + self._extent.max(axis=0))
-        radius = BEYOND * self.size
-        plane = self.pyvista.Disc(center=(middle[0], middle[1], level.height), inner=0.0, outer=radius, c_res=128)
-        look = {"color": level.colour, "opacity": level.opacity, "lighting": False}
-        self.plotter.add_mesh(plane, reset_camera=False, **look)
+    def _surface(self, surface: Surface) -> None:
+        """Floor, ground or water, with its waves."""
+        level = surface.level
+        mesh = self._mesh(surface.points, surface.triangles)
+        colour = level.colour if level.clear else ground_colour(level.colour)
+        rgba = np.empty((len(surface.points), 4), np.uint8)
+        rgba[:, :3] = [round(255 * part) for part in self.pyvista.Color(colour).float_rgb]
+        rgba[:, 3] = np.rint(255 * level.opacity * np.minimum(2.5 * surface.fade, 1.0))
+        mesh.point_data["rgba"] = rgba
+        self.plotter.add_mesh(
+            mesh, scalars="rgba", rgba=True, lighting=False, reset_camera=False, pickable=False
+        )  # fmt: skip
+        if not level.clear:
+            self._grid(level.height)
+        if level.waves is None:
+            return
+        still = rgba[:, :3].astype(float)
+
+        def move(frame: int) -> None:
+            heights = surface.heights(float(self.appearance.time[frame]))
+            mesh.points[:, 2] = heights
+            bright = still * surface.light(heights, self.sun)[:, None]
+            mesh.point_data["rgba"][:, :3] = np.minimum(bright, 255.0).astype(np.uint8)
+            mesh.GetPoints().Modified()
+            mesh.Modified()
+
+        self._moves.append(move)
+
+    def _grid(self, height: float) -> None:
+        """Lines of a round pitch on a level; they fade as it does."""
+        pitch = grid_pitch(self.size)
+        middle = np.round(0.5 * (self._extent.min(axis=0) + self._extent.max(axis=0)) / pitch)[:2] * pitch
+        line, along = pitch * np.arange(-GRID, GRID + 1), pitch * GRID * np.linspace(-1.0, 1.0, PIECES + 1)
+        b, a = np.meshgrid(np.repeat(along, 2)[1:-1], line)
+        rows = np.stack([a.ravel(), b.ravel()], axis=-1)
+        ends = np.concatenate([rows, rows[:, ::-1]])
+        share = np.clip(1.0 - np.hypot(*ends.T) / (GRID * pitch), 0.0, 1.0)
+        points = np.column_stack([ends + middle, np.full(len(ends), height + 0.5 * LIFT * self.size)])
+        cells = np.column_stack([np.full(len(ends) // 2, 2), np.arange(len(ends)).reshape(-1, 2)])
+        mesh = self.pyvista.PolyData(points, lines=cells.ravel())
+        mesh.point_data["rgba"] = np.column_stack([
+            np.broadcast_to(np.array([90, 100, 108]), (len(ends), 3)), np.rint(70 * share)
+        ]).astype(np.uint8)  # fmt: skip
+        self.plotter.add_mesh(
+            mesh, scalars="rgba", rgba=True, lighting=False, line_width=self.scale, reset_camera=False, pickable=False
+        )
 
     def _label(self, label: Any) -> None:
         place = self._words_at(label.text, label.place(0), (10, 0))
@@ -302,18 +383,27 @@ class Stage:
 
     def _words(self) -> None:
         """Title, time, notes and legend."""
-        title = self.plotter.add_text(self.appearance.title, position=(0.015, 0.945), viewport=True, font_size=1)
+        title = self.plotter.add_text(self.appearance.title, position=(0.015, 0.96), viewport=True, font_size=1)
         self._lettering(title.prop, 17)
         clock = self.plotter.add_text(" ", position=(0.015, 0.025), viewport=True, font_size=1)
         self._lettering(clock.prop, 15)
         digits = _digits(self.appearance.time)
         self._moves.append(lambda frame: setattr(clock, "input", f"t = {self.appearance.time[frame]:.{digits}f} s"))
-        notes = [*self.appearance.notes, *self._thickness_notes(), *self._arrow_notes()]
+        notes = [*self._grid_notes(), *self.appearance.remarks, *self._thickness_notes(), *self._arrow_notes()]
         if notes:
             words = self.plotter.add_text(_wrapped(notes), position=(0.16, 0.028), viewport=True, font_size=1)
             self._lettering(words.prop, 12)
         if self.shading is not None:
             self._legend(self.shading)
+
+    def _grid_notes(self) -> list[str]:
+        """The pitch of the grid, and whether lengths are true."""
+        true = [] if self.appearance.enlarged else ["lengths and motions 1:1"]
+        grids = [f"grid of {grid_pitch(self.size):g} m" for one in self.surfaces if not one.level.clear]
+        floor = (
+            " on a floor that is not in the scene" if any(one.level.name == FLOOR_NAME for one in self.surfaces) else ""
+        )
+        return true + [text + floor for text in grids[:1]]
 
     def _thickness_notes(self) -> list[str]:
         """How much thicker than it is each line is drawn; lines of one factor share a note."""
