@@ -13,6 +13,8 @@ from pathlib import Path
 from mkdocs.structure.files import File, InclusionLevel
 
 LINK = re.compile(r"\]\((?P<way>(?:\.\./)+[^)#\s]+)(?P<place>#[^)\s]*)?\)")
+BARE = re.compile(r"\[(?:docs/)?[\w/]+\.md\]\(([\w/.]+\.md)")
+"""A link whose text is the name of a page's file: in the site it has the page's title."""
 SPOKEN = {".py": "python", ".yaml": "yaml", ".yml": "yaml", ".toml": "toml", ".cff": "yaml", ".sh": "bash"}
 WHOLE = {"README.md": "index.md", "CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md"}
 """Files of the repository's folder that have a page of their own."""
@@ -51,7 +53,12 @@ def on_page_markdown(markdown, page, config, files):
         place = (link["place"] or "").replace("#L", "#__span-0-")
         return f"]({posixpath.relpath(target, here)}{place})"
 
-    return LINK.sub(to_page, markdown)
+    def to_title(named):
+        file = files.get_file_from_path(posixpath.join(posixpath.dirname(page.file.src_uri), named[1]))
+        title = file.page.title if file is not None and file.page is not None else None
+        return f"[{title}]({named[1]}" if title else named[0]
+
+    return BARE.sub(to_title, LINK.sub(to_page, markdown))
 
 
 def _outside(page: str, way: str) -> str | None:
