@@ -37,6 +37,7 @@ class Page(HTMLParser):
         self.feed(path.read_text(encoding="utf8"))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Note what a tag names, links to and loads."""
         of = {name: value or "" for name, value in attrs}
         self.places |= {of[name] for name in ("id", "name") if name in of}
         self.equations |= "arithmatex" in of.get("class", "").split()
@@ -94,6 +95,7 @@ def seen(site: Path, pages: dict[Path, Page]) -> list[str]:
 
 
 def main() -> None:
+    """Check a site and leave with 1 where it has faults."""
     site = Path(sys.argv[1]).resolve()
     pages = {path: Page(path) for path in site.rglob("*.html") if path.name != "404.html"}
     found = faults(site, pages)

@@ -1,7 +1,7 @@
 """Every code block of the pages runs, or says why it cannot.
 
-Blocks of a page run in their order, in a folder of their own beside ``data``. Runs are shortened, and otherwise as the page has
-them. A comment before a block says more:
+Blocks of a page run in their order, in a folder of their own beside ``data``. Runs are shortened, and otherwise as the
+page has them. A comment before a block says more:
 
 - ``<!-- not run: reason -->``;
 - ``<!-- before: ... -->``, ``<!-- after: ... -->``: commands that come before or after it, one a line;
@@ -28,9 +28,10 @@ ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(
     r"(?:<!--(?P<mark>[^>]*?)-->\n)?^(?P<indent> *)```(?P<kind>\w*)\n(?P<text>.*?)^ *```$", flags=re.M | re.S
 )
+OUTSIDE = ("README.md", "CONTRIBUTING.md", "data/README.md")
 PAGES = sorted(
     str(path.relative_to(ROOT))
-    for path in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "data" / "README.md", *(ROOT / "docs").rglob("*.md"))
+    for path in (*(ROOT / name for name in OUTSIDE), *(ROOT / "docs").rglob("*.md"))
     if BLOCK.search(path.read_text(encoding="utf8"))
 )
 ELSEWHERE = {

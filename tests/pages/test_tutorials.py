@@ -1,6 +1,5 @@
 """The notebooks of the tutorials run: each goes from a question to a figure in less than a minute."""
 
-import sys
 from pathlib import Path
 
 import nbformat
