@@ -91,9 +91,18 @@ class Keys:
             default = "" if needed else self._default(value)
             meaning = told.get(key) or told.get(key + "_") or value.get("quantity") or ""
             if not meaning:
-                meaning = _quantity(value)
+                meaning = self._of_part(value) or _quantity(value)
             rows.append(f"| `{key}` | {kind} | {default} | {_cell(meaning)} |")
         return "\n".join(rows) if len(rows) > 2 else ""
+
+    def _of_part(self, value: dict[str, Any]) -> str:
+        """The first sentence of the part that a key leads to, where it is one part."""
+        inside = value.get("items", value)
+        choices = [one for one in inside.get("anyOf", [inside]) if "$ref" in one]
+        name = choices[0]["$ref"].rsplit("/", 1)[-1] if len(choices) == 1 else ""
+        if not name or self._function(name):
+            return ""
+        return re.split(r"(?<=[.:;])\s", " ".join(self._lead(self.parts[name]).split()))[0].rstrip(":;")
 
     @staticmethod
     def _default(value: dict[str, Any]) -> str:
