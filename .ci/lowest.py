@@ -1,7 +1,7 @@
 """The lowest version of every package that pyproject.toml allows, as pins for `pip install -r`.
 
 Read from its `>=` floors, so that there is no second list: `python .ci/lowest.py > lowest.txt`. With a word, as in
-`python .ci/lowest.py build`, those of the build itself.
+`python .ci/lowest.py build`, those of the build itself. `python .ci/lowest.py extra docs` prints an extra as it stands.
 """
 
 import re
@@ -25,5 +25,8 @@ def pins(requirements: list[str]) -> list[str]:
 
 if __name__ == "__main__":
     project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    if sys.argv[1:2] == ["extra"]:
+        print("\n".join(project["project"]["optional-dependencies"][sys.argv[2]]))
+        sys.exit()
     build = sys.argv[1:] == ["build"]
     print("\n".join(pins(project["build-system"]["requires"] if build else project["project"]["dependencies"])))

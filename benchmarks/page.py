@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 RACE = "<!-- race: written by benchmarks/race.py -->", "<!-- end of race -->"
-"""Marks of what `race.py` writes, in docs/performance.md and in README.md."""
+"""Marks of what `race.py` writes, in docs/performance.md."""
 
 
 class Section(NamedTuple):

@@ -1,6 +1,6 @@
 """The same scenes by Tautline and by Exudyn, in turn, in one run: CPU time, and the error of each.
 
-Writes its table into docs/performance.md and a short one into README.md. With --quick it is a reduced run that writes
+Writes its tables into docs/performance.md. With --quick it is a reduced run that writes
 nothing; -o FILE keeps all that was measured as JSON, case by case, and --tables FILE writes the tables from it (those
 that are there were written from race_results.json); --references makes the references anew that take minutes. Exudyn
 comes with `pip install 'tautline[race]'`; without it only Tautline runs, and nothing is written.
@@ -23,7 +23,7 @@ import race_scenes as scenes
 from page import RACE, between, load, machine, number, table
 from race_scenes import Case
 
-PAGE, README = scenes.ROOT / "docs" / "performance.md", scenes.ROOT / "README.md"
+PAGE = scenes.ROOT / "docs" / "performance.md"
 BEGIN, END = RACE
 OURS = "Tautline"
 MISSING = (
@@ -227,8 +227,8 @@ def _proof(scene: str, stored: dict[str, Any]) -> str:
     return ""
 
 
-def brief(rows: Sequence[Row], measured: str) -> str:
-    """The README's table: one line for each case, with the quicker of Exudyn's elements."""
+def brief(rows: Sequence[Row]) -> str:
+    """The short table: one line for each case, with the quicker of Exudyn's elements."""
     made = []
     for case in dict.fromkeys(row.case for row in rows):
         own = [row for row in rows if row.case == case]
@@ -241,7 +241,7 @@ def brief(rows: Sequence[Row], measured: str) -> str:
         made.append((case.name, _cell(mine), _cell(best), ratio, short(mine.error), short(best.error)))
     header = ("scene", "Tautline, µs per step", "Exudyn, µs per step", "Exudyn over Tautline", "error, m",
               "Exudyn's error, m")  # fmt: skip
-    return f"{table(header, made)}\n{measured}."
+    return table(header, made)
 
 
 def _cell(row: Row) -> str:
@@ -312,11 +312,19 @@ def from_json(text: str) -> tuple[list[Row], str]:
     return rows, kept["measured"]
 
 
+SHORT = (
+    "One line for each case, with the quicker of Exudyn's elements. "
+    "Tautline computes in space, that element in the plane."
+)
+
+
 def write(rows: Sequence[Row], measured: str) -> None:
-    """Put both tables into their pages."""
-    for path, text in ((PAGE, f"{full(rows, _stored())}\nMeasured: {measured}."), (README, brief(rows, measured))):
-        old = path.read_text(encoding="utf8")
-        path.write_text(between(old, f"{BEGIN}\n{text}\n{END}", BEGIN, END), encoding="utf8")
+    """Put both tables into the page, the short one first."""
+    text = f"{full(rows, _stored())}\nMeasured: {measured}."
+    title, rest = text.split("\n\n", 1)
+    old = PAGE.read_text(encoding="utf8")
+    part = f"{BEGIN}\n{title}\n\n{SHORT}\n\n{brief(rows)}\n{rest}\n{END}"
+    PAGE.write_text(between(old, part, BEGIN, END), encoding="utf8")
 
 
 def _stored() -> dict[str, Any]:

@@ -40,9 +40,13 @@ def kept(old: str) -> str:
     return "" if begin < 0 or end < 0 else f"\n{old[begin : end + len(RACE[1])]}\n"
 
 
+TOLD = ("Real time", "Waiting times", "Run time of the hose", "Cranes", "Accuracy")
+"""Sections of which the README has figures; the page has those of all."""
+
+
 def headline(sections: list[Section], measured: str) -> str:
     """The README's table."""
-    rows = [row for section in sections for row in section.headline]
+    rows = [row for section in sections if section.title in TOLD for row in section.headline]
     return f"{BEGIN}\n{table(('figure', 'measured', 'beside it'), rows)}\n{measured}.\n{END}"
 
 

@@ -46,18 +46,18 @@ def test_all_rows_of_a_table_have_the_cells_of_its_header(race, rows):
 
 
 def test_readers_see_both_times_their_ratio_and_both_errors(race, rows):
-    cells = race.brief(rows, "here").splitlines()[2].strip("| ").split(" | ")
+    cells = race.brief(rows).splitlines()[2].strip("| ").split(" | ")
     assert cells == ["bar, 4 elements, 1 ms", "2", "4.01", "2", "1.0e-05", "2.0e-05"]
 
 
 def test_a_program_that_fails_is_shown_by_how_it_failed(race, rows):
     rows[0].failure = "NOT_CONVERGED at 1.7 s"
-    assert "| NOT_CONVERGED at 1.7 s | 4.01 | – |" in race.brief(rows, "here")
+    assert "| NOT_CONVERGED at 1.7 s | 4.01 | – |" in race.brief(rows)
 
 
 def test_without_the_peer_only_tautline_is_in_the_tables(race, rows):
     assert "Exudyn |" not in race.full(rows[:1], {})
-    assert race.brief(rows[:1], "here").count("\n") == 3
+    assert race.brief(rows[:1]).count("\n") == 2
 
 
 def test_what_is_kept_as_json_holds_every_time(race, rows):

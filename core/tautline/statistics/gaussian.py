@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 
 def moments(frequency: np.ndarray, density: np.ndarray) -> tuple[float, float, float]:
@@ -22,7 +23,7 @@ def moments(frequency: np.ndarray, density: np.ndarray) -> tuple[float, float, f
     density : (n,) array
         Unit squared times s/rad.
     """
-    found = [float(np.trapezoid(density * frequency**k, frequency)) for k in (0, 2, 4)]
+    found = [float(trapezoid(density * frequency**k, frequency)) for k in (0, 2, 4)]
     return found[0], found[1], found[2]
 
 
