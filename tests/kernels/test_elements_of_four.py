@@ -70,8 +70,10 @@ def test_every_member_of_a_group_counts_once(count):
 
 def _all_free(size):
     """Unknowns that are all degrees of freedom there are."""
-    each, none = np.arange(size), np.zeros(0, np.int64)
-    return Dofs(np.arange(size + 1), each, np.ones(size), each, none, none, np.zeros(0), none, none, each, none, none, none)
+    each = np.arange(size)
+    whole = {"start": np.arange(size + 1), "factor": np.ones(size), "unknown": each, "number": each, "free": each}
+    empty = {name: np.zeros(0, float if name == "offset" else np.int64) for name in Dofs._fields if name not in whole}
+    return Dofs(**whole, **empty)
 
 
 def _rope(count, rng):
