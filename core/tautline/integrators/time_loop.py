@@ -26,6 +26,8 @@ from tautline.kernels.jit import entry, kernel
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix
 from tautline.kernels.memory import form_of, kind_of
 from tautline.kernels.parallel_compile import compile_all
+from tautline.kernels.separate import code_of
+from tautline.kernels.time_function import evaluate
 
 ENERGIES = 5
 """Numbers of a frame that are energies."""
@@ -239,7 +241,7 @@ def compile_for(method, system, state, announce=None):
     heavy, common, *parts = ((function, tuple(kind_of(x) for x in given)) for function, given in calls)
     hooks = hook_jobs(system.groups, *dict.fromkeys((*sums, *SUMS)))
     # The loop, which is heaviest, takes in the last two: it is begun when others have made them.
-    compile_all([*hooks[:1], heavy, common, *hooks[1:], *parts], announce)
+    compile_all([code_of(evaluate), heavy, common, *hooks, *parts], announce)
     _ready.add(made_of)
 
 

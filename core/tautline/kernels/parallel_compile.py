@@ -25,6 +25,7 @@ from numba.core import types
 from tautline.kernels.compiling import storage
 from tautline.kernels.compiling.gc_tuning import collected_rarely, left_at_exit
 from tautline.kernels.jit import is_compiled
+from tautline.kernels.separate import compile_for_others
 
 Job = tuple[Any, tuple[types.Type, ...]]
 """A compiled function and the types of its arguments."""
@@ -114,6 +115,7 @@ def help_out() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     left_at_exit()
+    compile_for_others()
     with collected_rarely():
         while True:
             answers.write(b".")

@@ -12,8 +12,10 @@ from types import FunctionType
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
 from tautline.kernels.jit import entry, kernel
+from tautline.kernels.memory import kind_of
 from tautline.kernels.moving_frame import (
     ENTRIES,
     MOTIONS,
@@ -21,9 +23,11 @@ from tautline.kernels.moving_frame import (
     MovingFrames,
     clear_place,
     height,
+    new_frames,
     place_frame,
     places_of,
 )
+from tautline.kernels.separate import separate
 
 DEGREES = 8
 """Coefficients kept of a polynomial: up to degree 7, the integral of a ramp's rate."""
@@ -109,7 +113,21 @@ class TimeFunctions(NamedTuple):
     lifts: Lifts
 
 
-@kernel
+def no_functions() -> TimeFunctions:
+    """A scene's functions of time where it has none."""
+    none, ends = np.zeros(0), np.zeros(0, np.int64)
+    return TimeFunctions(
+        ends, ends, np.zeros(1, np.int64), none, none, np.zeros((0, DEGREES)), ends, ends, np.zeros((0, 5)), ends, ends,
+        new_frames(ends, none, ends), LongSums(ends, none, none, none, np.zeros((0, TERMS))),
+        Lifts(ends, ends, np.zeros((0, 3)), none, none, none),
+    )  # fmt: skip
+
+
+FUNCTIONS = kind_of(no_functions())
+"""The type of :class:`TimeFunctions` in compiled code."""
+
+
+@separate(types.UniTuple(types.float64, 3), FUNCTIONS, types.intp, types.float64)
 def evaluate(functions, i, t):
     """Return ``(f, df, ddf)`` of function `i` at time `t`: its value, rate and second rate."""
     number = functions.entry[i]

@@ -142,7 +142,7 @@ def kernels(tmp_path, monkeypatch):
     for file in files:
         file.write_text("force = 1.0  # kernel\n")
     monkeypatch.setenv("TAUTLINE_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(sources, "kernel_sources", lambda: files)
+    monkeypatch.setattr(sources, "kernel_sources", lambda package="tautline": {file.name: file for file in files})
     return files, fresh
 
 
@@ -192,7 +192,7 @@ def test_old_folders_go_and_the_last_few_stay(kernels):
 
 
 def test_every_file_of_core_and_applications_that_compiles_is_watched():
-    watched = set(sources.kernel_sources())
+    watched = {file for name in sources.packages() for file in sources.kernel_sources(name).values()}
     roots = [Path(package.__file__).parent for package in (tautline, drillstring)]
     texts = {f: f.read_text() for root in roots for f in root.rglob("*.py")}
     compiling = [f for f, text in texts.items() if "import numba" in text or "jit import" in text]

@@ -24,7 +24,8 @@ from numba.core.serialize import NumbaPickler
 
 from tautline.kernels.compiling import storage
 from tautline.kernels.compiling.inlined import PLAIN, Reader
-from tautline.kernels.compiling.sources import fingerprint, is_ours
+from tautline.kernels.compiling.sources import applications_in, fingerprint, fingerprint_of_ours, is_ours
+from tautline.kernels.compiling.targets import shipped_target
 
 KERNELS_OF: list[Callable[[type], Iterator[Any]]] = []
 """Each gives the kernels that compiled code calls for a class of named tuples among its arguments."""
@@ -37,7 +38,7 @@ class Locator(_CacheLocator):
 
     def __init__(self, function: Any, file: str) -> None:
         self._py_file, self._lineno = file, function.__code__.co_firstlineno
-        self._folder = self.get_suitable_cache_subpath(file)
+        self._folder = function.__module__ or "nowhere"
 
     def get_cache_path(self) -> str:
         """Folder to write to."""
@@ -141,10 +142,14 @@ class Code(CompileResultCacheImpl):
     def rebuild(self, context: Any, payload: Any) -> Any:
         """Make the function of what numba's own wrote."""
         if PLAIN:
-            return super().rebuild(context, payload)
-        described = payload[1]
-        names = described.llvm_func_name, described.llvm_cpython_wrapper_name, described.llvm_cfunc_wrapper_name
-        return CompileResult._rebuild(Reader(context, names), *payload)._replace(target_context=context)
+            found = super().rebuild(context, payload)
+        else:
+            described = payload[1]
+            names = described.llvm_func_name, described.llvm_cpython_wrapper_name, described.llvm_cfunc_wrapper_name
+            found = CompileResult._rebuild(Reader(context, names), *payload)._replace(target_context=context)
+        # What compiles this one in needs the same (numba forgets it).
+        found.library._reload_init.update(found.reload_init)
+        return found
 
 
 class KernelCache(FunctionCache):
@@ -171,12 +176,18 @@ class KernelCache(FunctionCache):
             self._files[path] = Files(path, self._impl.filename_base, self._impl.locator.get_source_stamp())
         return self._files[path]
 
-    def _places(self) -> list[Files]:
-        """Where code may be: in the folder that is kept, and in the one that takes its place."""
+    def _places(self, signature: Any, codegen: Any) -> Iterator[tuple[Files, Any]]:
+        """Where code may be, and its key there: what is installed, the folder that is kept, and what takes its place."""
+        key = self._index_key(signature, codegen)
+        shipped = storage.shipped_folder()
+        target = shipped_target() if shipped else None
+        if target is not None:
+            types_, (triple, *_), contents = key
+            yield self._file(shipped), (types_, (triple, target, ""), contents)
         folders = [storage.kept_folder()]
         if storage.folder_to_write.cache_info().currsize:
             folders.append(storage.folder_to_write())
-        return [self._file(folder) for folder in dict.fromkeys(folders) if folder is not None]
+        yield from ((self._file(folder), key) for folder in dict.fromkeys(folders) if folder is not None)
 
     def flush(self) -> None:
         """Forget what is kept."""
@@ -185,8 +196,7 @@ class KernelCache(FunctionCache):
 
     def holds(self, signature: Any, context: Any) -> bool:
         """Whether there is code for the types of the arguments; whether it can be used is seen when it is read."""
-        key = self._index_key(signature, context.codegen())
-        return any(key in files._load_index() for files in self._places())
+        return any(key in files._load_index() for files, key in self._places(signature, context.codegen()))
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Load code, None if there is none that can be used.
@@ -199,8 +209,7 @@ class KernelCache(FunctionCache):
         arguments = sigutils.normalize_signature(signature)[0]
         if PLAIN:
             context.refresh()
-        key = self._index_key(signature, context.codegen())
-        for files in self._places():
+        for files, key in self._places(signature, context.codegen()):
             with contextlib.suppress(Exception):  # whatever a damaged file raises
                 data = files.load(key)
                 found = None if data is None else self._impl.rebuild(context, data)
@@ -227,12 +236,11 @@ class KernelCache(FunctionCache):
         arguments = sigutils.normalize_signature(signature)[0]
         classes = list(dict.fromkeys(each for kind in arguments for each in _classes_in(kind)))
         described = [f"{each.__module__}.{each.__qualname__}{each._fields}" for each in classes]
-        others = [each for one in classes for kernels in KERNELS_OF for each in kernels(one) if not is_ours(each)]
-        if self._is_ours:
-            _, machine, contents = super()._index_key((), codegen)
-        else:
-            machine, contents = codegen.magic_tuple(), (fingerprint(self._py_func),)
-        return (str(arguments), *described), machine, (*contents, *map(fingerprint, others))
+        kernels = [each for one in classes for kernels in KERNELS_OF for each in kernels(one)]
+        own = fingerprint_of_ours(self._py_func) if self._is_ours else fingerprint(self._py_func)
+        applications = applications_in(self._py_func, *classes, *kernels)
+        others = (fingerprint(each) for each in kernels if not is_ours(each))
+        return (str(arguments), *described), codegen.magic_tuple(), (own, *applications, *others)
 
 
 def _classes_in(kind: types.Type) -> Iterator[type]:

@@ -1,14 +1,17 @@
 """What goes into compiled code: the files of the core and of installed applications, and all that others' kernels use.
 
-The first are hashed as files and name the folder of the cache (:mod:`tautline.kernels.compiling.storage`). A kernel of
-a user's own script is hashed with every function that it calls and every constant that it takes in, wherever these
-stand; that hash is part of the key under which its code is kept.
+Files are hashed by their contents and their place in their package, not by where that is installed. The core's name the
+folder of the cache (:mod:`tautline.kernels.compiling.storage`); an application's are part of the key of all code that
+takes in a kernel or a group of it. A kernel of a user's own script is hashed with every function that it calls and every
+constant that it takes in, wherever these stand; that hash is part of the key under which its code is kept. So a folder
+of compiled code may be moved, copied to another machine, or come with an installation.
 """
 
 from __future__ import annotations
 
 import functools
 import hashlib
+import re
 import sys
 import types as python_types
 import uuid
@@ -27,14 +30,16 @@ KNOWN = {"numpy", "numba", "llvmlite", "scipy"} | set(sys.stdlib_module_names) -
 """Packages that are known by their version."""
 
 
-def kernel_sources() -> list[Path]:
-    """Files of the core and of the installed applications that hold compiled code."""
-    sources = []
-    for package in sorted(packages()):
-        spec = util.find_spec(package)
-        for root in spec.submodule_search_locations if spec and spec.submodule_search_locations else []:
-            sources += [f for f in sorted(Path(root).rglob("*.py")) if _is_compiled(f, Path(root))]
-    return sources
+def kernel_sources(package: str = "tautline") -> dict[str, Path]:
+    """Files of the core, or of an installed application, that hold compiled code, by their place in the package."""
+    spec = util.find_spec(package)
+    roots = [Path(root) for root in spec.submodule_search_locations or ()] if spec else []
+    return {
+        f"{package}/{file.relative_to(root).as_posix()}": file
+        for root in roots
+        for file in sorted(root.rglob("*.py"))
+        if _is_compiled(file, root)
+    }
 
 
 @functools.cache
@@ -57,13 +62,52 @@ def _is_compiled(source: Path, root: Path) -> bool:
     return "integrators" in rooms or b"kernel" in source.read_bytes()
 
 
+SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "USING_SVML")
+"""Numba's settings that compiled code depends on."""
+
+
 def hash_of_sources(*more: Any) -> str:
-    """Hash of all kernel sources, of what compiles them, and of more."""
-    versions = numba.__version__, llvmlite.__version__, np.__version__, sys.version, *more
+    """Hash of the core's kernel sources, of what compiles them, and of more: of contents alone, wherever they are.
+
+    A release of Python or NumPy that only mends faults compiles the same; numba's and llvmlite's numbers count in full.
+    """
+    versions = (
+        numba.__version__, llvmlite.__version__, *np.__version__.split(".")[:2], sys.implementation.cache_tag,
+        util.MAGIC_NUMBER.hex(), *(f"{name}={getattr(numba.config, name, None)}" for name in SETTINGS), *more,
+    )  # fmt: skip
     digest = hashlib.sha256(" ".join(map(str, versions)).encode())
-    for source in kernel_sources():
-        digest.update(str(source).encode() + source.read_bytes())
+    digest.update(hash_of_package("tautline").encode())
     return digest.hexdigest()[:16]
+
+
+def hash_of_package(package: str) -> str:
+    """Hash of the kernel sources of the core, or of an installed application with those that its sources import."""
+    digest = hashlib.sha256()
+    for each in sorted(_imported_with(package)):
+        for place, file in kernel_sources(each).items():
+            digest.update(f"{place}\0".encode() + hashlib.sha256(file.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def _imported_with(package: str) -> set[str]:
+    """An application, and those beside the core that its kernel sources import, and so on."""
+    seen, waiting = set(), [package]
+    while waiting:
+        seen.add(each := waiting.pop())
+        text = b"\n".join(file.read_bytes() for file in kernel_sources(each).values()).decode(errors="replace")
+        named = set(re.findall(r"^\s*(?:from|import)\s+(\w+)", text, re.MULTILINE))
+        waiting += (named & packages()) - seen - {"tautline"}
+    return seen
+
+
+@functools.cache
+def applications_in(*things: Any) -> tuple[str, ...]:
+    """Hashes of the installed applications that functions and classes are of; the core's names the folder."""
+    named = {(getattr(thing, "__module__", None) or "").split(".")[0] for thing in things}
+    return tuple(map(_hash_of_application, sorted(named & (packages() - {"tautline"}))))
+
+
+_hash_of_application = functools.cache(hash_of_package)
 
 
 def fingerprint(function: Any) -> str:
@@ -74,6 +118,15 @@ def fingerprint(function: Any) -> str:
     digest = hashlib.sha256()
     for part in _contents(function, set()):
         digest.update(part.encode() + b"\0")
+    return digest.hexdigest()
+
+
+def fingerprint_of_ours(function: Any) -> str:
+    """The same of a function whose sources are hashed as files: of its own code and of what it encloses."""
+    digest = hashlib.sha256(function.__code__.co_code)
+    for cell in function.__closure__ or ():
+        for part in _contents(cell.cell_contents, set()):
+            digest.update(part.encode() + b"\0")
     return digest.hexdigest()
 
 
@@ -101,6 +154,8 @@ def _contents(thing: Any, seen: set[int]) -> Iterator[str]:
         yield f"module {thing.__name__}"
     elif _is_known(thing) or _is_known(function) or is_ours(function):
         yield f"known {getattr(thing, '__module__', '')}.{getattr(thing, '__qualname__', thing)}"
+        for cell in getattr(function, "__closure__", None) or () if is_ours(function) else ():
+            yield from _contents(cell.cell_contents, seen)
     elif isinstance(function, python_types.FunctionType):
         yield f"function {function.__qualname__} {getattr(thing, 'targetoptions', '')}"
         yield from _contents_of_function(function, seen)

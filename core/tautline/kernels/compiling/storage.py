@@ -26,6 +26,8 @@ OWN = "tautline-kernels"
 """The folder below the one that ``TAUTLINE_CACHE`` names, in which all of ours is."""
 MARK = ".made-by-tautline"
 """A file in each folder that we made, and may therefore remove."""
+SHIPPED = Path(__file__).parents[1] / "compiled"
+"""Folders of compiled code that a wheel for one kind of machine brings (``.ci/wheels.py``); nothing is written there."""
 NAME = re.compile("[0-9a-f]{16}")
 
 
@@ -64,6 +66,13 @@ def kept_folder() -> Path | None:
         return root() / name()
     except OSError:
         return None
+
+
+@functools.cache
+def shipped_folder() -> Path | None:
+    """Folder of compiled code that came with the installation and is of these sources and this numba, None without."""
+    folder = SHIPPED / name()
+    return folder if folder.is_dir() else None
 
 
 @functools.cache
