@@ -97,8 +97,9 @@ def operability(
     from crane.operability.storms import operability as run
     from tautline.cli.changes import changed
     from tautline.cli.console import say
+    from tautline.cli.first_run import compiling
     from tautline.cli.progress import Counter
-    from tautline.cli.simulate import FIRST_RUN, print_warnings
+    from tautline.cli.simulate import print_warnings
 
     application, found = context.obj.read(scene)
     read = changed(found, changes)
@@ -115,7 +116,7 @@ def operability(
     with Counter("storms", shown=not quiet) as bar:
         found = run(
             application, read, asked, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
-            announce=lambda _: say(FIRST_RUN, "cyan"), say=(lambda text: None) if quiet else say,
+            announce=compiling, say=(lambda text: None) if quiet else say,
         )  # fmt: skip
     _report(scene, read, asked, found, folder, as_json, quiet, output is not None)
 

@@ -62,11 +62,10 @@ def stick_slip(
     from drillstring.scene.scene import read
     from drillstring.stick_slip.severity_map import require_bit, stick_slip_map
     from tautline.cli.changes import changed
-    from tautline.cli.console import say
+    from tautline.cli.first_run import compiling
     from tautline.cli.lists import number
     from tautline.cli.progress import Counter
     from tautline.cli.run import Ended, ExitCode
-    from tautline.cli.simulate import FIRST_RUN
     from tautline.cli.study import stem_of
 
     drillstring = changed(read(scene), changes)
@@ -80,9 +79,7 @@ def stick_slip(
     length = None if end is None else number(end, "--end", "s")
     stem = stem_of(scene, output, "stick_slip")
     with Counter("runs") as counter:
-        found = stick_slip_map(
-            drillstring, speeds, weights, length, jobs, counter, announce=lambda _: say(FIRST_RUN, "cyan")
-        )
+        found = stick_slip_map(drillstring, speeds, weights, length, jobs, counter, announce=compiling)
     _report(scene, drillstring, found, stem, as_json)
     if found.interrupted:
         raise Ended(ExitCode.INTERRUPTED)

@@ -10,6 +10,7 @@ from tautline.application.installed import Catalogue
 from tautline.cli.changes import as_given, changed
 from tautline.cli.console import console, print_json, say
 from tautline.cli.duration import total_time
+from tautline.cli.first_run import compiling
 from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Bar
 from tautline.cli.run import Ended, ExitCode
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.scene.errors import SceneWarning
     from tautline.simulation import Afterwards
-
-FIRST_RUN = "first run of this kind of scene: compiling the solver for it, once (10 to 20 s)"
 
 COPIED = (
     "method", "step", "steps", "newton_iterations", "wall_time", "cpu_time", "real_time_factor", "energy_error",
@@ -159,7 +158,7 @@ def simulate(
         with Bar(end, shown=not quiet) as bar:
             others = _other_runs(application, read, model, verify, earlier, bar, quiet)
             result = run_model(
-                model, target, progress=bar, resume=earlier, announce=lambda _: say(FIRST_RUN, "cyan"),
+                model, target, progress=bar, resume=earlier, announce=compiling,
                 afterwards=others,
             )  # fmt: skip
     except StoppedEarly as stop:

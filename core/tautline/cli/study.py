@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 from tautline.application.installed import Catalogue
 from tautline.cli.changes import changed
 from tautline.cli.console import console, print_json, say
+from tautline.cli.first_run import compiling
 from tautline.cli.lists import number, numbers, one_of, words
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.simulate import FIRST_RUN, print_warnings
+from tautline.cli.simulate import print_warnings
 from tautline.scene.methods import named as method_named
 from tautline.scene.values.printed import significant
 
@@ -94,10 +95,9 @@ def prepared(catalogue: Catalogue, path: Path, asked: dict[str, Any]) -> Subject
         end = min(max(QUICK_END * whole, 20.0 * solver.interval, 20.0 * solver.step), whole)
     announced: list[int] = []
 
-    def announce(kernels: int) -> None:
-        if not announced:
-            say(FIRST_RUN, "cyan")
+    def announce(kernels: int) -> Callable[[], None] | None:
         announced.append(kernels)
+        return compiling(kernels) if len(announced) == 1 else None
 
     return Subject(application, scene, end=end, whole=whole, announce=announce)
 

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 from tautline.application.installed import Catalogue
 from tautline.cli.changes import as_given, changed
 from tautline.cli.console import console, print_json, say
+from tautline.cli.first_run import compiling
 from tautline.cli.numba_version import version_note
 from tautline.cli.progress import Counter
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.simulate import FIRST_RUN, print_warnings
+from tautline.cli.simulate import print_warnings
 from tautline.cli.summary import two_columns
 from tautline.scene.errors import option_error
 from tautline.scene.values.printed import quantity, shown, significant
@@ -65,7 +66,7 @@ def sweep(
     with Counter("cases", shown=not quiet) as bar:
         outcome = run_sweep(
             read, application, scene, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
-            announce=lambda _: say(FIRST_RUN, "cyan"), say=(lambda text: None) if quiet else say,
+            announce=compiling, say=(lambda text: None) if quiet else say,
         )  # fmt: skip
     figures = _draw(outcome, folder)
     _report(catalogue, file, outcome, figures, as_json, quiet, changes)

@@ -240,7 +240,8 @@ def compile_for(method, system, state, announce=None):
     ]
     heavy, common, *parts = ((function, tuple(kind_of(x) for x in given)) for function, given in calls)
     hooks = hook_jobs(system.groups, *dict.fromkeys((*sums, *SUMS)))
-    # The loop, which is heaviest, takes in the last two: it is begun when others have made them.
+    # The loop, which is heaviest, takes in the last two: it is begun when others have made them. Functions of time are
+    # called by it, and have to be there before it can be.
     compile_all([code_of(evaluate), heavy, common, *hooks, *parts], announce)
     _ready.add(made_of)
 

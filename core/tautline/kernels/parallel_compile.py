@@ -36,7 +36,11 @@ WORTH = 4
 """A helper needs a second to start: with fewer kernels to compile none is called."""
 
 
-def compile_all(jobs: list[Job], announce: Callable[[int], None] | None = None) -> None:
+Announce = Callable[[int], Callable[[], None] | None]
+"""Called with the number of kernels to be compiled, before they are; what it gives back is called when they are."""
+
+
+def compile_all(jobs: list[Job], announce: Announce | None = None) -> None:
     """Compile what is not compiled yet, or load it from the cache.
 
     Parameters
@@ -44,13 +48,13 @@ def compile_all(jobs: list[Job], announce: Callable[[int], None] | None = None) 
     jobs : list of (function, types)
         Taken from both ends: heavy ones belong there, light ones in the middle.
     announce : callable or None
-        Called with the number of kernels to be compiled, if there are any, before they are.
+        Called with the number of kernels to be compiled, if there are any, before they are; it may give back what is
+        called when they are.
     """
     if config.DISABLE_JIT:
         return
     waiting = deque(job for job in jobs if not is_compiled(*job))
-    if waiting and announce is not None:
-        announce(len(waiting))
+    done = announce(len(waiting)) if waiting and announce is not None else None
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     helpers = min(HELPERS, processors - 1, len(waiting) // WORTH)
     if helpers > 0 and storage.base_to_write() is None:
@@ -67,6 +71,8 @@ def compile_all(jobs: list[Job], announce: Callable[[int], None] | None = None) 
     for function, signature in jobs:
         if signature not in function.overloads:
             function.compile(signature)
+    if done is not None:
+        done()
 
 
 def _employ(waiting: deque[Job]) -> None:

@@ -177,7 +177,7 @@ class KernelCache(FunctionCache):
         return self._files[path]
 
     def _places(self, signature: Any, codegen: Any) -> Iterator[tuple[Files, Any]]:
-        """Where code may be, and its key there: what is installed, the folder that is kept, and what takes its place."""
+        """Where code may be, and its key there: what is installed, the folder that is kept, and its stand-in."""
         key = self._index_key(signature, codegen)
         shipped = storage.shipped_folder()
         target = shipped_target() if shipped else None

@@ -2,9 +2,9 @@
 
 Files are hashed by their contents and their place in their package, not by where that is installed. The core's name the
 folder of the cache (:mod:`tautline.kernels.compiling.storage`); an application's are part of the key of all code that
-takes in a kernel or a group of it. A kernel of a user's own script is hashed with every function that it calls and every
-constant that it takes in, wherever these stand; that hash is part of the key under which its code is kept. So a folder
-of compiled code may be moved, copied to another machine, or come with an installation.
+takes in a kernel or a group of it. A kernel of a user's own script is hashed with every function that it calls and
+every constant that it takes in, wherever these stand; that hash is part of the key under which its code is kept. So a
+folder of compiled code may be moved, copied to another machine, or come with an installation.
 """
 
 from __future__ import annotations

@@ -27,7 +27,9 @@ OWN = "tautline-kernels"
 MARK = ".made-by-tautline"
 """A file in each folder that we made, and may therefore remove."""
 SHIPPED = Path(__file__).parents[1] / "compiled"
-"""Folders of compiled code that a wheel for one kind of machine brings (``.ci/wheels.py``); nothing is written there."""
+"""Folders of compiled code that a wheel brings (``.ci/wheels.py``); nothing is written there."""
+MADE_FOR = "MADE_FOR"
+"""A file there that names the versions that the code is for."""
 NAME = re.compile("[0-9a-f]{16}")
 
 
@@ -73,6 +75,15 @@ def shipped_folder() -> Path | None:
     """Folder of compiled code that came with the installation and is of these sources and this numba, None without."""
     folder = SHIPPED / name()
     return folder if folder.is_dir() else None
+
+
+def shipped_for() -> str | None:
+    """What the installed code is for, in words, where it is of no use: other versions, or sources since changed."""
+    if shipped_folder() is not None:
+        return None
+    with contextlib.suppress(OSError):
+        return (SHIPPED / MADE_FOR).read_text(encoding="utf8").strip()
+    return None
 
 
 @functools.cache

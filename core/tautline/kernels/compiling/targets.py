@@ -24,7 +24,7 @@ LEVELS: dict[str, dict[str, tuple[str, ...]]] = {
     "aarch64": {"generic": ()},
 }  # fmt: skip
 """By machine, names of LLVM's processors, best first, and the instructions beyond the architecture's first that each
-takes for granted. x86-64-v3 is that of the psABI of x86-64, version 1.0, table 3.1: AVX2 with FMA, processors since 2013."""
+takes for granted. x86-64-v3 is that of the psABI of x86-64, version 1.0, table 3.1: AVX2 with FMA, since 2013."""
 
 
 def level_of(machine: str, features: Mapping[str, bool]) -> str | None:

@@ -1,0 +1,197 @@
+"""Compiled code goes by its contents: it may be moved, be read-only, and come with an installation."""
+
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import crane
+import drillstring
+import gardenhose
+import tautline
+from tautline.kernels.compiling import storage
+from tautline.kernels.compiling.targets import LEVELS, level_of
+
+V3 = LEVELS["x86_64"]["x86-64-v3"]
+NAMES = """
+import json
+from tautline.kernels.compiling import sources, storage
+print(json.dumps([storage.name(), *(sources.hash_of_package(each) for each in ("crane", "drillstring"))]))
+"""
+
+
+def script(text, folder, *arguments, **environment):
+    """What a script prints in a process of its own, as JSON."""
+    done = subprocess.run(
+        [sys.executable, "-c", text, *map(str, arguments)], capture_output=True, text=True, cwd=folder,
+        env={**os.environ, **environment},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stderr == ""
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The core and all applications, copied to another folder at another time."""
+    folder = tmp_path_factory.mktemp("copy")
+    for package in (tautline, crane, drillstring, gardenhose):
+        source = Path(package.__file__).parent
+        shutil.copytree(source, folder / source.name, ignore=shutil.ignore_patterns("__pycache__"))
+    for file in folder.rglob("*.py"):
+        os.utime(file, (1e9, 1e9))
+    return folder
+
+
+def test_the_same_sources_elsewhere_and_at_another_time_have_the_same_key(copy, tmp_path):
+    assert script(NAMES, tmp_path, PYTHONPATH=str(copy)) == script(NAMES, tmp_path)
+
+
+def test_a_changed_application_changes_the_key_of_its_own_kernels_alone(copy, tmp_path):
+    before = script(NAMES, tmp_path, PYTHONPATH=str(copy))
+    file = copy / "crane" / "geometry" / "line.py"
+    text = file.read_text()
+    file.write_text(text + "\nX = 1\n")
+    after = script(NAMES, tmp_path, PYTHONPATH=str(copy))
+    file.write_text(text)
+    assert [a == b for a, b in zip(after, before, strict=True)] == [True, False, True]
+
+
+def test_a_changed_core_changes_the_folder(copy, tmp_path):
+    before = script(NAMES, tmp_path, PYTHONPATH=str(copy))
+    file = copy / "tautline" / "kernels" / "band.py"
+    text = file.read_text()
+    file.write_text(text + "\nX = 1\n")
+    after = script(NAMES, tmp_path, PYTHONPATH=str(copy))
+    file.write_text(text)
+    assert after[0] != before[0]
+
+
+@pytest.mark.parametrize("setting", ["NUMBA_BOUNDSCHECK=1", "NUMBA_OPT=1"])
+def test_code_that_numba_is_told_to_compile_otherwise_is_kept_apart(setting, tmp_path):
+    name, _, value = setting.partition("=")
+    assert script(NAMES, tmp_path, **{name: value})[0] != script(NAMES, tmp_path)[0]
+
+
+@pytest.mark.parametrize("missing", V3)
+def test_a_processor_that_lacks_one_instruction_of_a_level_is_given_the_level_below(missing):
+    has = dict.fromkeys(V3, True)
+    assert level_of("x86_64", has) == "x86-64-v3"
+    assert level_of("x86_64", has | {missing: False}) == "x86-64"
+    assert level_of("x86_64", {each: True for each in has if each != missing}) == "x86-64"
+
+
+def test_a_machine_that_no_level_is_known_of_is_given_none():
+    assert level_of("riscv64", {}) is None
+    assert level_of("x86_64", {}) == "x86-64" and level_of("aarch64", {}) == "generic"
+
+
+SOLVE = """
+import json, sys
+from pathlib import Path
+import numpy as np
+from tautline.kernels.compiling import storage, targets
+installed, level = sys.argv[1:]
+if installed:
+    storage.SHIPPED = Path(installed)
+if level:
+    targets.level_of = lambda machine, features: level
+from tautline.kernels.lapack import factorise_dense, solve_dense
+a, x = np.array([[4.0, 1.0], [1.0, 3.0]]), np.array([1.0, 2.0])
+pivots, integers = np.zeros(2, np.int32), np.zeros(9, np.int32)
+factorise_dense(a, pivots, 2, integers)
+solve_dense(a, pivots, 2, integers, x)
+count = lambda kind: sum(sum(getattr(f, kind).values()) for f in (factorise_dense, solve_dense))
+print(json.dumps([*np.round(11.0 * x, 12).tolist(), count("_cache_hits"), count("_cache_misses")]))
+"""
+SOLUTION = [1.0, 7.0]
+"""Of 4 x + y = 1, x + 3 y = 2, times 11."""
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """A folder as a wheel brings it, with code for processors with AVX2, which cannot be written to."""
+    folder = tmp_path_factory.mktemp("installed")
+    made = script(
+        SOLVE, folder, "", "", TAUTLINE_CACHE=str(folder / "made"), NUMBA_CPU_NAME="x86-64-v3", NUMBA_CPU_FEATURES=""
+    )
+    assert made == [*SOLUTION, 0, 2]
+    moved = folder / "moved"
+    (folder / "made" / storage.OWN).rename(moved)
+    for file in moved.rglob("*"):
+        file.chmod(0o555 if file.is_dir() else 0o444)
+    return moved
+
+
+needs_v3 = pytest.mark.skipif(platform.machine() != "x86_64", reason="compiles for x86-64")
+
+
+@needs_v3
+def test_code_that_came_with_the_installation_is_used_and_nothing_is_written(installed, tmp_path):
+    assert script(SOLVE, tmp_path, installed, "", TAUTLINE_CACHE=str(tmp_path / "empty")) == [*SOLUTION, 2, 0]
+    assert not (tmp_path / "empty").exists()
+
+
+@needs_v3
+def test_a_processor_without_its_instructions_leaves_installed_code_alone(installed, tmp_path):
+    assert script(SOLVE, tmp_path, installed, "x86-64", TAUTLINE_CACHE=str(tmp_path / "empty")) == [*SOLUTION, 0, 2]
+
+
+@needs_v3
+def test_where_numba_is_told_the_processor_installed_code_is_left_alone(installed, tmp_path):
+    given = {"TAUTLINE_CACHE": str(tmp_path / "empty"), "NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": ""}
+    assert script(SOLVE, tmp_path, installed, "", **given) == [*SOLUTION, 0, 2]
+
+
+@needs_v3
+def test_installed_code_that_is_damaged_is_compiled_anew_into_the_users_cache(installed, tmp_path):
+    damaged = tmp_path / "damaged"
+    shutil.copytree(installed, damaged)
+    for file in damaged.rglob("*.nbc"):
+        data = file.read_bytes()
+        file.chmod(0o644)
+        file.write_bytes(data[: len(data) // 2])
+    for hits, misses in ((0, 2), (2, 0)):
+        given = script(SOLVE, tmp_path, damaged, "", TAUTLINE_CACHE=str(tmp_path / "own"))
+        assert given == [*SOLUTION, hits, misses]
+
+
+CALLER = """
+import json, sys
+import numpy as np
+from tautline.kernels.jit import entry
+from tautline.kernels.time_function import evaluate
+from tautline.scene.functions import Harmonic
+from tautline.system.time_functions import FunctionRequest, compile_functions
+
+@entry
+def twice(functions, t):
+    f, df, ddf = evaluate(functions, 0, t)
+    return 2.0 * f
+
+@entry
+def thrice(functions, t):
+    f, df, ddf = evaluate(functions, 0, t)
+    return 3.0 * f
+
+functions = compile_functions([FunctionRequest(Harmonic(amplitude=1.5, period=4.0))])
+found = [f(functions, 1.0) for f in (twice, thrice)]
+code = [f.overloads[f.signatures[0]].library._get_compiled_object() for f in (twice, thrice)]
+hits = sum(sum(f.stats.cache_hits.values()) for f in (twice, thrice))
+named = [b"tautline:tautline.kernels.time_function:evaluate" in each for each in code]
+print(json.dumps([found, hits, named]))
+"""
+
+
+def test_functions_of_time_stand_in_memory_once_and_are_found_by_callers_from_the_cache(tmp_path):
+    """1.5 sin(2 pi t / 4) is 1.5 at 1 s. Their code names it in place of taking it in."""
+    (tmp_path / "caller.py").write_text(CALLER)
+    start = "import runpy, sys; runpy.run_path(sys.argv[1], run_name='__main__')"
+    for hits in (0, 2):
+        found = script(start, tmp_path, tmp_path / "caller.py", TAUTLINE_CACHE=str(tmp_path / "cache"))
+        assert found == [[3.0, 4.5], hits, [True, True]]
