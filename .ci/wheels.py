@@ -51,7 +51,6 @@ def compile_scene(name: str, quick: bool) -> str:
     from tautline.cli.main import main
     from tautline.integrators.time_loop import compile_for
     from tautline.kernels import parallel_compile
-    from tautline.kernels.groups import SUMS, hook_jobs
     from tautline.scene.methods import names
     from tautline.simulation import Run
 
@@ -82,7 +81,6 @@ def compile_scene(name: str, quick: bool) -> str:
                 failed.append(f"{name}, {method}: {refused}")
                 continue
             compile_for(started.method, model.system, started.state)
-            parallel_compile.compile_all(hook_jobs(model.system.groups, *SUMS))
         run("simulate", str(path), "--end", "0.05", "--quiet", "-o", "result.nc")
         if not quick:
             for verb in ("stability", "study"):
