@@ -142,7 +142,7 @@ def pure_wheel(folder: Path) -> Path:
 
 def wheel_with(pure: Path, cache: Path, output: Path) -> tuple[Path, int, int]:
     """Put compiled kernels into a copy of a wheel, for this Python and platform; path, kernels, bytes of them."""
-    tags = f"cp{sys.version_info.major}{sys.version_info.minor}", PLATFORMS[platform.machine()]
+    python, system = tags()
     with tempfile.TemporaryDirectory() as name:
         subprocess.run([sys.executable, "-m", "wheel", "unpack", "-d", name, str(pure)], check=True, stdout=2)
         (tree,) = Path(name).iterdir()
@@ -152,12 +152,17 @@ def wheel_with(pure: Path, cache: Path, output: Path) -> tuple[Path, int, int]:
         (about,) = tree.glob("*.dist-info")
         lines = (about / "WHEEL").read_text(encoding="utf8").splitlines()
         kept = [line for line in lines if not line.startswith(("Tag:", "Root-Is-Purelib:")) and line]
-        kept += ["Root-Is-Purelib: false", f"Tag: {tags[0]}-none-{tags[1]}"]
+        kept += ["Root-Is-Purelib: false", f"Tag: {python}-none-{system}"]
         (about / "WHEEL").write_text("\n".join(kept) + "\n", encoding="utf8")
         before = set(output.glob("*.whl"))
         subprocess.run([sys.executable, "-m", "wheel", "pack", "-d", str(output), str(tree)], check=True, stdout=2)
         made = set(output.glob("*.whl")) - before or {max(output.glob("*.whl"), key=os.path.getmtime)}
     return made.pop(), len(sizes), sum(sizes)
+
+
+def tags() -> tuple[str, str]:
+    """Of this Python and of this platform."""
+    return f"cp{sys.version_info.major}{sys.version_info.minor}", PLATFORMS[platform.machine()]
 
 
 def made_for() -> str:

@@ -62,6 +62,7 @@ def _is_compiled(source: Path, root: Path) -> bool:
     return "integrators" in rooms or b"kernel" in source.read_bytes()
 
 
+IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "USING_SVML")
 """Numba's settings that compiled code depends on."""
 
@@ -82,22 +83,17 @@ def hash_of_sources(*more: Any) -> str:
 
 def hash_of_package(package: str) -> str:
     """Hash of the kernel sources of the core, or of an installed application with those that its sources import."""
-    digest = hashlib.sha256()
-    for each in sorted(_imported_with(package)):
-        for place, file in kernel_sources(each).items():
-            digest.update(f"{place}\0".encode() + hashlib.sha256(file.read_bytes()).digest())
-    return digest.hexdigest()
-
-
-def _imported_with(package: str) -> set[str]:
-    """An application, and those beside the core that its kernel sources import, and so on."""
-    seen, waiting = set(), [package]
+    digest, seen, waiting = hashlib.sha256(), {"tautline"}, [package]
     while waiting:
-        seen.add(each := waiting.pop())
-        text = b"\n".join(file.read_bytes() for file in kernel_sources(each).values()).decode(errors="replace")
-        named = set(re.findall(r"^\s*(?:from|import)\s+(\w+)", text, re.MULTILINE))
-        waiting += (named & packages()) - seen - {"tautline"}
-    return seen
+        each = waiting.pop()
+        texts = {place: file.read_bytes() for place, file in kernel_sources(each).items()}
+        for place, text in texts.items():
+            digest.update(f"{place}\0".encode() + hashlib.sha256(text).digest())
+        if each != "tautline":
+            named = {name.decode() for text in texts.values() for name in IMPORTED.findall(text)}
+            waiting += sorted((named & packages()) - seen - {each})
+            seen |= {each, *waiting}
+    return digest.hexdigest()
 
 
 @functools.cache
