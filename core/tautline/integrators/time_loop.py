@@ -27,7 +27,7 @@ from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, s
 from tautline.kernels.memory import form_of, kind_of
 from tautline.kernels.parallel_compile import compile_all
 from tautline.kernels.separate import code_of
-from tautline.kernels.time_function import evaluate
+from tautline.kernels.time_function import evaluate_any, evaluate_written
 
 ENERGIES = 5
 """Numbers of a frame that are energies."""
@@ -242,7 +242,7 @@ def compile_for(method, system, state, announce=None):
     hooks = hook_jobs(system.groups, *dict.fromkeys((*sums, *SUMS)))
     # The loop, which is heaviest, takes in the last two: it is begun when others have made them. Functions of time are
     # called by it, and have to be there before it can be.
-    compile_all([code_of(evaluate), heavy, common, *hooks, *parts], announce)
+    compile_all([*map(code_of, (evaluate_any, evaluate_written)), heavy, common, *hooks, *parts], announce)
     _ready.add(made_of)
 
 

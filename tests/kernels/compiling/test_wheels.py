@@ -196,7 +196,7 @@ def test_functions_of_time_stand_in_memory_once_and_are_found_by_callers_from_th
         found = script(start, tmp_path, tmp_path / "caller.py", TAUTLINE_CACHE=str(tmp_path / "cache"))
         assert found == [[3.0, 4.5], hits]
     kept = [file.read_bytes() for file in (tmp_path / "cache").rglob("caller.*.nbc")]
-    assert len(kept) == 2 and all(b"tautline:tautline.kernels.time_function:evaluate" in each for each in kept)
+    assert len(kept) == 2 and all(b"tautline:tautline.kernels.time_function:evaluate_written" in each for each in kept)
 
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "aarch64"), reason="no wheel has kernels for this machine")
