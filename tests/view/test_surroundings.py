@@ -167,6 +167,15 @@ def test_of_numbers_that_span_too_much_fewer_digits_are_stored():
     assert read_back(pack, said).tolist() == [float(f"{value:.4f}") for value in values[:, 0]]
 
 
+def test_a_load_that_falls_tells_nothing_of_what_is_left_on_the_hook():
+    body = {"name": "payload", "mass": "5 t", "position": [12.4, 0, 5], "release": {"at": 4.0, "remaining": "1 t"}}
+    run = result(one_fall(bodies=(body,)), frames=201)
+    solids = {one.name: one for one in of_crane(run, Look()).solids}
+    box, hook = (solids[name].histories[0].values for name in ("payload", "rigging of payload"))
+    gone = run.time >= 4.0
+    assert np.isnan(box[gone]).all() and np.array_equal(box[~gone], hook[~gone]) and np.isfinite(hook).all()
+
+
 def scene_of(name: str):
     """A crane of a kind, or the picture made by hand."""
     made = {"one fall": one_fall, "four falls": lambda: falls(4), "rope": fixed_rope}

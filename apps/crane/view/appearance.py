@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -277,6 +278,10 @@ class _Load:
         colour = PAINT if self.wheels else STEEL
         yield Solid(f"rigging of {name}", *joined(*parts), poses, colour, smooth=False, histories=told)
         if self.box.size.any():
+            release, time = self.body.release, self.site.result.time
+            fallen = np.array([release is not None and at >= release.at for at in time])
+            # What the result tells afterwards is of what is left on the hook.
+            told = tuple(replace(one, values=np.where(fallen, np.nan, one.values)) for one in told)
             yield Solid(name, *load, stored(self._falling()), LOAD, smooth=False, histories=told)
 
     def _plates(self) -> Iterator[Mesh]:
