@@ -167,7 +167,7 @@ class Store:
         """What was stored so far; None before the first batch."""
         if self.frames == 0:
             return None
-        return self._in_memory({}) if self.path is None else Result(self.path, known=self._described)
+        return self._in_memory(self._now) if self.path is None else Result(self.path, known=self._described)
 
     @property
     def _described(self) -> dict[str, Variable]:
