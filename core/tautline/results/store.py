@@ -167,7 +167,7 @@ class Store:
         """What was stored so far; None before the first batch."""
         if self.frames == 0:
             return None
-        return self._in_memory(self._now) if self.path is None else Result(self.path, known=self._described)
+        return self._in_memory({}) if self.path is None else Result(self.path, known=self._described)
 
     @property
     def _described(self) -> dict[str, Variable]:
@@ -233,7 +233,7 @@ class Store:
             variable.name: np.concatenate([batch[variable.name] for _, batch in self._batches])
             for variable in self.variables
         }
-        return Result(None, (self.variables, arrays, self.coordinates, self.attributes, dict(restart)))
+        return Result(None, (self.variables, arrays, self.coordinates, self._now | self.attributes, dict(restart)))
 
 
 class _Copies:

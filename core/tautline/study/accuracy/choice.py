@@ -1,9 +1,10 @@
 """Choosing the method and the step of a run whose accuracy is asked for, and telling what was reached.
 
-A scene is run with steps that grow shorter, from four times the interval of its frames on. After two runs the next step
-follows from their difference, as of a method of second order, or of first where dry friction may act; from three runs
-the error of the last is estimated with the order that they show (the grid convergence index of Roache, see
-`tautline.study.trials.step_error`). The run is taken as soon as that error is no more than what was asked for. Where
+A scene is run with steps that grow shorter, from the interval of its frames on. After two runs the next step follows
+from their difference, as of a method of second order, or of first where dry friction may act; from three runs the error
+of the last is estimated with the order that they show (the grid convergence index of Roache, see
+`tautline.study.trials.step_error`). The run is taken as soon as that error is no more than what was asked for; where
+dry friction may act, as soon as it has been so twice, for steps may miss alike which contact slips first. Where
 the implicit method would need far more steps than an explicit one needs to be stable, that is taken, without friction.
 
 The error is the largest of what can be seen: of the point and the force that `study` looks at, and of a string's twist.
@@ -41,17 +42,19 @@ from tautline.study.trials.step_error import (
 )
 from tautline.study.trials.trial import Setting, Subject
 
-COARSEST = 0.25
+COARSEST = 1.0
 """Steps in an interval of the frames that the first run takes at least."""
 STEPS_PER_PERIOD = 5.0
 """Steps that it takes at least in a period of the fastest function of time of the scene."""
 FEWEST_STEPS = 20.0
 """Steps that it takes at least in all."""
+LOWEST, LOWEST_WITH_FRICTION = 1.0, 0.5
+"""Lowest orders that count."""
 AIM = 0.8
 """Share of the error asked for that the next run aims at."""
-LEAST, MOST = 1.3, 4.0
+LEAST, MOST = 2.0, 4.0
 """How many times as many steps the next run takes at least, and at most."""
-ORDER, ORDER_WITH_FRICTION, FORCE_ORDER = 2.0, 1.5, 1.5
+ORDER, ORDER_WITH_FRICTION, FORCE_ORDER = 2.0, 1.5, 1.0
 """Highest orders that count: of the implicit methods, where friction may act, and of the amplitude of a force, whose
 errors change sign and then seem to fall too fast."""
 ASKED_AFTER = 2
@@ -60,6 +63,8 @@ EXPLICIT_GAIN = 4.0
 """Steps of the implicit method, over those that the explicit one is stable with, from which the latter is tried."""
 EXPLICIT_SHARE, EXPLICIT_RATIO = 0.8, 1.5
 """Share of the critical step that the first explicit run takes, and steps of the second over those of the first."""
+CLEAR = 0.1
+"""Share of the error asked for below which an estimate from two runs is enough."""
 FAILURES, RUNS = 5, 14
 """Runs that may stop early, and runs in all."""
 STALLED = 0.7
@@ -142,7 +147,7 @@ class Choice:
         seen = None
         try:
             self.watched = self.watched or watch(result)
-            seen = _seen(result, self.watched)
+            seen = look_at(result, self.watched)
         except ResultError as error:
             self.why = error.cause
         step = self.interval / divisor
@@ -168,11 +173,14 @@ class Choice:
 
     def errors(self) -> dict[str, float]:
         """Estimated errors of the last run by kind, relative; empty where there is none to compare it with."""
-        pairs = self._pairs()
-        changes = [self._differences(coarse, fine) for coarse, fine in pairs]
-        ratios = [fine.divisor / coarse.divisor for coarse, fine in pairs]
-        kinds = [kind for kind in KINDS if changes and all(kind in each for each in changes)]
-        return {kind: self._error([each[kind] for each in changes], ratios, kind) for kind in kinds}
+        found = {}
+        for kind in KINDS:
+            pairs = self._pairs(kind)
+            changes = [self._differences(coarse, fine).get(kind) for coarse, fine in pairs]
+            known = [change for change in changes if change is not None]
+            if known and len(known) == len(changes):
+                found[kind] = self._error(known, [fine.divisor / coarse.divisor for coarse, fine in pairs], kind)
+        return found
 
     @property
     def met(self) -> bool | None:
@@ -180,7 +188,13 @@ class Choice:
         if self.watched is None or not self.watched.moves:
             return None
         last = self.made[-1]
-        return len(self._like(last.method)) >= self.needed(last.method) and self.estimates[-1] <= self.asked
+        runs = len(self._like(last.method))
+        if last.seen is None or runs < 2:
+            return False
+        if runs < self.needed(last.method):
+            return not self.friction and self.estimates[-1] <= CLEAR * self.asked
+        # Which contact slips first may be missed by some steps alike: two estimates have to agree then.
+        return all(estimate <= self.asked for estimate in self.estimates[-2 if self.friction else -1 :])
 
     def following(self) -> tuple[str, float] | None:
         """Method, and steps in an interval, of the next run; None where the last one is to stand."""
@@ -237,12 +251,16 @@ class Choice:
     def _like(self, method: str) -> list[Made]:
         return [run for run in self.made if run.method == method and run.seen is not None]
 
-    def _pairs(self) -> list[tuple[Made, Made]]:
-        """The last run of those that came to their end with the one before, and that with the one before it."""
+    def _pairs(self, kind: str) -> list[tuple[Made, Made]]:
+        """The last run of those that came to their end with the one before, and that with the one before it.
+
+        A run with steps longer than the interval of the frames has not all of them. It shows no extremes.
+        """
         if not self.made or self.made[-1].seen is None:
             return []
         runs = self._like(self.made[-1].method)[-3:]
-        return list(itertools.pairwise(runs))[::-1]
+        pairs = list(itertools.pairwise(runs))[::-1]
+        return [pair for pair in pairs if kind == "position" or pair[0].divisor >= 1.0]
 
     def _differences(self, coarse: Made, fine: Made) -> dict[str, float]:
         assert coarse.seen is not None and fine.seen is not None and self.watched is not None
@@ -250,9 +268,15 @@ class Choice:
 
     def _error(self, changes: list[float], ratios: list[float], kind: str) -> float:
         if len(changes) == 1:
-            # Two runs show no order: without friction it is taken as that of the method.
-            return SAFETY * changes[0] / (ratios[0] ** (1.0 if self.friction else 2.0) - 1.0)
-        return from_longer(changes, ratios, self._highest(kind))
+            # Two runs show no order.
+            return SAFETY * changes[0] / (ratios[0] ** self._order_of_two(kind) - 1.0)
+        return from_longer(changes, ratios, self._highest(kind), self._lowest(kind))
+
+    def _order_of_two(self, kind: str) -> float:
+        return 1.0 if self.friction or kind == "force" else ORDER
+
+    def _lowest(self, kind: str) -> float:
+        return LOWEST_WITH_FRICTION if self.friction and kind != "force" else LOWEST
 
     def _highest(self, kind: str) -> float:
         if kind == "force":
@@ -270,14 +294,14 @@ class Choice:
 
     def _expected_order(self) -> float:
         """The order by which the largest error should fall."""
-        pairs, errors = self._pairs(), self.errors()
-        if len(pairs) < 2:
-            return 1.0 if self.friction else 2.0
+        errors = self.errors()
         kind = max(errors, key=lambda each: errors[each])
+        pairs = self._pairs(kind)
+        if len(pairs) < 2:
+            return self._order_of_two(kind)
         changes = [self._differences(coarse, fine)[kind] for coarse, fine in pairs]
-        return max(
-            1.0, order_of(changes, [fine.divisor / coarse.divisor for coarse, fine in pairs], self._highest(kind))
-        )
+        ratios = [fine.divisor / coarse.divisor for coarse, fine in pairs]
+        return max(1.0, order_of(changes, ratios, self._highest(kind), self._lowest(kind)))
 
     def _reason_to_end(self, divisor: float) -> str:
         """Why no run with so many steps in an interval is made; empty where one is."""
@@ -296,10 +320,8 @@ class Choice:
 
 
 def finer(number: float) -> float:
-    """The next of 1/4, 1/2, 1, 2, 3, 4, 6, 8, 12, ... that is no less."""
-    if number <= 0.5:
-        return 0.25 if number <= 0.25 else 0.5
-    power = 2.0 ** math.ceil(math.log2(number) - 1e-9)
+    """The next of 1/2, 1, 2, 3, 4, 6, 8, 12, ... that is no less."""
+    power = max(COARSEST, 2.0 ** math.ceil(math.log2(number) - 1e-9))
     return 0.75 * power if power >= 4.0 and 0.75 * power >= number * (1.0 - 1e-9) else power
 
 
@@ -322,7 +344,8 @@ def differences(coarse: Seen, fine: Seen, extent: float) -> dict[str, float]:
     return found
 
 
-def _seen(result: Result, watched: Watched) -> Seen:
+def look_at(result: Result, watched: Watched) -> Seen:
+    """What of a run is compared."""
     history = watched.of(result)
     if "torque" not in result or "rotation" not in result or result["rotation"].ndim != 2:
         return Seen(history, None)

@@ -261,7 +261,9 @@ def from_shorter(changes: Sequence[float], shares: Sequence[float]) -> float:
     return max(change / (1.0 - share) for change, share in zip(changes, shares, strict=True))
 
 
-def from_longer(changes: Sequence[float], ratios: Sequence[float], highest: float = ORDER) -> float:
+def from_longer(
+    changes: Sequence[float], ratios: Sequence[float], highest: float = ORDER, lowest: float = LOWEST
+) -> float:
     """Error of a run from its difference to one with longer steps, and that run's to one with longer ones still.
 
     Parameters
@@ -270,10 +272,10 @@ def from_longer(changes: Sequence[float], ratios: Sequence[float], highest: floa
         |u2 - u1| and |u3 - u2|; the second may be lacking, and the order is then taken as one.
     ratios : sequence of float
         h2/h1 and h3/h2.
-    highest : float
-        The order that counts at most.
+    highest, lowest : float
+        The orders that count at most and at least.
     """
-    p = order_of(changes, ratios, highest) if len(changes) > 1 else 1.0
+    p = order_of(changes, ratios, highest, lowest) if len(changes) > 1 else 1.0
     found = changes[0] / (ratios[0] ** p - 1.0)
     if len(changes) > 1:
         # A small first difference beside a large second one is chance where no method is of so high an order.
@@ -281,10 +283,10 @@ def from_longer(changes: Sequence[float], ratios: Sequence[float], highest: floa
     return SAFETY * found
 
 
-def order_of(changes: Sequence[float], ratios: Sequence[float], highest: float) -> float:
+def order_of(changes: Sequence[float], ratios: Sequence[float], highest: float, lowest: float = LOWEST) -> float:
     """The order p for which the second difference over the first is r1^p (r2^p - 1) / (r1^p - 1), within bounds."""
     (first, second), (r1, r2) = changes, ratios
-    low, high = LOWEST, highest
+    low, high = lowest, highest
 
     def too_low(p: float) -> bool:
         return second * (r1**p - 1.0) > first * r1**p * (r2**p - 1.0)
