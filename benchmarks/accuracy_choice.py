@@ -143,16 +143,17 @@ def measure(quick: bool, asked: float = ASKED) -> Section:
     false = sum(bool(one.met) and one.error > asked for one in found)
     costs = sorted(one.cost for one in found if one.cost is not None)
     within = sum(cost <= 3.0 for cost in costs)
+    unreached = sum(one.met is False for one in found)
     text = (
-        f"`simulate --accuracy '{100.0 * asked:g} %'` on {len(found)} scenes ([what it does]"
-        f"(study.md#an-accuracy-that-is-asked-for)). Reached: {reached}. Stated as reached and not: {false}. "
-        f"Stated as not reached: {sum(one.met is False for one in found)}. All its runs together cost, in processor time of the time loops, "
+        f"`simulate --accuracy '{100.0 * asked:g} %'` on {len(found)} scenes "
+        f"([what it does](study.md#an-accuracy-that-is-asked-for)). Reached: {reached}. Stated as reached and not: "
+        f"{false}. Stated as not reached: {unreached}. All its runs together cost, in processor time of the loops, "
         f"{statistics.median(costs):.2g} times the cheapest fixed step that reaches the error (median; largest "
         f"{costs[-1]:.2g}; at most 3 in {within} of {len(costs)}). That step is known only to who has the reference. "
         f"The error is the largest of position, amplitude of the force and twist, against runs with {FINER:g} times as "
         "many steps, one of them with another rho_inf; in brackets where both differ by more than a quarter of what "
         "was asked.\n\n" + table(HEADER, rows)
-    )  # fmt: skip
+    )
     return Section(TITLE, text, [])
 
 

@@ -356,7 +356,9 @@ def write_two_factors(path=TWO_FACTORS, h=1e-4):
     with Path(path).open("w") as f:
         f.writelines(f"# {line}\n" for line in lines)
         f.write("time," + ",".join(f"static_{static:g}" for static in STATIC_FACTORS) + "\n")
-        f.writelines(f"{t:.2f}," + ",".join(f"{x:.8f}" for x in row) + "\n" for t, *row in zip(fine[:, 0], *columns))
+        f.writelines(
+            f"{t:.2f}," + ",".join(f"{x:.8f}" for x in row) + "\n" for t, *row in zip(fine[:, 0], *columns, strict=True)
+        )
 
 
 def main(path=CSV, h=1e-4):

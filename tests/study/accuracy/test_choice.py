@@ -57,7 +57,8 @@ def test_two_runs_that_agree_do_not_yet_reach_an_accuracy_where_friction_acts():
     assert choice_of([0.0, 1e-5]).met is True
     assert choice_of([0.0, 1e-5], friction=True).met is False
     assert choice_of([0.2, 1e-5, 0.0], friction=True).met is False
-    assert choice_of([0.2, 1e-5, 0.0, 0.0], friction=True).met is True
+    assert choice_of([0.2, 1e-5, 0.0, 0.0], friction=True).met is False
+    assert choice_of([0.2, 1e-5, 0.0, 0.0, 0.0], friction=True).met is True
 
 
 def test_what_does_not_converge_is_given_up_and_says_why():
@@ -141,7 +142,7 @@ def test_simulate_says_what_was_reached_in_its_json_its_summary_and_the_result(c
 @pytest.mark.parametrize(
     "given, cause",
     [
-        (["0"], "must be more than 0"), (["-1"], "must be more than 0"), (["200 %"], "must be less than 1"),
+        (["0"], "must be greater than zero"), (["-1"], "must be greater than zero"), (["200 %"], "must be less than 1"),
         (["good"], "is not a number"), (["1 %", "--step", "1 ms"], "beside --step"),
         (["1 %", "--method", "rk4"], "beside --method"), (["1 %", "--verify"], "beside --verify"),
     ],
