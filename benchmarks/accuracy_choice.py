@@ -126,10 +126,18 @@ HEADER = (
 
 def measure(quick: bool, asked: float = ASKED) -> Section:
     """All cases."""
-    rows, found = [], []
+    found = []
     for case in CASES[19:20] if quick else CASES:
-        one = judged(case, asked)
-        found.append(one)
+        found.append(judged(case, asked))
+        print(case.name, found[-1].error, file=sys.stderr, flush=True)
+    return told(found, asked)
+
+
+def told(found: list[Judged], asked: float) -> Section:
+    """The section of all cases."""
+    rows = []
+    for one in found:
+        case = one.case
         error = number(100.0 * one.error)
         rows.append(
             (
@@ -138,7 +146,6 @@ def measure(quick: bool, asked: float = ASKED) -> Section:
                 number(1e3 * one.step), str(one.runs), one.best, number(one.cost),
             )
         )  # fmt: skip
-        print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
     reached = sum(bool(one.met) and one.error <= asked for one in found)
     false = sum(bool(one.met) and one.error > asked for one in found)
     costs = sorted(one.cost for one in found if one.cost is not None)

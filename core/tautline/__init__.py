@@ -163,8 +163,9 @@ def simulate(
 
     scene = _scene(scene)
     application = _installed().of(scene)
-    scene = application.with_overrides(scene, step=step, end=end, method=method, accuracy=accuracy)
-    asked = getattr(scene.solver, "accuracy", None)
+    wanted = {} if accuracy is None else {"accuracy": accuracy}
+    scene = application.with_overrides(scene, step=step, end=end, method=method, **wanted)
+    asked = getattr(getattr(scene, "solver", None), "accuracy", None)
     if asked is not None and step is None and method is None and resume is None:
         from tautline.study.accuracy.choice import run_to_accuracy
 

@@ -138,6 +138,9 @@ def simulate(
     _check_accuracy(overrides, resume, verify)
 
     application, found = catalogue.read(scene)
+    if overrides.get("accuracy") is None:
+        # An application of somebody else may not know of it.
+        overrides = {key: value for key, value in overrides.items() if key != "accuracy"}
     read = application.with_overrides(changed(found, changes), **overrides)
     target = check_target(output or Path(scene.name).with_suffix(".nc"))
     earlier = _earlier(resume)
@@ -199,8 +202,9 @@ def _check_accuracy(overrides: dict[str, Any], resume: Path | None, verify: bool
     for option, there in beside.items():
         if there:
             raise option_error(
-                "--accuracy", f"{100.0 * given:.3g} %", f"stands beside {option}: it chooses method and step of a whole run itself, and "
-                "estimates the error", f"leave --accuracy or {option} out",
+                "--accuracy", f"{100.0 * given:.3g} %",
+                f"stands beside {option}: it chooses method and step of a whole run itself, and estimates the error",
+                f"leave --accuracy or {option} out",
             )  # fmt: skip
 
 
@@ -211,7 +215,7 @@ def _accuracy(
 
     What is gone on with keeps the method and the step that were chosen for it.
     """
-    asked = getattr(scene.solver, "accuracy", None)
+    asked = getattr(getattr(scene, "solver", None), "accuracy", None)
     if asked is None:
         return scene, None
     if earlier is not None:

@@ -73,6 +73,7 @@ class Held:
         _energies(self.groups, np.concatenate((self.q[:24], q)), np.concatenate((self.v[:24], v)), e, p)
         return e, p
 
+
     def power(self, q, v):
         """Power that turning wheels put in, W, and the alarm that is raised."""
         p, alarm = np.zeros(2), np.zeros(2, np.int64)
