@@ -130,6 +130,7 @@ def simulate(
     step: float | str | None = None,
     end: float | str | None = None,
     method: str | None = None,
+    accuracy: float | str | None = None,
 ) -> Result:
     """Run a scene.
 
@@ -147,6 +148,9 @@ def simulate(
         Time step and simulated time, s or with a unit (``"2 ms"``), in place of the scene's; a step may be ``"auto"``.
     method : str or None
         Integrator, in place of the scene's.
+    accuracy : float, str or None
+        Relative error (``"1 %"``) for which method and step are chosen, in place of the scene's; ``result.accuracy``
+        says what was reached. A step or a method that is given, and ``resume``, leave them as they are.
 
     Raises
     ------
@@ -159,7 +163,13 @@ def simulate(
 
     scene = _scene(scene)
     application = _installed().of(scene)
-    scene = application.with_overrides(scene, step=step, end=end, method=method)
+    wanted = {} if accuracy is None else {"accuracy": accuracy}
+    scene = application.with_overrides(scene, step=step, end=end, method=method, **wanted)
+    asked = getattr(getattr(scene, "solver", None), "accuracy", None)
+    if asked is not None and step is None and method is None and resume is None:
+        from tautline.study.accuracy.choice import run_to_accuracy
+
+        return run_to_accuracy(application, scene, asked, path, progress)
     return run(application.build(scene), path, progress, resume)
 
 

@@ -23,16 +23,22 @@ import numpy as np
 from numba import njit
 
 CSV = Path(__file__).with_name("jwell_bit_history.csv")
+TWO_FACTORS = Path(__file__).with_name("jwell_two_factors.csv")
+"""Bit displacement with a static factor above the kinetic 0.2."""
+STATIC_FACTORS = (0.25, 0.3)
 KICK_OFF, RADIUS = 2200.0, 1000.0
 WELL_LENGTH = KICK_OFF + RADIUS * np.pi / 2
 GRAVITY = 9.81
 # columns of the per-body table; MR is an optional rotary inertia about the normal of the plane, 0 here
-M, ML, W, KC, DC, DELTA, C, DRAG, D, MU, MR = range(11)
+M, ML, W, KC, DC, DELTA, C, DRAG, D, MU, MR, STATIC = range(12)
 L0, EA, EI, LB = range(4)
 
 
-def jwell(n=12, mu=0.2, rotary=False):
-    """The thesis' J-well: (body table [n+1, 11], link table [n, 4]); EI, LB of row i belong to the node at its top."""
+def jwell(n=12, mu=0.2, rotary=False, static=None):
+    """The thesis' J-well: (body table [n+1, 12], link table [n, 4]); EI, LB of row i belong to the node at its top.
+
+    What has come to rest is held up to the factor ``static``, that of what slips where none is given.
+    """
     pipe, bha = (0.127, 0.1086), (0.165, 0.0572)
     length = np.append(np.full(n - 1, (WELL_LENGTH - 240.0) / (n - 1)), 240.0)
     od = np.append(np.full(n - 1, pipe[0]), bha[0])
@@ -45,7 +51,7 @@ def jwell(n=12, mu=0.2, rotary=False):
         half = 0.5 * per_length * length
         return np.append(half, 0.0) + np.append(0.0, half)
 
-    body = np.zeros((n + 1, 11))
+    body = np.zeros((n + 1, 12))
     tributary = lump(np.ones(n))
     d = np.maximum(np.append(od, 0.0), np.append(0.0, od))
     scale = tributary / (length.sum() / 12)
@@ -55,6 +61,7 @@ def jwell(n=12, mu=0.2, rotary=False):
     body[:, KC], body[:, DC] = 1e9 * d / 0.165 * scale, 5e6 * d / 0.165 * scale
     body[:, DELTA], body[:, D] = (0.2032 - d) / 2, d
     body[:, C], body[:, DRAG], body[:, MU] = 10.0 * scale, 0.5 * mud * lump(od), mu
+    body[:, STATIC] = mu if static is None else static
     body[:, MR] = body[:, M] * tributary**2 / 12 if rotary else 0.0
     link = np.zeros((n, 4))
     link[:, L0], link[:, EA] = length, 200e9 * area
@@ -147,7 +154,7 @@ def rate(t, y, touch, slip, body, link):
         force = f[0, i]
         if touch[i] and slip[i] == 0:
             dy[0, i] = 0.0
-            margin[i] = min(normal, limit - abs(force / f[3, i]))
+            margin[i] = min(normal, body[i + 1, STATIC] * normal - abs(force / f[3, i]))
             force = 0.0
         elif touch[i]:
             margin[i] = min(normal, slip[i] * y[2, i])
@@ -204,7 +211,7 @@ def choose_modes(t, y, only, touch, slip, body, link):
             slip[i] = was
         elif was_touching or y[2, i] == 0:  # stopped, or stuck until now
             y[2, i] = 0.0
-            slip[i] = 0 if abs(push) <= body[i + 1, MU] * f[2, i] else (1 if push > 0 else -1)
+            slip[i] = 0 if abs(push) <= body[i + 1, STATIC] * f[2, i] else (1 if push > 0 else -1)
         else:
             slip[i] = 1 if y[2, i] > 0 else -1
 
@@ -317,9 +324,9 @@ def initial_state(body, link):
     return y
 
 
-def run(h=1e-4, end=40.0, n=12, mu=0.2, interval=0.05, rotary=False, method="events"):
+def run(h=1e-4, end=40.0, n=12, mu=0.2, interval=0.05, rotary=False, method="events", static=None):
     """Records every `interval`: columns t, top link tension, s_1..s_n, u_1..u_n, s'_1..s'_n."""
-    body, link = jwell(n, mu, rotary)
+    body, link = jwell(n, mu, rotary, static)
     y = initial_state(body, link)
     every = round(interval / h)
     if method == "events":
@@ -331,6 +338,27 @@ def history(path=CSV):
     """The stored table as {column: array}."""
     lines = [line for line in Path(path).read_text().splitlines() if not line.startswith("#")]
     return dict(zip(lines[0].split(","), np.loadtxt(lines[1:], delimiter=",", unpack=True), strict=True))
+
+
+def write_two_factors(path=TWO_FACTORS, h=1e-4):
+    """Regenerate jwell_two_factors.csv with its own error estimate (about half a minute)."""
+    bit = 13
+    lines = [
+        "Bit displacement, m, of the J-well string under the heave chirp with a static factor of friction above the",
+        f"kinetic 0.2. Made by write_two_factors() of {Path(__file__).name}, as jwell_bit_history.csv, at {h:g} s.",
+    ]
+    columns = []
+    for static in STATIC_FACTORS:
+        fine, coarse = run(h, static=static), run(2 * h, static=static)
+        change = np.abs(fine[:, bit] - coarse[:, bit]).max()
+        lines.append(f"Static {static:g}: change from a step of {2 * h:g} s {change:.1e} m.")
+        columns.append(fine[:, bit] - fine[0, bit])
+    with Path(path).open("w") as f:
+        f.writelines(f"# {line}\n" for line in lines)
+        f.write("time," + ",".join(f"static_{static:g}" for static in STATIC_FACTORS) + "\n")
+        f.writelines(
+            f"{t:.2f}," + ",".join(f"{x:.8f}" for x in row) + "\n" for t, *row in zip(fine[:, 0], *columns, strict=True)
+        )
 
 
 def main(path=CSV, h=1e-4):
@@ -374,3 +402,4 @@ def start_velocity():
 
 if __name__ == "__main__":
     main()
+    write_two_factors()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from references import planar_well_dynamics as planar
 from study.oscillators import OMEGA, START, lag_constant, oscillator, rk4, run, subject
 from test_study_verbs import only_object
 
@@ -139,23 +140,21 @@ def test_an_event_that_a_step_and_its_half_both_miss_is_in_the_stated_error(thre
     assert step_error(jumping, jump(h, 0.0)).distance < 0.01 * JUMP
 
 
-@pytest.mark.parametrize(("static", "columns", "least"), [(0.3, (1, 2, 3), 0.020), (0.25, (4, 5, 6), 0.015)])
-def test_the_j_well_states_at_least_its_error_where_a_step_and_its_half_miss_the_same_event(static, columns, least):
-    """Errors of 2.2 and 1.7 % of which half the step shows 0.48 and 0.44 %; the references tell their origin."""
+@pytest.mark.parametrize(("static", "least"), [(0.3, 0.007), (0.25, 0.015)])
+def test_the_j_well_with_two_factors_of_friction_states_at_least_its_error(static, least):
+    """Errors of 0.83 and 1.7 % at 1 ms, against the event-located run of other code."""
     from drillstring.application import Drillstring
 
     scene = drillstring.scene.scene.read(JWELL)
     keys = {("well", "wall", "friction", "static"): (static, "static")}
     scene = validate(type(scene), scene.document.replaced(keys))
     result = simulate(drillstring.model.build.build(scene))
-    exact = np.loadtxt(REFERENCES / "jwell_bit_by_short_steps.csv", delimiter=",", skiprows=6)
-    assert np.allclose(result.time[::10], exact[:, 0])
-    off = np.linalg.norm(result["position"][::10, -1] - exact[:, columns], axis=1).max()
-    way = np.linalg.norm(exact[:, columns] - exact[0, columns], axis=1).max()
+    exact = planar.history(planar.TWO_FACTORS)[f"static_{static:g}"]
+    off = np.abs(result["bit_depth"] - result["bit_depth"][0] - exact).max()
+    way = np.abs(exact).max()
     told = step_error(Subject(Drillstring(), scene), result)
     assert off / way > least and told.position >= off / way and told.distance >= off
-    assert told.position < 2.5 * off / way and "position of the bit" in told.warning
-    assert 0.75 * told.changes[0] / way < 0.005  # what half the step alone would have said
+    assert told.position < 4.0 * off / way and "position of the bit" in told.warning
 
 
 def test_only_friction_between_fixed_implicit_steps_is_looked_at_unasked():

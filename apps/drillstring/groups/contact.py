@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drillstring.groups.friction import act, status
-from drillstring.groups.friction_of_four import accept, ready, resist, restless, slip_of
+from drillstring.groups.friction_of_four import accept, arrest, note, ready, resist, restless, slip_of
 from tautline.kernels.changes import note_change
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
@@ -221,6 +221,8 @@ def _residual(g, t, q, v, a, r):
         presses = c.normal > 0.0
         if any_of(presses):
             along, around = resist(g.law, i, last, c)
+            slide, dx, dy, turn = load_rows(a, above + i, above + last)
+            note(g.law, i, last, c, c.beta * slide, c.ex * dy - c.ey * dx + gather(g.springs.radius, i, last) * turn)
             along, around = where(presses, along, 0.0), where(presses, around, 0.0)
             _, _, _, spin = load_rows(v, above + i, above + last)
             viscous = where(presses, gather(g.springs.viscous, i, last), 0.0)
@@ -322,6 +324,14 @@ def _commit(g, t, h, q, v, a):
         c = _touch_here(g, i, last, above, q, v)
         along, around = accept(g.law, i, last, c)
         presses = c.normal > 0.0
+        if h > 0.0:
+            slide, _, _, _ = load_rows(a, above + i, above + last)
+            along, held = arrest(g.law, i, last, c, along, c.beta * slide)
+            if any_of(held):
+                still = where(held, 1.0, 0.0)
+                for k in range(i, min(i + LANES, last)):
+                    if lane(still, k - i) > 0.0:
+                        a[PER_BODY * (above + k)] = 0.0
         along, around = where(presses, along, 0.0), where(presses, around, 0.0)
         scatter(rows.mean_along, i, last, along + share * (gather(rows.along, i, last) - along))
         scatter(rows.mean_around, i, last, around + share * (gather(rows.around, i, last) - around))

@@ -43,13 +43,17 @@ PROJECTED = np.dtype(
         (name, np.float64)
         for name in (
             "static", "kinetic", "mass", "links", "force_a", "force_c", "slip_a", "slip_c", "nx", "ny", "factor", "c",
+            "rate_a", "rate_c", "seen_a", "seen_c", "mass_c", "ratio",
         )
     ]
     + [(name, np.int64) for name in ("settled", "status", "dropped", "reversed", "forced")]
 )  # fmt: skip
 """Exact Coulomb friction at a contact: static and kinetic factor; lump's mass kg and link stiffness N/m; force N and
 slip m/s at the last accepted step; of the step under way: direction, factor, stiffness c N s/m; then the status settled
-and under way, whether the factor dropped or the slip reversed in it, and how often it was forced to stick."""
+and under way, whether the factor dropped (of what came to rest: whether rest was refused) or the slip reversed in it,
+and how often it was forced to stick. ``mass`` and ``mass_c`` kg are what a slip along and around sets in motion,
+``rate_a`` and ``rate_c`` m/s^2 the slip's rates where it was ``seen_a``, ``seen_c`` m/s, and ``ratio`` 1/s of the
+change of a rate to that of the slip within a step."""
 
 BANDED = np.dtype(
     [
@@ -106,8 +110,10 @@ def _prepare_projection(law, i, h, beta, gamma, touch, along_rate, around_rate):
     f.forced = 0
     f.slip_a = touch.along
     f.slip_c = touch.around
+    f.ratio = 0.0
     if gamma > 0.0:
         f.c = STIFFNESS * (f.mass * beta + f.links) / gamma
+        f.ratio = beta / gamma
     x, y = -f.force_a, -f.force_c
     size = sqrt(x * x + y * y)
     if size == 0.0:
@@ -115,6 +121,20 @@ def _prepare_projection(law, i, h, beta, gamma, touch, along_rate, around_rate):
         size = sqrt(x * x + y * y)
     f.nx = x / size if size > 0.0 else 0.0
     f.ny = y / size if size > 0.0 else 0.0
+
+
+@kernel
+def _force_at_rest(f, touch):
+    """Less the force that would hold the lump without any acceleration, N (2,).
+
+    The force that brings it to rest within a step holds a multiple of what is needed, and a method with numerical
+    dissipation goes on to swing about that, from step to step, whatever their length.
+    """
+    x = f.c * touch.along - f.force_a
+    y = f.c * touch.around - f.force_c
+    x += f.mass * (f.rate_a + f.ratio * (touch.along - f.seen_a))
+    y += f.mass_c * (f.rate_c + f.ratio * (touch.around - f.seen_c))
+    return x, y
 
 
 @kernel
@@ -132,8 +152,7 @@ def _status_projection(law, i, touch, converged):
         # The first test of a step sees what is predicted.
         f.status = STICK
         return 0
-    x = f.c * touch.along - f.force_a
-    y = f.c * touch.around - f.force_c
+    x, y = _force_at_rest(f, touch)
     size = sqrt(x * x + y * y)
     if f.status == SLIP:
         if touch.along * f.nx + touch.around * f.ny < 0.0:
@@ -165,12 +184,20 @@ def _settle_events(law, i, touch):
     """
     f = law.rows[i]
     if f.status != SLIP:
-        x = f.c * touch.along - f.force_a
-        y = f.c * touch.around - f.force_c
+        x, y = _force_at_rest(f, touch)
         size = sqrt(x * x + y * y)
-        if size <= f.factor * touch.normal:
+        limit = f.factor * touch.normal
+        if f.settled == SLIP:
+            # It has come to rest within the step, and static friction may hold it. The force over the step counts where
+            # it is the lesser: what stops at its end was slipping until then. A second refusal would turn in circles.
+            raw_x, raw_y = f.c * touch.along - f.force_a, f.c * touch.around - f.force_c
+            size = min(size, sqrt(raw_x * raw_x + raw_y * raw_y))
+            limit = f.static * touch.normal
+        if size <= limit or (f.settled == SLIP and f.dropped > 0):
             f.status = STICK
             return 0
+        if f.settled == SLIP:
+            f.dropped = 1
         f.status = SLIP
         f.nx = x / size
         f.ny = y / size
@@ -313,6 +340,11 @@ def _force_by_act(law, i, touch):
 
 @kernel
 def _nothing_to_prepare(law, i, h, beta, gamma, touch, along_rate, around_rate):
+    return
+
+
+@kernel
+def _nothing_to_note(law, i, touch, along_rate, around_rate):
     return
 
 

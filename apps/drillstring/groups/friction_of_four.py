@@ -6,7 +6,11 @@ that file's functions are asked for it alone; so are tangents. Every law offers
 - ``ready(law, i, last, h, beta, gamma, touch, along_rate, around_rate)`` at the start of an attempt of a step,
 - ``restless(law, i, last, touch, converged)``: a mask of the contacts whose ``status`` is to be asked,
 - ``resist(law, i, last, touch)``: the friction force on the pipe along and around, N,
-- ``accept(law, i, last, touch)``: the step is accepted; the friction force of the accepted state.
+- ``note(law, i, last, touch, along_rate, around_rate)``: the state at which the residual is evaluated, and how fast its
+  slip velocities change, m/s^2,
+- ``accept(law, i, last, touch)``: the step is accepted; the friction force of the accepted state,
+- ``arrest(law, i, last, touch, along, along_rate)``: that force along the hole without the lumps' own inertia, where
+  they are held from now on, and a mask of these.
 """
 
 from __future__ import annotations
@@ -71,6 +75,7 @@ def _ready_projection(law, i, last, h, beta, gamma, touch, along_rate, around_ra
     scatter(rows.slip_c, i, last, touch.around)
     if gamma > 0.0:
         scatter(rows.c, i, last, (STIFFNESS / gamma) * (mass * beta + links))
+        scatter(rows.ratio, i, last, where(sticks, beta / gamma, beta / gamma))
     free = (force_a == 0.0) & (force_c == 0.0)
     x, y = where(free, touch.along, -force_a), where(free, touch.around, -force_c)
     # Of the direction only the sign of its product with the slip is ever asked for.
@@ -98,12 +103,31 @@ def _trial(law, i, last, touch):
 
 
 @kernel(forceinline=True)
+def _at_rest(law, i, last, touch, x, y):
+    """Size squared, of the force (x, y) of :func:`_trial` without the lumps' own inertia."""
+    rate_a, rate_c, seen_a, seen_c = load_fields(law.rows.rate_a, i, last)
+    ratio = gather(law.rows.ratio, i, last)
+    x = x + gather(law.rows.mass, i, last) * (rate_a + ratio * (touch.along - seen_a))
+    y = y + gather(law.rows.mass_c, i, last) * (rate_c + ratio * (touch.around - seen_c))
+    return x * x + y * y
+
+
+@kernel(forceinline=True)
+def _note_projection(law, i, last, touch, along_rate, around_rate):
+    scatter(law.rows.rate_a, i, last, along_rate)
+    scatter(law.rows.rate_c, i, last, around_rate)
+    scatter(law.rows.seen_a, i, last, touch.along)
+    scatter(law.rows.seen_c, i, last, touch.around)
+
+
+@kernel(forceinline=True)
 def _restless_projection(law, i, last, touch, converged):
     rows = law.rows
     slips, presses = equals(rows.status, i, last, SLIP), touch.normal > 0.0
     x, y, square, factor = _trial(law, i, last, touch)
     limit = factor * touch.normal
-    sticks = presses & equals(rows.status, i, last, STICK) & (square <= limit * limit)
+    still = _at_rest(law, i, last, touch, x, y) <= limit * limit
+    sticks = presses & equals(rows.status, i, last, STICK) & still
     nx, ny, _, _ = load_fields(rows.nx, i, last)
     # Of pipe that is clear of the wall nothing is to be done once its direction of slip is forgotten.
     clear = negated(presses) & slips & (nx == 0.0) & (ny == 0.0)
@@ -143,6 +167,14 @@ def _accept_projection(law, i, last, touch):
     change(rows.settled, i, last, slips, SLIP)
     change(rows.settled, i, last, negated(slips), STICK)
     return along, around
+
+
+@kernel(forceinline=True)
+def _arrest_projection(law, i, last, touch, along, along_rate):
+    held = within(i, last) & (touch.normal > 0.0) & equals(law.rows.settled, i, last, STICK)
+    along = where(held, along - gather(law.rows.mass, i, last) * along_rate, along)
+    scatter(law.rows.force_a, i, last, where(touch.normal > 0.0, along, 0.0))
+    return along, held
 
 
 # -- Karnopp ---------------------------------------------------------------------------------------------------------
@@ -207,6 +239,16 @@ def _nothing_to_make_ready(law, i, last, h, beta, gamma, touch, along_rate, arou
 
 
 @kernel(forceinline=True)
+def _nothing_to_note(law, i, last, touch, along_rate, around_rate):
+    return
+
+
+@kernel(forceinline=True)
+def _never_arrests(law, i, last, touch, along, along_rate):
+    return along, touch.normal > NEVER
+
+
+@kernel(forceinline=True)
 def _never_restless(law, i, last, touch, converged):
     return touch.normal > NEVER
 
@@ -232,5 +274,16 @@ resist = by_type(
 accept = by_type(
     {
         Projection: _accept_projection, Karnopp: _accept_karnopp, Regularised: _accept_as_is, Sliding: _accept_as_is,
+    }
+)  # fmt: skip
+note = by_type(
+    {
+        Projection: _note_projection, Karnopp: _nothing_to_note, Regularised: _nothing_to_note,
+        Sliding: _nothing_to_note,
+    }
+)  # fmt: skip
+arrest = by_type(
+    {
+        Projection: _arrest_projection, Karnopp: _never_arrests, Regularised: _never_arrests, Sliding: _never_arrests,
     }
 )  # fmt: skip

@@ -157,7 +157,17 @@ def law_of(
     if law == "projection":
         settled = SLIP if moving else STICK
         return Projection(
-            records(n, PROJECTED, static=static, kinetic=kinetic, mass=along, links=stiffness, settled=settled, c=1.0)
+            records(
+                n,
+                PROJECTED,
+                static=static,
+                kinetic=kinetic,
+                mass=along,
+                mass_c=around,
+                links=stiffness,
+                settled=settled,
+                c=1.0,
+            )
         )
     if law == "karnopp":
         rows = records(n, BANDED, static=static, kinetic=kinetic, mass_a=along, mass_c=around)

@@ -48,8 +48,8 @@ class Application(Protocol):
         Parameters
         ----------
         **given
-            ``method``, ``step``, ``end``, ``rho_inf``, ``control``, ``step_error``, ``interval`` of the output; None
-            keeps what the scene says.
+            ``method``, ``step``, ``end``, ``rho_inf``, ``control``, ``step_error``, ``interval`` of the output, and
+            ``accuracy``, which is given only where one is asked for; None keeps what the scene says.
         """
 
     def vary(self, scene: Any, what: str, *value: Any) -> Any:

@@ -115,7 +115,7 @@ def simulate(
     output : Path or None
         The result; by default the scene's name with ``.nc`` in the current folder.
     overrides : dict
-        ``method``, ``step``, ``end``, ``rho_inf``; None keeps what the scene says.
+        ``method``, ``step``, ``end``, ``rho_inf``, ``accuracy``; None keeps what the scene says.
     resume : Path or None
         An earlier result to go on from.
     verify : bool or None
@@ -129,14 +129,21 @@ def simulate(
     SceneError, ResultError
         For a scene that cannot be run or a result that cannot be written; nothing is written then.
     Ended
-        If the run stopped early or was interrupted; that was reported and the result is kept.
+        If the run stopped early, was interrupted, or does not reach the accuracy that was asked for; that was reported
+        and the result is kept.
     """
     from tautline.results.target import check_target
 
+    _check_accuracy(overrides, resume, verify)
+
     application, found = catalogue.read(scene)
+    if overrides.get("accuracy") is None:
+        # An application of somebody else may not know of it.
+        overrides = {key: value for key, value in overrides.items() if key != "accuracy"}
     read = application.with_overrides(changed(found, changes), **overrides)
     target = check_target(output or Path(scene.name).with_suffix(".nc"))
     earlier = _earlier(resume)
+    read, accuracy = _accuracy(application, read, overrides, earlier, verify)
     warnings = application.warnings(read)
     print_warnings(warnings)
 
@@ -156,11 +163,14 @@ def simulate(
         say(f"simulating {scene}{length}")
     try:
         with Bar(end, shown=not quiet) as bar:
-            others = _other_runs(application, read, model, verify, earlier, bar, quiet)
-            result = run_model(
-                model, target, progress=bar, resume=earlier, announce=compiling,
-                afterwards=others,
-            )  # fmt: skip
+            if accuracy is not None:
+                result = _to_accuracy(application, read, accuracy, target, bar, quiet)
+            else:
+                others = _other_runs(application, read, model, verify, earlier, bar, quiet)
+                result = run_model(
+                    model, target, progress=bar, resume=earlier, announce=compiling,
+                    afterwards=others,
+                )  # fmt: skip
     except StoppedEarly as stop:
         report = _report(scene, stop.result, end, warnings) | {
             "status": stop.status.name.lower().replace("_", " "),
@@ -175,6 +185,62 @@ def simulate(
         say(f"interrupted at t = {report['simulated_time'] or 0.0:.6g} s", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None
     _finish(catalogue, _report(scene, result, end, warnings) | {"status": "done"}, result, as_json, quiet)
+    if result.accuracy is not None and result.accuracy["met"] is False:
+        raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def _check_accuracy(overrides: dict[str, Any], resume: Path | None, verify: bool | None) -> None:
+    """Refuse ``--accuracy`` beside what it chooses; raises SceneError."""
+    given = overrides.get("accuracy")
+    if given is None:
+        return
+    beside = {
+        "--method": overrides.get("method") is not None, "--step": overrides.get("step") is not None,
+        "--resume": resume is not None, "--verify": verify is True, "--no-verify": verify is False,
+    }  # fmt: skip
+    for option, there in beside.items():
+        if there:
+            raise option_error(
+                "--accuracy", f"{100.0 * given:.3g} %",
+                f"stands beside {option}: it chooses method and step of a whole run itself, and estimates the error",
+                f"leave --accuracy or {option} out",
+            )  # fmt: skip
+
+
+def _accuracy(
+    application: Application, scene: Any, overrides: dict[str, Any], earlier: Result | None, verify: bool | None
+) -> tuple[Any, float | None]:
+    """The scene, and the accuracy that method and step are to be chosen for; None where they are as they stand.
+
+    What is gone on with keeps the method and the step that were chosen for it.
+    """
+    asked = getattr(getattr(scene, "solver", None), "accuracy", None)
+    if asked is None:
+        return scene, None
+    if earlier is not None:
+        chosen = earlier.accuracy or {}
+        keep = {key: chosen.get(key) for key in ("method", "step") if overrides.get(key) is None}
+        return application.with_overrides(scene, **keep, control="fixed" if chosen else None), None
+    given = [f"--{key}" for key in ("method", "step") if overrides.get(key) is not None]
+    given += [] if verify is None else ["--verify" if verify else "--no-verify"]
+    if given:
+        say(f"note: nothing is chosen for an accuracy of {100.0 * asked:.3g} %, because {given[0]} is given")
+        return scene, None
+    return scene, float(asked)
+
+
+def _to_accuracy(application: Application, scene: Any, asked: float, target: Path, bar: Bar, quiet: bool) -> Result:
+    """The run of a scene whose method and step are chosen for an accuracy."""
+    from tautline.study.accuracy.choice import run_to_accuracy
+
+    def begin(method: str, step: float, end: float) -> None:
+        if not quiet:
+            say(f"for an accuracy of {100.0 * asked:.3g} %: {method}, steps of {quantity(step, 's')}")
+        bar.again(end, "choosing the step")
+
+    return run_to_accuracy(
+        application, scene, asked, target, progress=bar, announce=compiling, begin=begin
+    )
 
 
 def _other_runs(
@@ -226,6 +292,7 @@ def _report(scene: Path, result: Result | None, end: float | None, warnings: Seq
     report: dict[str, Any] = {"scene": str(scene), "result": stored, "status": None}
     report |= {key: attributes.get(key) for key in COPIED}
     report["step_error"] = result.step_error if result is not None else None
+    report["accuracy"] = result.accuracy if result is not None else None
     report["warnings"] = result.warnings if result is not None else []
     report["start"] = attributes.get("start") or None
     report["limits"] = result.limits if result is not None else []

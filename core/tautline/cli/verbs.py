@@ -28,6 +28,14 @@ End = Annotated[str | None, typer.Option("--end", help="Simulated time, with a u
 RhoInf = Annotated[
     float | None, typer.Option("--rho-inf", help="Spectral radius of generalized-alpha at infinity, 0 to 1.")
 ]
+Accuracy = Annotated[
+    str | None,
+    typer.Option(
+        "--accuracy",
+        metavar="SHARE",
+        help="Choose method and step for this relative error of position and force, as '1 %'.",
+    ),
+]
 Resume = Annotated[
     Path | None, typer.Option("--resume", help="Go on from where this earlier result of the scene ended.")
 ]
@@ -264,6 +272,7 @@ def simulate(
     step: Step = None,
     end: End = None,
     rho_inf: RhoInf = None,
+    accuracy: Accuracy = None,
     resume: Resume = None,
     verify: Verify = None,
     as_json: Json = False,
@@ -274,10 +283,11 @@ def simulate(
     An earlier result of the same name is replaced once the run has begun. Ctrl-C keeps what there is.
     """
     from tautline.cli import simulate as verb
-    from tautline.cli.lists import seconds
+    from tautline.cli.lists import number, seconds
 
     times = {"step": seconds(step, "--step", ("auto",)), "end": seconds(end, "--end")}
-    overrides: dict[str, Any] = {"method": method, **times, "rho_inf": rho_inf}
+    wanted = None if accuracy is None else number(accuracy, "--accuracy", "")
+    overrides: dict[str, Any] = {"method": method, **times, "rho_inf": rho_inf, "accuracy": wanted}
     verb.simulate(context.obj, scene, output, overrides, resume, verify, as_json, quiet, changes)
 
 

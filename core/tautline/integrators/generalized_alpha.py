@@ -116,6 +116,20 @@ def _best_order(m, state, h, jumped):
     return 1 if linear < constant else 0
 
 
+@kernel
+def _forget_what_is_held(dofs, state):
+    """Take over accelerations that a law has set to zero, as it commits a step, of what it holds from now on.
+
+    The method reaches the acceleration of what is held at once by an oscillation from step to step, of an amplitude
+    that no shorter step makes smaller. It would go on for some steps in the force that holds, and decide what slips.
+    """
+    for k in range(dofs.number.size):
+        i = dofs.number[k]
+        if i >= 0 and state.full_a[k] == 0.0 and state.a[i] != 0.0:
+            state.a[i] = 0.0
+            state.auxiliary[i] = 0.0
+
+
 @kernel(forceinline=True)
 def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     """Advance the state from t by h; on failure it is left as it was. Returns a status."""
@@ -169,6 +183,8 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     for i in range(state.q.size):
         state.auxiliary[i] += (1.0 - m.alpha_f) / (1.0 - m.alpha_m) * (state.a[i] - state.keep[2, i])
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
+    if over.may_switch(groups):
+        _forget_what_is_held(dofs, state)
     book_losses(groups, state, t, h, m.power)
     book_work(groups, dofs, state, t + h, m.power)
     observe_motion(state, state.keep[1], state.keep[2], h)

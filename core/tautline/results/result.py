@@ -98,6 +98,12 @@ class Result:
         return json.loads(found) if isinstance(found, str) else found
 
     @property
+    def accuracy(self) -> dict[str, Any] | None:
+        """What was asked and reached where method and step were chosen (`tautline.study.accuracy.choice`), or None."""
+        found = self.attributes.get("accuracy")
+        return json.loads(found) if isinstance(found, str) else found
+
+    @property
     def limits(self) -> list[dict[str, Any]]:
         """What the run is judged by, passed or not, with time and place: see `tautline.results.limits`."""
         limits = self.attributes.get("limits", [])

@@ -233,7 +233,7 @@ class Store:
             variable.name: np.concatenate([batch[variable.name] for _, batch in self._batches])
             for variable in self.variables
         }
-        return Result(None, (self.variables, arrays, self.coordinates, self.attributes, dict(restart)))
+        return Result(None, (self.variables, arrays, self.coordinates, self._now | self.attributes, dict(restart)))
 
 
 class _Copies:

@@ -18,7 +18,7 @@ from tautline.scene.reading.files import names_file
 
 SOLVED_BY = (
     "method", "rho_inf", "alpha_m", "alpha_f", "step", "end", "control", "step_error", "tolerance", "frequency",
-    "max_iterations", "max_halvings", "newton", "criterion",
+    "max_iterations", "max_halvings", "newton", "criterion", "accuracy",
 )  # fmt: skip
 """Keys of ``solver`` that say how a scene is solved, and for how long."""
 BESIDES = frozenset({"title", "units", "output", "limits", *(f"solver.{key}" for key in SOLVED_BY)})

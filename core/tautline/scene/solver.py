@@ -18,6 +18,7 @@ METHODS = WordOf(methods.names, methods.aliases)
 Method = Annotated[str, METHODS]
 Time = Annotated[float, quantity("s", positive=True, of="time simulated")]
 Step = Annotated[float | Literal["auto"], quantity("s", positive=True, words=("auto",), of="time step")]
+Accuracy = Annotated[float, quantity("", positive=True, below=1.0, of="relative error")]
 Newton = Annotated[Literal["modified", "full"], word("modified", "full")]
 Control = Annotated[Literal["fixed", "error"], word("fixed", "error")]
 
@@ -99,6 +100,13 @@ def error_of_steps(solver: Any, usual: float) -> float:
     return usual if solver.step_error is None else float(solver.step_error)
 
 
+def with_step(given: Any, key: str) -> Any:
+    """A ``solver`` section as it is written, with the step that stands for none where an accuracy is given."""
+    if isinstance(given, dict) and given.get("accuracy") is not None and key not in given:
+        return {key: "auto", **given}
+    return given
+
+
 class Solver(Model):
     """The time integrator.
 
@@ -114,6 +122,9 @@ class Solver(Model):
 
     `frequency`, Hz, is the highest that the answer is to show: `check` and `simulate` warn of a step that is too long
     for it, as they do for the functions of time in the scene.
+
+    `accuracy: 1 %` lets `simulate` choose method and step by itself, so that the estimated error of position, force and
+    twist due to the steps is no larger. `step` may then be left out; what does not choose takes `step: auto` for it.
     """
 
     method: Method = "generalized-alpha"
@@ -126,10 +137,16 @@ class Solver(Model):
     step_error: Annotated[float, quantity("m", positive=True, of="step error")] | None = None
     tolerance: Annotated[float, quantity("", positive=True, below=1.0, of="parameter of the method")] | None = None
     frequency: Annotated[float, quantity("Hz", positive=True, of="frequency")] | None = None
+    accuracy: Accuracy | None = None
     max_iterations: Annotated[Whole, Field(ge=1, le=1000)] = 20
     max_halvings: Annotated[Whole, Field(ge=0, le=40)] = 10
     newton: Newton = "modified"
     criterion: Annotated[Literal["energy", "force"], word("energy", "force")] | None = None
+
+    @classmethod
+    def _in_full(cls, given: Any) -> Any:
+        """A scene whose accuracy is given needs no step."""
+        return with_step(given, "step")
 
     @model_validator(mode="after")
     def _check(self) -> Solver:

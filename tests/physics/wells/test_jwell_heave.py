@@ -64,6 +64,15 @@ def test_bit_converges_to_the_independent_history_as_the_step_is_refined(heave, 
     assert np.polyfit(np.log(steps), np.log(sizes), 1)[0] > 1.0
 
 
+@pytest.mark.parametrize("static, step, bound", [(0.3, 1e-3, 1.0), (0.3, 5e-5, 0.15), (0.25, 5e-4, 0.02)])
+def test_with_a_larger_static_factor_the_bit_follows_the_independent_history_too(heave, static, step, bound):
+    """In % of its motion. Measured 0.83, 0.08, 0.006; and 1.31, 0.54, 1.68 while what came to rest swung on."""
+    exact = planar.history(planar.TWO_FACTORS)[f"static_{static:g}"]
+    result = heave(well__wall__friction__static=static, solver__step=step)
+    bit = result["bit_depth"] - result["bit_depth"][0]
+    assert np.abs(bit - exact).max() < 0.01 * bound * np.abs(exact).max()
+
+
 def test_hook_load_follows_the_independent_top_tension_within_a_percent_rms(heave, history):
     # tension of the top link; the reference's is 580 to 700 kN
     tension = heave()["tension"][:, 0]

@@ -238,7 +238,7 @@ class CableScene:
 
 HOW_SOLVED = (
     "method", "rho_inf", "alpha_m", "alpha_f", "tolerance", "max_iterations", "step", "end", "plotpoints", "skip_vtk",
-    "projection", "stabilise", "control", "step_error", "newton", "frequency",
+    "projection", "stabilise", "control", "step_error", "newton", "frequency", "accuracy",
 )  # fmt: skip
 """Fields of ``GeneralizedAlpha`` that say how a scene is solved, and what is kept."""
 PARTS = ("nodes", "elements", "ties", "couplings", "nodal", "motions")

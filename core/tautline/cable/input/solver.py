@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -13,6 +13,7 @@ from tautline.scene.solver import (
     METHODS,
     MOST_FRAMES,
     MOST_STEPS,
+    Accuracy,
     Control,
     Newton,
     Step,
@@ -20,6 +21,7 @@ from tautline.scene.solver import (
     alphas_of,
     check_alphas,
     check_control,
+    with_step,
 )
 from tautline.scene.values.quantity import quantity
 
@@ -40,6 +42,7 @@ class CableSolver(Model):
     to keep the local error below ``tolerance``, m; ``time_step: auto`` chooses the longest step as well.
     ``newton: full`` makes a new tangent in every iteration, as the thesis does; ``modified`` keeps the factors of an
     old one. ``frequency``, Hz, is the highest that the answer is to show: a step that is too long for it is warned of.
+    ``accuracy: 1 %`` lets ``simulate`` choose method and step by itself; ``time_step`` may then be left out.
     """
 
     method: Annotated[str, METHODS] = Field("generalized-alpha", alias="type")
@@ -64,6 +67,12 @@ class CableSolver(Model):
     step_error: Annotated[float, quantity("m", positive=True, of="step error")] | None = Field(None, alias="tolerance")
     newton: Newton = "modified"
     frequency: Annotated[float, quantity("Hz", positive=True, of="frequency")] | None = None
+    accuracy: Accuracy | None = None
+
+    @classmethod
+    def _in_full(cls, given: Any) -> Any:
+        """A scene whose accuracy is given needs no step."""
+        return with_step(given, "time_step")
 
     @model_validator(mode="after")
     def _alphas(self) -> CableSolver:

@@ -62,6 +62,9 @@ RANGES: dict[str, Range] = {
     "frequency": Range("Hz", 1e-5, 1e6, ("mHz", "kHz"), "one over the period"),
     "delay": Range("s", 1e-6, 10.0, ("ms", "us"), "a control system"),
     "step error": Range("m", 1e-16, 1.0, ("mm", "um"), "from rounding to what no study would accept"),
+    "relative error": Range(
+        "", 1e-7, 0.25, ("%",), "from what a day of computing reaches to what no study would accept"
+    ),
     "frames a second": Range("", 1e-4, 1e7, (), "as the interval of frames"),
     "parameter of the method": _any("bounds are those of the method, and what is outside of them is refused"),
     "control gain": _any("has the unit and the size of the machine that it controls"),

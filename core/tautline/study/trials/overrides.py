@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 Place = tuple[str | int, ...]
-SETTINGS = ("method", "step", "end", "rho_inf", "control", "step_error", "interval", "newton")
+SETTINGS = ("method", "step", "end", "rho_inf", "control", "step_error", "interval", "newton", "accuracy")
 
 
 def overrides(given: Mapping[str, Any], places: Mapping[str, Place]) -> dict[Place, tuple[Any, str]]:

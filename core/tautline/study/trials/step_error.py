@@ -234,7 +234,7 @@ def _stated(result: Result, watched: Watched, histories: list[History], steps: l
     pairs = [(0, i) for i in range(1, len(steps))] if shorter else [(i, i - 1) for i in range(1, len(steps))]
     changes: list[tuple[float, float, float | None]] = []
     for coarse, fine in pairs:
-        common = _at_common_times(histories[coarse], histories[fine])
+        common = at_common_times(histories[coarse], histories[fine])
         if common is None:
             return "the runs with other steps have no frames at the same times"
         changes.append(apart(*common, watched.extent))
@@ -250,7 +250,7 @@ def _stated(result: Result, watched: Watched, histories: list[History], steps: l
         found = [from_longer(x, ratios, order) if x is not None else None for x, order in both]
     if not np.isfinite([x for x in found if x is not None]).all():
         return "the runs with other steps differ too much for an estimate"
-    place, force_place = _name(result, watched.point), _name(result, watched.force)
+    place, force_place = name_of(result, watched.point), name_of(result, watched.force)
     distance, position, force = found
     assert distance is not None and position is not None
     return StepError(min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]), distances)
@@ -261,7 +261,9 @@ def from_shorter(changes: Sequence[float], shares: Sequence[float]) -> float:
     return max(change / (1.0 - share) for change, share in zip(changes, shares, strict=True))
 
 
-def from_longer(changes: Sequence[float], ratios: Sequence[float], highest: float = ORDER) -> float:
+def from_longer(
+    changes: Sequence[float], ratios: Sequence[float], highest: float = ORDER, lowest: float = LOWEST
+) -> float:
     """Error of a run from its difference to one with longer steps, and that run's to one with longer ones still.
 
     Parameters
@@ -270,10 +272,10 @@ def from_longer(changes: Sequence[float], ratios: Sequence[float], highest: floa
         |u2 - u1| and |u3 - u2|; the second may be lacking, and the order is then taken as one.
     ratios : sequence of float
         h2/h1 and h3/h2.
-    highest : float
-        The order that counts at most.
+    highest, lowest : float
+        The orders that count at most and at least.
     """
-    p = _order(changes, ratios, highest) if len(changes) > 1 else 1.0
+    p = order_of(changes, ratios, highest, lowest) if len(changes) > 1 else 1.0
     found = changes[0] / (ratios[0] ** p - 1.0)
     if len(changes) > 1:
         # A small first difference beside a large second one is chance where no method is of so high an order.
@@ -281,10 +283,10 @@ def from_longer(changes: Sequence[float], ratios: Sequence[float], highest: floa
     return SAFETY * found
 
 
-def _order(changes: Sequence[float], ratios: Sequence[float], highest: float) -> float:
+def order_of(changes: Sequence[float], ratios: Sequence[float], highest: float, lowest: float = LOWEST) -> float:
     """The order p for which the second difference over the first is r1^p (r2^p - 1) / (r1^p - 1), within bounds."""
     (first, second), (r1, r2) = changes, ratios
-    low, high = LOWEST, highest
+    low, high = lowest, highest
 
     def too_low(p: float) -> bool:
         return second * (r1**p - 1.0) > first * r1**p * (r2**p - 1.0)
@@ -301,7 +303,7 @@ def _listed(steps: Sequence[float]) -> str:
     return " and ".join(f"{step:.3g} s" for step in steps)
 
 
-def _name(result: Result, place: Place | None) -> str:
+def name_of(result: Result, place: Place | None) -> str:
     """A place as a sentence has it: ``position of body 12``, or by the name that the result has for it."""
     if place is None:
         return ""
@@ -311,7 +313,7 @@ def _name(result: Result, place: Place | None) -> str:
     return f"{what} of {dims[1].replace('_', ' ')} {place.label}" if place.label else what
 
 
-def _at_common_times(first: History, second: History) -> tuple[History, History] | None:
+def at_common_times(first: History, second: History) -> tuple[History, History] | None:
     """Both histories at the times that both have; None where these are not two."""
     near = SAME_TIME * max(float(first.time[-1]), float(second.time[-1]))
     place = np.searchsorted(first.time, second.time - near)

@@ -1,0 +1,455 @@
+"""Choosing the method and the step of a run whose accuracy is asked for, and telling what was reached.
+
+A scene is run with steps that grow shorter, from the interval of its frames on. After two runs the next step follows
+from their difference, as of a method of second order, or of first where dry friction may act; from three runs the error
+of the last is estimated with the order that they show (the grid convergence index of Roache, see
+`tautline.study.trials.step_error`). The run is taken as soon as that error is no more than what was asked for; where
+dry friction may act, as soon as it has been so twice, for steps may miss alike which contact slips first. Where
+the implicit method would need far more steps than an explicit one needs to be stable, that is taken, without friction.
+
+The error is the largest of what can be seen: of the point and the force that `study` looks at, and of a string's twist.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.results.errors import ResultError
+from tautline.results.result import Result
+from tautline.scene.content import frequencies
+from tautline.scene.errors import option_error
+from tautline.scene.limits import without_limits
+from tautline.scene.methods import explicit_like, implicit_like, method_of
+from tautline.simulation import simulate
+from tautline.study.accuracy.grid import critical_at_start
+from tautline.study.trials.errors import apart, motion
+from tautline.study.trials.history import History, Watched, watch
+from tautline.study.trials.step_error import (
+    SAFETY,
+    StepError,
+    at_common_times,
+    from_longer,
+    name_of,
+    order_of,
+)
+from tautline.study.trials.trial import Setting, Subject
+
+COARSEST = 1.0
+"""Steps in an interval of the frames that the first run takes at least."""
+STEPS_PER_PERIOD = 5.0
+"""Steps that it takes at least in a period of the fastest function of time of the scene."""
+FEWEST_STEPS = 20.0
+"""Steps that it takes at least in all."""
+LOWEST, LOWEST_WITH_FRICTION = 1.0, 0.5
+"""Lowest orders that count."""
+AIM = 0.8
+"""Share of the error asked for that the next run aims at."""
+LEAST, MOST = 2.0, 4.0
+"""How many times as many steps the next run takes at least, and at most."""
+ORDER, ORDER_WITH_FRICTION, FORCE_ORDER = 2.0, 1.5, 1.0
+"""Highest orders that count: of the implicit methods, where friction may act, and of the amplitude of a force, whose
+errors change sign and then seem to fall too fast."""
+ASKED_AFTER = 2
+"""Runs after which the critical step of the explicit method is looked for."""
+EXPLICIT_GAIN = 4.0
+"""Steps of the implicit method, over those that the explicit one is stable with, from which the latter is tried."""
+EXPLICIT_SHARE, EXPLICIT_RATIO = 0.8, 1.5
+"""Share of the critical step that the first explicit run takes, and steps of the second over those of the first."""
+CLEAR = 0.1
+"""Share of the error asked for below which an estimate from two runs is enough."""
+FAILURES, RUNS = 5, 14
+"""Runs that may stop early, and runs in all."""
+STALLED = 0.7
+"""Share of the estimated error of the run before the last above which it does not fall any more."""
+PATIENCE = 2
+"""Runs in which it may do so."""
+SECONDS, STEPS = 3600.0, 1.0e8
+"""Processor time, s, that all runs may take, and steps of one."""
+TWIST = 0.05
+"""Twist of a string, rad, from which it is looked at."""
+KINDS = ("position", "force", "twist")
+
+
+class Seen(NamedTuple):
+    """What of a run is compared: the path of the point with the force, and the same frames with a string's twist, rad,
+    in place of the force; None where nothing turns."""
+
+    history: History
+    turned: History | None
+
+
+class Made(NamedTuple):
+    """A run: its method, steps in an interval of the frames, step s, number of steps, and processor time s.
+
+    ``seen`` is None and ``why`` says why where it stopped early.
+    """
+
+    method: str
+    divisor: float
+    step: float
+    steps: int
+    cpu: float
+    seen: Seen | None
+    why: str = ""
+
+
+@dataclass
+class Choice:
+    """What is known while method and step are chosen.
+
+    Attributes
+    ----------
+    asked : float
+        The relative error asked for.
+    interval, end : float
+        Of the frames and of the run, s.
+    friction : bool
+        Whether dry friction may act.
+    explicit : float
+        Steps in an interval with which the explicit method is stable; infinite where it is not tried.
+    made : list of Made
+        The runs, and ``estimates`` the largest estimated error of each, infinite where there is none.
+    watched : Watched or None
+        What is looked at, known from the first run on.
+    why : str
+        Why no more accurate run is made, where that is not because the accuracy is reached.
+    """
+
+    asked: float
+    interval: float
+    end: float
+    friction: bool
+    explicit: float = math.inf
+    made: list[Made] = field(default_factory=list)
+    estimates: list[float] = field(default_factory=list)
+    watched: Watched | None = None
+    why: str = ""
+
+    def needed(self, method: str) -> int:
+        """Runs of a method that make its error known: three that show the order, or two where it is stable at all."""
+        return 2 if method_of(method).explicit else 3
+
+    def rehearsed(self, method: str, divisor: float) -> bool:
+        """Whether a run with these steps only serves to find the next: it need not be stored."""
+        still = self.watched is not None and not self.watched.moves
+        return divisor < 1.0 or (not still and len(self._like(method)) < self.needed(method) - 1)
+
+    def take(self, method: str, divisor: float, result: Result) -> None:
+        """Take note of a run that came to its end."""
+        seen = None
+        try:
+            self.watched = self.watched or watch(result)
+            seen = look_at(result, self.watched)
+        except ResultError as error:
+            self.why = error.cause
+        step = self.interval / divisor
+        cpu = float(result.attributes.get("cpu_time", 0.0))
+        self.made.append(Made(method, divisor, step, round(self.end / step), cpu, seen))
+        self.estimates.append(max(self.errors().values(), default=math.inf))
+
+    def fail(self, method: str, divisor: float, why: str) -> tuple[str, float] | None:
+        """Take note of a run that stopped early; returns what `following` does, None where too many have."""
+        if self.made and self.made[-1].divisor == divisor and self.made[-1].method == method:
+            self.forget()  # It came to its end, and its energy does not balance.
+        self.made.append(Made(method, divisor, self.interval / divisor, 0, 0.0, None, why))
+        self.estimates.append(math.inf)
+        if sum(run.seen is None for run in self.made) >= FAILURES:
+            return None
+        return method, finer(MOST * divisor)
+
+    def forget(self) -> None:
+        """Let go of the last run, which is made again."""
+        self.made.pop()
+        self.estimates.pop()
+        self.why = ""
+
+    def errors(self) -> dict[str, float]:
+        """Estimated errors of the last run by kind, relative; empty where there is none to compare it with."""
+        found = {}
+        for kind in KINDS:
+            pairs = self._pairs(kind)
+            changes = [self._differences(coarse, fine).get(kind) for coarse, fine in pairs]
+            known = [change for change in changes if change is not None]
+            if known and len(known) == len(changes):
+                found[kind] = self._error(known, [fine.divisor / coarse.divisor for coarse, fine in pairs], kind)
+        return found
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the last run is known to be as accurate as was asked; None where there is nothing to judge."""
+        if self.watched is None or not self.watched.moves:
+            return None
+        last = self.made[-1]
+        runs = len(self._like(last.method))
+        if last.seen is None or runs < 2:
+            return False
+        if runs < self.needed(last.method):
+            return not self.friction and self.estimates[-1] <= CLEAR * self.asked
+        # Which contact slips first may be missed by some steps alike: two estimates have to agree then.
+        return all(estimate <= self.asked for estimate in self.estimates[-2 if self.friction else -1 :])
+
+    def following(self) -> tuple[str, float] | None:
+        """Method, and steps in an interval, of the next run; None where the last one is to stand."""
+        last = self.made[-1]
+        if self.met is not False or self.why:
+            return None
+        if len(self._like(last.method)) > 1 and not math.isfinite(self.estimates[-1]) and last.seen is not None:
+            self.why = "the runs with other steps have no frames at the same times"
+            return None
+        method, divisor = last.method, self._next_divisor()
+        if not method_of(method).explicit and divisor > EXPLICIT_GAIN * self.explicit:
+            method, divisor = explicit_like(method), math.ceil(self.explicit)
+        self.why = self._reason_to_end(divisor)
+        return None if self.why else (method, divisor)
+
+    def record(self) -> dict[str, Any]:
+        """What is stored with the result and printed by ``--json``."""
+        last, errors = self.made[-1], self.errors()
+        spent = sum(run.cpu for run in self.made)
+        return {
+            "asked": self.asked,
+            "met": self.met,
+            "reached": max(errors.values()) if errors else None,
+            **{kind: errors.get(kind) for kind in KINDS},
+            "method": last.method,
+            "step": last.step,
+            "why": self.why,
+            "cost": spent / last.cpu if last.cpu > 0.0 else None,
+            "runs": [
+                {
+                    "method": run.method, "step": run.step, "steps": run.steps, "cpu_time": run.cpu,
+                    "estimate": estimate if math.isfinite(estimate) else None, "stopped": run.why or None,
+                }
+                for run, estimate in zip(self.made, self.estimates, strict=True)
+            ],
+        }  # fmt: skip
+
+    @property
+    def warning(self) -> str | None:
+        """What a reader should know where the accuracy is not reached."""
+        if self.met:
+            return None
+        asked = f"{100.0 * self.asked:.3g} %"
+        if self.met is None:
+            why = self.why or "nothing moves"
+            return f"an accuracy of {asked} was asked for, and there is nothing to judge it by: {why}"
+        errors = self.errors()
+        known = f"the estimate is {100.0 * max(errors.values()):.2g} %" if errors else "nothing is known of the error"
+        return (
+            f"an accuracy of {asked} was asked for and is not reached: {known} with {self.made[-1].method} and steps "
+            f"of {self.made[-1].step:.3g} s. {self.why[:1].upper()}{self.why[1:]}"
+        )
+
+    def _like(self, method: str) -> list[Made]:
+        return [run for run in self.made if run.method == method and run.seen is not None]
+
+    def _pairs(self, kind: str) -> list[tuple[Made, Made]]:
+        """The last run of those that came to their end with the one before, and that with the one before it.
+
+        A run with steps longer than the interval of the frames has not all of them. It shows no extremes.
+        """
+        if not self.made or self.made[-1].seen is None:
+            return []
+        runs = self._like(self.made[-1].method)[-3:]
+        pairs = list(itertools.pairwise(runs))[::-1]
+        return [pair for pair in pairs if kind == "position" or pair[0].divisor >= 1.0]
+
+    def _differences(self, coarse: Made, fine: Made) -> dict[str, float]:
+        assert coarse.seen is not None and fine.seen is not None and self.watched is not None
+        return differences(coarse.seen, fine.seen, self.watched.extent)
+
+    def _error(self, changes: list[float], ratios: list[float], kind: str) -> float:
+        if len(changes) == 1:
+            # Two runs show no order.
+            return SAFETY * changes[0] / (ratios[0] ** self._order_of_two(kind) - 1.0)
+        return from_longer(changes, ratios, self._highest(kind), self._lowest(kind))
+
+    def _order_of_two(self, kind: str) -> float:
+        return 1.0 if self.friction or kind == "force" else ORDER
+
+    def _lowest(self, kind: str) -> float:
+        return LOWEST_WITH_FRICTION if self.friction and kind != "force" else LOWEST
+
+    def _highest(self, kind: str) -> float:
+        if kind == "force":
+            return FORCE_ORDER
+        return ORDER_WITH_FRICTION if self.friction else ORDER
+
+    def _next_divisor(self) -> float:
+        last = self.made[-1]
+        if method_of(last.method).explicit:
+            return math.ceil(EXPLICIT_RATIO * last.divisor)
+        if not math.isfinite(self.estimates[-1]):
+            return finer(2.0 * last.divisor)
+        wanted = (self.estimates[-1] / (AIM * self.asked)) ** (1.0 / self._expected_order())
+        return finer(last.divisor * min(max(wanted, LEAST), MOST))
+
+    def _expected_order(self) -> float:
+        """The order by which the largest error should fall."""
+        errors = self.errors()
+        kind = max(errors, key=lambda each: errors[each])
+        pairs = self._pairs(kind)
+        if len(pairs) < 2:
+            return self._order_of_two(kind)
+        changes = [self._differences(coarse, fine)[kind] for coarse, fine in pairs]
+        ratios = [fine.divisor / coarse.divisor for coarse, fine in pairs]
+        return max(1.0, order_of(changes, ratios, self._highest(kind), self._lowest(kind)))
+
+    def _reason_to_end(self, divisor: float) -> str:
+        """Why no run with so many steps in an interval is made; empty where one is."""
+        last = self.made[-1]
+        falling = [b <= STALLED * a for a, b in itertools.pairwise(self.estimates[-PATIENCE - 1 :])]
+        if len(self.made) > PATIENCE + 2 and last.seen is not None and len(falling) == PATIENCE and not any(falling):
+            return (
+                "shorter steps lessen it no more: the motion is chaotic, or friction decides which contact slips "
+                "first. Look at many runs, and not at one"
+            )
+        if sum(run.cpu for run in self.made) + last.cpu * divisor / last.divisor > SECONDS:
+            return f"a run with more steps would take all runs beyond {SECONDS:g} s of processor time"
+        if self.end / self.interval * divisor > STEPS:
+            return f"a more accurate run takes more than {STEPS:.0e} steps"
+        return f"it is not reached in {RUNS} runs" if len(self.made) >= RUNS else ""
+
+
+def finer(number: float) -> float:
+    """The next of 1/2, 1, 2, 3, 4, 6, 8, 12, ... that is no less."""
+    power = max(COARSEST, 2.0 ** math.ceil(math.log2(number) - 1e-9))
+    return 0.75 * power if power >= 4.0 and 0.75 * power >= number * (1.0 - 1e-9) else power
+
+
+def differences(coarse: Seen, fine: Seen, extent: float) -> dict[str, float]:
+    """How far two runs are apart at the times that both have, relative, by kind; empty where there are no such times.
+
+    Parameters
+    ----------
+    extent : float
+        Size of the scene, m, against which a point that rests is judged.
+    """
+    both = at_common_times(coarse.history, fine.history)
+    if both is None:
+        return {}
+    _, position, force = apart(*both, extent)
+    found = {"position": position} | ({"force": force} if force is not None else {})
+    turned = at_common_times(coarse.turned, fine.turned) if coarse.turned and fine.turned else None
+    if turned is not None and float(np.ptp(turned[1].force)) > TWIST:
+        found["twist"] = float(np.abs(turned[0].force - turned[1].force).max() / np.ptp(turned[1].force))
+    return found
+
+
+def look_at(result: Result, watched: Watched) -> Seen:
+    """What of a run is compared."""
+    history = watched.of(result)
+    if "torque" not in result or "rotation" not in result or result["rotation"].ndim != 2:
+        return Seen(history, None)
+    rotation = np.asarray(result["rotation"], float)
+    return Seen(history, history._replace(force=rotation[:, -1] - rotation[:, 0]))
+
+
+def run_to_accuracy(
+    application: Any,
+    scene: Any,
+    asked: float,
+    path: str | Path | None = None,
+    progress: Callable[[float, float], None] | None = None,
+    announce: Callable[[int], None] | None = None,
+    begin: Callable[[str, float, float], None] | None = None,
+) -> Result:
+    """Run a scene with the method and the step that reach an accuracy, and state what was reached.
+
+    Parameters
+    ----------
+    application : Application
+    scene : scene
+        As it was read.
+    asked : float
+        The largest relative error of position, force and twist that is due to the steps.
+    path, progress, announce
+        As `tautline.simulation.simulate` takes them. Under ``path`` stand the runs that may be the last.
+    begin : callable or None
+        Called before each run with its method, step s, and end s.
+
+    Returns
+    -------
+    Result
+        With the attributes ``accuracy`` (`Choice.record`) and ``step_error``; a warning says so where the accuracy is
+        not reached.
+
+    Raises
+    ------
+    SceneError, StoppedEarly, Interrupted
+        As `tautline.simulation.simulate` does; StoppedEarly where runs with ever shorter steps stop early too.
+    """
+    model = application.build(scene)
+    if model.keep is not None:
+        cure = "leave it out, or run a shorter stretch of the scene with output.keep: frames"
+        raise option_error("accuracy", f"{asked:g}", "needs every frame, and the scene keeps statistics", cure)
+    choice = Choice(asked, float(model.solver.interval), float(model.solver.end), bool(model.system.has_friction))
+    following: tuple[str, float] | None = implicit_like(model.solver.method), _coarsest(scene, choice)
+    to_store = False
+    while following is not None:
+        method, divisor = following
+        step, rehearsed = choice.interval / divisor, choice.rehearsed(method, divisor) and not to_store
+        arranged = application.with_overrides(
+            scene, method=method, step=step, control="fixed", interval=max(step, choice.interval)
+        )
+        if begin is not None:
+            begin(method, step, choice.end)
+
+        def judged(result: Result, method: str = method, divisor: float = divisor) -> tuple[dict[str, Any], list[str]]:
+            nonlocal following
+            choice.take(method, divisor, result)
+            if len(choice.made) == ASKED_AFTER and not choice.friction:
+                choice.explicit = _stable(application, scene, choice.interval)
+            following = choice.following()
+            return _told(choice, result)
+
+        try:
+            made = application.build(without_limits(arranged) if rehearsed else arranged)
+            result = simulate(made, None if rehearsed else path, progress, announce=announce, afterwards=judged)
+        except StoppedEarly as stop:
+            if stop.status == Status.IMBALANCE and following is None:
+                raise
+            following = choice.fail(method, divisor, stop.sentence)
+            if following is None:
+                raise
+            continue
+        if following is None and rehearsed and not to_store:
+            # It is not made more accurate, but has not been stored.
+            following, to_store = (method, max(1.0, divisor)), True
+            choice.forget()
+    return result
+
+
+def _coarsest(scene: Any, choice: Choice) -> float:
+    """Steps in an interval of the first run: enough to see what is prescribed."""
+    fastest = max((frequency for _, frequency in frequencies(scene, choice.end)), default=0.0)
+    step = min(choice.end / FEWEST_STEPS, 1.0 / (STEPS_PER_PERIOD * fastest) if fastest > 0.0 else math.inf)
+    return finer(max(COARSEST, choice.interval / step))
+
+
+def _stable(application: Any, scene: Any, interval: float) -> float:
+    """Steps in an interval with which the explicit method is stable, infinite where nothing is known of it."""
+    critical = critical_at_start(Subject(application, scene), Setting(explicit_like(scene.solver.method)))
+    return math.inf if critical is None else max(1.0, interval / (EXPLICIT_SHARE * critical))
+
+
+def _told(choice: Choice, result: Result) -> tuple[dict[str, Any], list[str]]:
+    """Attributes and warnings of a run."""
+    attributes: dict[str, Any] = {"accuracy": choice.record()}
+    errors, watched = choice.errors(), choice.watched
+    if errors and watched is not None:
+        size = motion(choice.made[-1].seen.history, watched.extent)  # type: ignore[union-attr]
+        others = tuple(run.step for run in choice.made[-2::-1] if run.seen is not None)
+        attributes["step_error"] = StepError(
+            min(others), name_of(result, watched.point), errors["position"] * size, errors["position"],
+            name_of(result, watched.force), errors.get("force"), others,
+        )._asdict()  # fmt: skip
+    return attributes, [choice.warning] if choice.warning else []

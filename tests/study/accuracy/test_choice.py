@@ -1,0 +1,176 @@
+"""Method and step that are chosen for an accuracy: of an oscillator with a closed form, of what cannot be reached."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from cli.in_process import commands_of, files, only_object
+from study.oscillators import OMEGA, START, oscillator
+
+from tautline.cable.application import Cable
+from tautline.cable.input.scene import parse
+from tautline.integrators.status import Status, StoppedEarly
+from tautline.results.result import Result
+from tautline.study.accuracy import choice as module
+from tautline.study.accuracy.choice import Choice, Made, Seen, differences, finer, run_to_accuracy
+from tautline.study.trials.history import History
+
+TIMES = np.linspace(0.0, 1.0, 21)
+
+
+def seen(offset, force=1.0, every=1):
+    """A run whose point is off by so much of its motion, and the amplitude of its force by another."""
+    path = np.outer(np.sin(3.0 * TIMES) + offset * TIMES, (1.0, 0.0, 0.0))
+    history = History(TIMES, path, force * np.cos(7.0 * TIMES))
+    return Seen(History(*(one[::every] for one in history)), None)
+
+
+def choice_of(offsets, divisors=(1, 2, 4, 8, 16, 32, 64), asked=0.01, friction=False):
+    """What is known after runs that are off by so much."""
+    made = Choice(asked, 0.05, 1.0, friction)
+    made.watched = SimpleNamespace(moves=True, extent=1.0)
+    for offset, divisor in zip(offsets, divisors, strict=False):
+        made.made.append(Made("generalized-alpha", divisor, 0.05 / divisor, 20 * divisor, 1e-3 * divisor, seen(offset)))
+        made.estimates.append(max(made.errors().values(), default=math.inf))
+        made.following()
+    return made
+
+
+# what is chosen
+@pytest.mark.parametrize(
+    "number, expected", [(0.1, 1), (1, 1), (1.1, 2), (2.5, 3), (3.1, 4), (5, 6), (7, 8), (97, 128)]
+)
+def test_steps_in_an_interval_are_the_next_power_of_two_or_three_quarters_of_one(number, expected):
+    assert finer(number) == expected
+
+
+def test_of_a_second_order_method_the_error_is_stated_from_three_runs_and_is_no_less_than_it_is():
+    made = choice_of([0.16, 0.04, 0.01])
+    size = np.abs(seen(0.01).history.position[:, 0]).max()
+    assert 0.01 / size <= made.errors()["position"] < 1.5 * 0.01 / size
+    assert made.met is False and made.following() is not None
+
+
+def test_two_runs_that_agree_do_not_yet_reach_an_accuracy_where_friction_acts():
+    """Both may have missed the same slip: two estimates have to agree."""
+    assert choice_of([0.0, 1e-5]).met is True
+    assert choice_of([0.0, 1e-5], friction=True).met is False
+    assert choice_of([0.2, 1e-5, 0.0], friction=True).met is False
+    assert choice_of([0.2, 1e-5, 0.0, 0.0], friction=True).met is False
+    assert choice_of([0.2, 1e-5, 0.0, 0.0, 0.0], friction=True).met is True
+
+
+def test_what_does_not_converge_is_given_up_and_says_why():
+    made = choice_of([0.1, -0.1, 0.1, -0.1, 0.1, -0.1])
+    assert made.met is False and made.following() is None
+    assert "chaotic" in made.warning and "1 % was asked for and is not reached" in made.warning
+    assert made.record()["met"] is False and made.record()["reached"] > 0.1
+
+
+def test_a_run_without_all_frames_tells_nothing_of_the_force():
+    made = Choice(0.01, 0.05, 1.0, False)
+    made.watched = SimpleNamespace(moves=True, extent=1.0)
+    for divisor, force in ((0.5, 3.0), (1.0, 1.0)):
+        made.made.append(Made("generalized-alpha", divisor, 0.1, 1, 1e-3, seen(0.0, force, 2 if divisor < 1 else 1)))
+    assert set(made.errors()) == {"position"}
+
+
+def test_forces_are_compared_by_their_amplitude():
+    assert differences(seen(0.0, 1.1), seen(0.0, 1.0), 1.0)["force"] == pytest.approx(0.1)
+
+
+# runs
+@pytest.mark.parametrize("asked", [0.05, 0.01, 1e-3])
+def test_an_oscillator_is_as_accurate_as_was_asked(asked):
+    result = run_to_accuracy(Cable(), parse(oscillator()), asked)
+    exact = 1.0 + START * np.cos(OMEGA * result.time)
+    error = np.abs(result["position"][:, 1, 0] - exact).max() / (2.0 * START)
+    told = result.accuracy
+    assert told["met"] is True and told["reached"] <= asked
+    assert error <= told["position"]
+    assert result.step_error["position"] == told["position"]
+    assert told["runs"][-1]["step"] == result.attributes["step"] == told["step"]
+
+
+def test_a_scene_that_is_asked_for_an_accuracy_needs_no_step():
+    scene = parse(oscillator(time_step=None, accuracy="1 %"))
+    assert (scene.solver.accuracy, scene.solver.step) == (0.01, "auto")
+
+
+def test_where_nothing_moves_nothing_is_judged_and_the_run_is_kept():
+    result = run_to_accuracy(Cable(), parse(oscillator(start=0.0)), 0.01)
+    assert result.accuracy["met"] is None and "nothing moves" in result.warnings[-1]
+    assert result.time[-1] == pytest.approx(5.0)
+
+
+def test_steps_that_stop_early_are_made_shorter_and_too_many_of_them_are_told(monkeypatch):
+    usual, tried = module.simulate, []
+
+    def stopping(model, *given, **further):
+        tried.append(model.solver.step)
+        if model.solver.step > longest:
+            raise StoppedEarly(Status.NOT_CONVERGED, 0.1, "somewhere")
+        return usual(model, *given, **further)
+
+    monkeypatch.setattr(module, "simulate", stopping)
+    longest = 0.006
+    told = run_to_accuracy(Cable(), parse(oscillator()), 0.01).accuracy
+    assert told["met"] is True and told["runs"][0]["stopped"] and told["runs"][0]["estimate"] is None
+    longest = 0.0
+    with pytest.raises(StoppedEarly):
+        run_to_accuracy(Cable(), parse(oscillator()), 0.01)
+    assert tried[-5:] == pytest.approx([0.02 / 4**k for k in range(5)])
+
+
+# the command
+@pytest.fixture
+def command(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mass.yaml").write_text(oscillator())
+    return commands_of(Cable(), capsys)
+
+
+def test_simulate_says_what_was_reached_in_its_json_its_summary_and_the_result(command):
+    code, out, err = command("simulate", "mass.yaml", "--accuracy", "1 %", "--json")
+    told = only_object(out)["accuracy"]
+    assert code == 0 and told["met"] is True and told["reached"] <= 0.01
+    assert "accuracy of 1 % asked for" in err and "reached" in err
+    assert Result.read("mass.nc").accuracy == told
+
+
+@pytest.mark.parametrize(
+    "given, cause",
+    [
+        (["0"], "must be greater than zero"), (["-1"], "must be greater than zero"), (["200 %"], "must be less than 1"),
+        (["good"], "is not a number"), (["1 %", "--step", "1 ms"], "beside --step"),
+        (["1 %", "--method", "rk4"], "beside --method"), (["1 %", "--verify"], "beside --verify"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_asked_for_ends_with_code_2_and_writes_nothing(command, tmp_path, given, cause):
+    before = files(tmp_path)
+    code, _, err = command("simulate", "mass.yaml", f"--accuracy={given[0]}", *given[1:])
+    assert code == 2 and "--accuracy" in err and cause in err
+    assert files(tmp_path) == before
+
+
+def test_an_accuracy_that_is_not_reached_ends_with_code_3_and_keeps_the_result(command, monkeypatch):
+    monkeypatch.setattr(module, "RUNS", 3)
+    code, out, err = command("simulate", "mass.yaml", "--accuracy", "1e-7", "--json")
+    told = only_object(out)["accuracy"]
+    assert code == 3 and told["met"] is False and told["why"] and "is not reached" in " ".join(err.split())
+    assert Result.read("mass.nc").time[-1] == pytest.approx(5.0)
+
+
+def test_a_step_that_is_given_leaves_the_accuracy_of_a_scene_aside_and_says_so(command, tmp_path):
+    (tmp_path / "mass.yaml").write_text(oscillator(accuracy="1 %"))
+    code, out, err = command("simulate", "mass.yaml", "--step", "10 ms", "--json")
+    assert code == 0 and only_object(out)["accuracy"] is None and "--step is given" in err
+
+
+def test_a_run_whose_step_was_chosen_is_gone_on_with_at_that_step(command, tmp_path):
+    (tmp_path / "mass.yaml").write_text(oscillator(accuracy="1 %"))
+    assert command("simulate", "mass.yaml", "-o", "first.nc")[0] == 0
+    code, out, _ = command("simulate", "mass.yaml", "--end", "6", "--resume", "first.nc", "-o", "on.nc", "--json")
+    assert code == 0
+    assert only_object(out)["step"] == Result.read("first.nc").attributes["step"]
