@@ -50,7 +50,7 @@ def test_the_rows_that_are_solved_for_again_are_those_around_what_has_changed():
     assert whole.attributes["equations_solved"] == every
     # an iteration over all rows in each step; what comes after it is in each about a sixth of them
     again = part.attributes["newton_iterations"] - part.attributes["steps"]
-    assert again > 0.2 * part.attributes["steps"]
+    assert again > 0.15 * part.attributes["steps"]
     assert part.attributes["equations_solved"] - size * part.attributes["steps"] < 0.5 * size * again
 
 

@@ -1,8 +1,8 @@
 """Shipped drill strings end where they did when each lump was computed by itself: lanes change rounding alone.
 
-``tests/references/strings_one_by_one.json`` holds the last frames of the code before lanes (commit 80847d9). It went
-from lump to lump with libm's sine and cosine and solved row by row. Position m, velocity m/s, tension and contact
-force N.
+``tests/references/strings_one_by_one.json`` holds the last frames of the code before lanes (commit 80847d9), with
+the law of friction of today. It went from lump to lump with libm's sine and cosine and solved row by row. Position m,
+velocity m/s, tension and contact force N.
 """
 
 import json

@@ -125,15 +125,18 @@ def _prepare_projection(law, i, h, beta, gamma, touch, along_rate, around_rate):
 
 @kernel
 def _force_at_rest(f, touch):
-    """Less the force that would hold the lump without any acceleration, N (2,).
+    """Less the force that holds the lump, or would hold it without any acceleration: the lesser of both, N (2,).
 
     The force that brings it to rest within a step holds a multiple of what is needed, and a method with numerical
-    dissipation goes on to swing about that, from step to step, whatever their length.
+    dissipation goes on to swing about that, from step to step, whatever their length. Where the force of the step is
+    the lesser it counts: a contact that can stick in this step, and were let go, might find no state at all.
     """
-    x = f.c * touch.along - f.force_a
-    y = f.c * touch.around - f.force_c
-    x += f.mass * (f.rate_a + f.ratio * (touch.along - f.seen_a))
-    y += f.mass_c * (f.rate_c + f.ratio * (touch.around - f.seen_c))
+    held_x = f.c * touch.along - f.force_a
+    held_y = f.c * touch.around - f.force_c
+    x = held_x + f.mass * (f.rate_a + f.ratio * (touch.along - f.seen_a))
+    y = held_y + f.mass_c * (f.rate_c + f.ratio * (touch.around - f.seen_c))
+    if held_x * held_x + held_y * held_y < x * x + y * y:
+        return held_x, held_y
     return x, y
 
 
@@ -188,10 +191,7 @@ def _settle_events(law, i, touch):
         size = sqrt(x * x + y * y)
         limit = f.factor * touch.normal
         if f.settled == SLIP:
-            # It has come to rest within the step, and static friction may hold it. The force over the step counts where
-            # it is the lesser: what stops at its end was slipping until then. A second refusal would turn in circles.
-            raw_x, raw_y = f.c * touch.along - f.force_a, f.c * touch.around - f.force_c
-            size = min(size, sqrt(raw_x * raw_x + raw_y * raw_y))
+            # It has come to rest within the step, and static friction may hold it. Refused twice it would circle.
             limit = f.static * touch.normal
         if size <= limit or (f.settled == SLIP and f.dropped > 0):
             f.status = STICK

@@ -104,12 +104,14 @@ def _trial(law, i, last, touch):
 
 @kernel(forceinline=True)
 def _at_rest(law, i, last, touch, x, y):
-    """Size squared, of the force (x, y) of :func:`_trial` without the lumps' own inertia."""
+    """Size squared, of the force (x, y) of :func:`_trial` or of that without the lumps' own inertia, the lesser."""
+    whole = x * x + y * y
     rate_a, rate_c, seen_a, seen_c = load_fields(law.rows.rate_a, i, last)
     ratio = gather(law.rows.ratio, i, last)
     x = x + gather(law.rows.mass, i, last) * (rate_a + ratio * (touch.along - seen_a))
     y = y + gather(law.rows.mass_c, i, last) * (rate_c + ratio * (touch.around - seen_c))
-    return x * x + y * y
+    without = x * x + y * y
+    return where(whole < without, whole, without)
 
 
 @kernel(forceinline=True)

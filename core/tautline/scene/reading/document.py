@@ -443,6 +443,8 @@ class _Composer:
         lines = self.text.splitlines()
         around = lines[line - 1] if line and line <= len(lines) else ""
         what = str(error.problem or error.context or "cannot be read")
+        if "nesting depth" in what:  # PyYAML's own limit, from 6.0.4 on
+            return self.refuse(line, f"is nested more than {DEEPEST} deep", "check the brackets and aliases")
         if "\t" in around[: (mark.column if mark else 0) + 1] or re.match(r" *\t", around):
             return self.refuse(line, "a tab stands where YAML wants spaces", "indent with spaces")
         began = error.context_mark
