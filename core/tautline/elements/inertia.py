@@ -6,7 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.elements.cubic import AXES, MATERIAL, VECTORS, add_scalars, lengths_of, members, nodes_of, vectors
+from tautline.elements.cubic import (
+    AXES,
+    MATERIAL,
+    VECTORS,
+    add_scalars,
+    add_scalars_to_band,
+    lengths_of,
+    members,
+    nodes_of,
+    vectors,
+)
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, add_to, collect, pack, spread
@@ -109,7 +119,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
         e = g.rows[n]
         _write_block(e.mass, _length(q, e.a, e.b), g.block)
-        add_scalars(matrix, dofs, e.a, e.b, cm + cc * e.damping, g.block)
+        add_scalars_to_band(matrix, dofs, e.a, e.b, cm + cc * e.damping, g.block)
 
 
 @kernel
