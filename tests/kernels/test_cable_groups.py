@@ -16,6 +16,8 @@ from tautline.constraints.multiplier import Multipliers
 from tautline.constraints.penalty import Penalties
 from tautline.elements.nodal.load import Loads
 from tautline.elements.nodal.node import SPRING, Anchors, PointMasses, Springs, TimedForces
+from tautline.kernels import groups as over
+from tautline.kernels.jit import entry
 
 RESIDUAL, TANGENT, DIFFERENCE = 1e-10, 1e-9, 1e-7
 STRESSED = [name for name in KINDS if "tension" in name or "bending" in name]
@@ -87,6 +89,21 @@ def test_the_tangent_is_also_the_difference_of_the_residual(name):
     for part, field in zip(parts(group, state), ("a", "v", "q"), strict=True):
         slope = derivative(lambda x, f=field: rope.residual(group, state._replace(**{f: x})), getattr(state, field))
         assert close(part, slope, DIFFERENCE), field
+
+
+@entry
+def _add_diagonal(groups, q, diagonal, dofs):
+    over.diagonal_mass(groups, q, diagonal, dofs)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_the_mass_hook_adds_to_a_diagonal_what_stands_on_that_of_the_matrix(name):
+    """An explicit method whose mass matrix is diagonal holds no more than that."""
+    kind = KINDS[name]
+    state, group = new_state(kind.node, still=kind.still), kind.make()
+    diagonal = np.zeros(state.q.size)
+    _add_diagonal(over.link((group,), "diagonal_mass"), state.q, diagonal, rope.all_free(state.q.size))
+    assert np.array_equal(diagonal, np.diagonal(ask(group, state).mass))
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -67,7 +67,7 @@ def test_a_run_leaves_nothing_of_scipy_loaded_that_it_does_not_need(simulated):
 
 def test_lapack_that_was_loaded_alone_leaves_scipy_as_it_is():
     ask = (
-        "import sys, tautline.kernels.lapack, scipy.linalg\n"
+        "import sys, tautline.kernels.factors.lapack, scipy.linalg\n"
         "from scipy.linalg import cython_lapack, solve\n"
         "same = cython_lapack is scipy.linalg.cython_lapack\n"
         "print(same, solve([[2.0]], [3.0])[0], cython_lapack.__pyx_capi__['dgetrf'])"

@@ -36,6 +36,7 @@ from tautline.elements.cubic import (
 from tautline.elements.curvature import (
     derivatives_of,
     gradient_of,
+    products_of,
     square_of,
     store_hessian,
     write_gradient,
@@ -168,7 +169,7 @@ def _residual(g, t, q, v, a, r):
             n1, n2, n3 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
             m1, m2, m3 = p[SECOND + 2] * h * h, p[SECOND + 1] * h, p[SECOND + 3] * h
             slope, turn = combined((n1, n2, n3), shape), combined((m1, m2, m3), shape)
-            square, by_a, by_b, by_c = derivatives_of(slope, turn)
+            square, by_a, by_b, by_c = derivatives_of(*products_of(slope, turn))
             by_slope, by_turn = gradient_of(slope, turn, by_a, by_b, by_c)
             force = p[WEIGHT] * length * half
             if damped:
@@ -220,7 +221,7 @@ def _stress_of_four(four, slope, turn, rates, viscosity, fading, cc, ck):
 
     ``rates`` are those of slope and turn, ``fading`` is the logarithmic derivative of the viscosity by kappa^2.
     """
-    _, by_a, by_b, by_c = derivatives_of(slope, turn)
+    _, by_a, by_b, by_c = derivatives_of(*products_of(slope, turn))
     by_slope, by_turn = gradient_of(slope, turn, by_a, by_b, by_c)
     gradient = (*by_slope, *by_turn)
     z_d = (*rates[0], *rates[1])

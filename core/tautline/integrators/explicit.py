@@ -17,8 +17,8 @@ from tautline.integrators.state import WORST, book_losses, book_work, restore, w
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add, turned_by
 from tautline.kernels import groups as over
-from tautline.kernels.band import NARROW
 from tautline.kernels.dofs import Dofs, expand, prescribe, reduce
+from tautline.kernels.factors.band import NARROW
 from tautline.kernels.groups import has_constant_mass
 from tautline.kernels.jit import entry, kernel, stands_for
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix

@@ -29,8 +29,8 @@ from tautline.integrators.rows import (
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, ROWS, WORST
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over
-from tautline.kernels.band import BOLD, CAREFUL
 from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed
+from tautline.kernels.factors.band import BOLD, CAREFUL
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.kernels.matrix import (

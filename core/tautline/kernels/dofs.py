@@ -176,9 +176,37 @@ def _add_entry(matrix, dofs, i, j, x):
     return bordered
 
 
-@kernel
 def add_block(matrix, dofs, first, stride, width, block):
-    """Add a dense block (k, k): ``width`` degrees of freedom from ``first``, from ``first + stride``, ..."""
+    """Add a dense block (k, k): ``width`` degrees of freedom from ``first``, from ``first + stride``, ...
+
+    To a ``Matrix``, or what stands on its diagonal to a diagonal (n,).
+    """
+    chosen = _add_block_to_diagonal if hasattr(matrix, "ndim") else _add_block_to_band
+    chosen(matrix, dofs, first, stride, width, block)
+
+
+@stands_for(add_block)
+def _add_block(matrix, dofs, first, stride, width, block):
+    if isinstance(matrix, types.Array):
+        return lambda matrix, dofs, first, stride, width, block: _add_block_to_diagonal(
+            matrix, dofs, first, stride, width, block
+        )
+    return lambda matrix, dofs, first, stride, width, block: _add_block_to_band(
+        matrix, dofs, first, stride, width, block
+    )
+
+
+@kernel
+def _add_block_to_diagonal(diagonal, dofs, first, stride, width, block):
+    """Of a matrix that is diagonal no two of these degrees of freedom depend on one unknown."""
+    for i in range(block.shape[0]):
+        place = first + stride * (i // width) + i % width
+        add_entry(diagonal, dofs, place, place, block[i, i])
+
+
+@kernel
+def _add_block_to_band(matrix, dofs, first, stride, width, block):
+    """The same where a matrix has a band; see :func:`add_block`."""
     number = dofs.number
     nodes = block.shape[0] // width
     n = matrix.band.shape[0]

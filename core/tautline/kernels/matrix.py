@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import typeof
 
-from tautline.kernels.band import (
+from tautline.kernels.factors.band import (
     CAREFUL,
     NARROW,
     eliminate,
@@ -21,10 +21,10 @@ from tautline.kernels.band import (
     substitute,
     substitute_between,
 )
-from tautline.kernels.band_blocks import pack, room_for_blocks, solve_by_blocks
+from tautline.kernels.factors.band_blocks import pack, room_for_blocks, solve_by_blocks
+from tautline.kernels.factors.lapack import factorise_dense, solve_dense
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lanes import LANES
-from tautline.kernels.lapack import factorise_dense, solve_dense
 
 EXCHANGED, PACKED, REACH = 7, 8, 9
 """Places among the ``integers`` of factors: how many rows of the band were exchanged; what is known of the blocks

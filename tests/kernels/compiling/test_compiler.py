@@ -103,7 +103,7 @@ def test_a_kernel_of_others_counts_from_the_end_and_one_of_ours_trusts_its_indic
     def read(a, i):
         return a[i]
 
-    read.__module__ = "tautline.kernels.band"
+    read.__module__ = "tautline.kernels.factors.band"
     ours = entry(read)
     assert ours(a, 2) == 4.0
     code = next(iter(ours.inspect_llvm().values()))

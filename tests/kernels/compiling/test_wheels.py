@@ -103,7 +103,7 @@ if installed:
     storage.SHIPPED = Path(installed)
 if level:
     targets.level_of = lambda machine, features: level
-from tautline.kernels.lapack import factorise_dense, solve_dense
+from tautline.kernels.factors.lapack import factorise_dense, solve_dense
 a, x = np.array([[4.0, 1.0], [1.0, 3.0]]), np.array([1.0, 2.0])
 pivots, integers = np.zeros(2, np.int32), np.zeros(9, np.int32)
 factorise_dense(a, pivots, 2, integers)
