@@ -360,7 +360,7 @@ def main() -> None:
         measured = machine(before) + (f"; Exudyn {peer.version()}" if with_peer else "")
         if asked.output is not None:
             asked.output.write_text(as_json(rows, measured), encoding="utf8")
-    print(f"\n{full(rows, _stored())}\n{brief(rows, measured)}")
+    print(f"\n{full(rows, _stored())}\n{brief(rows)}\nMeasured: {measured}.")
     if with_peer and not asked.quick and not asked.scene:
         write(rows, measured)
 

@@ -104,3 +104,12 @@ def test_a_race_replaces_its_part_of_a_page_and_nothing_else(race):
     part = f"{race.BEGIN}\nnew\n{race.END}"
     old = f"above\n{race.BEGIN}\nold\n{race.END}\nbelow\n"
     assert race.between(old, part, race.BEGIN, race.END) == f"above\n{part}\nbelow\n"
+
+
+def test_a_reduced_race_prints_both_tables_and_writes_none(race, rows, monkeypatch, capsys):
+    monkeypatch.setattr(race, "race", lambda case, with_peer: rows if case == rows[0].case else [])
+    monkeypatch.setattr(race, "write", lambda rows, measured: pytest.fail("a reduced race wrote its tables"))
+    monkeypatch.setattr(sys, "argv", ["race.py", "--quick"])
+    race.main()
+    printed = capsys.readouterr().out
+    assert race.brief(rows) in printed and "Measured: " in printed
