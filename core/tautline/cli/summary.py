@@ -102,10 +102,10 @@ def _numbers(report: dict[str, Any], attributes: dict[str, Any], system: str) ->
 
 
 def _reached(chosen: dict[str, Any]) -> str:
-    """What came of an accuracy that was asked for: ``reached: 0.42 %, in 4 runs that took 1.8 times the last``."""
+    """What came of an accuracy that was asked for: ``reached, by estimate 0.42 %, in 4 runs that took ...``."""
     if chosen["met"] is None:
         return "not judged"
-    estimate = "" if chosen["reached"] is None else f": {significant(100.0 * chosen['reached'], 2)} %"
+    estimate = "" if chosen["reached"] is None else f", by estimate {significant(100.0 * chosen['reached'], 2)} %"
     runs = len(chosen["runs"])
     cost = "" if chosen["cost"] is None else f" that took {significant(chosen['cost'], 2)} times the time of the last"
     return f"{'reached' if chosen['met'] else 'NOT reached'}{estimate}, in {runs} runs{cost}"
