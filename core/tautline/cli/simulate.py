@@ -238,9 +238,7 @@ def _to_accuracy(application: Application, scene: Any, asked: float, target: Pat
             say(f"for an accuracy of {100.0 * asked:.3g} %: {method}, steps of {quantity(step, 's')}")
         bar.again(end, "choosing the step")
 
-    return run_to_accuracy(
-        application, scene, asked, target, progress=bar, announce=compiling, begin=begin
-    )
+    return run_to_accuracy(application, scene, asked, target, progress=bar, announce=compiling, begin=begin)
 
 
 def _other_runs(

@@ -66,7 +66,7 @@ def test_a_changed_application_changes_the_key_of_its_own_kernels_alone(copy, tm
 
 def test_a_changed_core_changes_the_folder(copy, tmp_path):
     before = script(NAMES, tmp_path, PYTHONPATH=str(copy))
-    file = copy / "tautline" / "kernels" / "band.py"
+    file = copy / "tautline" / "kernels" / "factors" / "band.py"
     text = file.read_text()
     file.write_text(text + "\nX = 1\n")
     after = script(NAMES, tmp_path, PYTHONPATH=str(copy))
