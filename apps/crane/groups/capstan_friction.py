@@ -5,10 +5,14 @@ grows with u as a stiff spring's does, F = F_n + k (u - u_n), up to a limit F_m,
 plasticity (J. C. Simo and T. J. R. Hughes, Computational Inelasticity, 1998, ch. 1). F_n and u_n are those of the last
 accepted step. A rope that sticks does not creep, and its tangent is that of the spring. The limits:
 
-- ``CAPSTAN``, Euler-Eytelwein: (exp(mu theta) - 1) max(min(T_1, T_2), 0), theta the wrap and T less rhoA u^2;
+- ``CAPSTAN``, Euler-Eytelwein: (exp(mu theta) - 1) max(T, 0), theta the wrap and T the lower tension, less rhoA u^2;
 - ``EFFICIENCY``: the same with 1/eta in place of exp(mu theta);
 - ``BEARING``: mu_b r_b / R |F|, F what rope and rim press on the pin;
 - ``TORQUE``: what a function of time says.
+
+The lower tension is that of the side towards which friction drags the rope, for it lifts the other by F. While an
+iteration has not balanced the two, the lesser of them may be the wrong one: the drag would then grow as the rope
+follows it, by more than the rope's inertia where exp(mu theta) is above two or so, and no iteration comes to an end.
 """
 
 from __future__ import annotations
@@ -84,30 +88,31 @@ def _pin(g, row):
 
 
 @kernel
-def _limit(g, row, t):
-    """F_m, and its derivatives by the tensions before and after."""
+def _limit(g, row, t, force):
+    """F_m for a force of this sign, and its derivatives by the tensions before and after."""
     if row.kind == TORQUE:
         share, _, _ = evaluate(g.functions, row.function, t)
         return row.coefficient * max(0.0, share), 0.0, 0.0
     if row.kind == BEARING:
         size, by_one, by_two = _pin(g, row)
         return row.coefficient * size, row.coefficient * by_one, row.coefficient * by_two
-    one, two = g.found[row.before, LAST], g.found[row.after, FIRST]
     gain = row.coefficient
     if row.kind == CAPSTAN:
         gain = exp(row.coefficient * abs(g.found[row.after, FIRST_PSI] - g.found[row.before, LAST_PSI])) - 1.0
-    lower = min(one, two)
-    if lower <= 0.0:
-        return 0.0, 0.0, 0.0
-    return gain * lower, gain if one <= two else 0.0, 0.0 if one <= two else gain
+    # In balance by_p F = T_1 - T_2, but for the stretch.
+    if row.by_p * force < 0.0:
+        lower = g.found[row.before, LAST]
+        return (gain * lower, gain, 0.0) if lower > 0.0 else (0.0, 0.0, 0.0)
+    lower = g.found[row.after, FIRST]
+    return (gain * lower, 0.0, gain) if lower > 0.0 else (0.0, 0.0, 0.0)
 
 
 @kernel
 def _trial(g, i, t, q):
     """Force, the sign of the slip or 0, and the limit with its derivatives."""
     row = g.rows[i]
-    limit, by_one, by_two = _limit(g, row, t)
     force = g.force[i] + row.stiffness * (_travel(row, q) - g.travel[i])
+    limit, by_one, by_two = _limit(g, row, t, force)
     if abs(force) <= limit:
         return force, 0, by_one, by_two
     return (limit, 1, by_one, by_two) if force > 0.0 else (-limit, -1, by_one, by_two)
