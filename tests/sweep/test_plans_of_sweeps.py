@@ -1,6 +1,10 @@
 """Plans: which values each case has, beside grids made by hand and SciPy itself."""
 
+import json
 import math
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -137,3 +141,36 @@ def test_percentiles_of_a_linear_function_of_a_normal_variable_are_its_quantiles
         cases = cases_of([spread("a", "normal", 5.0, 2.0)], Plan(name, 1024, 1))
         found = of_function(cases, 3.0 * cases.numbers["a"] + 1.0)["y_percentiles"].values
         assert np.allclose(found, 16.0 + 6.0 * np.array([-1.28155, 0.0, 1.28155]), atol=0.05), name
+
+
+def test_the_file_of_a_sweep_is_the_one_that_xarray_writes_of_its_dataset(tmp_path):
+    import xarray
+
+    from tautline.sweeps.table import write_netcdf
+
+    grid = cases_of([listed("a", 1, 2), listed("b", 10, 20, 30)], Plan(GRID))
+    sampled = cases_of([spread("bodies[0].mass", "normal", 5.0, 2.0)], Plan(LATIN, 4, 1))
+    for cases in (grid, sampled):
+        made = of_function(cases, np.where(np.arange(len(cases)) == 1, np.nan, np.arange(len(cases))))
+        made.to_xarray().to_netcdf(tmp_path / "theirs.nc", engine="h5netcdf")
+        files = [tmp_path / "theirs.nc", write_netcdf(made, tmp_path / "ours.nc")]
+        theirs, ours = (xarray.load_dataset(path, engine="h5netcdf") for path in files)
+        xarray.testing.assert_identical(ours, theirs)
+        assert {n: v.dtype for n, v in ours.variables.items()} == {n: v.dtype for n, v in theirs.variables.items()}
+        filled = [{n for n, v in one.variables.items() if "_FillValue" in v.encoding} for one in (ours, theirs)]
+        assert filled[0] == filled[1]
+
+
+def test_a_sweep_that_writes_its_files_loads_neither_xarray_nor_dask(tmp_path):
+    data = Path(__file__).parents[2] / "data"
+    (tmp_path / "s.yaml").write_text(f"scene: {data / 'hoist.yaml'}\nvary:\n  bodies[0].mass: [3 t]\nplan: grid\n")
+    code = (
+        "import sys; sys.argv = ['crane', 'sweep', 's.yaml', '-q', '-j', '1', '--set', 'solver.end=0.2']\n"
+        "from crane.main import main\n"
+        "try:\n    main()\nexcept SystemExit:\n    pass\n"
+        "import json; print(json.dumps(sorted({n.split('.')[0] for n in sys.modules})))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    loaded = set(json.loads(done.stdout.splitlines()[-1]))
+    assert (tmp_path / "s" / "sweep.nc").exists(), done.stderr
+    assert not loaded & {"xarray", "pandas", "dask", "distributed"}

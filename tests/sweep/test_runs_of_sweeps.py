@@ -276,8 +276,9 @@ def test_percentiles_of_a_sweep_with_failed_cases_are_said_to_lack_them(tmp_path
 def test_an_axis_of_a_figure_is_in_the_unit_that_keeps_its_numbers_short_and_breaks_at_dots():
     from tautline.sweeps.figures import NARROW, _places
     from tautline.sweeps.plans import Parameter
+    from tautline.sweeps.table import Variables
 
-    data = xarray.Dataset(attrs={"units": "si"})
+    data = Variables({}, {}, {"units": "si"})
     places, text = _places(Parameter("bit.weight", "N", (4e4, 16e4), (4e4, 16e4)), data)
     assert places.tolist() == pytest.approx([40.0, 160.0]) and text == "bit.weight [kN]"
     text = _places(Parameter(PERIOD, "s", (5.0, 9.0), (5.0, 9.0)), data, NARROW)[1]

@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 STATIONS = 400
 """Points at which the length of a parabola is measured."""
@@ -59,6 +58,8 @@ def sagging(ends: np.ndarray, length: float, count: int, weight: np.ndarray, sti
         """Length of the curve less that of the rope which its tension stretches."""
         way = float(np.linalg.norm(np.diff(curve(sag), axis=0), axis=1).sum())
         return way - length * (1.0 + pull(sag) / stiffness)
+
+    from scipy.optimize import brentq
 
     high = distance + length
     sag = float(brentq(lacking, 1.0e-12 * distance, 4.0 * high, xtol=1.0e-12 * distance))

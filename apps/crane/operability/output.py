@@ -14,7 +14,7 @@ from crane.operability.allowable import FITTED, UNKNOWN, Allowable, Table, gover
 from crane.operability.criteria import Criterion
 from tautline.results.errors import WriteError
 from tautline.results.rows import heads_of, write_rows
-from tautline.sweeps.table import write_netcdf
+from tautline.sweeps.table import Variables, write_netcdf
 from tautline.view.figures.figure import QUIET, axes, colour, save, styled
 
 DATASET, STATES, HEIGHTS = "operability.nc", "operability.csv", "allowable.csv"
@@ -29,10 +29,8 @@ def degrees(heading: float | None) -> str:
     return OWN if heading is None else f"{math.degrees(heading):.6g} deg"
 
 
-def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any]) -> Any:
-    """All that was found as an ``xarray.Dataset``: dimensions limit, heading, peak_period, significant_height, seed."""
-    import xarray
-
+def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any]) -> Variables:
+    """All that was found as named arrays: dimensions limit, heading, peak_period, significant_height, seed."""
     state = ("heading", "peak_period", "significant_height")
     of_limit = ("limit", *state)
     entries: dict[str, Any] = {
@@ -66,7 +64,7 @@ def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str
         "significant_height": ("significant_height", table.heights, {"units": "m"}),
         "seed": ("seed", table.seeds),
     }
-    return xarray.Dataset(entries, coordinates, dict(attributes))
+    return Variables.of(entries, coordinates, attributes)
 
 
 def write_all(

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from crane.sea.frames import MOTIONS
 from tautline.scene.errors import Problem, SceneError
@@ -207,6 +206,8 @@ def _smooth(time: np.ndarray, value: np.ndarray, end: float, ramp: float) -> Sam
     """Natural spline through a column, under an envelope that grows over `ramp`."""
     if not np.any(value):
         return Constant(value=0.0)
+    from scipy.interpolate import CubicSpline
+
     spline = CubicSpline(time, value, bc_type="natural")
     knots = time.copy()
     # a last row that ends the run but for rounding must not let the motion stop before it

@@ -20,6 +20,7 @@ from tautline.scene.values.printed import quantity, shown, significant
 
 if TYPE_CHECKING:
     from tautline.sweeps.sweep import Outcome
+    from tautline.sweeps.table import Variables
 
 TOLD = 5
 """Failed cases that are told one by one."""
@@ -122,14 +123,16 @@ def _report(
 
 def _rows(outcome: Outcome) -> list[tuple[str, str]]:
     """Rows of the summary: the smallest and the largest of what was collected, and what it took."""
+    import numpy as np
+
     from tautline.sweeps.table import TIMES
 
     data, system, rows = outcome.data, str(outcome.data.attrs.get("units") or "si"), []
     for name, one in data.data_vars.items():
-        if name in TIMES or one.dtype.kind != "f" or one.dims != outcome.cases.dims or not one.notnull().any():
+        if name in TIMES or one.dims != outcome.cases.dims or not one.is_number:
             continue
         unit = str(one.attrs.get("units") or "")
-        low, high = (shown(float(value), unit, system) for value in (one.min(), one.max()))
+        low, high = (shown(float(value), unit, system) for value in (np.nanmin(one.values), np.nanmax(one.values)))
         rows.append((str(name), low if low == high else f"{low} to {high}"))
     rows += _percentiles(data, system)
     rows += [("", ""), ("cases", str(len(outcome.cases))), ("done", str(outcome.done))]
@@ -154,7 +157,7 @@ def _left_out(outcome: Outcome) -> list[str]:
     return []
 
 
-def _percentiles(data: Any, system: str) -> list[tuple[str, str]]:
+def _percentiles(data: Variables, system: str) -> list[tuple[str, str]]:
     """P10, P50 and P90 of each number; of what has an axis those at its last place."""
     from tautline.sweeps.table import PERCENTILES, RANKS
 
@@ -166,7 +169,7 @@ def _percentiles(data: Any, system: str) -> list[tuple[str, str]]:
         if values.ndim > 1:
             along, values = one.dims[1], values[:, -1]
             axis = data.coords.get(along)
-            at = one.shape[1] - 1 if axis is None else float(axis.values[-1])
+            at = one.values.shape[1] - 1 if axis is None else float(axis.values[-1])
             axis_unit = "" if axis is None else str(axis.attrs.get("units") or "")
             place = f" at {along} {shown(at, axis_unit, system)}"
         told = ", ".join(shown(float(value), unit, system) for value in values)

@@ -11,7 +11,7 @@ import numpy as np
 
 from tautline.sweeps.indices import PARAMETER
 from tautline.sweeps.plans import GRID, ONE, Cases
-from tautline.sweeps.table import PERCENTILES, TIMES
+from tautline.sweeps.table import PERCENTILES, TIMES, Column, Variables
 from tautline.view.figures.figure import (
     COLOURS,
     QUIET,
@@ -35,7 +35,7 @@ NARROW, WIDE = 26, 60
 """Letters in a line of an axis' label: keys are long."""
 
 
-def draw(data: Any, cases: Cases, folder: Path, ending: str = "png") -> list[Path]:
+def draw(data: Variables, cases: Cases, folder: Path, ending: str = "png") -> list[Path]:
     """Draw what the plan has a figure for into a folder: a file for each number that was collected.
 
     Raises
@@ -59,9 +59,9 @@ def draw(data: Any, cases: Cases, folder: Path, ending: str = "png") -> list[Pat
     return [save(figure, folder / f"{_slug(name)}.{ending}") for name, figure in made if figure is not None]
 
 
-def _drawn(name: str, one: Any, cases: Cases) -> bool:
+def _drawn(name: str, one: Column, cases: Cases) -> bool:
     """Whether a variable is a number of each case."""
-    return name not in TIMES and one.dims == cases.dims and one.dtype.kind == "f" and bool(one.notnull().any())
+    return name not in TIMES and one.dims == cases.dims and one.is_number
 
 
 def _long(cases: Cases) -> list[int]:
@@ -77,20 +77,20 @@ def _slug(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_") or "figure"
 
 
-def _scaled(data: Any, name: str) -> tuple[np.ndarray, str]:
+def _scaled(data: Variables, name: str) -> tuple[np.ndarray, str]:
     """Values of a variable in the unit that keeps labels short, and the label of their axis."""
     values, unit = data[name].values, str(data[name].attrs.get("units") or "")
     factor, unit = scale_in(str(data.attrs.get("units") or "si"), [values[np.isfinite(values)]], unit)
     return values / factor, label(name.replace("_", " "), unit)
 
 
-def _title(data: Any, name: str) -> str:
+def _title(data: Variables, name: str) -> str:
     title = str(data.attrs.get("title") or "")
     return f"{title}: {name.replace('_', ' ')}" if title else name.replace("_", " ")
 
 
 @styled
-def _lines(data: Any, cases: Cases, name: str) -> Any:
+def _lines(data: Variables, cases: Cases, name: str) -> Any:
     """A curve over the first parameter with several values; of a second that has no numbers one for each value."""
     long = sorted(_long(cases), key=lambda k: not cases.parameters[k].numeric)
     values, text = _scaled(data, name)
@@ -110,7 +110,9 @@ def _lines(data: Any, cases: Cases, name: str) -> Any:
     return figure
 
 
-def _places(one: Any, data: Any, letters: int = WIDE, numbers: np.ndarray | None = None) -> tuple[np.ndarray, str]:
+def _places(
+    one: Any, data: Variables, letters: int = WIDE, numbers: np.ndarray | None = None
+) -> tuple[np.ndarray, str]:
     """Places of a parameter's values on an axis, in the unit that keeps labels short, and the label of the axis.
 
     Those of cases, where their `numbers` are given.
@@ -150,7 +152,7 @@ def _logarithmic(numbers: np.ndarray) -> bool:
 
 
 @styled
-def _map(data: Any, cases: Cases, name: str) -> Any:
+def _map(data: Variables, cases: Cases, name: str) -> Any:
     """Colours over two parameters; cases that failed are left white."""
     from tautline.view.figures.waterfall import edges_of
 
@@ -176,7 +178,7 @@ def _map(data: Any, cases: Cases, name: str) -> Any:
 
 
 @styled
-def _tornado(data: Any, cases: Cases, name: str) -> Any:
+def _tornado(data: Variables, cases: Cases, name: str) -> Any:
     """How far each parameter alone moves a number from that of the scene, the largest on top."""
     values, text = _scaled(data, name)
     if not np.isfinite(values[0]):
@@ -213,7 +215,7 @@ def _legend_of_ends(plot: Any, at: float) -> None:
 
 
 @styled
-def _scatter(data: Any, cases: Cases, name: str) -> Any:
+def _scatter(data: Variables, cases: Cases, name: str) -> Any:
     """A number against each parameter in turn."""
     numeric = [one for one in cases.parameters if one.numeric][:4]
     if not numeric:
@@ -229,7 +231,7 @@ def _scatter(data: Any, cases: Cases, name: str) -> Any:
 
 
 @styled
-def _band(data: Any, name: str) -> Any:
+def _band(data: Variables, name: str) -> Any:
     """Percentiles of a number along its axis: against depth as drillers draw it, else from left to right."""
     along = data[name].dims[1]
     values, text = _scaled(data, name)
@@ -255,7 +257,7 @@ def _band(data: Any, name: str) -> Any:
 
 
 @styled
-def _indices_figure(data: Any, name: str) -> Any:
+def _indices_figure(data: Variables, name: str) -> Any:
     """First-order and total indices, with their intervals."""
     keys: Sequence[str] = [str(key) for key in data[PARAMETER].values]
     figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + 0.5 * len(keys), _title(data, name))

@@ -22,7 +22,7 @@ from tautline.sweeps.cases import DONE, LOST, Row, Runner, job_of
 from tautline.sweeps.file import ORIGIN, SIMULATE, SweepFile, plan_cases, read_sweep, refused
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
-from tautline.sweeps.table import DATASET, RANKED, TABLE, dataset, write_csv, write_netcdf, write_percentiles
+from tautline.sweeps.table import DATASET, RANKED, TABLE, Variables, dataset, write_csv, write_netcdf, write_percentiles
 from tautline.sweeps.verbs import check_figures, check_options, check_outputs, check_verb, of_all, unknown
 from tautline.sweeps.workers import Found, Measured, how, in_cluster, in_this_thread, in_threads
 
@@ -42,7 +42,7 @@ class Outcome:
 
     Attributes
     ----------
-    data : xarray.Dataset
+    data : Variables
     cases : Cases
     done, failed, earlier : int
         Cases that came to their end, that did not, and of both those that an earlier run of the sweep had finished.
@@ -54,7 +54,7 @@ class Outcome:
         Files that were written.
     """
 
-    data: Any
+    data: Variables
     cases: Cases
     done: int = 0
     failed: int = 0
@@ -152,8 +152,8 @@ def sweep(
         read_sweep(given), application, read_scene, jobs=jobs, dask=dask, folder=place, resume=resume, progress=progress
     )
     if outcome.interrupted:
-        raise SweepInterrupted(outcome.data)
-    return outcome.data
+        raise SweepInterrupted(outcome.data.to_xarray())
+    return outcome.data.to_xarray()
 
 
 def run_sweep(
@@ -371,8 +371,7 @@ class _Sweep:
         if self.cases.indices and not interrupted:
             from tautline.sweeps.indices import sobol_indices
 
-            data = data.merge(sobol_indices(data, self.cases))
-            data.attrs = {**attributes, **data.attrs}
+            data = data.with_variables(sobol_indices(data, self.cases))
         outcome = Outcome(data, self.cases, earlier=earlier, interrupted=interrupted)
         status = data["status"].values.ravel()
         outcome.done = int((status == DONE).sum())

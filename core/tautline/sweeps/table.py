@@ -1,11 +1,16 @@
-"""The rows of a sweep as an ``xarray.Dataset``, and as files: NetCDF and CSV, each whole or not there."""
+"""The rows of a sweep as named arrays, and as files: NetCDF and CSV, each whole or not there.
+
+xarray is imported only where its dataset is asked for: that takes a second with what it imports itself, as long as
+100 short cases take beside their loops.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from uuid import uuid4
 
 import numpy as np
@@ -16,6 +21,9 @@ from tautline.results.rows import heads_of, write_rows
 from tautline.sweeps.cases import Row
 from tautline.sweeps.plans import CASE, SAMPLED, Cases
 from tautline.version import __version__
+
+if TYPE_CHECKING:
+    import xarray
 
 NOT_RUN = "not run"
 RANKS = (10.0, 50.0, 90.0)
@@ -30,7 +38,62 @@ TIMES = {
 DATASET, TABLE, RANKED = "sweep.nc", "sweep.csv", "percentiles.csv"
 
 
-def dataset(cases: Cases, columns: Mapping[str, Finding], rows: Iterable[Row], attributes: Mapping[str, Any]) -> Any:
+class Column(NamedTuple):
+    """An array with the names of its dimensions, and what it is: ``units`` and ``long_name``."""
+
+    dims: tuple[str, ...]
+    values: np.ndarray
+    attrs: Mapping[str, str]
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it holds numbers that may be lacking, and one that is not."""
+        return self.values.dtype.kind == "f" and bool(np.isfinite(self.values).any())
+
+
+@dataclass
+class Variables:
+    """What a sweep has collected, as the variables of an ``xarray.Dataset``, which is made of it where one is wanted.
+
+    Attributes
+    ----------
+    data_vars, coords : dict of Column
+        By name.
+    attrs : dict
+    """
+
+    data_vars: dict[str, Column]
+    coords: dict[str, Column]
+    attrs: dict[str, Any]
+
+    @classmethod
+    def of(cls, entries: Mapping[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]) -> Variables:
+        """Of variables and coordinates as xarray takes them: name -> (dimension or dimensions, values, attributes)."""
+        return cls(_columns(entries), _columns(coordinates), dict(attributes))
+
+    def __getitem__(self, name: str) -> Column:
+        """A variable or a coordinate."""
+        return self.data_vars[name] if name in self.data_vars else self.coords[name]
+
+    def __contains__(self, name: str) -> bool:
+        """Whether there is one of that name."""
+        return name in self.data_vars or name in self.coords
+
+    def with_variables(self, other: Variables) -> Variables:
+        """This table with the variables and coordinates of another one."""
+        return Variables(self.data_vars | other.data_vars, self.coords | other.coords, {**other.attrs, **self.attrs})
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The same as a dataset of xarray's."""
+        import xarray
+
+        made = ({name: tuple(one) for name, one in part.items()} for part in (self.data_vars, self.coords))
+        return xarray.Dataset(*made, self.attrs)
+
+
+def dataset(
+    cases: Cases, columns: Mapping[str, Finding], rows: Iterable[Row], attributes: Mapping[str, Any]
+) -> Variables:
     """The result of a sweep.
 
     Parameters
@@ -44,11 +107,9 @@ def dataset(cases: Cases, columns: Mapping[str, Finding], rows: Iterable[Row], a
 
     Returns
     -------
-    xarray.Dataset
+    Variables
         With a dimension a parameter for a grid, ``case`` else; of a list, with the dimension that it runs along.
     """
-    import xarray
-
     count = len(cases)
     status, message = np.full(count, NOT_RUN, object), np.full(count, "", object)
     times = {name: np.full(count, np.nan) for name in TIMES}
@@ -86,7 +147,14 @@ def dataset(cases: Cases, columns: Mapping[str, Finding], rows: Iterable[Row], a
         ranked = [name for name, one in columns.items() if name in entries and not {name, one.along} & apart]
         entries |= _percentiles({name: entries[name] for name in ranked})
         coordinates[PERCENTILE] = (PERCENTILE, np.array(RANKS), {"units": "%", "long_name": "cases with at most this"})
-    return xarray.Dataset(entries, coordinates, {**attributes, "version": __version__})
+    return Variables.of(entries, coordinates, {**attributes, "version": __version__})
+
+
+def _columns(entries: Mapping[str, Any]) -> dict[str, Column]:
+    return {
+        name: Column((dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), about[0] if about else {})
+        for name, (dims, values, *about) in entries.items()
+    }
 
 
 def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
@@ -103,7 +171,7 @@ def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def write_percentiles(data: Any, path: Path) -> Path | None:
+def write_percentiles(data: Variables, path: Path) -> Path | None:
     """Write percentiles as a table: a row for each number, or for each of its places; None where there are none.
 
     A table that another sweep left there is removed then: it would be taken for one of this sweep.
@@ -174,12 +242,41 @@ def _shared(array: np.ndarray) -> bool:
     return bool(((array == _common(array)) | ~known).all())
 
 
-def write_netcdf(data: Any, path: Path) -> Path:
-    """Write a dataset; the file is whole or as it was before."""
-    return _written(path, lambda waiting: data.to_netcdf(waiting, engine="h5netcdf"))
+def write_netcdf(data: Variables, path: Path) -> Path:
+    """Write a table; the file is whole or as it was before."""
+    return _written(path, lambda waiting: _write_netcdf(data, waiting))
 
 
-def write_csv(data: Any, cases: Cases, path: Path) -> Path:
+def _write_netcdf(data: Variables, path: Path) -> None:
+    """Write the file that xarray would write of the same dataset."""
+    import h5netcdf
+    import h5py
+
+    everything = data.coords | data.data_vars
+    aside = {name: one.dims for name, one in data.coords.items() if one.dims != (name,)}
+    with h5netcdf.File(path, "w") as file:
+        file.dimensions = {
+            dim: size
+            for one in everything.values()
+            for dim, size in zip(one.dims, one.values.shape, strict=True)
+        }  # fmt: skip
+        for name, one in everything.items():
+            text, numbers = one.values.dtype.kind in "OU", one.values.dtype.kind == "f"
+            kind = h5py.string_dtype() if text else one.values.dtype
+            stored = file.create_variable(name, one.dims, kind, fillvalue=np.nan if numbers else None)
+            if one.values.size:
+                stored[...] = one.values.astype(object) if text else one.values
+            for key, value in one.attrs.items():
+                stored.attrs[key] = value
+            # The convention by which a reader knows coordinates that are no axes.
+            beside = sorted(key for key, dims in aside.items() if set(dims) <= set(one.dims) and " " not in key)
+            if beside and name in data.data_vars:
+                stored.attrs["coordinates"] = " ".join(beside)
+        for key, value in data.attrs.items():
+            file.attrs[key] = value
+
+
+def write_csv(data: Variables, cases: Cases, path: Path) -> Path:
     """Write a row for each case; a list has a column for each of its places."""
     units = {one.key: one.unit for one in cases.parameters if one.unit}
     heads = heads_of([CASE, *keys_of(cases)], units)
