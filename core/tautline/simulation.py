@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections import ChainMap
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -53,6 +54,7 @@ from tautline.interruption import listening
 from tautline.results.balance import ENERGIES, Balance
 from tautline.results.bounds import judge
 from tautline.results.errors import ResultError
+from tautline.results.on_demand import BriefStore
 from tautline.results.result import Result
 from tautline.results.rounding import without_rounding
 from tautline.results.store import Store
@@ -215,7 +217,7 @@ def simulate(
 def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., Store], Model]:
     """What takes the frames of a model, and the model as its run is to see it."""
     if model.keep is None:
-        return Store, model
+        return (BriefStore if brief is not None and brief.names and model.on_demand is not None else Store), model
     from tautline.statistics.store import StatisticsStore, told_by_digest
 
     headline: Callable[[Any], dict[str, dict[str, Any]]] = model.headline
@@ -511,7 +513,12 @@ class Run:
         if self.first is not None:
             part = frames_of(np.concatenate((self.first, part.rows)), self.model.system.q.size)
             self.first = None
-        stored = {"time": part.time.copy(), **self.model.observe(part)}
+        stored: Mapping[str, np.ndarray]
+        if isinstance(store, BriefStore) and self.model.on_demand is not None:
+            part = part if part.rows.base is not frames.rows else frames_of(part.rows.copy(), self.model.system.q.size)
+            stored = ChainMap({"time": part.time}, self.model.on_demand(part))  # type: ignore[arg-type]
+        else:
+            stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
         if not stopped and self.brief is None:
             if self.places[0] is not self.method:

@@ -17,9 +17,12 @@ def load_of(scene: CraneScene, body: Body) -> float:
     size = float(np.linalg.norm(g))
     if size == 0.0:
         return 0.0
-    functions = compile_functions([FunctionRequest(force) for force in body.force or ()])
-    force = np.array([value_at(functions, i, 0.0)[0] for i in range(len(body.force or ()))] or [0.0] * 3)
-    return (body.mass - buoyancy_of(scene, body)) * size + float(force @ g) / size
+    weight = (body.mass - buoyancy_of(scene, body)) * size
+    if not body.force:
+        return weight
+    functions = compile_functions([FunctionRequest(force) for force in body.force])
+    force = np.array([value_at(functions, i, 0.0)[0] for i in range(len(body.force))])
+    return weight + float(force @ g) / size
 
 
 def floating(scene: CraneScene, path: Path) -> list[tuple[int, float]]:

@@ -23,7 +23,7 @@ from crane.sea.compensation import Compensation
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.integrators.statics.attainable import within_rounding
-from tautline.kernels.time_function import sample_all
+from tautline.kernels.time_function import TimeFunctions, copy_of, sample_all
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
@@ -67,6 +67,7 @@ def build(scene: CraneScene) -> Model:
         coordinates=observer.coordinates(),
         attributes=attributes_of(scene, "crane", COORDINATE_UNITS),
         observe=observer.observe,
+        on_demand=observer.on_demand,
         headline=told,
         limits=lambda result: limits(result, scene),
         figures=told,
@@ -101,7 +102,10 @@ def assembled(scene: CraneScene) -> Assembly:
     _tie_material(layout, tension)
     compensation = _drive(layout)
     made, contacts = groups_of(layout)
-    functions = compile_functions(layout.requests.of)
+    requests = tuple(layout.requests.of)
+    made_once, at_first = scene.once("functions", requests, lambda: _compiled(requests))
+    # A run writes into them, so that each has its own.
+    functions = copy_of(made_once)
     groups = tuple(make(functions) for make in made)
     layout.degrees.scale[:] = max(tension, 1.0e-6 * scene.rope.axial_stiffness)
     velocity = np.zeros(len(layout.degrees.names))
@@ -113,9 +117,14 @@ def assembled(scene: CraneScene) -> Assembly:
     at_rest = [*still, *layout.rim.values(), *turns]
     system = assemble(groups, layout.degrees, functions, velocity, *_stencils(layout, contacts), at_rest=at_rest)
     driven = system.dofs.driven
-    at_first = sample_all(functions, system.dofs.motion[driven], np.zeros(1))[:, 0, 0]
-    system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first
+    system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first[system.dofs.motion[driven]]
     return Assembly(layout, system, compensation, [*layout.path.warnings])
+
+
+def _compiled(requests: tuple[FunctionRequest, ...]) -> tuple[TimeFunctions, np.ndarray]:
+    """Functions of time, and their values (n,) at t = 0."""
+    functions = compile_functions(requests)
+    return functions, sample_all(functions, range(len(requests)), np.zeros(1))[:, 0, 0]
 
 
 def _tension(scene: CraneScene) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -17,8 +19,9 @@ from crane.groups.winch import Drums
 from crane.results.angles import UPRIGHT, across_plumb, hook_span, leads, out_of_plane
 from crane.scene.scene import Drum, Sheave
 from crane.sea.compensation import Compensation
-from tautline.application.modelling import energies_of, energy_variables
+from tautline.application.modelling import ENERGIES, energies_of, energy_variables
 from tautline.kernels.time_function import sample
+from tautline.results.on_demand import OnDemand, together
 from tautline.results.variable import Variable
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
@@ -28,6 +31,11 @@ COORDINATE_UNITS = (
     "the axis; wrap and fleet angles in rad"
 )
 AXES = 3
+OF_SHEAVES = ("wrap_angle", "fleet_angle", "sheave_load", "sheave_rotation", "slipping")
+OF_DRUMS = (
+    "drum_tension", "paid_out", "pay_out_speed", "drum_rotation", "winch_torque", "winch_power", "drum_fleet_angle"
+)  # fmt: skip
+"""Variables that are made together."""
 PER_SPAN = RECORDED + AXES
 
 
@@ -146,8 +154,42 @@ class Observer:
 
     def observe(self, frames: Any) -> dict[str, np.ndarray]:
         """Variables of a batch of frames, leading axis time."""
+        return dict(self.on_demand(frames))
+
+    def on_demand(self, frames: Any) -> Mapping[str, np.ndarray]:
+        """The same, each variable made when it is asked for; the frames have to stay as they are."""
         q, v, three = frames.q, frames.v, np.arange(AXES)
         found = frames.own[:, : PER_SPAN * self.elements].reshape(len(q), self.elements, PER_SPAN)
+        made: dict[str, Callable[[], Any]] = {
+            "position": lambda: q[:, self.stations[:, None] + three],
+            "velocity": lambda: v[:, self.stations[:, None] + three],
+            "material_coordinate": lambda: q[:, self.stations + MATERIAL],
+            "axial_force": lambda: found[..., FORCE].copy(),
+            "tension": lambda: self._tension(v, found),
+        }
+        if self.scene.bodies:
+            made["body_position"], made["body_velocity"] = (partial(self._of_bodies, x) for x in (q, v))
+        if self.sheaves:
+            made |= together(OF_SHEAVES, lambda: self._sheaves(frames, found))
+        if self.drums:
+            made |= together(OF_DRUMS, lambda: self._drums(frames, found, seen["tension"]))
+        if self.hung is not None:
+            made |= together(("offlead", "sidelead"), lambda: self._leads(q, found))
+        if self.layout.turn:
+            made["body_turn"] = lambda: self._turns(q)
+        if self.compensator is not None:
+            made["compensator"] = lambda: sample(self.compensator, 0, np.ascontiguousarray(frames.time))[:, 0]
+        made |= together(ENERGIES, lambda: energies_of(frames))
+        seen = OnDemand(made)
+        return seen
+
+    def _of_bodies(self, x: np.ndarray) -> np.ndarray:
+        """Places of the bodies in full vectors (m, n): (m, bodies, 3)."""
+        bodies = np.array([self.layout.body[body.name] for body in self.scene.bodies], dtype=int)
+        return x[:, bodies[:, None] + np.arange(AXES)]
+
+    def _tension(self, v: np.ndarray, found: np.ndarray) -> np.ndarray:
+        """Tension at both ends of every span, (m, spans, 2) N."""
         first, last = np.array(self.layout.spans).T
         # What turns the rope's momentum at a mark is part of its tension there.
         flux = self.scene.rope.mass_per_length * v[:, self.stations + MATERIAL] ** 2
@@ -157,36 +199,26 @@ class Observer:
             # Where the half element beside a mark is thrown about while it is slack, its inertia is no tension.
             at_first = np.where(found[:, first, FORCE] > 0.0, np.maximum(at_first, 0.0), 0.0)
             at_last = np.where(found[:, last - 1, FORCE] > 0.0, np.maximum(at_last, 0.0), 0.0)
-        made = {
-            "position": q[:, self.stations[:, None] + three],
-            "velocity": v[:, self.stations[:, None] + three],
-            "material_coordinate": q[:, self.stations + MATERIAL],
-            "axial_force": found[..., FORCE].copy(),
-            "tension": np.stack((at_first, at_last), axis=-1),
-        }
-        bodies = np.array([self.layout.body[body.name] for body in self.scene.bodies], dtype=int)
-        if self.scene.bodies:
-            made["body_position"], made["body_velocity"] = (x[:, bodies[:, None] + three] for x in (q, v))
-        if self.sheaves:
-            made |= self._sheaves(frames, found)
-        if self.drums:
-            made |= self._drums(frames, found, made["tension"])
-        if self.hung is not None:
-            wheel, hook = self.hung
-            # The end at the load is what swings; a heavy rope between is another angle.
-            station = self.layout.item[hook]
-            e = found[:, station - 1, RECORDED:] if hook > wheel else -found[:, station, RECORDED:]
-            made["offlead"], made["sidelead"] = leads(e, self._axes(q, [wheel])[:, 0], self.scene.gravity)
-        if self.layout.turn:
-            made["body_turn"] = np.zeros((len(q), len(bodies), QUATERNION))
-            made["body_turn"][..., 0] = 1.0
-            for k, body in enumerate(self.scene.bodies):
-                if body.name in self.layout.turn:
-                    place = self.layout.turn[body.name]
-                    made["body_turn"][:, k] = q[:, place : place + QUATERNION]
-        if self.compensator is not None:
-            made["compensator"] = sample(self.compensator, 0, np.ascontiguousarray(frames.time))[:, 0]
-        return made | energies_of(frames)
+        return np.stack((at_first, at_last), axis=-1)
+
+    def _leads(self, q: np.ndarray, found: np.ndarray) -> dict[str, np.ndarray]:
+        assert self.hung is not None
+        wheel, hook = self.hung
+        # The end at the load is what swings; a heavy rope between is another angle.
+        station = self.layout.item[hook]
+        e = found[:, station - 1, RECORDED:] if hook > wheel else -found[:, station, RECORDED:]
+        offlead, sidelead = leads(e, self._axes(q, [wheel])[:, 0], self.scene.gravity)
+        return {"offlead": offlead, "sidelead": sidelead}
+
+    def _turns(self, q: np.ndarray) -> np.ndarray:
+        """Quaternions of all bodies, (m, bodies, 4)."""
+        turn = np.zeros((len(q), len(self.scene.bodies), QUATERNION))
+        turn[..., 0] = 1.0
+        for k, body in enumerate(self.scene.bodies):
+            if body.name in self.layout.turn:
+                place = self.layout.turn[body.name]
+                turn[:, k] = q[:, place : place + QUATERNION]
+        return turn
 
     def _sheaves(self, frames: Any, found: np.ndarray) -> dict[str, np.ndarray]:
         layout, rows = self.layout, self.layout.wheels

@@ -67,7 +67,7 @@ def headline(
     """
     layout = layout or laid_out(scene)
     parts: list[tuple[str, Callable[[], Iterator[Row]]]] = [
-        ("max_tension|min_tension|dynamic_amplification|safety_factor", lambda: _tensions(result, layout)),
+        ("max_tension|min_tension|dynamic_amplification|safety_factor", lambda: _tensions(result, layout, names)),
         ("slack_events|longest_slack|max_snap|undamped_snaps", lambda: _slack(result, layout)),
         ("max_sheave_load|max_fleet_angle|slipping_share", lambda: _sheaves(result, scene)),
         ("max_winch_power|mean_winch_power|energy_", lambda: _winches(result, scene)),
@@ -122,7 +122,7 @@ def _told(peak: Peak) -> str:
     return f"{peak.where}, at {peak.time:.4g} s"
 
 
-def _tensions(result: Any, layout: Layout) -> Iterator[Row]:
+def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iterator[Row]:
     """Largest and smallest, of the whole rope and where it is held."""
     scene, time = layout.scene, result.time
     tension, names = ends_of(result), span_ends(scene)
@@ -136,6 +136,8 @@ def _tensions(result: Any, layout: Layout) -> Iterator[Row]:
     safety = safety_factor(scene.rope.breaking_load, tension)
     if safety is not None:
         yield "safety_factor", safety, "", "breaking load over largest tension"
+    if wanted and not any(name.startswith("max_tension_") for name in wanted):
+        return
     for key, columns in _places(scene):
         at = largest(time, tension[:, columns], [names[k] for k in columns])
         yield f"max_tension_{key}", at.value, "N", f"largest tension at {_told(at)}"

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tautline.results.on_demand import OnDemand
 from tautline.results.variable import Variable
 from tautline.scene.identity import BESIDES, model_hash
 from tautline.scene.solver import longest_step
@@ -42,33 +43,10 @@ def settings_of(
     )  # fmt: skip
 
 
-class Attributes(Mapping[str, Any]):
-    """What a result says of its scene; each is made when it is asked for: a run that is not stored needs none.
-
-    Parameters
-    ----------
-    made : dict of str to callable
-    """
-
-    def __init__(self, made: dict[str, Callable[[], Any]]) -> None:
-        self._made = made
-        self._known: dict[str, Any] = {}
-
-    def __getitem__(self, name: str) -> Any:
-        """An attribute; KeyError where there is none."""
-        if name not in self._known:
-            self._known[name] = self._made[name]()
-        return self._known[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._made)
-
-    def __len__(self) -> int:
-        return len(self._made)
-
-
 def attributes_of(scene: Any, application: str, conventions: str, besides: Any = BESIDES) -> Mapping[str, Any]:
     """What a result says of its scene: text, title, application, conventions, units, and what the scene is.
+
+    Each is made when it is asked for: a run that is not stored needs none.
 
     Parameters
     ----------
@@ -83,7 +61,7 @@ def attributes_of(scene: Any, application: str, conventions: str, besides: Any =
     """
     document = scene.document
     folder: Path | None = getattr(scene, "folder", None)
-    return Attributes(
+    return OnDemand(
         {
             "scene": lambda: document.told if document is not None else "",
             "title": lambda: scene.title or "",

@@ -42,6 +42,7 @@ violation      order, q, v, r                                   r += what is mis
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -169,6 +170,7 @@ _addresses: dict[Any, dict[str, int]] = {}
 def _forget(kind: type) -> None:
     """Forget what is compiled with the kernels that a kind had before: it may be registered anew, as in a notebook."""
     _addresses.clear()
+    _drafts.clear()
     for signature in [s for s in getattr(run_hook, "overloads", ()) if s[1].instance_type.instance_class is kind]:
         del run_hook.overloads[signature]
 
@@ -246,6 +248,32 @@ def link(groups: tuple[Any, ...], *sums: str, laid: Laid | None = None) -> Any:
     if config.DISABLE_JIT:
         return groups
     words, forms = laid or laid_out(groups)
+    known = next((one for one in tuple(_drafts) if one.sums == sums and one.forms == forms), None)
+    if known is None:
+        known = _draft(groups, sums, words, forms)
+        _drafts.appendleft(known)
+    table = known.table.copy()
+    table[known.begin :] = [number for word in words for number in word]
+    table[known.members] += table.ctypes.data
+    return table
+
+
+class _Draft(NamedTuple):
+    """A list as all groups of some forms have it: ``table`` with the addresses of code, places of groups counted in
+    bytes from its own start at ``members``, and zeros for the groups themselves from ``begin`` on."""
+
+    sums: tuple[str, ...]
+    forms: list[Any]
+    table: np.ndarray
+    members: np.ndarray
+    begin: int
+
+
+_drafts: deque[_Draft] = deque(maxlen=16)
+"""The last ones: variants of a scene have the same."""
+
+
+def _draft(groups: tuple[Any, ...], sums: tuple[str, ...], words: list[list[int]], forms: list[Any]) -> _Draft:
     calls: list[list[tuple[int, int]]] = [[] for _ in SUMS]
     # A form is hashed part by part each time: once is enough.
     known = [_addresses.setdefault(form, {}) for form in forms]
@@ -256,15 +284,14 @@ def link(groups: tuple[Any, ...], *sums: str, laid: Laid | None = None) -> Any:
                 calls[ROWS[name]].append((_address_for(code, g, known[i]), i))
     table = np.zeros(len(SUMS) + sum(1 + 2 * len(c) for c in calls) + sum(map(len, words)), dtype=np.int64)
     places = table.size - np.cumsum([len(w) for w in reversed(words)], dtype=np.int64)[::-1]
-    for place, word in zip(places, words, strict=True):
-        table[place : place + len(word)] = word
-    at = len(SUMS)
-    for row, members in enumerate(calls):
-        table[row], table[at] = at, len(members)
-        for k, (address, i) in enumerate(members):
-            table[at + 1 + 2 * k : at + 3 + 2 * k] = address, table.ctypes.data + 8 * places[i]
-        at += 1 + 2 * len(members)
-    return table
+    at, members = len(SUMS), []
+    for row, one in enumerate(calls):
+        table[row], table[at] = at, len(one)
+        for k, (address, i) in enumerate(one):
+            table[at + 1 + 2 * k : at + 3 + 2 * k] = address, 8 * places[i]
+            members.append(at + 2 + 2 * k)
+        at += 1 + 2 * len(one)
+    return _Draft(sums, forms, table, np.array(members, np.int64), at)
 
 
 def _address_for(code: str, group: Any, of_form: dict[str, int]) -> int:

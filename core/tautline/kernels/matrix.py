@@ -375,9 +375,18 @@ def size_of_row(matrix: Matrix, row: int, sizes: np.ndarray) -> float:
     if row >= n:
         inner, border = matrix.lower[row - n] * sizes[:n], matrix.corner[:, row - n]
     else:
-        columns = np.arange(max(0, row - k), min(n, row + k + 1))
-        inner, border = matrix.band[columns, 2 * k + row - columns] * sizes[columns], matrix.right[:, row]
-    return float(np.abs(inner).sum() + np.abs(border) @ sizes[n:])
+        first, last = max(0, row - k), min(n, row + k + 1)
+        inner, border = _along(matrix, row, first, last) * sizes[first:last], matrix.right[:, row]
+    found = float(np.abs(inner).sum())
+    return found + float(np.abs(border) @ sizes[n:]) if border.size else found
+
+
+def _along(matrix: Matrix, row: int, first: int, last: int) -> np.ndarray:
+    """Entries of a row in columns ``first`` to ``last`` - 1 of the band, a view: each lies a column further."""
+    width = matrix.band.shape[1]
+    begin = 2 * ((width - 1) // 3) + row + first * (width - 1)
+    step = max(1, width - 1)
+    return matrix.band.reshape(-1)[begin : begin + (last - first - 1) * step + 1 : step]
 
 
 def replace_by_identity(matrix: Matrix, row: int) -> None:
@@ -388,7 +397,6 @@ def replace_by_identity(matrix: Matrix, row: int) -> None:
         matrix.corner[:, row - n] = 0.0
         matrix.corner[row - n, row - n] = 1.0
         return
-    columns = np.arange(max(0, row - k), min(n, row + k + 1))
-    matrix.band[columns, 2 * k + row - columns] = 0.0
+    _along(matrix, row, max(0, row - k), min(n, row + k + 1))[:] = 0.0
     matrix.right[:, row] = 0.0
     matrix.band[row, 2 * k] = 1.0

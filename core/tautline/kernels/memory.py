@@ -59,12 +59,21 @@ def words_of(value: Any) -> list[int]:
     TypeError
         For what is neither a C-contiguous array, an integer, a float nor a tuple of such.
     """
+    words: list[int] = []
+    _lay(value, words)
+    return words
+
+
+def _lay(value: Any, words: list[int]) -> None:
+    """Add the words of a value to a list."""
     if isinstance(value, tuple):
-        return [word for part in value for word in words_of(part)]
-    if isinstance(value, np.ndarray) and _flags(value).c_contiguous:
-        return [0, 0, _size(value), _width(value), _memory(value).data, *_shape(value), *_strides(value)]
-    if isinstance(value, (float, np.float64)):
-        return [int(np.float64(value).view(np.int64))]
-    if isinstance(value, (int, np.int64)) and not isinstance(value, bool):
-        return [int(value)]
-    raise TypeError(f"a group holds contiguous arrays, integers, floats and tuples of them, not {value!r}")
+        for part in value:
+            _lay(part, words)
+    elif isinstance(value, np.ndarray) and _flags(value).c_contiguous:
+        words += (0, 0, _size(value), _width(value), _memory(value).data, *_shape(value), *_strides(value))
+    elif isinstance(value, (float, np.float64)):
+        words.append(int(np.float64(value).view(np.int64)))
+    elif isinstance(value, (int, np.int64)) and not isinstance(value, bool):
+        words.append(int(value))
+    else:
+        raise TypeError(f"a group holds contiguous arrays, integers, floats and tuples of them, not {value!r}")

@@ -123,6 +123,14 @@ def no_functions() -> TimeFunctions:
     )  # fmt: skip
 
 
+def copy_of(functions: TimeFunctions) -> TimeFunctions:
+    """The same functions in memory of their own: inputs and long sums are written while a run goes on."""
+    parts = (
+        type(part)(*(one.copy() for one in part)) if isinstance(part, tuple) else part.copy() for part in functions
+    )  # fmt: skip
+    return TimeFunctions(*parts)
+
+
 class Written(NamedTuple):
     """The arrays of :class:`TimeFunctions` that a function made of tracks and waves needs: a third of all."""
 

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 
 from tautline.results.errors import ResultError
-from tautline.results.headline import read_headline, to_json
+from tautline.results.headline import plain, read_headline
 from tautline.results.layout import FORMAT, Coordinate
 from tautline.results.target import SIGNATURE
 from tautline.results.variable import Variable
@@ -22,7 +22,7 @@ from tautline.results.variable import Variable
 if TYPE_CHECKING:
     import xarray
 
-Contents = tuple[Sequence[Variable], dict[str, np.ndarray], Mapping[str, Coordinate], dict[str, Any], dict[str, Any]]
+Contents = tuple[Sequence[Variable], Mapping[str, np.ndarray], Mapping[str, Coordinate], dict[str, Any], dict[str, Any]]
 """A run kept in memory: variables, their arrays, coordinates, attributes, restart."""
 
 ATTEMPTS, PAUSE = 10, 0.02
@@ -113,7 +113,7 @@ class Result:
     def headline(self) -> dict[str, dict[str, Any]]:
         """The application's figures: name -> {value, unit, text}; empty if the run did not come to its end."""
         headline = self.attributes.get("headline", "")
-        return read_headline(headline if isinstance(headline, str) else to_json(headline))
+        return read_headline(headline) if isinstance(headline, str) else plain(headline)
 
     @functools.cached_property
     def variables(self) -> dict[str, Variable]:
@@ -138,7 +138,9 @@ class Result:
             If there is no such variable.
         """
         if self._contents is not None:
-            arrays = self._contents[1] | {key: values for key, (_, values, _, _) in self._contents[2].items()}
+            _, arrays, coordinates, *_ = self._contents
+            if name in coordinates:
+                return coordinates[name][1]
             if name in arrays:
                 return arrays[name]
         else:

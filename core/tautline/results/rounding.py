@@ -39,7 +39,9 @@ def without_rounding(headline: Mapping[str, Mapping[str, Any]], result: Any, ste
     step : float
         Mean step, s.
     """
-    size = max((float(np.abs(result[name]).max(initial=0.0)) for name in PLACES if name in result), default=0.0)
+    size = 0.0
+    if any(figure.get("unit") in ("m", "m/s") for figure in headline.values()):
+        size = max((float(np.abs(result[name]).max(initial=0.0)) for name in PLACES if name in result), default=0.0)
     scales = {"m": size, "m/s": size / step if step > 0.0 else 0.0}
     return {
         name: {**figure, "value": unrounded(figure["value"], scales.get(str(figure.get("unit")), 0.0))}

@@ -79,7 +79,7 @@ class Store:
         self.path = None if path is None else check_target(path)
         named = {variable.name: variable for variable in (TIME, *variables)}
         self.variables = list(named.values())
-        self.coordinates = {name: _coordinate(name, given) for name, given in (coordinates or {}).items()}
+        self.coordinates = {name: coordinate(name, given) for name, given in (coordinates or {}).items()}
         self.attributes: dict[str, Any] = {"status": "running", **(attributes or {})}
         self.frames = 0
         self._batches: list[tuple[int, dict[str, np.ndarray]]] = []
@@ -348,7 +348,8 @@ def _array(values: Any) -> np.ndarray:
     return np.array(array, order="C")
 
 
-def _coordinate(name: str, given: Any) -> layout.Coordinate:
+def coordinate(name: str, given: Any) -> layout.Coordinate:
+    """Dimensions, values, unit and long name of a coordinate, as `Store` is given it."""
     if isinstance(given, tuple):
         dims, values, units, long_name = given
         return (dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), units, long_name

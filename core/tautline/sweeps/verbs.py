@@ -107,7 +107,7 @@ class Watch:
         self.begin = model.keep.begin * (1.0 - 1e-12) if model.keep is not None else 0.0
         if self.asked:
             observe = model.observe
-            model.observe = lambda frames: self._look(frames, observe(frames))
+            model.observe, model.on_demand = lambda frames: self._look(frames, observe(frames)), None
 
     def _look(self, frames: Any, variables: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         self.times.append(np.array(frames.time, float))

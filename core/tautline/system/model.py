@@ -63,6 +63,9 @@ class Model:
         Stored with the result: the scene's text among them.
     observe : callable
         Frames (``integrators.time_loop.Frames``) of a batch -> dict of arrays, leading axis time.
+    on_demand : callable or None
+        The same, each array made when it is asked for, of frames that stay as they are; None where an application has
+        no such way.
     headline : callable
         Result -> dict of name -> {"value", "unit", "text"}: the application's own figures.
     start : str
@@ -118,3 +121,4 @@ class Model:
     bounds: Sequence[Any] = ()
     keep: Any = None
     statistics: Mapping[str, Any] = field(default_factory=dict)
+    on_demand: Callable[[Any], Mapping[str, np.ndarray]] | None = None

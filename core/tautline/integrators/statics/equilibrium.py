@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -124,10 +125,10 @@ ROUNDING = 4.0 * np.finfo(float).eps
 def _balances(system: System, matrix: Matrix, q: np.ndarray, x: np.ndarray, tolerance: float, worst: int) -> bool:
     """Whether no row's residual is more than the tolerance and rounding; the worst is asked first, for most are not."""
     limit = tolerance * system.scale
-    if bool(np.all(np.abs(x) <= limit)):
+    if x.size == 0 or (abs(x[worst]) <= limit[worst] and bool((np.abs(x) <= limit).all())):
         return True  # whatever rounding leaves
     size = np.abs(q)
-    if x.size and abs(x[worst]) > limit[worst] + ROUNDING * size_of_row(matrix, worst, size):
+    if abs(x[worst]) > limit[worst] + ROUNDING * size_of_row(matrix, worst, size):
         return False
     return bool(np.all(np.abs(x) <= limit + ROUNDING * (abs(rows_of(matrix)) @ size)))
 
@@ -137,34 +138,36 @@ def _search(system: System, state: State, step_limit: float, tolerance: float, f
     n = system.size
     factors = new_factors(n, system.bandwidth, system.border)
     x, shift, previous = np.zeros(n), first_shift, np.inf
-    origin, extent = state.q.copy(), max(float(np.ptp(state.q)) if n else 0.0, step_limit)
-    nearest, lever = _Ended(0, np.inf, 0), levers(system)
+    q, origin, extent = state.q, state.q.copy(), max(float(np.ptp(state.q)) if n else 0.0, step_limit)
+    nearest, lever, scale = _Ended(0, np.inf, 0), levers(system), system.scale
+    lever[system.algebraic] = 0.0  # a multiplier is no way gone: it may change as it must
+    at_rest, in_parts = system.at_rest.tolist(), system.window.size > 0 and n > 4 * AHEAD
     for iteration in range(ITERATIONS):
         evaluate(system, state, 0.0, 1.0, True, shift, 0.0, 1.0, factors.matrix, x)
-        for row in system.at_rest:
+        for row in at_rest:
             replace_by_identity(factors.matrix, row)
             x[row] = 0.0
-        sizes = np.abs(x) / system.scale
-        size, worst = float(sizes.max(initial=0.0)), int(sizes.argmax()) if n else 0
-        if not np.isfinite(size):
+        sizes = np.abs(x) / scale
+        worst = int(sizes.argmax()) if n else 0
+        size = float(sizes[worst]) if n else 0.0
+        if not math.isfinite(size):
             return nearest._replace(iterations=iteration, away=True)
-        if _balances(system, factors.matrix, state.q, x, tolerance, worst):
+        if _balances(system, factors.matrix, q, x, tolerance, worst):
             return _Ended(iteration, min(size, tolerance), worst, found=True)
         if size < nearest.residual:
             nearest = _Ended(iteration, size, worst)
-        if np.isfinite(previous) and shift > 0.0:
+        if shift > 0.0 and math.isfinite(previous):
             shift *= min(4.0, max(0.1, size / previous))
         previous = size
         if factorise_matrix(factors):
             return nearest._replace(iterations=iteration, loose=True)
         solve_matrix(factors, x)
-        # A multiplier is no way gone: it may change as it must.
-        ways = x * lever if system.algebraic.size == 0 else np.delete(x * lever, system.algebraic)
-        largest = float(np.abs(ways).max(initial=0.0))
-        state.q[:] -= x * min(1.0, step_limit / largest) if largest > 0.0 else 0.0
-        if shift == 0.0 and system.window.size > 0 and n > 4 * AHEAD:
+        largest = float(np.abs(x * lever).max()) if n else 0.0
+        if largest > 0.0:
+            q -= x * min(1.0, step_limit / largest)
+        if in_parts and shift == 0.0:
             _balance_part(system, state, step_limit, tolerance, factors, x)
-    moved = np.delete(np.abs(state.q - origin), system.algebraic)
+    moved = np.delete(np.abs(q - origin), system.algebraic)
     away = bool(moved.max(initial=0.0) > AWAY * extent)
     return nearest._replace(iterations=ITERATIONS, away=away)
 

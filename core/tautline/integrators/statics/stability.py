@@ -36,7 +36,8 @@ SPRING = 1e-6
 
 
 class Stability(NamedTuple):
-    """How many independent motions lower the energy, the unknown that one of them moves most, and that motion (n,).
+    """How many independent motions lower the energy, the unknown that one of them moves most, and that motion (n,);
+    where there is none (0,).
 
     ``negative`` is -1 where it is not known: the tangent is not symmetric, or a pivot of it is zero.
     """
@@ -149,19 +150,22 @@ def _by_pivots(system: System, factors: Factors) -> Stability:
     band, corner = factors.matrix.band, factors.matrix.corner
     if not _symmetric(factors.matrix, k):
         return UNKNOWN
-    stiffest = max(float(np.abs(band[:, 2 * k]).max(initial=0.0)), float(np.abs(corner).max(initial=0.0)), 1e-300)
-    size = np.concatenate([np.abs(band[:, 2 * k]), np.abs(np.diagonal(corner))])
+    size = np.abs(np.concatenate([band[:, 2 * k], np.diagonal(corner)]))
+    stiffest = max(float(size[: n - border].max(initial=0.0)), float(np.abs(corner).max(initial=0.0)), 1e-300)
     shift = NEUTRAL * np.where(size > 0.0, size, 1.0)
     shift[system.algebraic] = -SPRING / stiffest
     band[:, 2 * k] += shift[: n - border]
-    corner[np.diag_indices(border)] += shift[n - border :]
+    corner[np.arange(border), np.arange(border)] += shift[n - border :]
     left = corner.T.copy()
     if factorise_matrix(factors):
         return UNKNOWN
-    wrong = np.flatnonzero(factors.inverse < 0.0)
-    left -= factors.matrix.lower @ factors.columns.T
-    beyond = int((np.linalg.eigvalsh(0.5 * (left + left.T)) < 0.0).sum()) if border else 0
+    wrong, beyond = np.flatnonzero(factors.inverse < 0.0), 0
+    if border:
+        left -= factors.matrix.lower @ factors.columns.T
+        beyond = int((np.linalg.eigvalsh(0.5 * (left + left.T)) < 0.0).sum())
     negative = wrong.size + beyond - system.algebraic.size
+    if negative == 0:
+        return Stability(0, n - 1, np.zeros(0))
     worst = np.setdiff1d(wrong, system.algebraic)
     # Any disturbance has a part along the motion that grows.
     mode = np.random.default_rng(1).uniform(-1.0, 1.0, n)
@@ -172,19 +176,27 @@ def _by_pivots(system: System, factors: Factors) -> Stability:
 
 def _symmetric(matrix: Matrix, k: int) -> bool:
     """Whether each entry of the band and the border is as its mirror, by the stiffness of their rows."""
-    band = matrix.band
-    size = np.sqrt(np.abs(band[:, 2 * k]))
+    n, width = matrix.band.shape
+    # Rows of zeros beyond the last: entry (j + d, j) and its mirror (j, j + d) are at [j, d] for every j and d.
+    band, size = np.zeros((n + k, width)), np.ones(n + k)
+    band[:n] = matrix.band
+    size[:n] = np.sqrt(np.abs(matrix.band[:, 2 * k]))
     size[size == 0.0] = 1.0
-    below = (
-        (band[:-d, 2 * k + d], band[d:, 2 * k - d], size[:-d] * size[d:]) for d in range(1, min(k, size.size - 1) + 1)
-    )
+    step = band.itemsize
+    low = np.ndarray((n, k + 1), float, band, 2 * k * step, (width * step, step))
+    high = np.ndarray((n, k + 1), float, band, 2 * k * step, (width * step, (width - 1) * step))
+    both = size[:n, None] * np.ndarray((n, k + 1), float, size, 0, (step, step))
+    if not bool((np.abs(low - high) <= SKEW * both).all()):
+        return False
+    if matrix.corner.size == 0:
+        return True
     edge = np.sqrt(np.abs(np.diagonal(matrix.corner)))
     edge[edge == 0.0] = 1.0
     border = (
-        (matrix.right, matrix.lower, edge[:, None] * size),
+        (matrix.right, matrix.lower, edge[:, None] * size[:n]),
         (matrix.corner, matrix.corner.T, np.outer(edge, edge)),
     )
-    return all(np.all(np.abs(low - high) <= SKEW * both) for low, high, both in (*below, *border))
+    return all(np.all(np.abs(low - high) <= SKEW * both) for low, high, both in border)
 
 
 def _by_eigenvalues(system: System, matrix: Matrix) -> Stability:
