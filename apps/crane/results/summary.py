@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable, Collection, Iterator
 from typing import Any
@@ -76,12 +77,18 @@ def headline(
         ("rise|max_displacement", lambda: _bodies(result, scene)),
         ("max_offlead|max_sidelead", lambda: _angles(result)),
     ]
-    wanted = [part for begins, part in parts if not names or any(re.match(begins, name) for name in names)]
+    wanted = [part for begins, part in parts if not names or _any_begins(begins, frozenset(names))]
     rows = [row for part in wanted for row in part()]
     return {
         name: {"value": int(value) if isinstance(value, int) else float(value), "unit": unit, "text": text}
         for name, value, unit, text in rows
     }
+
+
+@functools.lru_cache(maxsize=64)
+def _any_begins(begins: str, names: frozenset[str]) -> bool:
+    """Whether any name is of a part: asked anew for each of many runs."""
+    return any(re.match(begins, name) for name in names)
 
 
 def figure_units(scene: CraneScene) -> dict[str, str]:

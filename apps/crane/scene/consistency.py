@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
+from weakref import WeakValueDictionary
 
 from crane.scene.path import Anchor, Drum, End, PathItem, Sheave
 from tautline.scene.functions import FunctionOfTime
@@ -247,7 +248,16 @@ def _any_odd(value: Any) -> bool:
         return value != 0.0 and not SMALLEST <= abs(value) <= FAR_AWAY
     if isinstance(value, (tuple, list)):
         return any(_any_odd(entry) for entry in value)
-    return isinstance(value, Model) and any(_any_odd(entry) for entry in value.__dict__.values())
+    if not isinstance(value, Model) or _not_odd.get(id(value)) is value:
+        return False
+    odd = any(_any_odd(entry) for entry in value.__dict__.values())
+    if not odd:
+        _not_odd[id(value)] = value
+    return odd
+
+
+_not_odd: WeakValueDictionary[int, Model] = WeakValueDictionary()
+"""Parts of scenes without such a number: variants of a scene share most of them."""
 
 
 def _numbers(value: Any, at: Key) -> Iterator[tuple[Key, float]]:

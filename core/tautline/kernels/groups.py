@@ -229,7 +229,9 @@ Laid = tuple[list[list[int]], list[Any]]
 
 def laid_out(groups: tuple[Any, ...]) -> Laid:
     """What :func:`link` lays out of the groups, whichever sums it is asked for."""
-    return [words_of(g) for g in groups], [form_of(g) for g in groups]
+    words: dict[int, list[int]] = {}
+    forms: dict[int, Any] = {}
+    return [words_of(g, words) for g in groups], [form_of(g, forms) for g in groups]
 
 
 def link(groups: tuple[Any, ...], *sums: str, laid: Laid | None = None) -> Any:

@@ -35,10 +35,11 @@ def kind_of(value: Any) -> types.Type:
     return _kinds[form]
 
 
-def form_of(value: Any) -> Any:
+def form_of(value: Any, known: dict[int, Any] | None = None) -> Any:
     """What the type of a value depends on: classes, and of arrays the kind of their entries and how they lie.
 
-    It is made and compared much faster than a type of numba's, which is hashed part by part each time.
+    It is made and compared much faster than a type of numba's, which is hashed part by part each time. ``known`` keeps
+    the forms of tuples by their identity, for values that share some.
     """
     kind = type(value)
     if kind in ARRAYS:
@@ -46,34 +47,35 @@ def form_of(value: Any) -> Any:
         lies = flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned, entries.isalignedstruct
         return entries, value.ndim, lies
     if isinstance(value, tuple):
-        return kind, *map(form_of, value)
+        if known is None:
+            return kind, *map(form_of, value)
+        if id(value) not in known:
+            known[id(value)] = kind, *(form_of(part, known) for part in value)
+        return known[id(value)]
     # A whole number that needs all of 64 bits has no sign.
     return kind if kind in PLAIN and not (kind is int and value.bit_length() > 63) else typeof(value)
 
 
-def words_of(value: Any) -> list[int]:
+def words_of(value: Any, known: dict[int, list[int]] | None = None) -> list[int]:
     """The 8-byte words in which compiled code holds a value.
+
+    ``known`` keeps the words of tuples by their identity, for values that share some.
 
     Raises
     ------
     TypeError
         For what is neither a C-contiguous array, an integer, a float nor a tuple of such.
     """
-    words: list[int] = []
-    _lay(value, words)
-    return words
-
-
-def _lay(value: Any, words: list[int]) -> None:
-    """Add the words of a value to a list."""
     if isinstance(value, tuple):
-        for part in value:
-            _lay(part, words)
-    elif isinstance(value, np.ndarray) and _flags(value).c_contiguous:
-        words += (0, 0, _size(value), _width(value), _memory(value).data, *_shape(value), *_strides(value))
-    elif isinstance(value, (float, np.float64)):
-        words.append(int(np.float64(value).view(np.int64)))
-    elif isinstance(value, (int, np.int64)) and not isinstance(value, bool):
-        words.append(int(value))
-    else:
-        raise TypeError(f"a group holds contiguous arrays, integers, floats and tuples of them, not {value!r}")
+        if known is None:
+            return [word for part in value for word in words_of(part)]
+        if id(value) not in known:
+            known[id(value)] = [word for part in value for word in words_of(part, known)]
+        return known[id(value)]
+    if isinstance(value, np.ndarray) and _flags(value).c_contiguous:
+        return [0, 0, _size(value), _width(value), _memory(value).data, *_shape(value), *_strides(value)]
+    if isinstance(value, (float, np.float64)):
+        return [int(np.float64(value).view(np.int64))]
+    if isinstance(value, (int, np.int64)) and not isinstance(value, bool):
+        return [int(value)]
+    raise TypeError(f"a group holds contiguous arrays, integers, floats and tuples of them, not {value!r}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -44,8 +44,14 @@ class OnDemand(Mapping[str, Any]):
 
 def together(names: Sequence[str], make: Callable[[], Mapping[str, Any]]) -> dict[str, Callable[[], Any]]:
     """What makes each of some values that are made all at once: for `OnDemand`."""
-    found = cache(make)
-    return {name: lambda name=name: found()[name] for name in names}  # type: ignore[misc]
+    found: dict[str, Any] = {}
+
+    def one(name: str) -> Any:
+        if not found:
+            found.update(make())
+        return found[name]
+
+    return {name: partial(one, name) for name in names}
 
 
 class BriefStore(Store):

@@ -83,6 +83,11 @@ class Runner:
     ----------
     application, scene
         Of the job, where they were made already.
+
+    Attributes
+    ----------
+    tried : dict
+        Scenes of cases that were made to see whether they can be; each is used once.
     """
 
     def __init__(self, job: Job, application: Any = None, scene: Any = None) -> None:
@@ -90,6 +95,7 @@ class Runner:
         self.application = application if application is not None else _application(job.application)
         self.scene = scene if scene is not None else self.application.read(job.document)
         self.cancelled = False
+        self.tried: dict[int, Any] = {}
         self._own = threading.local()
         self._turn: threading.Lock | None = None
 
@@ -108,7 +114,8 @@ class Runner:
         row, found = Row(case, DONE, process=os.getpid()), {}
         try:
             with self._turn or nullcontext():
-                found, row.loop_time = self._found(self.varied(changes))
+                scene = self.tried.pop(case, None)
+                found, row.loop_time = self._found(self.varied(changes) if scene is None else scene)
             kept = chosen(found, self.job.collected)
             row.values = {name: plain(one.value) for name, one in kept.items()}
             # What is told of the columns goes without the values: it is kept, and sent by the workers of a cluster.

@@ -33,6 +33,8 @@ FIRST = 2
 """Cases that are run here before others get work: the first loads what comes after its loop, the second tells."""
 TRIED, PATIENCE = 1000, 10.0
 """Cases by which it is known how long it takes to try all, and the time, s, above which that is said."""
+KEPT = 2_000_000
+"""Letters of scenes that are kept from being tried to being run: of short ones a thousand cases are not made twice."""
 Progress = Callable[[int, int], None]
 
 
@@ -232,7 +234,8 @@ class _Sweep:
     def check(self, announce: Callable[[int], None] | None, say: Callable[[str], None]) -> None:
         """Try every case on the scene's reader, and build one; raises SceneError before anything is written."""
         problems: dict[Problem, None] = {}
-        began = time.perf_counter()
+        finished = self.journal.done if self.journal is not None else ()
+        began, kept = time.perf_counter(), KEPT // max(1, len(self.scene.document.text))
         for case in range(len(self.cases)):
             if case == TRIED:
                 left = (time.perf_counter() - began) * (len(self.cases) / TRIED - 1.0)
@@ -240,7 +243,9 @@ class _Sweep:
                     say(f"the values of {len(self.cases)} cases are tried first, which takes about {left:.0f} s")
             changes = self.cases.changes(case)
             try:
-                self.runner.varied(changes)
+                scene = self.runner.varied(changes)
+                if len(self.runner.tried) < kept and case not in finished:
+                    self.runner.tried[case] = scene
             except SceneError as error:
                 told = ", ".join(f"{key} = {value}" for key, value in changes.items())
                 found = refused(self.read, error, f"case {case}: {told}").problems
@@ -309,6 +314,7 @@ class _Sweep:
             say(f"{left} cases on {self.jobs} threads")
             yield from in_threads(self.runner, todo, self.jobs)
         else:
+            self.runner.tried.clear()
             yield from in_cluster(self.job, todo, self.jobs, self.dask or "local", measured, say)
 
     def _take(self, row: Row, found: Mapping[str, Finding]) -> None:
