@@ -160,19 +160,20 @@ class Observer:
         """The same, each variable made when it is asked for; the frames have to stay as they are."""
         q, v, three = frames.q, frames.v, np.arange(AXES)
         found = frames.own[:, : PER_SPAN * self.elements].reshape(len(q), self.elements, PER_SPAN)
+        tension = together(("tension",), lambda: {"tension": self._tension(v, found)})
         made: dict[str, Callable[[], Any]] = {
             "position": lambda: q[:, self.stations[:, None] + three],
             "velocity": lambda: v[:, self.stations[:, None] + three],
             "material_coordinate": lambda: q[:, self.stations + MATERIAL],
             "axial_force": lambda: found[..., FORCE].copy(),
-            "tension": lambda: self._tension(v, found),
+            **tension,
         }
         if self.scene.bodies:
             made["body_position"], made["body_velocity"] = (partial(self._of_bodies, x) for x in (q, v))
         if self.sheaves:
             made |= together(OF_SHEAVES, lambda: self._sheaves(frames, found))
         if self.drums:
-            made |= together(OF_DRUMS, lambda: self._drums(frames, found, seen["tension"]))
+            made |= together(OF_DRUMS, lambda: self._drums(frames, found, tension["tension"]()))
         if self.hung is not None:
             made |= together(("offlead", "sidelead"), lambda: self._leads(q, found))
         if self.layout.turn:
@@ -180,8 +181,7 @@ class Observer:
         if self.compensator is not None:
             made["compensator"] = lambda: sample(self.compensator, 0, np.ascontiguousarray(frames.time))[:, 0]
         made |= together(ENERGIES, lambda: energies_of(frames))
-        seen = OnDemand(made)
-        return seen
+        return OnDemand(made)
 
     def _of_bodies(self, x: np.ndarray) -> np.ndarray:
         """Places of the bodies in full vectors (m, n): (m, bodies, 3)."""

@@ -100,12 +100,16 @@ class BriefStore(Store):
         if self.frames == 0:
             return None
         if self._joined is None:
-            self._joined = OnDemand({variable.name: partial(self._whole, variable.name) for variable in self.variables})
+            # Nothing here refers back to the store: frames go with their last user, and wait for no collection.
+            whole = {variable.name: partial(_whole, self._observed, variable.name) for variable in self.variables}
+            self._joined = OnDemand(whole)
         return Result(None, (self.variables, self._joined, self._fixed, self.attributes, {}))
 
     def close(self) -> None:
         """Nothing is left behind."""
 
-    def _whole(self, name: str) -> np.ndarray:
-        parts = [batch[name] for batch in self._observed]
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+def _whole(batches: Sequence[Mapping[str, np.ndarray]], name: str) -> np.ndarray:
+    """A variable over all batches."""
+    parts = [batch[name] for batch in batches]
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
