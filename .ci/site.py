@@ -1,12 +1,14 @@
 """Whether a built site holds together: `python .ci/site.py site`.
 
 Every link and picture leads to a file of the site, and to a place in it that there is. No page loads anything from a
-network. Where Chromium and Playwright are installed every page with equations is opened from the folder, and each
-equation must be typeset; the search must find something. Links to other sites are not followed: there is no network.
+network. The reference says of every key what it means. Where Chromium and Playwright are installed every page
+with equations is opened from the folder, and each equation must be typeset; the search must find something. Links to
+other sites are not followed: there is no network.
 """
 
 from __future__ import annotations
 
+import re
 import shutil
 import sys
 from html.parser import HTMLParser
@@ -70,6 +72,17 @@ def faults(site: Path, pages: dict[Path, Page]) -> list[str]:
     return found
 
 
+def unexplained(site: Path) -> list[str]:
+    """Keys of scenes of which the reference does not say what they mean."""
+    row = re.compile(r"<tr>\s*<td><code>(.*?)</code></td>(?:\s*<td>.*?</td>){2}\s*<td>(.*?)</td>\s*</tr>", re.S)
+    return [
+        f"{path.name}: nothing is said of the key {key}"
+        for path in sorted(site.glob("reference/keys_*.html"))
+        for key, meaning in row.findall(path.read_text(encoding="utf8"))
+        if not meaning.strip()
+    ]
+
+
 def seen(site: Path, pages: dict[Path, Page]) -> list[str]:
     """What a browser finds wrong when pages are opened from the folder."""
     from playwright.sync_api import sync_playwright
@@ -98,7 +111,7 @@ def main() -> None:
     """Check a site and leave with 1 where it has faults."""
     site = Path(sys.argv[1]).resolve()
     pages = {path: Page(path) for path in site.rglob("*.html") if path.name != "404.html"}
-    found = faults(site, pages)
+    found = faults(site, pages) + unexplained(site)
     told = f"{len(pages)} pages, {sum(len(page.links) for page in pages.values())} links"
     if shutil.which("chromium"):
         found += seen(site, pages)

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import re
+import sys
+from pathlib import Path
 from typing import Any
 
 from mkdocs.structure.files import File
+
+sys.path.insert(0, str(Path(__file__).parent))
+from meanings import MEANINGS
 
 COMMANDS = ("drillstring", "crane", "gardenhose", "tautline")
 KINDS = ("constant", "ramp", "table", "harmonic", "chirp", "spectrum", "sum")
@@ -81,6 +86,7 @@ class Keys:
         return _plain(re.split(r"\nAttributes\n-+\n", part.get("description", ""))[0])
 
     def _table(self, part: dict[str, Any], unit: str | None = None) -> str:
+        title = f"Scene.{self.application.name}" if part is self.schema else part.get("title", "")
         told = _attributes(part.get("description", ""))
         rows = ["| key | value | default | meaning |", "| --- | --- | --- | --- |"]
         for key, value in part.get("properties", {}).items():
@@ -92,6 +98,8 @@ class Keys:
             meaning = told.get(key) or told.get(key + "_") or value.get("quantity") or ""
             if not meaning:
                 meaning = self._of_part(value) or _quantity(value)
+            if not meaning:
+                meaning = MEANINGS.get(f"{title}.{key}") or MEANINGS.get(key, "")
             rows.append(f"| `{key}` | {kind} | {default} | {_cell(meaning)} |")
         return "\n".join(rows) if len(rows) > 2 else ""
 

@@ -363,6 +363,20 @@ def test_water_and_ground_are_levels_where_the_scene_has_them():
     assert [(one.name, one.height) for one in levels] == [("water", 1.5), ("ground", -30.0)]
 
 
+def test_a_vessel_without_water_floats_in_a_calm_sea_that_is_said_to_be_drawn():
+    vessel = {"reference": [0, 0, -10], "motion": {"heave": {"harmonic": {"amplitude": 0.5, "period": 8}}}}
+    shown = seen(result(one_fall(vessel=vessel)))
+    (sea,) = shown.levels
+    deck = solid(shown, "deck")
+    low, top = deck.points[:, 2].min(), deck.points[:, 2].max()
+    assert low < sea.height < top and sea.clear and sea.waves is None
+    assert any("not in the scene" in note for note in shown.notes)
+    # Where a load goes below it, or on land, it would tell something that is not so.
+    low_load = [body("payload", 5000.0, (12.4, 0.0, -8.0))]
+    assert not seen(result(one_fall(vessel=vessel, bodies=low_load))).levels
+    assert not seen(result(one_fall())).levels
+
+
 def deep():
     """A load 2 km below its crane."""
     load = body("payload", 5000.0, (12.4, 0.0, -2000.0))

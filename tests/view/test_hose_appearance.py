@@ -147,6 +147,16 @@ def test_a_clamped_root_is_a_plate_behind_it_and_a_mass_at_the_tip_a_ball():
     assert any("tip" in note for note in seen.notes)
 
 
+def test_a_free_tip_tells_where_it_is_and_how_fast_it_and_the_water_are():
+    made = told(SCENE.format(more=""), frames=41)
+    tip = next(solid for solid in appearance(made, Look()).solids if solid.name == "tip")
+    np.testing.assert_allclose(tip.pose(33)[:3, 3], made["tip"][33], atol=1e-14)
+    values = {one.text: one.values for one in tip.histories}
+    np.testing.assert_array_equal(values["height"], made["tip"][:, 2])
+    np.testing.assert_allclose(values["speed of the tip"], np.linalg.norm(made["tip_velocity"], axis=1))
+    np.testing.assert_array_equal(values["speed of the water"], made["flow_speed"])
+
+
 def test_both_ends_that_are_held_are_shown():
     seen = appearance(told(SCENE.format(more="root_support: pinned\n  end: clamped"), frames=3), Look())
     x = seen.solids[0].points[:, 0]

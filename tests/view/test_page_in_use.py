@@ -267,6 +267,41 @@ def test_a_value_between_two_stored_moments_says_that_it_is_interpolated(browser
         assert float(opened.ask(told).split()[1].replace("−", "-")) == pytest.approx(motion(0.8 * 3.337)[0], abs=2e-3)
 
 
+def before_a_wall() -> Appearance:
+    """A rope in front of a wall, whose first number never changes, and beads on the rope, which tell nothing."""
+    time = np.linspace(0.0, 2.0, 41)
+    rope = np.array([[-4.0, 0.0, 1.0], [4.0, 0.0, 1.0]])
+    pull = Line(
+        "rope",
+        lambda k: rope,
+        0.02,
+        (ranged("tension", "tension", "N", 1e3 + np.outer(time, [1, 1])),),
+        nodes=np.arange(2),
+    )
+    path = Line("path", lambda k: rope + (0.0, 0.0, 0.02), 0.001, thick=False)
+    told = (History("still", "x", "m", 0.0 * time), History("swing", "angle", "rad", np.sin(time)))
+    wall = Solid("wall", *box((6, 0.2, 6)), lambda k: pose_of([0, 3, 1]), histories=told)
+    bead = Solid("bead", *box((0.5, 0.5, 0.5)), lambda k: pose_of([-4.0, 0, 1]))
+    return Appearance("wall", time, (pull, path), (wall, bead), eye=(0.0, -1.0, 0.0))
+
+
+def test_of_what_is_one_behind_the_other_the_nearer_line_is_picked_and_what_varies_is_shown(browser, tmp_path):
+    with Opened(browser, write_page(before_a_wall(), tmp_path / "wall.html")) as opened:
+        x, y, _ = opened.ask("tautline.middle('wall')")
+        ends = [opened.ask(f"tautline.place(0, {k})") for k in (0, 1)]
+        assert opened.ask(f"tautline.picked({x}, {ends[0][1]})").startswith("rope, node")
+        assert opened.ask(f"tautline.picked({x}, {ends[0][1] - 60})").startswith("wall")
+        # Beads have no numbers: what they are strung on is picked.
+        assert opened.ask(f"tautline.picked({ends[0][0] + 6}, {ends[0][1] + 6})").startswith("rope, node 1")
+        opened.tab.mouse.move(x, y - 60)
+        opened.tab.mouse.click(x, y - 60)
+        assert opened.ask("document.getElementById('picked').textContent") == "wall"
+        assert opened.ask("tautline.history()")["name"] == "swing"
+        assert not opened.ask("document.getElementById('tip').hidden")
+        opened.tab.keyboard.press("f")
+        assert opened.ask("document.getElementById('tip').hidden")
+
+
 def test_waves_have_the_height_of_the_sea_at_any_place_and_time(browser, swing):
     appearance = swinging()
     low, high = (f(appearance.extent(range(0, 801, 40)), axis=0) for f in (np.min, np.max))

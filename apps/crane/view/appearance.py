@@ -32,6 +32,7 @@ from tautline.view.space.appearance import (
     Solid,
     axes_of,
     chosen,
+    placed,
     ranged,
     stored,
 )  # fmt: skip
@@ -87,6 +88,12 @@ def appearance(result: Result, look: Look) -> Appearance:
     levels = tuple(_levels(ropes, site))
     notes = ["the vessel's turns are not shown: the file of its motion is not at hand"] if site.lost else []
     deck = next((solid for solid in solids if solid.name == "deck"), None)
+    if deck is not None and scene.water is None and scene.ground is None:
+        lowest = [float(rope.points[..., 2].min())] + [one.lowest for one in loads]
+        sea = _sea_below(deck, len(result.time))
+        if sea < min(lowest):
+            levels = (Level("sea", sea, WATER),)
+            notes.append("the sea is not in the scene: it is drawn for the vessel, without waves")
     if deck is not None and scene.water is not None and deck.points[:, 2].max() < scene.water.surface:
         notes.append("the winch is where the scene has it: its deck is under water")
     if any(level.waves is not None for level in levels):
@@ -128,6 +135,15 @@ def _levels(ropes: list[RopeLine], site: Site) -> Iterator[Level]:
         yield Level("water", scene.water.surface, WATER, waves=waves_of(scene))
     if scene.ground is not None and near[0] < scene.ground.level < near[1]:
         yield Level("ground", scene.ground.level, GROUND, 0.9)
+
+
+def _sea_below(deck: Solid, frames: int) -> float:
+    """Height of a calm sea in which a vessel's deck floats as drawn, m, and which never washes over it."""
+    low, top = float(deck.points[:, 2].min()), float(deck.points[:, 2].max())
+    if deck.pose is None:
+        return 0.5 * (low + top)
+    tops = [placed(deck.points, deck.pose(frame))[:, 2].max() for frame in range(frames)]
+    return min(0.5 * (low + top), float(min(tops)) - 0.2 * (top - low))
 
 
 def _line(rope: RopeLine, site: Site, name: str) -> Line:
@@ -236,6 +252,11 @@ class _Load:
             turns = self.site.result["body_turn"][:, self.k]
             poses[:, :3, :3] = [rotation_of(turn) for turn in turns]
         return poses
+
+    @property
+    def lowest(self) -> float:
+        """Height of its underside where it is lowest, m, were it level."""
+        return float(self.place[:, 2].min() + self.box.center[2] - 0.5 * self.box.size[2])
 
     def _apex(self) -> np.ndarray:
         """Where the load hangs from: the rope's end, or a swivel below the sheaves."""

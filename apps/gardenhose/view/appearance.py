@@ -13,7 +13,7 @@ from gardenhose.motion.curves import Trace
 from gardenhose.scene import HoseScene
 from tautline.cable.input.embedded_scene import embedded
 from tautline.cable.view.appearance import enlarged_by, extent_of, factor_of, quantities, sampled
-from tautline.cable.view.symbols import mass, pin, plate, supports
+from tautline.cable.view.symbols import ball, mass, pin, plate, supports
 from tautline.results.naming import title_of
 from tautline.results.result import Result
 from tautline.scene.model import validate
@@ -79,7 +79,7 @@ def appearance(result: Result, look: Look) -> Appearance:
     shown = quantities(hose, force, velocity, None, curved=True)
     marks, notes = _water(result, scene, hose, extent)
     path = _path(result, hose, extent)
-    held, more = _held(scene, hose, extent)
+    held, more = _held(result, scene, hose, extent)
     return Appearance(
         units=look.units,
         title=title_of(result, "hose"),
@@ -119,8 +119,10 @@ def _path(result: Result, hose: Chain, extent: float) -> tuple[Line, ...]:
     return (Line("path of the tip", still(places), PATH * extent, colour=STEEL, thick=False),)
 
 
-def _held(scene: HoseScene | None, hose: Chain, extent: float) -> tuple[list[Solid], list[str]]:
-    """Signs of what holds the ends, a ball for a mass at the tip, and what to say of them."""
+def _held(
+    result: Result, scene: HoseScene | None, hose: Chain, extent: float
+) -> tuple[list[Solid], list[str]]:  # fmt: skip
+    """Signs of what holds the ends, a ball for a free tip or a mass at it, and what to say of them."""
     if scene is None:
         return [], []
     size, way, meshes = SIGN * extent, np.array(scene.hose.unit_direction), []
@@ -133,14 +135,29 @@ def _held(scene: HoseScene | None, hose: Chain, extent: float) -> tuple[list[Sol
             meshes.append((points + place, triangles))
     held = supports(meshes)
     solids = [Solid(held.name, held.points, held.triangles, None, DECK, smooth=False)]
-    if scene.hose.tip_mass == 0.0:
-        return solids, []
 
     def tip(frame: int) -> np.ndarray:
         return hose.points(slice(frame, frame + 1))[0, -1]
 
-    solids.append(mass(scene.hose.tip_mass, tip, extent, "tip mass"))
-    return solids, ["the mass at the tip is a sign, not to scale"]
+    told = _of_the_tip(result)
+    if scene.hose.tip_mass > 0.0:
+        solids.append(mass(scene.hose.tip_mass, tip, extent, "tip mass", told))
+        return solids, ["the mass at the tip is a sign, not to scale"]
+    if scene.hose.end == "free":
+        points, triangles = ball(0.5 * MARK * extent)
+        solids.append(Solid("tip", points, triangles, lambda frame: pose_of(tip(frame)), STEEL, histories=told))
+    return solids, []
+
+
+def _of_the_tip(result: Result) -> tuple[History, ...]:
+    """Where the tip is and how fast it moves, and how fast the water is."""
+    tip, velocity = np.asarray(result["tip"]), np.asarray(result["tip_velocity"])
+    found = [History("z", "height", "m", tip[:, 2])]
+    found += [History(axis, axis, "m", tip[:, c]) for c, axis in enumerate("xy")]
+    found.append(History("tip_speed", "speed of the tip", "m/s", np.linalg.norm(velocity, axis=1)))
+    if "flow_speed" in result:
+        found.append(History("flow_speed", "speed of the water", "m/s", np.asarray(result["flow_speed"])))
+    return tuple(found)
 
 
 def _water(result: Result, scene: HoseScene | None, hose: Chain, extent: float) -> tuple[list[Solid], list[str]]:
@@ -168,8 +185,7 @@ def _water(result: Result, scene: HoseScene | None, hose: Chain, extent: float) 
     def pose_at(k: int) -> Values:
         return lambda frame: poses(frame)[k]
 
-    told = (History("flow_speed", "speed of the water", "m/s", speed),)
-    solids = [Solid(f"water {k + 1}", points, triangles, pose_at(k), WATER, histories=told) for k in range(MARKS)]
+    solids = [Solid(f"water {k + 1}", points, triangles, pose_at(k), WATER) for k in range(MARKS)]
     if slower == 1.0:
         return solids, ["marks move with the water"]
     return solids, [f"marks move with the water, {slower:g} times more slowly than it does"]

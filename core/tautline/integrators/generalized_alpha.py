@@ -60,10 +60,10 @@ def coefficients(alpha_m: float, alpha_f: float) -> tuple[float, float]:
 def energy_set_aside(beta: float, gamma: float, h: float, moving: float) -> float:
     """Energy, J, that the method sets aside for accelerations, of which ``moving`` is the sum m a^2.
 
-    What it conserves, or damps, is not the energy E, but E + (beta - gamma / 2) h^2 a M a / 2: for a linear system the
-    identity of Newmark's method (Hughes, The Finite Element Method, section 9.2) with the auxiliary acceleration. The
-    difference comes and goes with the accelerations. What is set aside at the start, for what is let go there, is given
-    to the motion in the first steps.
+    Newmark's method conserves or damps not the energy E of a linear system, but E + (beta - gamma / 2) h^2 a M a / 2
+    (Hughes, The Finite Element Method, section 9.2). With generalized-alpha this sum swings within a period, and bounds
+    E from the start on. What is set aside at the start, for what is let go there, is given to the motion in the first
+    steps.
     """
     return 0.5 * max(0.0, beta - 0.5 * gamma) * h * h * moving
 

@@ -3,29 +3,32 @@
 
 // ---------------------------------------------------------------- what is under the pointer
 
-/** The line within reach of a place on the page, px, and its node (or point) there. */
+const SILENT = 5; // px by which a line without numbers, such as a path, must be nearer than one that has some
+
+/** The line within reach of a place on the page, px, its node (or point) there, and how far off it is. */
 function picked(x, y, reach) {
   let best = null;
   const at = new THREE.Vector3();
   for (const tube of tubes) {
     if (tube.spec.hollow && !Object.keys(tube.tracks).length) continue;
+    const silence = Object.keys(tube.tracks).length ? 0 : SILENT;
     let before = null;
     for (let k = 0; k < tube.count; k++) {
       const here = projected(at.fromArray(tube.at, 3 * k));
       if (before && here.z < 1 && before.z < 1) {
         const [dx, dy] = [here.x - before.x, here.y - before.y];
         const share = Math.min(Math.max(((x - before.x) * dx + (y - before.y) * dy) / (dx * dx + dy * dy || 1), 0), 1);
-        const off = Math.hypot(x - before.x - share * dx, y - before.y - share * dy);
+        const off = Math.hypot(x - before.x - share * dx, y - before.y - share * dy) + silence;
         if (off < (best ? best.off : reach)) best = { tube, off, point: k - 1 + share };
       }
       before = here;
     }
   }
   if (!best) return null;
-  const { tube, point } = best;
-  if (!tube.nodes.length) return { tube, point: Math.round(point), node: null };
+  const { tube, point, off } = best;
+  if (!tube.nodes.length) return { tube, point: Math.round(point), node: null, off };
   const nearest = tube.nodes.reduce((a, b, k) => (Math.abs(b - point) < Math.abs(tube.nodes[a] - point) ? k : a), 0);
-  return { tube, point: tube.nodes[nearest], node: nearest + 1 };
+  return { tube, point: tube.nodes[nearest], node: nearest + 1, off };
 }
 
 /** What is known of a pick: its name, and each of its numbers with its value at any stored moment. */
@@ -71,12 +74,18 @@ function hit(x, y) {
   return (telling ?? found[0]).body;
 }
 
-/** What is at a place on the page: a line that is very near, else a body, else a line within reach. */
+/** What is at a place on the page: a line that is very near, else a body, else a line within reach; of a body without numbers the line. */
 function found_at(x, y, reach) {
   const line = picked(x, y, reach);
   if (line && line.off < 4) return line;
   const body = hit(x, y);
-  return body ? { body } : line;
+  return body && (body.histories.length || !line) ? { body } : line;
+}
+
+/** What was under the pointer is not there any more. */
+function leave() {
+  $("tip").hidden = true;
+  state.hovered = null;
 }
 
 function hover(event) {
@@ -101,9 +110,13 @@ function ticks(low, high, most) {
   return found;
 }
 
-/** The number of a pick whose history is shown: the one that was chosen, else what colours, else its first. */
-function chosen(numbers) {
-  return numbers.find((one) => one.name === state.shown) ?? numbers.find((one) => one.name === state.quantity?.name) ?? numbers[0];
+/** The number of a pick whose history is shown: the one that was chosen, else what colours, else the first that varies. */
+function chosen({ numbers, time }) {
+  const varies = (one) => time.some((_, k) => written(one.at(k), one.digits) !== written(one.at(0), one.digits));
+  return (
+    numbers.find((one) => one.name === state.shown) ?? numbers.find((one) => one.name === state.quantity?.name) ??
+    numbers.find(varies) ?? numbers[0]
+  );
 }
 
 let axes = null; // where the curve's axes are, for who clicks there
@@ -111,7 +124,7 @@ let axes = null; // where the curve's axes are, for who clicks there
 /** History of what is picked, with the present moment. */
 function plot() {
   const { name, time, numbers } = known(state.pinned);
-  const shown = numbers.length ? chosen(numbers) : null;
+  const shown = numbers.length ? chosen({ numbers, time }) : null;
   $("picked").textContent = name;
   $("values").replaceChildren();
   for (const one of numbers) {
@@ -211,7 +224,7 @@ space.addEventListener("pointerup", (event) => {
   if (found) pin(found);
 });
 space.addEventListener("pointermove", (event) => event.pointerType === "mouse" && hover(event));
-space.addEventListener("pointerleave", () => (($("tip").hidden = true), (state.hovered = null)));
+space.addEventListener("pointerleave", leave);
 $("close").addEventListener("click", () => pin(null));
 $("play").addEventListener("click", () => play(!state.playing));
 $("slider").addEventListener("input", () => (play(false), show(Number($("slider").value))));
@@ -257,8 +270,9 @@ const KEYS = {
   "-": () => faster(-1),
   q: () => {
     if (!state.pinned) return;
-    const { numbers } = known(state.pinned);
-    if (numbers.length) state.shown = numbers[(numbers.indexOf(chosen(numbers)) + 1) % numbers.length].name;
+    const found = known(state.pinned);
+    const { numbers } = found;
+    if (numbers.length) state.shown = numbers[(numbers.indexOf(chosen(found)) + 1) % numbers.length].name;
     plot();
   },
   f: () => {
@@ -269,6 +283,7 @@ const KEYS = {
       controls.target.copy(at);
       camera.position.copy(at).add(back);
       state.moved = true;
+      leave();
     }
   },
   d: turn_theme,
@@ -373,6 +388,6 @@ globalThis.tautline = {
   point: (line, point) => [0, 1, 2].map((c) => tubes[line].at[3 * point + c]),
   pose: (name) => bodies.find((one) => one.name === name).mesh.matrix.elements.slice(),
   picked: (x, y) => { const found = found_at(x, y, 10); return found && told(found, false); },
-  history: () => { const { time, numbers } = known(state.pinned); const one = chosen(numbers); return { time, name: one.name, unit: one.unit, written: time.map((_, k) => written(one.at(k), one.digits)) }; },
+  history: () => { const found = known(state.pinned); const { time } = found; const one = chosen(found); return { time, name: one.name, unit: one.unit, written: time.map((_, k) => written(one.at(k), one.digits)) }; },
   elevation: (x, y, time) => planes.find((one) => one.sea).sea.elevation(x, y, time),
 };

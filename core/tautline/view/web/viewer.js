@@ -168,6 +168,7 @@ function frame_points(points, eye, least) {
   camera.position.copy(controls.target).addScaledVector(back, far - best.middle);
   center_view();
   controls.update();
+  leave();
   state.dirty = true;
 }
 
@@ -465,9 +466,9 @@ $("help").textContent = [
   page.title, "",
   "drag to turn, right button or two fingers to move, wheel or pinch to zoom",
   "point at a thing for its name and values; click for their history",
-  "space: play or pause    ← →: a picture, with shift ten    home, end",
-  "+ −: faster, slower    q: another quantity of what is picked",
-  "f: go to what is picked    r: view as at first    d: dark or light    h: this    esc: close", "",
+  "space: play or pause · ← →: a picture, with shift ten · home, end: first and last",
+  "+ −: faster, slower · q: another quantity of what is picked",
+  "f: go to what is picked · r: view as at first · d: dark or light · h: this text · esc: close", "",
   `frames ${page.numbers[0]} to ${page.numbers[frames - 1]} of the result, ${frames} held here; between them the picture is interpolated`,
   "numbers are those of the result, rounded to what is written; ≈ where they are interpolated",
   `places of lines are rounded to ${Number((1000 * page.error).toPrecision(1))} mm`,
