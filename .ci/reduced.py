@@ -24,7 +24,8 @@ from tautline.cli.main import main as tautline
 
 VERBS = ("study", "stability")
 SCRIPTS = (
-    "benchmarks/validation.py", "benchmarks/gallery.py", "benchmarks/report.py", "benchmarks/mutation.py", ".ci/studies.py",
+    "benchmarks/validation.py", "benchmarks/gallery.py", "benchmarks/report.py", "benchmarks/mutation.py",
+    ".ci/studies.py",
 )  # fmt: skip
 LONGEST = (
     "benchmarks/validation.py", "benchmarks/gallery.py", "benchmarks/report.py", ".ci/studies.py", "stability landing",

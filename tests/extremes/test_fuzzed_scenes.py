@@ -1,8 +1,8 @@
 """Broken scenes and tables by the thousand: each is run, or refused with one message; see `fuzzing` for what is good.
 
 The suite looks at the first few hundred. ``pytest -m study tests/extremes`` looks at all: 10,000 scenes and 1,000
-tables through `check`, 1,000 scenes through `simulate`. A case is made from its number alone. Files of one that fails stay;
-``cd tests && python -m extremes.fuzzing check 574`` makes and runs it again.
+tables through `check`, 1,000 scenes through `simulate`. A case is made from its number alone. Files of one that fails
+stay; ``cd tests && python -m extremes.fuzzing check 574`` makes and runs it again.
 """
 
 import subprocess
