@@ -1,4 +1,4 @@
-"""Study and stability of every scene, and all benchmarks, reduced: a quick look at each, which must end well.
+"""Study and stability of every scene, benchmarks, and studies of the tests, reduced: each must end well.
 
 Two processes take from a list that begins with the longest. A study is run by the function that the script `tautline`
 calls, in the process that takes it: to start another, to import and to load the same kernels takes longer than most.
@@ -23,9 +23,13 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"  # Before NumPy is loaded: two that tak
 from tautline.cli.main import main as tautline
 
 VERBS = ("study", "stability")
-BENCHMARKS = ("validation", "gallery", "report")
+SCRIPTS = (
+    "benchmarks/validation.py", "benchmarks/gallery.py", "benchmarks/report.py", "benchmarks/mutation.py",
+    ".ci/studies.py",
+)  # fmt: skip
 LONGEST = (
-    "benchmarks/validation.py", "benchmarks/gallery.py", "benchmarks/report.py", "stability landing",
+    "benchmarks/validation.py", "benchmarks/gallery.py", "benchmarks/report.py", ".ci/studies.py", "stability landing",
+    "benchmarks/mutation.py",
     "stability tripping", "stability whirl", "study tripping", "study hose", "stability sixteen_falls",
     "study hookblock", "stability drilling",
 )  # fmt: skip
@@ -35,12 +39,12 @@ LONGEST = (
 def jobs() -> list[tuple[str, ...]]:
     """Commands in the order in which they begin."""
     scenes = [str(path) for path in sorted(Path("data").glob("*.yaml"))]
-    found = [(f"benchmarks/{name}.py",) for name in BENCHMARKS] + [(verb, scene) for scene in scenes for verb in VERBS]
+    found = [(name,) for name in SCRIPTS] + [(verb, scene) for scene in scenes for verb in VERBS]
     return sorted(found, key=lambda job: LONGEST.index(named(job)) if named(job) in LONGEST else len(LONGEST))
 
 
 def named(job: tuple[str, ...]) -> str:
-    """A benchmark's script, or a verb and a scene."""
+    """A script, or a verb and a scene."""
     return " ".join([*job[:-1], Path(job[-1]).stem]) if len(job) > 1 else job[0]
 
 
@@ -52,7 +56,7 @@ def run(job: tuple[str, ...], folder: str) -> tuple[int, str, float]:
 
 
 def _measured(job: tuple[str, ...], folder: Path) -> tuple[int, str]:
-    """A benchmark has a process of its own: it measures what else is not done in it."""
+    """A script has a process of its own: it measures what else is not done in it."""
     done = subprocess.run(
         [sys.executable, *job, "--quick"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
     )

@@ -43,7 +43,6 @@ def drillstring(folder, capsys):
     return commands_of(Drillstring(), capsys)
 
 
-@pytest.mark.long
 def test_campbell_takes_one_model_the_scenes_or_that_which_is_asked_for(drillstring):
     options = ("campbell", "field_well.yaml", "--modes", "axial", "--up-to", "2", "--json", "-o", "c.svg")
     code, out, _ = drillstring(*options)

@@ -113,7 +113,6 @@ def test_the_shipped_scene_is_warned_of_nothing_but_that_it_hides_its_buckling_t
     assert told_of(deep) == {"bit.weight"}
 
 
-@pytest.mark.long
 def test_what_the_warning_of_buckling_says_makes_the_collars_buckle_onto_the_wall():
     """As it stands nothing ever touches; eccentric collars of short elements bow as soon as they turn."""
     long, bowed = "drill collar 6 1/2 x 2 13/16, length: 160 m", "elements: 17, eccentricity: [0, 2 mm]"

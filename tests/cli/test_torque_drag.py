@@ -334,7 +334,7 @@ LINKS = 30
 
 @pytest.mark.parametrize(
     ("steep", "depth", "more", "within"),
-    [(False, 3400.0, 20e3, 5e-3), pytest.param(True, 2000.0, None, 0.15, marks=pytest.mark.long)],
+    [(False, 3400.0, 20e3, 5e-3), pytest.param(True, 2000.0, None, 0.15, marks=pytest.mark.study)],
 )
 def test_standard_error_of_loads_that_disagree_is_told_by_differences_of_the_programs_own_loads(
     folder, steep, depth, more, within

@@ -327,7 +327,7 @@ SIDES = {
 
 
 @pytest.mark.parametrize("case", SIDES)
-def test_senses_of_a_path(case):
+def test_a_rope_runs_round_each_wheel_as_it_was_drawn_and_the_other_way_in_a_mirror(case):
     items, (x, z), expected = SIDES[case]
     wheels = [sheave(f"{k}", (cx, 0, cz), r, wrap) for k, (wrap, cx, cz, r) in enumerate(items)]
     wheels.append(point("hook", (x, 0, z)))

@@ -211,7 +211,7 @@ def test_spectral_radii_from_none_to_one(rho, usual):
     assert result["tension"].max() == pytest.approx(usual["tension"].max(), rel=2.0e-3)
 
 
-def test_newmark(usual):
+def test_newmark_lifts_as_high_as_generalized_alpha_with_as_much_tension(usual):
     result = ran(hoist(solver={"end": 2.0, "method": "newmark", "rho_inf": None}))
     assert height(result) == pytest.approx(height(usual), abs=1.0e-4)
 

@@ -1,8 +1,8 @@
 """Broken scenes and tables by the thousand: each is run, or refused with one message; see `fuzzing` for what is good.
 
-The suite looks at the first few hundred. ``pytest -m long tests/extremes`` looks at all: 10,000 scenes and 1,000 tables
-through `check`, 1,000 scenes through `simulate`. A case is made from its number alone. Files of one that fails stay;
-``cd tests && python -m extremes.fuzzing check 574`` makes and runs it again.
+The suite looks at the first few hundred. ``pytest -m study tests/extremes`` looks at all: 10,000 scenes and 1,000
+tables through `check`, 1,000 scenes through `simulate`. A case is made from its number alone. Files of one that fails
+stay; ``cd tests && python -m extremes.fuzzing check 574`` makes and runs it again.
 """
 
 import subprocess
@@ -38,12 +38,10 @@ def test_some_mutated_scenes_run_or_stop_by_name_and_store_finite_numbers(tmp_pa
     look("simulate", QUICK_RUNS, tmp_path)
 
 
-@pytest.mark.long
+@pytest.mark.study
 @pytest.mark.parametrize("kind", FULL)
 @pytest.mark.parametrize("block", range(BLOCKS))
-def test_thousands_of_mutated_scenes_and_tables(kind, block, tmp_path, request):
-    if "long" not in request.config.option.markexpr:
-        pytest.skip("takes half an hour: pytest -m long tests/extremes/test_fuzzed_scenes.py")
+def test_thousands_of_mutated_scenes_and_tables(kind, block, tmp_path):
     look(kind, range(block, FULL[kind], BLOCKS), tmp_path)
 
 
@@ -72,12 +70,10 @@ def test_a_case_is_the_same_whenever_it_is_made():
         assert make(kind, 8).files != one.files
 
 
-@pytest.mark.parametrize("rows", [30_000, pytest.param(1_000_000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("rows", [30_000, pytest.param(1_000_000, marks=pytest.mark.study)])
 @pytest.mark.parametrize("number", range(4))
-def test_a_table_of_a_million_rows_is_read_in_seconds(number, rows, tmp_path, request):
+def test_a_table_of_a_million_rows_is_read_in_seconds(number, rows, tmp_path):
     """A function of time or a vessel's motion of all zeros; 20 to 50 s of processor time for a million rows."""
-    if rows == 1_000_000 and "long" not in request.config.option.markexpr:
-        pytest.skip("takes some minutes: pytest -m long tests/extremes/test_fuzzed_scenes.py")
     case = table_case("table", number)
     files = dict(case.files)
     (name,) = (name for name in files if name != "scene.yaml")

@@ -340,10 +340,8 @@ def test_what_stops_without_frames_says_so_all_the_same():
         sim.result  # noqa: B018
 
 
-@pytest.mark.parametrize("count", [1000, pytest.param(10_000, marks=pytest.mark.long)])
-def test_thousands_of_advances_leak_nothing(count, request):
-    if count > 1000 and "long" not in request.config.option.markexpr:
-        pytest.skip("takes half a minute: pytest -m long tests/live; a thousand hold the same claim")
+@pytest.mark.parametrize("count", [1000, pytest.param(10_000, marks=pytest.mark.study)])
+def test_thousands_of_advances_leak_nothing(count):
     sim = tautline.Simulation(scene_of("hoist"), inputs=["winch.pay_out"], keep=1.0)
     out = sim["winch.pay_out"]
 

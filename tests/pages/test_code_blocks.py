@@ -50,6 +50,7 @@ SHORT = {
 PARSED = ("study", "stability")
 """Verbs that .ci/reduced.py runs on every scene: here their scene and their options are read."""
 FILMS = ("--rate", "1", "--size", "320x180")
+STILLS = ("--size", "320x180")
 LATER = "0.4 s"
 """Where a page goes on from a result."""
 
@@ -166,6 +167,8 @@ def _shortened(verb, words):
         options[options.index("--end") + 1] = LATER
     if "--movie" in words:
         options += FILMS
+    elif "--image" in words:
+        options += STILLS
     kept, names = [], {option for option in options if option.startswith("--")}
     skip = False
     for word in words:

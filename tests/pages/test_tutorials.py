@@ -1,11 +1,14 @@
-"""The notebooks of the tutorials run: each goes from a question to a figure in less than a minute."""
+"""The notebooks of the tutorials run, each from a question to a figure."""
 
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import nbformat
 import pytest
 
 ROOT = Path(__file__).parents[2]
+QUICK = "lift_in_waves"
+"""Stands for all where a kernel of Jupyter is started."""
 NAMES = sorted(path.stem for path in (ROOT / "docs" / "tutorials").glob("*.ipynb"))
 
 
@@ -17,12 +20,24 @@ def tutorials(monkeypatch):
     return tutorials
 
 
-def test_there_are_six():
+def test_there_are_six_notebooks():
     assert len(NAMES) == 6
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_notebook_runs_and_its_own_checks_hold(name, tutorials):
+def test_the_cells_of_a_notebook_run_one_after_another_and_its_own_checks_hold(name, tutorials, monkeypatch, tmp_path):
+    """In this process, which has loaded what the notebook needs."""
+    stored = nbformat.read(tutorials.FOLDER / f"{name}.ipynb", as_version=4)
+    monkeypatch.chdir(tmp_path)
+    shown, space = [], {"__name__": "notebook"}
+    monkeypatch.setattr(plt, "show", lambda: shown.extend(plt.get_fignums()) or plt.close("all"))
+    for number, cell in enumerate(cell for cell in stored.cells if cell.cell_type == "code"):
+        exec(compile(cell.source, f"{name}, cell {number}", "exec"), space)
+    assert shown
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.study if n != QUICK else ()) for n in NAMES])
+def test_a_notebook_runs_in_a_kernel_of_its_own_within_a_minute(name, tutorials):
     notebook, seconds = tutorials.run(tutorials.FOLDER / f"{name}.ipynb")
     assert tutorials.figures(notebook) >= 1
     # The first to come in an empty cache compiles the kernels besides.

@@ -86,7 +86,7 @@ OTHERS = [("tripping", 3.0), ("landing", 8.0), ("hookblock", 5.0), ("sixteen_fal
 
 
 @pytest.mark.parametrize("factor", [0.1, 4.0])
-@pytest.mark.parametrize(("name", "end"), [*SHIPPED, *(pytest.param(*case, marks=pytest.mark.long) for case in OTHERS)])
+@pytest.mark.parametrize(("name", "end"), [*SHIPPED, *(pytest.param(*c, marks=pytest.mark.study) for c in OTHERS)])
 def test_no_shipped_scene_is_called_wrong_at_a_tenth_or_four_times_its_step(name, end, factor, tmp_path):
     text = (DATA / f"{name}.yaml").read_text(encoding="utf8")
     here = tmp_path / f"{name}.yaml"

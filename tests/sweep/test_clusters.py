@@ -80,7 +80,7 @@ def test_a_worker_that_is_killed_loses_nothing_and_nothing_is_twice(cluster, tmp
         assert data["max_tension"].values[case] == alone.headline["max_tension"]["value"]
 
 
-@pytest.mark.long
+@pytest.mark.study
 def test_processes_of_this_machine_give_the_same_numbers_as_this_thread():
     short = {MASS: {"linspace": [2000, 8000, 6]}}
     here = tautline.sweep(hoist(0.1), short, collect=["max_tension"], jobs=1)

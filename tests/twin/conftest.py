@@ -1,4 +1,4 @@
-"""Trials that take minutes run where they are asked for; twins that many tests begin with are made once."""
+"""Twins that many tests begin with are made once."""
 
 import pytest
 from twin.rehearsal import calm_rows, weight_twin
@@ -29,10 +29,3 @@ def settled(tmp_path_factory):
         return twin, [row for row in calm_rows() if begin < row[0] <= end]
 
     return again
-
-
-@pytest.fixture(autouse=True)
-def long_trials_are_asked_for(request):
-    """Skip a long trial unless ``-m long`` names it; short ones hold the same claims with fewer seeds."""
-    if request.node.get_closest_marker("long") and "long" not in request.config.option.markexpr:
-        pytest.skip("takes minutes: pytest -m long tests/twin")

@@ -35,7 +35,7 @@ BAD = {
 LONG = ("doubled", "future stamps", "slower sampling", "clock 1 % fast", "NaN now and then")
 
 
-@pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.long if k in LONG else ()) for k in BAD])
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.study if k in LONG else ()) for k in BAD])
 def test_bad_data_leave_the_estimate_as_it_is(kind, settled):
     spoil, counted = BAD[kind]
     twin, rows = settled(end=17.0)

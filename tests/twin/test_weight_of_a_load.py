@@ -26,7 +26,7 @@ def test_the_weight_is_within_one_per_cent_after_ten_seconds_from_a_start_off_by
     assert within >= TRIALS // 2 - 1
 
 
-@pytest.mark.long
+@pytest.mark.study
 def test_the_right_weight_is_within_two_deviations_in_nine_of_ten_trials():
     within = []
     for seed in range(100):
@@ -63,7 +63,7 @@ ahead: 0 s
     assert at(lines, 15.0)["not_observable"] == []
 
 
-@pytest.mark.long
+@pytest.mark.study
 def test_the_efficiency_of_a_sheave_is_found_when_the_rope_has_run_both_ways():
     motion = {"time": [0, 1, 6, 7, 8, 13, 14, 60], "value": [0, -1, -1, 0, 1, 1, 0, 0]}
     truth = hoist(motion, law={"efficiency": 0.95})

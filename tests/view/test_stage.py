@@ -73,7 +73,7 @@ def test_the_sea_lies_below_and_a_paler_sky_above(stage):
     assert sea[2] > sea[0] + 40 and sea.sum() < sky.sum()
 
 
-def test_the_wheel_turns(stage):
+def test_the_drawn_wheel_turns_with_the_rope_that_runs_over_it(stage):
     stage.show(0)
     first = stage.picture().astype(int)
     stage.show(2)

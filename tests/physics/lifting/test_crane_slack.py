@@ -148,7 +148,7 @@ def test_a_crane_on_a_ship_goes_slack_and_snaps_every_period():
     assert coarse["tension"].max() == pytest.approx(fine["tension"].max(), rel=0.01)
 
 
-@pytest.mark.long
+@pytest.mark.study
 def test_its_peaks_are_those_of_steps_of_0_2_ms():
     coarse, fine, finest = (ran(offshore(step))["tension"].max() for step in (5.0e-3, 1.0e-3, 2.0e-4))
     assert coarse == pytest.approx(finest, rel=5.0e-3)

@@ -152,7 +152,7 @@ def test_sixteen_falls_lose_78_of_80_tonnes():
     assert rise_of(coarse)[0] == pytest.approx(rise_of(fine)[0], rel=5.0e-3)
 
 
-@pytest.mark.long
+@pytest.mark.study
 @pytest.mark.parametrize("law", LAWS)
 def test_sixteen_falls_lose_their_load_as_in_steps_of_0_2_ms(law):
     """Rise to 1 % at 5 ms and at 1 ms; 0.2 ms is within 0.2 % of 0.1 ms. What the method destroys: 1 % at 0.2 ms.

@@ -52,7 +52,7 @@ def test_friction_of_the_moving_string_is_all_of_coulombs_and_against_the_motion
     assert (friction[normal > 1.0] > 0.0).all(), "pulled up, friction pulls down the hole"
 
 
-@pytest.mark.parametrize("elements", [25, pytest.param(200, marks=pytest.mark.long)])
+@pytest.mark.parametrize("elements", [25, pytest.param(200, marks=pytest.mark.study)])
 @pytest.mark.parametrize("friction", [0.2, 0.3])
 @pytest.mark.parametrize("direction", ["pick_up", "slack_off"])
 def test_hook_load_is_within_0_3_percent_from_25_lumps_on(direction, friction, elements):

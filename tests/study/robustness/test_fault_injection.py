@@ -87,7 +87,6 @@ def test_a_wrong_tangent_makes_the_eigenvalues_wrong_by_its_root_and_bisection_s
     assert found.bisection[1] == pytest.approx(2.0 * 2.0**0.5 / OMEGA, rel=0.02)
 
 
-@pytest.mark.long
 def test_a_tangent_of_a_kind_of_ours_that_is_a_tenth_too_large_is_told_by_both_verbs(quick):
     for text, kind in ((oscillator(time_end=1.0), LinearTension), (bar(2, start=1e-3, time_end=1.0), Tension)):
         for error, warnings in looked_at(faulty_subject(text, kind)):

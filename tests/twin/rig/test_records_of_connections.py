@@ -27,8 +27,8 @@ def record():
             "string[0].length": 1600.0,
             "top.weight": BLOCK,
             "damping": {"structural": "30 ms"},
-            "model.elements": 60,
-            "solver.step": "5 ms",
+            "model.elements": 40,
+            "solver.step": "10 ms",
         }
     )
     return scene, connections(scene, 2, HOW, seed=3)

@@ -117,14 +117,14 @@ def test_rotation_off_bottom_raises_no_alarm(two):
     assert {alarm["name"] for line in two for alarm in line["alarms"]} == set()
 
 
-@pytest.mark.long
+@pytest.mark.study
 def test_ten_connections_tell_friction_within_a_hundredth_and_say_how_well():
     lines = lines_of(Twin(well(0.4, 0.1), FRICTION), record_of_connections(10))
     away, deviations = off(lines[-1])
     assert max(away) < 0.01 and max(deviations) < 2.5
 
 
-@pytest.mark.parametrize("when", [KILLED[0], pytest.param(KILLED[1], marks=pytest.mark.long)])
+@pytest.mark.parametrize("when", [KILLED[0], pytest.param(KILLED[1], marks=pytest.mark.study)])
 def test_a_twin_that_was_killed_goes_on_with_the_string_as_it_has_grown(two_and_states, when):
     two, (state, middle, killed) = two_and_states[0], two_and_states[1][when]
     rows = record_of_connections(2)

@@ -26,6 +26,8 @@ import numpy as np
 
 UNCOMPILED = (("study",), ("cli",), ("view",), ("results",))
 """Rooms of the core in which nothing is compiled, though they speak of kernels."""
+COMPILED = {"kernels", "integrators"}
+"""Rooms of which every file counts: types, numbers and LLVM's own instructions go into kernels that stand elsewhere."""
 KNOWN = {"numpy", "numba", "llvmlite", "scipy"} | set(sys.stdlib_module_names) - {"__main__"}
 """Packages that are known by their version."""
 
@@ -59,7 +61,7 @@ def _is_compiled(source: Path, root: Path) -> bool:
     rooms = source.relative_to(root).parts[:-1]
     if root.name == "tautline" and rooms[:1] in UNCOMPILED:
         return False
-    return "integrators" in rooms or b"kernel" in source.read_bytes()
+    return not COMPILED.isdisjoint(rooms) or b"kernel" in source.read_bytes()
 
 
 IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
