@@ -1,7 +1,7 @@
 """Studies, which the tests leave out: all of them, or some from another place of their list each day.
 
-    python .ci/studies.py              all: `pytest -m study` on two processes
-    python .ci/studies.py --quick      those that begin within some seconds; over the days each comes to be the first
+python .ci/studies.py              all: `pytest -m study` on two processes
+python .ci/studies.py --quick      those that begin within some seconds; over the days each comes to be the first
 """
 
 from __future__ import annotations
