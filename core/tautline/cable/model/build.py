@@ -29,6 +29,8 @@ STIFF_SHARE = 1.0e-4
 """Share of the largest axial stiffness that counts as a large force."""
 ERROR = 1.0e-6
 """Error of a step over the length of all ropes, where the step is chosen and the scene gives none."""
+CONTRACTION = 0.2
+"""New factors of a rope of cubic elements cost as much as ten iterations with old ones, which are given more time."""
 
 
 class Assembly(NamedTuple):
@@ -108,7 +110,7 @@ def build(scene: CableScene) -> Model:
         system=system,
         solver=settings_of(
             solver, solver.interval, solver.tolerance, "energy", error,
-            projection=solver.projection, stabilise=solver.stabilise, energy_unit=1.0,
+            projection=solver.projection, stabilise=solver.stabilise, energy_unit=1.0, contraction=CONTRACTION,
         ),
         variables=variables(observer),
         coordinates=observer.coordinates(),
