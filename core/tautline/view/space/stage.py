@@ -235,12 +235,17 @@ class Stage:
 
         self._moves.append(move)
 
+    def _triangulated(self, points: np.ndarray, triangles: np.ndarray) -> Any:
+        """A surface of triangles (n, 3). PyVista 0.45 forgets the memory of faces that are given without their size."""
+        sized = np.column_stack((np.full(len(triangles), 3), triangles))
+        return self.pyvista.PolyData(points, sized.ravel())
+
     def _shadow(self, mesh: Any, pose: Any = None) -> Any:
         """The shadow of a mesh on what everything stands on; a mesh of its own where no pose moves it."""
         if self._flat is None or not self._shade:
             return None
         flat = self._flat
-        own = self.pyvista.PolyData.from_regular_faces(np.array(mesh.points), mesh.regular_faces)
+        own = self.pyvista.PolyData(np.array(mesh.points), mesh.faces)
         colour = tuple(SHADED * part for part in self.pyvista.Color(ground_colour(self._shade)).float_rgb)
         actor = self.plotter.add_mesh(own, color=colour, lighting=False, reset_camera=False, pickable=False)
         if pose is not None:
@@ -248,7 +253,7 @@ class Stage:
         return own
 
     def _solid(self, solid: Solid) -> None:
-        mesh = self.pyvista.PolyData.from_regular_faces(np.asarray(solid.points, float), solid.triangles)
+        mesh = self._triangulated(np.asarray(solid.points, float), solid.triangles)
         if solid.smooth:
             mesh = mesh.compute_normals(feature_angle=SHARP, split_vertices=True, consistent_normals=False)
         look = {"color": solid.colour, "opacity": solid.opacity, "ambient": 0.3, "specular": 0.15}
@@ -462,7 +467,7 @@ class Stage:
         return ListedColormap(self.shading.table / 255.0)
 
     def _mesh(self, points: np.ndarray, triangles: np.ndarray, normals: np.ndarray | None = None) -> Any:
-        mesh = self.pyvista.PolyData.from_regular_faces(np.asarray(points, np.float32), triangles)
+        mesh = self._triangulated(np.asarray(points, np.float32), triangles)
         if normals is not None:
             mesh.point_data["Normals"] = normals.astype(np.float32)
             mesh.point_data.active_normals_name = "Normals"
