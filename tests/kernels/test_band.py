@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tautline.kernels.factors.lapack import factorise_dense, solve_dense
 from tautline.kernels.matrix import (
     EXCHANGED,
     Matrix,
@@ -177,3 +178,13 @@ def test_solving_for_a_part_of_the_rows_leaves_an_error_at_its_edges_only(first,
     inner = slice(first + k if first > 0 else 0, last - k if last < n else n)
     assert left[inner].max() < 1e-14
     assert left.max() < 1e-3 if last - first < n else left.max() < 1e-14
+
+
+def test_exchanged_rows_of_a_border_are_counted_from_one_compiled_or_not():
+    """A run that goes on takes over the factors of the run before, which may have been made the other way."""
+    exchanged, integers = np.zeros(2, np.int32), np.zeros(16, np.int32)
+    swapped, x = np.array([[0.0, 1.0], [1.0, 0.0]]), np.array([3.0, 5.0])
+    assert factorise_dense(swapped, exchanged, 2, integers) == 0
+    assert exchanged.tolist() == [2, 2]
+    solve_dense(swapped, exchanged, 2, integers, x)
+    assert x.tolist() == [5.0, 3.0]

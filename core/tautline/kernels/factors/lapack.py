@@ -93,11 +93,15 @@ if config.DISABLE_JIT:
     from scipy.linalg.lapack import dgetrf, dgetrs
 
     def factorise_dense(matrix, pivots, n, integers):
-        """Factorise by :func:`scipy.linalg.lapack.dgetrf`."""
-        factors, pivots[:], info = dgetrf(matrix.T)
+        """Factorise by :func:`scipy.linalg.lapack.dgetrf`, which counts rows from zero.
+
+        Pivots are kept as compiled code keeps them, counted from one: a run may go on with the factors of another.
+        """
+        factors, exchanged, info = dgetrf(matrix.T)
+        pivots[:] = exchanged + 1
         matrix[:] = factors.T
         return info
 
     def solve_dense(matrix, pivots, n, integers, x):
         """Solve by :func:`scipy.linalg.lapack.dgetrs`."""
-        x[:] = dgetrs(matrix.T, pivots, x)[0]
+        x[:] = dgetrs(matrix.T, pivots - 1, x)[0]
