@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections import ChainMap
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -54,7 +53,7 @@ from tautline.interruption import listening
 from tautline.results.balance import ENERGIES, Balance
 from tautline.results.bounds import judge
 from tautline.results.errors import ResultError
-from tautline.results.on_demand import BriefStore
+from tautline.results.on_demand import BriefStore, OnDemand
 from tautline.results.result import Result
 from tautline.results.rounding import without_rounding
 from tautline.results.store import Store
@@ -516,7 +515,8 @@ class Run:
         stored: Mapping[str, np.ndarray]
         if isinstance(store, BriefStore) and self.model.on_demand is not None:
             part = part if part.rows.base is not frames.rows else frames_of(part.rows.copy(), self.model.system.q.size)
-            stored = ChainMap({"time": part.time}, self.model.on_demand(part))  # type: ignore[arg-type]
+            made = self.model.on_demand(part)
+            stored = OnDemand({"time": lambda: part.time, **{name: partial(made.__getitem__, name) for name in made}})
         else:
             stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
