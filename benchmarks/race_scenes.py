@@ -103,7 +103,8 @@ def cases(quick: bool) -> list[Case]:
         ]
     # So many steps that a run takes some tenths of a second. Where one takes many seconds there are fewer repetitions.
     # Tolerances are powers of ten, as loose as each program's may be: a tenth of it moves the run by less than a tenth
-    # of the error (the table shows it). With 1000 elements and 10 ms Tautline gets through with 1e-7, not with 1e-6.
+    # of the error (the table shows it). With 1000 elements and 10 ms it is 1e-7: whether looser
+    # ones come to their end has depended on how long Tautline keeps its factors.
     bars = [Case("bar", n, 1e-3, 160.0 / n, 0.5, 0.01, 1e-6, 1e-6, 1e-8) for n in (1, 4, 16, 64)]
     ropes = []
     for scene, speed, end in (("catenary", 0.0, 2.0), ("flowing", FLOW, 0.2)):
