@@ -93,4 +93,20 @@ def test_factors_with_exchanged_rows_are_never_put_into_blocks():
     b = np.random.default_rng(4).standard_normal(n)
     for _ in range(3):
         np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-7)
-    assert factors.integers[PACKED] != IN_BLOCKS
+    assert factors.integers[PACKED] < IN_BLOCKS
+
+
+def test_factors_are_put_into_blocks_before_their_first_use_only_where_those_before_them_were_used_often():
+    n, k = 203, 12
+    full, factors = _band(n, k), new_factors(n, k)
+    b = np.random.default_rng(5).standard_normal(n)
+    # Uses of one after the other, and whether the first of the next finds blocks.
+    for uses, packed in ((3, True), (2, False), (1, False), (4, True)):
+        _write(full, factors.matrix, k)
+        factorise_matrix(factors)
+        for _ in range(uses):
+            np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-13)
+        _write(full, factors.matrix, k)
+        factorise_matrix(factors)
+        np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-13)
+        assert (factors.integers[PACKED] >= IN_BLOCKS) == packed

@@ -12,6 +12,8 @@ from drillstring.groups.friction import PROJECTED, SLIP, STICK, Projection
 from tautline.kernels.jit import entry
 from tautline.kernels.lanes import (
     LANES,
+    add_at_places,
+    add_pairs_at_places,
     add_rows,
     any_of,
     cos,
@@ -32,6 +34,7 @@ from tautline.kernels.lanes import (
     sqrt,
     store,
     total,
+    transposed,
     where,
     within,
 )
@@ -86,6 +89,28 @@ def test_lanes_give_what_arrays_give_and_leave_all_beyond_the_last_member_alone(
             assert np.array_equal(one.tolist(), other.tolist())
         else:
             np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-13)
+
+
+@entry
+def _to_places(x, out, places):
+    """Columns of lanes added as rows: by fours to places that overlap, and by pairs."""
+    for i in range(0, x.size, 4 * LANES):
+        a, b, c, d = load(x, i), load(x, i + LANES), load(x, i + 2 * LANES), load(x, i + 3 * LANES)
+        add_at_places(out, places, 1, transposed(a, b, c, -d))
+        add_pairs_at_places(out, places, 5, a * b, c)
+
+
+def test_columns_are_added_as_rows_of_four_and_two_also_where_these_overlap():
+    x, places = np.random.default_rng(2).standard_normal(32), (3, 0, 5, 5)
+    found, plain, expected = np.zeros((3, 20))
+    _to_places(x, found, places)
+    getattr(_to_places, "py_func", _to_places)(x, plain, places)
+    for a, b, c, d in x.reshape(2, 4, LANES):
+        for k, place in enumerate(places):
+            expected[place + 1 : place + 7] += a[k], b[k], c[k], -d[k], 0.0, 0.0
+            expected[place + 5 : place + 7] += a[k] * b[k], c[k]
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(plain, expected, rtol=0.0, atol=1e-14)
 
 
 @entry

@@ -20,8 +20,6 @@ from tautline.elements.cubic import (
     VECTORS,
     add_blocks,
     add_forces,
-    add_to_row,
-    clear_blocks,
     combined,
     dot,
     lengths_of,
@@ -32,6 +30,8 @@ from tautline.elements.cubic import (
     scaled_sum,
     shape_of,
     vectors,
+    write_own,
+    write_pairs,
 )
 from tautline.elements.curvature import (
     derivatives_of,
@@ -53,17 +53,17 @@ BENDING = np.dtype([("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "
 """An element: its nodes' places, EJ N m^2, c s, smoothing 1/m."""
 BOTH = 6
 """Components of z = (r', r'')."""
-TURNED_OF_FOUR = BOTH * BOTH * LANES
-BLOCK = TURNED_OF_FOUR + BOTH * LANES
-SCRATCH = BLOCK + BLOCK_OF_FOUR
-"""Places in ``four``: after the stresses of four elements these times the rates of z, then their blocks; and all."""
+FUNCTIONS = 2 * AXES
+"""Shape functions at a point, N' and N'' of r2 - r1, r1' and r2'."""
+POINT = (FUNCTIONS + BOTH * BOTH) * LANES
+"""Places in ``four``, after a block, of four elements' functions at a point and of their stresses by z there."""
 
 
 class Bending(NamedTuple):
     """Elements (n,) of ``BENDING`` through whose nodes nothing moves.
 
     ``points`` (k, 18) is the table of the shape functions; scratch are ``shapes`` (5, 4), ``vector`` (3, 6), ``four``
-    (``SCRATCH``,) and ``block`` (12, 12).
+    (``BLOCK_OF_FOUR`` + k ``POINT``,) and ``block`` (12, 12).
     """
 
     rows: np.recarray
@@ -76,7 +76,8 @@ class Bending(NamedTuple):
 
 def new_bending(rows: np.recarray, points: np.ndarray) -> Bending:
     """A group of elements through whose nodes nothing moves, with its scratch."""
-    return Bending(rows, points, np.zeros((5, 4)), np.zeros((3, 6)), np.zeros(SCRATCH), np.zeros((12, 12)))
+    four = np.zeros(BLOCK_OF_FOUR + points.shape[0] * POINT)
+    return Bending(rows, points, np.zeros((5, 4)), np.zeros((3, 6)), four, np.zeros((12, 12)))
 
 
 class FlowingBending(NamedTuple):
@@ -216,9 +217,10 @@ def add_point(s, stress, weight, block):
 
 
 @kernel(forceinline=True)
-def _stress_of_four(four, slope, turn, rates, viscosity, fading, cc, ck):
+def _stress_of_four(four, at, factor, slope, turn, rates, viscosity, fading, cc, ck):
     """Make of the Hessian of kappa^2 that of F = (1 + viscosity d(kappa^2)/dt) grad(kappa^2): ck dF/dz + cc dF/dz.
 
+    Both are ``factor`` times that.
     ``rates`` are those of slope and turn, ``fading`` is the logarithmic derivative of the viscosity by kappa^2.
     """
     _, by_a, by_b, by_c = derivatives_of(*products_of(slope, turn))
@@ -229,56 +231,98 @@ def _stress_of_four(four, slope, turn, rates, viscosity, fading, cc, ck):
     for y in range(BOTH):
         turned = spread(0.0)
         for x in range(BOTH):
-            turned = turned + load(four, (BOTH * x + y) * LANES) * z_d[x]
-        store(four, TURNED_OF_FOUR + y * LANES, turned)
+            turned = turned + load(four, at + (BOTH * x + y) * LANES) * z_d[x]
+        # A block is written when its points are summed: until then there is room for this.
+        store(four, y * LANES, turned)
     for x in range(BOTH):
         for y in range(BOTH):
-            at = (BOTH * x + y) * LANES
-            hessian, both = load(four, at), gradient[x] * gradient[y]
-            changed = fading * rate * both + gradient[x] * load(four, TURNED_OF_FOUR + y * LANES) + rate * hessian
-            store(four, at, ck * (hessian + viscosity * changed) + cc * viscosity * both)
+            place = at + (BOTH * x + y) * LANES
+            hessian, both = load(four, place), factor * gradient[x] * gradient[y]
+            changed = fading * rate * both + gradient[x] * load(four, y * LANES) + rate * hessian
+            store(four, place, ck * (hessian + viscosity * changed) + cc * viscosity * both)
 
 
 @kernel(forceinline=True)
-def _add_point_of_four(four, factor, first, second):
-    """Add a point's part of four elements' blocks: ``factor`` times the stresses (6, 6), by the rows N' and N''."""
+def _sum_points(four, points):
+    """Write four elements' blocks where all stresses are symmetric: functions times stresses times functions."""
     for x in range(AXES):
         for y in range(AXES):
-            ee, ek = factor * load(four, (BOTH * x + y) * LANES), factor * load(four, (BOTH * x + 3 + y) * LANES)
-            ke = factor * load(four, (BOTH * (3 + x) + y) * LANES)
-            kk = factor * load(four, (BOTH * (3 + x) + 3 + y) * LANES)
-            for l in range(AXES):
-                at = BLOCK + place_of(l, x) + y * LANES
-                add_to_row(four, at, first[l] * ee + second[l] * ke, first)
-                add_to_row(four, at, first[l] * ek + second[l] * kk, second)
+            f11 = f12 = f13 = f22 = f23 = f33 = spread(0.0)
+            for k in range(points):
+                n = BLOCK_OF_FOUR + k * POINT
+                m, stress = n + AXES * LANES, n + (FUNCTIONS + BOTH * x + y) * LANES
+                ee, ek = load(four, stress), load(four, stress + AXES * LANES)
+                ke, kk = load(four, stress + AXES * BOTH * LANES), load(four, stress + AXES * (BOTH + 1) * LANES)
+                n1, n2, n3 = load(four, n), load(four, n + LANES), load(four, n + 2 * LANES)
+                m1, m2, m3 = load(four, m), load(four, m + LANES), load(four, m + 2 * LANES)
+                by_slope, by_turn = n1 * ee + m1 * ke, n1 * ek + m1 * kk
+                f11 = f11 + by_slope * n1 + by_turn * m1
+                f12 = f12 + by_slope * n2 + by_turn * m2
+                f13 = f13 + by_slope * n3 + by_turn * m3
+                by_slope, by_turn = n2 * ee + m2 * ke, n2 * ek + m2 * kk
+                f22 = f22 + by_slope * n2 + by_turn * m2
+                f23 = f23 + by_slope * n3 + by_turn * m3
+                f33 = f33 + (n3 * ee + m3 * ke) * n3 + (n3 * ek + m3 * kk) * m3
+            write_own(four, 0, x, y, (f11, f22, f33))
+            write_pairs(four, 0, x, y, True, (f12, f13, f23))
+
+
+@kernel(forceinline=True)
+def _sum_points_of_any(four, points):
+    """The same where stresses are not symmetric, as those of damping."""
+    for i in range(AXES):
+        for x in range(AXES):
+            for y in range(AXES):
+                f1 = f2 = f3 = spread(0.0)
+                for k in range(points):
+                    n = BLOCK_OF_FOUR + k * POINT
+                    m, stress = n + AXES * LANES, n + (FUNCTIONS + BOTH * x + y) * LANES
+                    ee, ek = load(four, stress), load(four, stress + AXES * LANES)
+                    ke, kk = load(four, stress + AXES * BOTH * LANES), load(four, stress + AXES * (BOTH + 1) * LANES)
+                    own, turned = load(four, n + i * LANES), load(four, m + i * LANES)
+                    by_slope, by_turn = own * ee + turned * ke, own * ek + turned * kk
+                    f1 = f1 + by_slope * load(four, n) + by_turn * load(four, m)
+                    f2 = f2 + by_slope * load(four, n + LANES) + by_turn * load(four, m + LANES)
+                    f3 = f3 + by_slope * load(four, n + 2 * LANES) + by_turn * load(four, m + 2 * LANES)
+                row = place_of(i, x) + y * LANES
+                store(four, row, f1)
+                store(four, row + AXES * LANES, f2)
+                store(four, row + 2 * AXES * LANES, f3)
 
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(0, g.rows.size, LANES):
-        each, _ = members(n, g.rows.size)
+        each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
         length = lengths_of(q, i, j)
         stiffness, damping, depth, damped = _properties(g.rows, each)
         h = 1.0 / length
         shape, rates = shape_of(q, i, j), shape_of(v, i, j)
-        clear_blocks(g.four, BLOCK)
         for k in range(g.points.shape[0]):
-            p = g.points[k]
+            p, at = g.points[k], BLOCK_OF_FOUR + k * POINT
             first = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
             second = p[SECOND + 2] * h * h, p[SECOND + 1] * h, p[SECOND + 3] * h
+            for l in range(AXES):
+                store(g.four, at + l * LANES, first[l])
+                store(g.four, at + (AXES + l) * LANES, second[l])
             slope, turn = combined(first, shape), combined(second, shape)
-            square = store_hessian(slope, turn, g.four)
             # The elastic force is EJ / 2 times the gradient of kappa^2.
             factor = 0.5 * p[WEIGHT] * length * stiffness
             if damped:
+                square = store_hessian(slope, turn, factor, g.four, at + FUNCTIONS * LANES)
                 both, depth_of_all = (combined(first, rates), combined(second, rates)), square + depth
                 viscosity = 0.5 * damping / depth_of_all
-                _stress_of_four(g.four, slope, turn, both, viscosity, -1.0 / depth_of_all, cc, ck)
+                _stress_of_four(
+                    g.four, at + FUNCTIONS * LANES, factor, slope, turn, both, viscosity, -1.0 / depth_of_all, cc, ck
+                )  # fmt: skip
             else:
-                factor = ck * factor
-            _add_point_of_four(g.four, factor, first, second)
-        add_blocks(matrix, dofs, g.four, BLOCK, each, i, j, g.block)
+                store_hessian(slope, turn, ck * factor, g.four, at + FUNCTIONS * LANES)
+        if damped:
+            _sum_points_of_any(g.four, g.points.shape[0])
+        else:
+            _sum_points(g.four, g.points.shape[0])
+        add_blocks(matrix, dofs, g.four, 0, each, counts, i, j, g.block)
 
 
 @kernel

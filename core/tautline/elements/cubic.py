@@ -9,7 +9,17 @@ from __future__ import annotations
 
 from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import LANES, add_to, collect, load, pack, spread, store
+from tautline.kernels.lanes import (
+    LANES,
+    add_at_places,
+    add_pairs_at_places,
+    add_to,
+    collect,
+    load,
+    pack,
+    store,
+    transposed,
+)
 
 NODE, MATERIAL, VECTORS, AXES = 7, 6, 4, 3
 """Unknowns of a node; place of p among them; vectors of an element; components of a vector."""
@@ -54,24 +64,6 @@ def add_scalars(matrix, dofs, a, b, factor, block):
         for j in range(VECTORS):
             for c in range(AXES):
                 add_entry(matrix, dofs, first[i] + c, first[j] + c, factor * block[i, j])
-
-
-@kernel
-def add_scalars_to_band(matrix, dofs, a, b, factor, block):
-    """The same to a ``Matrix``, quicker where an element's unknowns are numbered one after the other."""
-    number = dofs.number
-    n, centre = matrix.band.shape[0], 2 * ((matrix.band.shape[1] - 1) // 3)
-    if not (in_a_row(number, n, a, 2 * AXES) and in_a_row(number, n, b, 2 * AXES)):
-        add_scalars(matrix, dofs, a, b, factor, block)
-        return
-    for j in range(VECTORS):
-        column = number[a if j < 2 else b] + AXES * (j % 2)
-        for i in range(VECTORS):
-            at = centre + number[a if i < 2 else b] + AXES * (i % 2) - column
-            x = factor * block[i, j]
-            matrix.band[column, at] += x
-            matrix.band[column + 1, at] += x
-            matrix.band[column + 2, at] += x
 
 
 # -- four elements at once: tautline.kernels.lanes ---------------------------------------------------------------------
@@ -158,65 +150,123 @@ def add_forces(r, a, b, on_chord, on_first, on_second):
 
 
 @kernel(forceinline=True)
-def clear_blocks(four, at):
-    """Set the derivatives of four elements' forces by their shapes, from place ``at`` on, to zero."""
-    for k in range(at, at + BLOCK_OF_FOUR, LANES):
-        store(four, k, spread(0.0))
-
-
-@kernel(forceinline=True)
-def add_to_row(four, at, x, n):
-    """Add x n1, x n2 and x n3 to a row of the derivatives, at one axis of r2 - r1, r1' and r2'."""
-    store(four, at, load(four, at) + x * n[0])
-    store(four, at + AXES * LANES, load(four, at + AXES * LANES) + x * n[1])
-    store(four, at + 2 * AXES * LANES, load(four, at + 2 * AXES * LANES) + x * n[2])
-
-
-@kernel(forceinline=True)
 def place_of(i, x):
     """Where the row of one axis of the i-th vector of a shape begins."""
     return (AXES * i + x) * SHAPE * LANES
 
 
 @kernel(forceinline=True)
-def _add_column(column, at, to, four, place, sign):
-    """Add a column of derivatives to one of a band: what works on r2 - r1 to r2, with the other sign to r1.
+def write_pairs(four, at, x, y, crosswise, above):
+    """Write derivatives on axis x by axis y, and those the other way round, that follow from them.
 
-    The unknowns of r1 and r1' begin at ``at`` of the column, those of r2 and r2' at ``to``.
+    ``above`` are those of (r2 - r1, r1'), (r2 - r1, r2') and (r1', r2'), three lanes. The other way round, axis x by
+    axis y is the same, or ``crosswise`` what axis y by axis x is: in a symmetric matrix.
     """
-    step = SHAPE * LANES
+    u, w = (y, x) if crosswise else (x, y)
+    store(four, at + place_of(0, x) + (AXES + y) * LANES, above[0])
+    store(four, at + place_of(0, x) + (2 * AXES + y) * LANES, above[1])
+    store(four, at + place_of(1, x) + (2 * AXES + y) * LANES, above[2])
+    store(four, at + place_of(1, u) + w * LANES, above[0])
+    store(four, at + place_of(2, u) + w * LANES, above[1])
+    store(four, at + place_of(2, u) + (AXES + w) * LANES, above[2])
+
+
+@kernel(forceinline=True)
+def write_own(four, at, x, y, own):
+    """Write derivatives on axis x by axis y of each vector of a shape by itself, three lanes."""
+    for i in range(AXES):
+        store(four, at + place_of(i, x) + (AXES * i + y) * LANES, own[i])
+
+
+@kernel(forceinline=True)
+def follow_one_another(number, n, a, b):
+    """Whether the unknowns of all of four elements are numbered one after the other, from r1 to r2'."""
+    for k in range(LANES):
+        i, j = a[k], b[k]
+        if not (in_a_row(number, n, i, 2 * AXES) and in_a_row(number, n, j, 2 * AXES)):
+            return False
+        if number[j] != number[i] + 2 * AXES:
+            return False
+    return True
+
+
+@kernel(forceinline=True)
+def diagonals_of(number, width, places):
+    """Where the diagonal entries of four unknowns stand in a band (n, width) laid flat.
+
+    The entry a rows down and b columns on is b (width - 1) + a places further.
+    """
+    centre = 2 * ((width - 1) // 3)
+    return (
+        number[places[0]] * width + centre, number[places[1]] * width + centre,
+        number[places[2]] * width + centre, number[places[3]] * width + centre,
+    )  # fmt: skip
+
+
+@kernel(forceinline=True)
+def _opposite(rows):
+    return -rows[0], -rows[1], -rows[2], -rows[3]
+
+
+@kernel(forceinline=True)
+def _add_in_a_row(matrix, dofs, four, at, counts, a, b):
+    """Add the derivatives of four elements to columns of the band, several rows of them at a time.
+
+    What works on r2 - r1 stands in r2's rows, and with the other sign in r1's. The rows of a node are added by four and
+    two, for it is its node's other element that adds to them next.
+    """
+    flat, width, step = matrix.band.reshape(-1), matrix.band.shape[1], SHAPE * LANES
+    places = diagonals_of(dofs.number, width, a)
+    for vector in range(AXES):
+        # Columns of r1 and r2, of r1', of r2'.
+        first = AXES if vector == 1 else 2 * AXES if vector == 0 else SHAPE
+        for y in range(AXES):
+            place = at + (AXES * vector + y) * LANES
+            d0, d1 = counts * load(four, place), counts * load(four, place + step)
+            d2, s0 = counts * load(four, place + 2 * step), counts * load(four, place + 3 * step)
+            s1, s2 = counts * load(four, place + 4 * step), counts * load(four, place + 5 * step)
+            t0, t1 = counts * load(four, place + 6 * step), counts * load(four, place + 7 * step)
+            t2 = counts * load(four, place + 8 * step)
+            on_first, on_second = transposed(-d0, -d1, -d2, s0), transposed(d0, d1, d2, t0)
+            column = (first + y) * (width - 1)
+            add_at_places(flat, places, column, on_first)
+            add_pairs_at_places(flat, places, column + 4, s1, s2)
+            add_at_places(flat, places, column + 6, on_second)
+            add_pairs_at_places(flat, places, column + 10, t1, t2)
+            if vector == 0:
+                column = y * (width - 1)
+                add_at_places(flat, places, column, _opposite(on_first))
+                add_pairs_at_places(flat, places, column + 4, -s1, -s2)
+                add_at_places(flat, places, column + 6, _opposite(on_second))
+                add_pairs_at_places(flat, places, column + 10, -t1, -t2)
+
+
+@kernel(forceinline=True)
+def add_scalar_in_a_row(flat, width, places, i, j, x):
+    """Add lanes to entries (X_i, X_j) of four elements along all three axes, and to (X_j, X_i) where these differ.
+
+    ``places`` are those of their first unknowns' diagonal entries in the band (n, width) laid flat.
+    """
     for c in range(AXES):
-        chord = sign * four[place + c * step]
-        column[at + c] -= chord
-        column[to + c] += chord
-        column[at + AXES + c] += sign * four[place + (AXES + c) * step]
-        column[to + AXES + c] += sign * four[place + (2 * AXES + c) * step]
+        add_to(flat, places, (AXES * j + c) * (width - 1) + AXES * i + c, x)
+        if i != j:
+            add_to(flat, places, (AXES * i + c) * (width - 1) + AXES * j + c, x)
 
 
 @kernel
-def add_blocks(matrix, dofs, four, at, each, a, b, block):
+def add_blocks(matrix, dofs, four, at, each, counts, a, b, block):
     """Add the derivatives of four elements' forces by their shapes to a matrix; ``block`` (12, 12) is scratch.
 
-    Of members that are the last one over again, which stand for those that there are not, the first counts.
+    Members that are the last one over again, which stand for those that there are not, count nothing.
     """
-    number = dofs.number
-    n, centre = matrix.band.shape[0], 2 * ((matrix.band.shape[1] - 1) // 3)
+    if follow_one_another(dofs.number, matrix.band.shape[0], a, b):
+        _add_in_a_row(matrix, dofs, four, at, counts, a, b)
+        return
     for lane in range(LANES):
         if lane > 0 and each[lane] == each[lane - 1]:
             break
-        i, j = a[lane], b[lane]
-        if not (in_a_row(number, n, i, 2 * AXES) and in_a_row(number, n, j, 2 * AXES)):
-            _write_block(four, at, lane, block)
-            add_block(matrix, dofs, i, j - i, 2 * AXES, block)
-            continue
-        i, j = number[i], number[j]
-        for c in range(AXES):
-            chord = at + c * LANES + lane
-            first, second = chord + AXES * LANES, chord + 2 * AXES * LANES
-            _add_column(matrix.band[i + c], centre - c, centre + j - i - c, four, chord, -1.0)
-            _add_column(matrix.band[j + c], centre + i - j - c, centre - c, four, chord, 1.0)
-            _add_column(matrix.band[i + AXES + c], centre - AXES - c, centre + j - i - AXES - c, four, first, 1.0)
-            _add_column(matrix.band[j + AXES + c], centre + i - j - AXES - c, centre - AXES - c, four, second, 1.0)
+        _write_block(four, at, lane, block)
+        add_block(matrix, dofs, a[lane], b[lane] - a[lane], 2 * AXES, block)
 
 
 @kernel

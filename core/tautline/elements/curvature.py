@@ -101,16 +101,18 @@ def write_hessian(z, hessian):
 
 
 @kernel(forceinline=True)
-def store_hessian(e, k, four):
-    """The same of four elements, (6, 6) lanes in memory; returns kappa^2."""
+def store_hessian(e, k, factor, four, at):
+    """``factor`` times the same of four elements, (6, 6) lanes in memory from a place on; returns kappa^2."""
     a, b, c = products_of(e, k)
     square, by_a, by_b, by_c = derivatives_of(a, b, c)
-    first, second = (by_a, by_b, by_c), second_derivatives_of(a, b, c)
+    by_aa, by_ab, by_ac, by_bb = second_derivatives_of(a, b, c)
+    first = factor * by_a, factor * by_b, factor * by_c
+    second = factor * by_aa, factor * by_ab, factor * by_ac, factor * by_bb
     for i in range(AXES):
         for j in range(AXES):
             slopes, mixed, turns = second_of(first, second, e[i], k[i], e[j], k[j], i == j)
-            store(four, (6 * i + j) * LANES, slopes)
-            store(four, (6 * i + 3 + j) * LANES, mixed)
-            store(four, (6 * (3 + j) + i) * LANES, mixed)
-            store(four, (6 * (3 + i) + 3 + j) * LANES, turns)
+            store(four, at + (6 * i + j) * LANES, slopes)
+            store(four, at + (6 * i + 3 + j) * LANES, mixed)
+            store(four, at + (6 * (3 + j) + i) * LANES, mixed)
+            store(four, at + (6 * (3 + i) + 3 + j) * LANES, turns)
     return square

@@ -21,25 +21,24 @@ from tautline.elements.cubic import (
     VECTORS,
     add_blocks,
     add_forces,
-    add_to_row,
-    clear_blocks,
     combined,
     dot,
     lengths_of,
     members,
     nodes_of,
-    place_of,
     row_of,
     scaled_sum,
     shape_of,
     vectors,
+    write_own,
+    write_pairs,
 )
 from tautline.elements.flow import NX, NXL, NXX, NXXL, combine, watch_length, write_shapes
 from tautline.kernels.dofs import add_block
 from tautline.kernels.groups import register
 from tautline.kernels.hermite import FIRST, PLACE, WEIGHT
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import LANES, pack, spread, sqrt, where
+from tautline.kernels.lanes import LANES, load, pack, spread, sqrt, store, where
 
 TENSION = np.dtype(
     [("a", "i8"), ("b", "i8"), ("stiffness", "f8"), ("damping", "f8"), ("engineering", "i8"), ("slack", "i8")]
@@ -47,11 +46,17 @@ TENSION = np.dtype(
 """An element: its nodes' places, EA N, c s, whether strain is engineering strain, whether it goes slack."""
 
 
+PRODUCTS = 6
+"""Products of the shape functions of r2 - r1, r1' and r2': 11, 12, 13, 22, 23, 33."""
+POINT = (PRODUCTS + AXES * AXES) * LANES
+"""Places in ``four``, after a block, of these at a point and of the force's change with e there."""
+
+
 class Tension(NamedTuple):
     """Elements (n,) of ``TENSION`` through whose nodes nothing moves.
 
-    ``points`` (k, 18) is the table of the shape functions; scratch are ``four`` (``BLOCK_OF_FOUR``,) and ``block``
-    (12, 12).
+    ``points`` (k, 18) is the table of the shape functions; scratch are ``four`` (``BLOCK_OF_FOUR`` + k ``POINT``,) and
+    ``block`` (12, 12).
     """
 
     rows: np.recarray
@@ -62,7 +67,7 @@ class Tension(NamedTuple):
 
 def new_tension(rows: np.recarray, points: np.ndarray) -> Tension:
     """A group of elements through whose nodes nothing moves, with its scratch."""
-    return Tension(rows, points, np.zeros(BLOCK_OF_FOUR), np.zeros((12, 12)))
+    return Tension(rows, points, np.zeros(BLOCK_OF_FOUR + points.shape[0] * POINT), np.zeros((12, 12)))
 
 
 class FlowingTension(NamedTuple):
@@ -152,7 +157,7 @@ def _residual(g, t, q, v, a, r):
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(0, g.rows.size, LANES):
-        each, _ = members(n, g.rows.size)
+        each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
         length = lengths_of(q, i, j)
         stiffness, damping, engineering, slack = _properties(g.rows, each)
@@ -160,10 +165,9 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         h = 1.0 / length
         shape, rates = shape_of(q, i, j), shape_of(v, i, j)
         none = spread(0.0)
-        clear_blocks(g.four, 0)
         for k in range(g.points.shape[0]):
             p = g.points[k]
-            functions = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
+            n1, n2, n3 = functions = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
             e = combined(functions, shape)
             square = dot(e, e)
             strain, factor, bent = 0.5 * (square - 1.0), spread(1.0), none
@@ -185,6 +189,8 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
                 mixed = ck * weight * damping * factor * factor
             along = weight * (ck * (along + stress * bent) + cc * damping * factor * factor)
             across = ck * weight * stress * factor
+            at = BLOCK_OF_FOUR + k * POINT
+            _store_products(g.four, at, n1, n2, n3)
             for x in range(AXES):
                 for y in range(AXES):
                     change = along * e[x] * e[y]
@@ -192,9 +198,38 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
                         change = change + mixed * e[x] * e_d[y]
                     if x == y:
                         change = change + across
-                    for l in range(AXES):
-                        add_to_row(g.four, place_of(l, x) + y * LANES, functions[l] * change, functions)
-        add_blocks(matrix, dofs, g.four, 0, each, i, j, g.block)
+                    store(g.four, at + (PRODUCTS + AXES * x + y) * LANES, change)
+        _sum_points(g.four, g.points.shape[0])
+        add_blocks(matrix, dofs, g.four, 0, each, counts, i, j, g.block)
+
+
+@kernel(forceinline=True)
+def _store_products(four, at, n1, n2, n3):
+    store(four, at, n1 * n1)
+    store(four, at + LANES, n1 * n2)
+    store(four, at + 2 * LANES, n1 * n3)
+    store(four, at + 3 * LANES, n2 * n2)
+    store(four, at + 4 * LANES, n2 * n3)
+    store(four, at + 5 * LANES, n3 * n3)
+
+
+@kernel(forceinline=True)
+def _sum_points(four, points):
+    """Write four elements' blocks: the force's change at their points times the products of the shape functions."""
+    for x in range(AXES):
+        for y in range(AXES):
+            f11 = f12 = f13 = f22 = f23 = f33 = spread(0.0)
+            for k in range(points):
+                at = BLOCK_OF_FOUR + k * POINT
+                change = load(four, at + (PRODUCTS + AXES * x + y) * LANES)
+                f11 = f11 + change * load(four, at)
+                f12 = f12 + change * load(four, at + LANES)
+                f13 = f13 + change * load(four, at + 2 * LANES)
+                f22 = f22 + change * load(four, at + 3 * LANES)
+                f23 = f23 + change * load(four, at + 4 * LANES)
+                f33 = f33 + change * load(four, at + 5 * LANES)
+            write_own(four, 0, x, y, (f11, f22, f33))
+            write_pairs(four, 0, x, y, False, (f12, f13, f23))
 
 
 @kernel

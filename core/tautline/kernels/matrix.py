@@ -29,8 +29,9 @@ from tautline.kernels.lanes import LANES
 EXCHANGED, PACKED, REACH = 7, 8, 9
 """Places among the ``integers`` of factors: how many rows of the band were exchanged; what is known of the blocks
 (`FRESH` and so on), and how many of them stand beside each other."""
-FRESH, TRIED, IN_BLOCKS = range(3)
-"""Factors that nothing was solved with yet; once; and those that are packed, to be solved with again."""
+FRESH, TRIED, IN_BLOCKS, AGAIN = range(4)
+"""Factors that nothing was solved with yet; once, or that are expected to be used often; those that are packed; and
+those that were used since."""
 
 
 class Matrix(NamedTuple):
@@ -184,8 +185,8 @@ def _substitute(f, n, k, x):
         if f.integers[PACKED] == TRIED:
             f.integers[REACH] = 1
             _pack(f, 0, count)
-        f.integers[PACKED] = min(f.integers[PACKED] + 1, IN_BLOCKS)
-        if f.integers[PACKED] == IN_BLOCKS:
+        f.integers[PACKED] = min(f.integers[PACKED] + 1, AGAIN)
+        if f.integers[PACKED] >= IN_BLOCKS:
             solve_by_blocks(f.blocks, f.integers[REACH], n, k, 0, count, x)
             return
     substitute(
@@ -198,7 +199,8 @@ def factorise_matrix(factors):
     """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    f.integers[PACKED] = FRESH
+    # Where the factors before these were used often, these will be: they are packed before their first use.
+    f.integers[PACKED] = TRIED if f.integers[PACKED] == AGAIN else FRESH
     equilibrate(f.matrix.band, f.scale, n, k)
     find_envelope(f.matrix.band, f.below, f.right, n, k)
     row, f.integers[EXCHANGED] = eliminate(
@@ -231,7 +233,7 @@ def renew_matrix(factors, matrix, first, last):
     """
     n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
     made = renew(matrix.band, factors, n, k, first, last)
-    if made > 0 and factors.integers[PACKED] == IN_BLOCKS:
+    if made > 0 and factors.integers[PACKED] >= IN_BLOCKS:
         begin = max(0, first - k)
         beside = (k + LANES - 1) // LANES
         end = (begin + made + LANES - 1) // LANES + beside
@@ -248,7 +250,7 @@ def solve_rows(factors, x, first, last):
     """
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    if f.integers[PACKED] == IN_BLOCKS:
+    if f.integers[PACKED] >= IN_BLOCKS:
         solve_by_blocks(f.blocks, f.integers[REACH], n, k, first // LANES, (last + LANES - 1) // LANES, x)
         return
     for j in range(last, min(n, last + k)):

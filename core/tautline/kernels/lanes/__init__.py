@@ -34,6 +34,8 @@ from tautline.kernels.lanes.arithmetic import (
     within,
 )
 from tautline.kernels.lanes.memory import (
+    add_at_places,
+    add_pairs_at_places,
     add_rows,
     add_to,
     collect,
@@ -46,10 +48,13 @@ from tautline.kernels.lanes.memory import (
     same_rows,
     scatter,
     store,
+    transposed,
 )
 
 __all__ = [
     "LANES",
+    "add_at_places",
+    "add_pairs_at_places",
     "add_rows",
     "add_to",
     "any_of",
@@ -74,6 +79,7 @@ __all__ = [
     "sqrt",
     "store",
     "total",
+    "transposed",
     "where",
     "within",
 ]

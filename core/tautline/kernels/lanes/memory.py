@@ -308,3 +308,49 @@ def _add_to(context, builder, sig, args):
         one = builder.extract_element(args[3], INDEX(k))
         builder.store(builder.fadd(builder.load(at), one), at)
     return context.get_dummy_value()
+
+
+def transposed(a, b, c, d):
+    """Four lanes as columns made rows: the k-th of what comes back holds the k-th numbers of all."""
+    return tuple(np.column_stack([a, b, c, d]))
+
+
+@lowered(transposed, lambda args: _ROWS if args == (LANE,) * LANES else None)
+def _transpose(context, builder, sig, args):
+    return context.make_tuple(builder, sig.return_type, _transposed(builder, args))
+
+
+def add_at_places(array, places, offset, rows):
+    """Add a row of four numbers each to successive entries of an array from four places on, moved by ``offset``.
+
+    One after the other: they may overlap. A processor waits long where it reads four numbers that it has just written
+    by other fours, so what overlaps is to overlap by the whole.
+    """
+    for place, row in zip(places, rows, strict=True):
+        array[place + offset : place + offset + LANES] += row
+
+
+def _add_at(context: Any, builder: Any, sig: Any, args: Sequence[Any], rows: Sequence[Any]) -> Any:
+    for place, row in zip(_places(context, builder, sig, args), rows, strict=True):
+        at = builder.bitcast(place, row.type.as_pointer())
+        builder.store(builder.fadd(builder.load(at, align=8), row), at, align=8)
+    return context.get_dummy_value()
+
+
+@lowered(add_at_places, lambda args: types.none if _at_places(args) and args[3] == _ROWS else None)
+def _add_at_places(context, builder, sig, args):
+    return _add_at(context, builder, sig, args, cgutils.unpack_tuple(builder, args[3]))
+
+
+def add_pairs_at_places(array, places, offset, a, b):
+    """The same with two numbers each: entry k of two lanes."""
+    for place, one, other in zip(places, a, b, strict=True):
+        array[place + offset : place + offset + 2] += one, other
+
+
+@lowered(add_pairs_at_places, lambda args: types.none if _at_places(args) and args[3:] == (LANE, LANE) else None)
+def _add_pairs_at_places(context, builder, sig, args):
+    order = (ir.Constant(ir.VectorType(INDEX, 2), [k, LANES + k]) for k in range(LANES))
+    return _add_at(
+        context, builder, sig, args, [builder.shuffle_vector(args[3], args[4], pair) for pair in order]
+    )  # fmt: skip
