@@ -49,6 +49,8 @@ DONE, NOT_CONVERGED, SINGULAR, NOT_FINITE = (
 )
 HALF_STEPS_FROM = 9
 """From this iteration on every third increment is halved: two statuses of a law may chase each other."""
+FRESH_SHARE = 0.5
+"""Share of the contraction that old factors must bring which those of the same step must bring."""
 SAME_STEP = 1.0e-9
 """Relative difference of beta' below which two steps are the same: frame times are rounded."""
 ROUNDED = 8.0 * float(np.finfo(float).eps)
@@ -143,6 +145,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
     changed = c.changed
     previous = energy = np.inf
     event = False
+    contraction = c.contraction
     for iteration in range(c.max_iterations + 1):
         expand_rows(c.rows, dofs, state)
         changed[COUNT] = changed[PLACED] = 0
@@ -176,8 +179,11 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
             continue
         if iteration == c.max_iterations:
             break
-        slow = c.full or size > c.contraction * previous
+        slow = c.full or size > contraction * previous
         slow = aim(c.rows, dofs, state, c.increment, c.scale, c.tolerance, previous < np.inf, slow)
+        if slow:
+            # Factors of this very step that contract badly tell of a way that bends: they are not worth keeping.
+            contraction = FRESH_SHARE * c.contraction
         row = _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow)
         if row != 0:
             state.counters[WORST] = row - 1

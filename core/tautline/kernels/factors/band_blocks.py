@@ -83,20 +83,23 @@ def pack(band, above, below, inverse, scale, blocks, n, k, first, last, reach):
             store(forward, at + LANES * c, _below(one * (scale[j] if j < n else 0.0), l0, l1, l2))
             store(backward, at + LANES * c, size * _above(one if j < n else 0.0 * one, over, u1, u2, u3))
         for r in range(1, most + 1):
+            place, below_it, right_of_it = at + r * BLOCK, i - LANES * r, i + LANES * r
+            inverse_scale = 1.0 / gather(scale, right_of_it, n)
+            unscaled = lane(inverse_scale, 0), lane(inverse_scale, 1), lane(inverse_scale, 2), lane(inverse_scale, 3)
             for c in range(LANES):
-                place = at + r * BLOCK + LANES * c
-                j = i - LANES * r + c
+                # What lies outside the envelope, also between the columns of the band, are zeros.
+                j = below_it + c
                 beside = spread(0.0)
                 if j >= 0 and j + below[j] >= i:
-                    beside = _part(flat, j, width, centre, i, i, min(end, j + below[j] + 1))
+                    beside = load(flat, j * width + centre + i - j)
                     reach = max(reach, r)
-                store(forward, place, _below(beside, l0, l1, l2))
-                j = i + LANES * r + c
+                store(forward, place + LANES * c, _below(beside, l0, l1, l2))
+                j = right_of_it + c
                 beside = spread(0.0)
                 if j < n and j - above[j] < end:
-                    beside = _part(flat, j, width, centre, i, j - above[j], end) * (1.0 / scale[j])
+                    beside = load(flat, j * width + centre + i - j) * unscaled[c]
                     reach = max(reach, r)
-                store(backward, place, size * _above(beside, over, u1, u2, u3))
+                store(backward, place + LANES * c, size * _above(beside, over, u1, u2, u3))
     return reach
 
 
