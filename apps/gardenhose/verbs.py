@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gardenhose.flutter import Critical, Stability
     from gardenhose.scene import HoseScene
     from gardenhose.static import Form
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
 DEFAULT_SPEEDS = 7
 """Speeds of form finding from rest to the scene's fastest flow, where none are given."""
@@ -220,7 +220,7 @@ def read_static(scene: HoseScene, options: Mapping[str, Any]) -> list[float]:
 def static_findings(scene: HoseScene, speeds: list[float]) -> dict[str, Finding]:
     """Where the tip is, and whether the shape is stable, along ``speed``."""
     from gardenhose.static import forms
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
     found = forms(scene, speeds)
     made = {
@@ -244,7 +244,7 @@ def read_flutter(scene: HoseScene, options: Mapping[str, Any]) -> tuple[list[flo
 def flutter_findings(scene: HoseScene, asked: tuple[list[float] | None, int]) -> dict[str, Finding]:
     """Critical speed and frequency; None where the hose is stable."""
     from gardenhose.flutter import stability
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
     critical = stability(scene, *asked).critical
     first = critical[0] if critical else None

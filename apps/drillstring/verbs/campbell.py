@@ -16,7 +16,7 @@ from tautline.scene.errors import option_error
 if TYPE_CHECKING:
     from drillstring.modes.campbell import Campbell
     from drillstring.scene.scene import DrillstringScene
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
 USUAL_SPEEDS, USUAL_ORDERS = (0.0, 200.0), (1.0, 2.0, 3.0)
 """Rotary speeds, rpm, and multiples of them where none are given."""
@@ -311,7 +311,7 @@ def findings(scene: DrillstringScene, asked: tuple[Any, ...]) -> dict[str, Findi
     """Natural frequencies along ``mode``, and the rotary speeds that excite them along ``crossing``, rising."""
     from drillstring.modes.campbell import campbell as compute
     from drillstring.scene.scene import of_kind
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
     model, *rest = asked
     found = compute(of_kind(scene, model), *rest)

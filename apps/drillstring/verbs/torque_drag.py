@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from drillstring.statics.motion import Motion
     from drillstring.statics.torque_drag import Case
     from drillstring.string.factors import Factors
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
 MOST_DEPTHS, MOST_FACTORS, MOST_ELEMENTS = 1000, 20, 5000
 LARGEST_FACTOR = 2.0
@@ -318,7 +318,7 @@ def read_options(scene: DrillstringScene, options: Mapping[str, Any]) -> dict[st
 def findings(scene: DrillstringScene, asked: Mapping[str, Any]) -> dict[str, Finding]:
     """Hook loads and surface torque, with those of the soft string; along ``depth`` where there are several depths."""
     from drillstring.statics.torque_drag import torque_drag as compute
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
     (case,) = compute(scene, **asked)
     depths = [point.depth for point in case.points]

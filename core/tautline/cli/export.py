@@ -58,7 +58,7 @@ def export(
     base = _base(path, output)
     files: list[Path] = []
     if csv:
-        from tautline.results.table import write_csv
+        from tautline.results.tables.table import write_csv
 
         with _counted("tables") as progress:
             files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)

@@ -41,7 +41,7 @@ def write_table(heads: Sequence[str], rows: Iterable[Sequence[Any]], path: Path)
         If it cannot be written: what was found has been told by then.
     """
     from tautline.results.errors import WriteError
-    from tautline.results.rows import write_rows
+    from tautline.results.tables.rows import write_rows
 
     say(f"wrote {write_rows(heads, rows, path, '--csv', WriteError)}", "green")
 

@@ -141,7 +141,7 @@ def limits_of_scene(records: Iterable[dict[str, Any]], system: str = "si") -> Ta
     Parameters
     ----------
     records : iterable of dict
-        Of `tautline.results.bounds`.
+        Of `tautline.results.assessment.bounds`.
     """
     from rich.table import Table
     from rich.text import Text

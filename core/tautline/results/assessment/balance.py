@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tautline.results.rounding import unrounded
+from tautline.results.assessment.rounding import unrounded
 
 ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
 """Variables that every application stores, J."""

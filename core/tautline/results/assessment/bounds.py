@@ -1,7 +1,8 @@
 """A run judged by the limits of its scene: what each bound came to, when and where, and how long it was passed.
 
-The records stand beside those of `tautline.results.limits`, with the same keys and more: ``output``; ``variable``, that
-of the result which a figure draws the bound with; ``margin``, what was left to the bound, negative where it was passed;
+The records stand beside those of `tautline.results.assessment.limits`, with the same keys and more: ``output``;
+``variable``, that of the result which a figure draws the bound with; ``margin``, what was left to the bound, negative
+where it was passed;
 ``for`` s; ``since`` s, ``longest`` s and ``exceeded`` s, when the longest stretch beyond the bound began, how long it
 was, and how long all of them were, at that place; ``until`` s, the last frame that was looked at; ``note``, why
 something could not be judged, and of a figure what it is, with its place and time. ``passed`` is None of what could not
@@ -18,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.results.limits import AT_MOST
+from tautline.results.assessment.limits import AT_MOST
 
 ROUNDED = 1.0e-9
 """Share of a bound by which rounding may pass it."""
