@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tautline.application.installed import Installed
-from tautline.cli.simulate import simulate as verb
+from tautline.cli.commands.simulate import simulate as verb
 from tautline.results.assessment.limits import AT_LEAST, judged
 from tautline.simulation import simulate
 

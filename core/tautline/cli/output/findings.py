@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.cli.console import say
+from tautline.cli.output.console import say
 
 if TYPE_CHECKING:
     from tautline.view.figures.figure import Figure

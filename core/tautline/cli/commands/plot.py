@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tautline.application.installed import Catalogue
-from tautline.cli.console import print_json, say
+from tautline.cli.output.console import print_json, say
 
 FORMATS = ("png", "svg", "pdf")
 PICTURES = ("jpg", "jpeg", "gif", "bmp", "tif", "tiff", "webp", "eps", "ps")

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tautline.application.installed import Catalogue
-from tautline.cli.changes import changed
-from tautline.cli.console import print_json, say
+from tautline.cli.options.changes import changed
+from tautline.cli.output.console import print_json, say
 from tautline.scene.errors import option_error
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
 from tautline.application.space import in_units_of, look_of
-from tautline.cli.console import print_json, say
+from tautline.cli.output.console import print_json, say
 
 if TYPE_CHECKING:
     from tautline.view.space.appearance import Appearance
@@ -95,7 +95,7 @@ def _window(appearance: Appearance, asked: dict[str, Any]) -> None:
 
 
 def _film(appearance: Appearance, asked: dict[str, Any]) -> Path:
-    from tautline.cli.progress import Counter
+    from tautline.cli.output.progress import Counter
     from tautline.view.space.film import check_name, cut, film, large
 
     check_name(asked["movie"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from tautline.cli.console import say
+from tautline.cli.output.console import say
 
 FIRST_RUN = "first run of this kind of scene: compiling {kernels} of the solver, once; some 20 s on two free cores"
 """Of a scene whose kernels are neither installed nor kept."""

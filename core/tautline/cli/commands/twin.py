@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
-from tautline.cli.changes import changed
-from tautline.cli.console import finite, print_json, print_text, say
+from tautline.cli.options.changes import changed
+from tautline.cli.output.console import finite, print_json, print_text, say
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import option_error
 
@@ -174,8 +174,8 @@ class _Loop:
 
     def _summarise(self) -> None:
         """Print what was found last, and what was wrong with the data."""
-        from tautline.cli.console import console
-        from tautline.cli.summary import two_columns
+        from tautline.cli.output.console import console
+        from tautline.cli.output.summary import two_columns
         from tautline.scene.values.printed import quantity
 
         if self.last is None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tautline.application.installed import Catalogue
-from tautline.cli.console import console, print_json, say
+from tautline.cli.output.console import console, print_json, say
 
 if TYPE_CHECKING:
     from tautline.results.result import Result

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tautline.application.installed import Catalogue
-from tautline.cli.console import print_text, say
+from tautline.cli.output.console import print_text, say
 from tautline.scene.errors import Problem, SceneError
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from tautline.cli.console import console
+from tautline.cli.output.console import console
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID

@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
-from tautline.cli.changes import as_given, changed
-from tautline.cli.console import console, print_json, say
-from tautline.cli.first_run import compiling
-from tautline.cli.numba_version import version_note
-from tautline.cli.progress import Counter
+from tautline.cli.commands.simulate import print_warnings
+from tautline.cli.options.changes import as_given, changed
+from tautline.cli.output.console import console, print_json, say
+from tautline.cli.output.first_run import compiling
+from tautline.cli.output.numba_version import version_note
+from tautline.cli.output.progress import Counter
+from tautline.cli.output.summary import two_columns
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.simulate import print_warnings
-from tautline.cli.summary import two_columns
 from tautline.scene.errors import option_error
 from tautline.scene.values.printed import quantity, shown, significant
 

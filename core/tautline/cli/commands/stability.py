@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
-from tautline.cli.console import print_json, say
+from tautline.cli.commands.study import named, percentage, prepared, show, stem_of, stop_record, tell_of, working
+from tautline.cli.output.console import print_json, say
+from tautline.cli.output.summary import two_columns
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.study import named, percentage, prepared, show, stem_of, stop_record, tell_of, working
-from tautline.cli.summary import two_columns
 from tautline.scene.values.printed import significant
 
 if TYPE_CHECKING:

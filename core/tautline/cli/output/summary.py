@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from tautline.cli.console import console
+from tautline.cli.output.console import console
 from tautline.scene.values.printed import in_words, quantity, shown, significant
 
 if TYPE_CHECKING:

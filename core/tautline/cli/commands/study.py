@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
-from tautline.cli.changes import changed
-from tautline.cli.console import console, print_json, say
-from tautline.cli.first_run import compiling
-from tautline.cli.lists import number, numbers, one_of, words
+from tautline.cli.commands.simulate import print_warnings
+from tautline.cli.options.changes import changed
+from tautline.cli.options.lists import number, numbers, one_of, words
+from tautline.cli.output.console import console, print_json, say
+from tautline.cli.output.first_run import compiling
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.simulate import print_warnings
 from tautline.scene.methods import named as method_named
 from tautline.scene.values.printed import significant
 
