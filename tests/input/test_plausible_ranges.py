@@ -14,8 +14,8 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.warnings import soft_wall
 from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
-from tautline.cable.input.models import WrittenCable
-from tautline.cable.input.thesis_compat import read_compat
+from tautline.cable.input.syntax.models import WrittenCable
+from tautline.cable.input.syntax.thesis_compat import read_compat
 from tautline.scene.doubts import slips_of_units
 from tautline.scene.errors import SceneWarning
 from tautline.scene.model import validate

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from tautline.cable.input.models import KINDS, Item, LinearCoupl, LinearElement, Multiplier4, Node4Dof, Node7Dof
+from tautline.cable.input.syntax.models import KINDS, Item, LinearCoupl, LinearElement, Multiplier4, Node4Dof, Node7Dof
 from tautline.scene.errors import SceneError, SceneWarning
 from tautline.scene.reading.document import Document, join_key
 

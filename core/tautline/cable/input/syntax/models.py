@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from tautline.cable.input import nodal_items  # noqa: F401  (its items are registered as it is imported)
-from tautline.cable.input.entries import (
+from tautline.cable.input.syntax import nodal_items  # noqa: F401  (its items are registered as it is imported)
+from tautline.cable.input.syntax.entries import (
     Acceleration,
     AxialStiffness,
     BendingStiffness,
@@ -34,9 +34,9 @@ from tautline.cable.input.entries import (
     Time,
     listed,
 )
-from tautline.cable.input.nodal import NODAL
-from tautline.cable.input.plots import SubPlot
-from tautline.cable.input.solver import CableSolver
+from tautline.cable.input.syntax.nodal import NODAL
+from tautline.cable.input.syntax.plots import SubPlot
+from tautline.cable.input.syntax.solver import CableSolver
 from tautline.scene.extensions import load_extensions
 from tautline.scene.functions import FunctionOfTime, time_function
 from tautline.scene.limits import Limits

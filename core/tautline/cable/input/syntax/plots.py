@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from tautline.cable.input.entries import Dof, Id, listed
+from tautline.cable.input.syntax.entries import Dof, Id, listed
 from tautline.scene.model import Model, word
 from tautline.scene.refusal import fault
 

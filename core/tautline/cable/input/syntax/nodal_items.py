@@ -13,8 +13,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, model_validator
 
-from tautline.cable.input.entries import Damping, Id, Pair, Stiffness, Thrust, Time, listed
-from tautline.cable.input.nodal import NodalItem, NodalPart, OnNodes, Place, all_nodes, register_item
+from tautline.cable.input.syntax.entries import Damping, Id, Pair, Stiffness, Thrust, Time, listed
+from tautline.cable.input.syntax.nodal import NodalItem, NodalPart, OnNodes, Place, all_nodes, register_item
 from tautline.scene.refusal import fault
 from tautline.scene.values.quantity import quantity
 

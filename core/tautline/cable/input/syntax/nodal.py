@@ -2,7 +2,7 @@
 
 One `NodalItem` says everything of a kind: the key under ``CableModel`` and the model of what is written there, the
 groups of the solver that it becomes, and what the program has to know of it besides. Ours are in
-`tautline.cable.input.nodal_items`; a user's own stand in a file of his (docs/extending.md).
+`tautline.cable.input.syntax.nodal_items`; a user's own stand in a file of his (docs/extending.md).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pydantic import model_validator
 
-from tautline.cable.input.entries import Id, Ids
+from tautline.cable.input.syntax.entries import Id, Ids
 from tautline.scene.model import Model
 from tautline.scene.refusal import fault
 
@@ -128,7 +128,7 @@ def register_item(item: NodalItem) -> None:
         If another module has registered the key.
     """
     if not (isinstance(item.model, type) and issubclass(item.model, OnNodes)):
-        raise TypeError(f"{item.key}: its model must be a subclass of tautline.cable.input.nodal.OnNodes")
+        raise TypeError(f"{item.key}: its model must be a subclass of tautline.cable.input.syntax.nodal.OnNodes")
     earlier = NODAL.get(item.key)
     if earlier is not None and earlier.model.__module__ != item.model.__module__:
         raise ValueError(f"{item.key}: {earlier.model.__module__} has registered an item of this name; choose another")
