@@ -130,7 +130,7 @@ class _Loop:
             if self.series is not None:
                 self.series.add(line)
             if self.page is not None:
-                first = self.twin.family.simulations[0]
+                first = self.twin.estimate.family.simulations[0]
                 self.page.publish(finite(line), first.model, first._frames.rows[0])
             self._tell(line)
         now = clock.monotonic()
@@ -139,10 +139,10 @@ class _Loop:
 
     def _tell(self, line: dict[str, Any]) -> None:
         """Print alarms as they begin and end."""
-        for note in [*self.twin.notes, *self.twin.rows.notes]:
+        for note in [*self.twin.notes, *self.twin.readings.rows.notes]:
             say(note, "yellow")
         self.twin.notes.clear()
-        self.twin.rows.notes.clear()
+        self.twin.readings.rows.notes.clear()
         active = {one["name"]: one for one in line["alarms"]}
         for name, one in active.items():
             if name not in self.told:
@@ -186,7 +186,8 @@ class _Loop:
             for name, one in self.last["estimates"].items()
         ]
         rows += [("not observable", text) for text in self.last["not_observable"]]
-        rows += [(f"rows {kind}", str(count)) for kind, count in sorted(self.twin.rows.counts.items()) if count]
+        counts = sorted(self.twin.readings.rows.counts.items())
+        rows += [(f"rows {kind}", str(count)) for kind, count in counts if count]
         if self.source.refused:
             rows.append(("lines that could not be read", str(self.source.refused)))
         rows.append(("rows answered", str(self.lines)))

@@ -1,7 +1,7 @@
 """Rows of data in the order of their stamps: what is late, doubled, out of order or from the future is put right here.
 
 A row is handed on when all rows that may still come before it have come: a *delay* after its stamp. The delay is also
-what lets the inputs be smoothed from both sides (:mod:`tautline.twin.smoothing`).
+what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.smoothing`).
 
 | what comes | what becomes of it |
 |---|---|

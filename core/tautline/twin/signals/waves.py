@@ -94,7 +94,7 @@ class Waves:
         """
         from scipy.interpolate import CubicSpline
 
-        from tautline.twin.smoothing import joined
+        from tautline.twin.signals.smoothing import joined
 
         x = np.array(self._values)
         begin = self._next - STEP - self._time - STEP * np.arange(len(x))[::-1]

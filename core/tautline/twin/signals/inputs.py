@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from tautline.twin.map import Channel
-from tautline.twin.rows import Row
-from tautline.twin.smoothing import coming_to_rest, joined, noise_of, smooth
+from tautline.twin.signals.rows import Row
+from tautline.twin.signals.smoothing import coming_to_rest, joined, noise_of, smooth
 
 JOIN = 3.0
 """Shortest time in which a difference is made up for, s."""

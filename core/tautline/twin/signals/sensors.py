@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tautline.twin.map import Channel
-from tautline.twin.smoothing import FIFTH
+from tautline.twin.signals.smoothing import FIFTH
 
 SAME = 5
 """Values that are exactly alike from which on a sensor may be stuck."""
