@@ -26,7 +26,8 @@ def requirements(lines):
 
 def test_the_conda_recipe_asks_for_what_the_project_does():
     asked = requirements(RECIPE["requirements"]["run"])
-    assert asked.pop("python") == PROJECT["requires-python"]
+    least = RECIPE["context"]["python_min"]
+    assert asked.pop("python").replace("${{python_min}}", least) == PROJECT["requires-python"] == f">={least}"
     assert asked == requirements(PROJECT["dependencies"])
 
 
