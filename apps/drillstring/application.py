@@ -11,7 +11,7 @@ from tautline.application.packaged import Packaged
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
-    from tautline.results.finding import Table
+    from tautline.results.tables.finding import Table
 
 
 class Drillstring(Packaged):
@@ -48,7 +48,7 @@ class Drillstring(Packaged):
     def tables(self) -> Mapping[str, Table]:
         """Verbs whose findings a sweep collects."""
         from drillstring.verbs import campbell, torque_drag
-        from tautline.results.finding import Table
+        from tautline.results.tables.finding import Table
 
         return {
             "torque-drag": Table(torque_drag.OPTIONS, torque_drag.read_options, torque_drag.findings),

@@ -23,7 +23,7 @@ from drillstring.string.lumps import Lumps, cut
 from drillstring.string.strength import tension_at_rest
 from drillstring.well.wellbore import Wellbore
 from tautline.kernels.time_function import sample, value_at
-from tautline.results.rounding import unrounded
+from tautline.results.assessment.rounding import unrounded
 from tautline.scene.doubts import meant, units_that_fit
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4, method_of

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tautline.application.packaged import Packaged
 
 if TYPE_CHECKING:
-    from tautline.results.finding import Table
+    from tautline.results.tables.finding import Table
 
 
 class Gardenhose(Packaged):
@@ -38,7 +38,7 @@ class Gardenhose(Packaged):
     def tables(self) -> Mapping[str, Table]:
         """Verbs whose findings a sweep collects."""
         from gardenhose import verbs
-        from tautline.results.finding import Table
+        from tautline.results.tables.finding import Table
 
         return {
             "static": Table(("speed",), verbs.read_static, verbs.static_findings),

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gardenhose.scene import HoseScene, Segment
-from tautline.cable.input.nodal import NodalPart
-from tautline.cable.input.nodal_items import PointMass
 from tautline.cable.input.parts import CableScene, Coupling, Element, Motion, Node, Place, Tie
-from tautline.cable.input.solver import CableSolver
+from tautline.cable.input.syntax.nodal import NodalPart
+from tautline.cable.input.syntax.nodal_items import PointMass
+from tautline.cable.input.syntax.solver import CableSolver
 from tautline.scene.reading.document import Document
 
 METHODS = {"lagrange": "multiplier", "penalty": "penalty", "augmented": "augmented"}

@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from tautline.results.limits import stretch_limits
+from tautline.results.assessment.limits import stretch_limits
 
 
 def limits(result: Any) -> list[dict[str, Any]]:
-    """Records of `tautline.results.limits`, from the stored frames. A hose of rubber may stretch, so no strain is."""
+    """Records of `tautline.results.assessment.limits`, from the stored frames.
+
+    A hose of rubber may stretch: its strain is not judged.
+    """
     places = [f"{x:.4g} m from the root" for x in np.asarray(result["arc_length"])]
     return stretch_limits(result.time, np.linalg.norm(np.asarray(result["slope"]), axis=-1), places)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tautline.cli.findings import figure_place, write_figure
+from tautline.cli.output.findings import figure_place, write_figure
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gardenhose.flutter import Critical, Stability
     from gardenhose.scene import HoseScene
     from gardenhose.static import Form
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
 DEFAULT_SPEEDS = 7
 """Speeds of form finding from rest to the scene's fastest flow, where none are given."""
@@ -48,7 +48,7 @@ def static(
     """Find the shape at rest at each flow speed, and draw them."""
     from gardenhose.scene import read
     from gardenhose.static import forms
-    from tautline.cli.changes import changed
+    from tautline.cli.options.changes import changed
 
     hose = changed(read(scene), changes)
     speeds = parse_speeds(speed) if speed is not None else _up_to_fastest(hose)
@@ -59,7 +59,7 @@ def static(
     _warn_of_unstable(found, negative)
     _draw_forms(hose, found, figure)
     if as_json:
-        from tautline.cli.console import print_json
+        from tautline.cli.output.console import print_json
 
         tips = [one.tip for one in found]
         pivots = [None if count < 0 else count for count in negative]
@@ -78,7 +78,7 @@ def flutter(
     """Find where the hose becomes unstable: eigenvalues against flow speed, critical speed and frequency."""
     from gardenhose.flutter import stability
     from gardenhose.scene import read
-    from tautline.cli.changes import changed
+    from tautline.cli.options.changes import changed
 
     hose = changed(read(scene), changes)
     speeds = parse_speeds(speed) if speed is not None else None
@@ -87,7 +87,7 @@ def flutter(
     _print_stability(found)
     _draw_stability(hose, found, figure)
     if as_json:
-        from tautline.cli.console import print_json
+        from tautline.cli.output.console import print_json
 
         first = found.critical[0] if found.critical else None
         print_json(
@@ -118,7 +118,7 @@ def parse_speeds(text: str) -> list[float]:
     """
     import math
 
-    from tautline.cli.lists import stepped, three_of
+    from tautline.cli.options.lists import stepped, three_of
 
     refuse = partial(option_error, "--speed", text)
 
@@ -151,7 +151,7 @@ def _up_to_fastest(hose: HoseScene) -> list[float]:
 def _print_forms(found: list[Form]) -> None:
     from rich.table import Table
 
-    from tautline.cli.console import console
+    from tautline.cli.output.console import console
 
     table = Table(box=None, padding=(0, 2, 0, 0))
     for name in ("flow [m/s]", "tip x [m]", "y [m]", "z [m]"):
@@ -162,7 +162,7 @@ def _print_forms(found: list[Form]) -> None:
 
 
 def _warn_of_unstable(found: list[Form], negative: list[int]) -> None:
-    from tautline.cli.console import say
+    from tautline.cli.output.console import say
 
     for one, count in zip(found, negative, strict=True):
         if count > 0:
@@ -191,7 +191,7 @@ def words_of(critical: Critical) -> str:
 
 
 def _print_stability(found: Stability) -> None:
-    from tautline.cli.console import say
+    from tautline.cli.output.console import say
 
     for critical in found.critical:
         say(f"the hose {words_of(critical)}", "green")
@@ -220,7 +220,7 @@ def read_static(scene: HoseScene, options: Mapping[str, Any]) -> list[float]:
 def static_findings(scene: HoseScene, speeds: list[float]) -> dict[str, Finding]:
     """Where the tip is, and whether the shape is stable, along ``speed``."""
     from gardenhose.static import forms
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
     found = forms(scene, speeds)
     made = {
@@ -244,7 +244,7 @@ def read_flutter(scene: HoseScene, options: Mapping[str, Any]) -> tuple[list[flo
 def flutter_findings(scene: HoseScene, asked: tuple[list[float] | None, int]) -> dict[str, Finding]:
     """Critical speed and frequency; None where the hose is stable."""
     from gardenhose.flutter import stability
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
     critical = stability(scene, *asked).critical
     first = critical[0] if critical else None

@@ -50,12 +50,12 @@ from tautline.integrators.time_loop import (
 )
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import listening
-from tautline.results.balance import ENERGIES, Balance
-from tautline.results.bounds import judge
+from tautline.results.assessment.balance import ENERGIES, Balance
+from tautline.results.assessment.bounds import judge
+from tautline.results.assessment.rounding import without_rounding
 from tautline.results.errors import ResultError
 from tautline.results.on_demand import BriefStore, OnDemand
 from tautline.results.result import Result
-from tautline.results.rounding import without_rounding
 from tautline.results.store import Store
 from tautline.scene.methods import explicit_like, method_of
 from tautline.system.memory import copied, places_of, recall, remember

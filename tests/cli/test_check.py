@@ -7,7 +7,7 @@ import pytest
 from fake_application import FakeApplication
 
 from tautline.application.installed import Single
-from tautline.cli.simulate import check
+from tautline.cli.commands.simulate import check
 from tautline.results.errors import ResultError
 
 

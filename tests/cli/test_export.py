@@ -9,7 +9,7 @@ from view.made_up import moved
 
 from tautline.application.installed import Single
 from tautline.cable.application import Cable
-from tautline.cli.export import export
+from tautline.cli.commands.export import export
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.view.space.appearance import Look

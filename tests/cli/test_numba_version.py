@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tautline.cli.numba_version import version_note
+from tautline.cli.output.numba_version import version_note
 
 ROOT = Path(__file__).parents[2]
 ASKED = ["numpy>=1.26", "numba<0.69,>=0.60"]

@@ -5,8 +5,8 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from tautline.cli.console import console
-from tautline.cli.summary import speed, two_columns
+from tautline.cli.output.console import console
+from tautline.cli.output.summary import speed, two_columns
 from tautline.scene.values.printed import quantity, significant
 
 

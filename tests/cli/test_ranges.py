@@ -2,7 +2,7 @@
 
 import pytest
 
-from tautline.cli.lists import stepped, three_of
+from tautline.cli.options.lists import stepped, three_of
 from tautline.scene.errors import SceneError
 
 

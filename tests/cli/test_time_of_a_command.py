@@ -10,7 +10,7 @@ import pytest
 from typer.main import get_command
 
 from drillstring.application import Drillstring
-from tautline.cli import duration
+from tautline.cli.output import duration
 from tautline.cli.verbs import SHARED, make_app
 from tautline.results.result import Result
 

@@ -32,7 +32,7 @@ from crane.application import Crane
 from drillstring.application import Drillstring
 from gardenhose.application import Gardenhose
 from tautline.cable.application import Cable
-from tautline.cli import console
+from tautline.cli.output import console
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 

@@ -15,7 +15,7 @@ from crane.view.figures import draw as draw_crane
 from drillstring.view.figures import draw
 from gardenhose.view.figures import draw as draw_hose
 from tautline.application.installed import Single
-from tautline.cli.plot import plot as verb
+from tautline.cli.commands.plot import plot as verb
 from tautline.results.errors import ResultError
 from tautline.results.store import Store
 from tautline.results.variable import Variable

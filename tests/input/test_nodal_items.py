@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tautline.cable.application import Cable
-from tautline.cable.input import models, nodal
-from tautline.cable.input.nodal import NodalItem, NodalPart, OnNodes, register_item
 from tautline.cable.input.scene import parse
+from tautline.cable.input.syntax import models, nodal
+from tautline.cable.input.syntax.nodal import NodalItem, NodalPart, OnNodes, register_item
 from tautline.cable.model.build import assemble_cables, build
 from tautline.scene import warnings
 from tautline.scene.errors import SceneError

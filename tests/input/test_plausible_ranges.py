@@ -14,12 +14,13 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.warnings import soft_wall
 from gardenhose.scene import HoseScene
 from tautline.application.installed import Installed
-from tautline.cable.input.models import WrittenCable
-from tautline.cable.input.thesis_compat import read_compat
+from tautline.cable.input.syntax.models import WrittenCable
+from tautline.cable.input.syntax.thesis_compat import read_compat
 from tautline.scene.doubts import slips_of_units
 from tautline.scene.errors import SceneWarning
 from tautline.scene.model import validate
 from tautline.scene.reading.document import Document
+from tautline.scene.values.quantity import quantity
 from tautline.scene.values.ranges import RANGES
 from tautline.scene.values.units import read_unit
 
@@ -196,6 +197,11 @@ def test_a_row_of_the_table_has_a_range_or_a_reason_and_units_that_can_be_read(n
     assert 0.0 <= row.low < row.high
     for unit in row.meant:
         assert read_unit(unit).dimension == read_unit(row.unit or "%").dimension
+
+
+def test_a_key_declared_with_an_unknown_row_is_refused_with_the_nearest_row_and_a_cure():
+    with pytest.raises(ValueError, match=r"'quadratic dragg'.*did you mean 'quadratic drag'.*add a row"):
+        quantity("N s^2/m^2", of="quadratic dragg")
 
 
 def test_numbers_without_unit_in_a_scene_of_field_units_are_told_in_one_warning_with_both_readings():

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf8")
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", PAGE, flags=re.MULTILINE | re.DOTALL)
 FILES = {text.split("\n")[0].removeprefix("# "): text for kind, text in BLOCKS if kind != "console"}
-COMMANDS = [line for kind, text in BLOCKS if kind == "console" for line in text.splitlines()]
+COMMANDS = [text for kind, text in BLOCKS if kind == "console"]
 
 
 @pytest.fixture
@@ -50,11 +50,20 @@ def test_every_block_of_the_page_has_the_name_of_a_file_or_is_a_command():
     assert len(COMMANDS) == 7
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_a_command_of_the_page_does_what_its_file_asserts(command, folder):
-    name, *words = command.split()
-    assert name == "python"
-    ran(folder, *words)
+@pytest.mark.parametrize("commands", COMMANDS)
+def test_the_commands_of_a_block_do_what_their_files_assert(commands, folder):
+    for command in commands.splitlines():
+        name, *words = command.split()
+        assert name == "python"
+        ran(folder, *words)
+
+
+def test_the_figure_of_the_page_is_offered_and_drawn(folder):
+    ran(folder, "drawn.py", "simulate", "raft.yaml")
+    refused = ran(folder, "drawn.py", "plot", "raft.nc", "--what", "portrayt", code=2)
+    assert "portrait (velocity along x over position)" in " ".join(refused.stderr.split())
+    ran(folder, "drawn.py", "plot", "raft.nc", "raft.nc", "--what", "portrait")
+    assert {path.suffix for path in folder.glob("*portrait*.*")} == {".png", ".py"}
 
 
 def test_the_verb_of_the_page_prints_the_weight(folder):

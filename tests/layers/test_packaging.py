@@ -4,6 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import pytest
 import yaml
 
 import tautline
@@ -25,7 +26,8 @@ def requirements(lines):
 
 def test_the_conda_recipe_asks_for_what_the_project_does():
     asked = requirements(RECIPE["requirements"]["run"])
-    assert asked.pop("python") == PROJECT["requires-python"]
+    least = RECIPE["context"]["python_min"]
+    assert asked.pop("python").replace("${{python_min}}", least) == PROJECT["requires-python"] == f">={least}"
     assert asked == requirements(PROJECT["dependencies"])
 
 
@@ -55,3 +57,20 @@ def test_the_changelog_has_the_version_and_what_comes_after():
 def test_the_extra_docs_names_what_the_site_is_made_with():
     asked = " ".join(PROJECT["optional-dependencies"]["docs"])
     assert all(name in asked for name in ("mkdocs-material", "mkdocstrings[python]", "nbformat"))
+
+
+FORMS = sorted(path for path in (ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml") if path.name != "config.yml")
+ITEM = {"type", "id", "attributes", "validations"}
+ATTRIBUTES = {"textarea": {"label", "description", "placeholder", "value", "render"}}
+ATTRIBUTES["input"] = ATTRIBUTES["textarea"] - {"render"}
+"""What GitHub takes in an item of an issue form; a form with another key is not shown."""
+
+
+@pytest.mark.parametrize("path", FORMS, ids=lambda path: path.stem)
+def test_an_issue_form_has_only_what_github_takes(path):
+    form = yaml.safe_load(path.read_text(encoding="utf8"))
+    assert set(form) <= {"name", "description", "title", "labels", "assignees", "body"} and form["description"]
+    for item in form["body"]:
+        assert set(item) <= ITEM and set(item["attributes"]) <= ATTRIBUTES[item["type"]], item
+        assert all(isinstance(value, str) for value in item["attributes"].values()), item
+    assert len({item["id"] for item in form["body"]}) == len(form["body"])

@@ -14,7 +14,7 @@ import tautline
 from tautline.cable.input.scene import parse
 from tautline.cable.model.build import build
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.results.balance import Balance
+from tautline.results.assessment.balance import Balance
 from tautline.simulation import simulate
 
 DATA = Path(__file__).parents[2] / "data"

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tautline.application.installed import Installed
-from tautline.cli.simulate import simulate as verb
-from tautline.results.limits import AT_LEAST, judged
+from tautline.cli.commands.simulate import simulate as verb
+from tautline.results.assessment.limits import AT_LEAST, judged
 from tautline.simulation import simulate
 
 ROOT = Path(__file__).parents[2]

@@ -12,10 +12,10 @@ import pytest
 import tautline
 from tautline.application.installed import Installed
 from tautline.application.limits import read_limits
+from tautline.cli.commands.simulate import simulate as verb
 from tautline.cli.run import Ended, ExitCode
-from tautline.cli.simulate import simulate as verb
-from tautline.results.bounds import Bound, held, judge, stretches
-from tautline.results.limits import AT_LEAST, AT_MOST
+from tautline.results.assessment.bounds import Bound, held, judge, stretches
+from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.results.result import Result
 from tautline.results.variable import Variable
 from tautline.scene.errors import SceneError

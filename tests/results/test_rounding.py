@@ -6,7 +6,7 @@ from physics.wells.strings import shipped
 
 from drillstring.model.build import build
 from drillstring.warnings import figures
-from tautline.results.rounding import unrounded, without_rounding
+from tautline.results.assessment.rounding import unrounded, without_rounding
 from tautline.simulation import simulate
 
 EPS = np.finfo(float).eps

@@ -11,7 +11,7 @@ import pytest
 from tautline.results.errors import ResultError, WriteError
 from tautline.results.result import Result
 from tautline.results.store import Store
-from tautline.results.table import write_csv
+from tautline.results.tables.table import write_csv
 from tautline.results.variable import Variable
 
 

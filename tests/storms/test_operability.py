@@ -403,7 +403,7 @@ def test_time_of_a_scatter_diagram_that_was_not_run_is_told_because_its_damage_i
 
 def test_equal_storms_have_a_most_probable_largest_without_an_interval():
     from crane.operability.criteria import Criterion
-    from tautline.results.limits import AT_MOST
+    from tautline.results.assessment.limits import AT_MOST
 
     one = Criterion("max_tension < 60 kN", "max_tension", AT_MOST, 60e3, "N", False)
     found = fitted(np.full(4, 50e3), one, 1.0, 0.9, 0.9)

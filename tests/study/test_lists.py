@@ -2,7 +2,7 @@
 
 import pytest
 
-from tautline.cli.lists import number, numbers, one_of, words
+from tautline.cli.options.lists import number, numbers, one_of, words
 from tautline.scene.errors import SceneError
 
 

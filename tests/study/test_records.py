@@ -11,7 +11,7 @@ import xarray
 from matplotlib.figure import Figure
 from study.oscillators import OMEGA, oscillator, rk4, subject
 
-from tautline.cli.console import finite
+from tautline.cli.output.console import finite
 from tautline.results.errors import ResultError
 from tautline.scene.methods import RK4
 from tautline.study import figures

@@ -116,7 +116,7 @@ def test_sobol_points_are_balanced_at_powers_of_two_only():
 
 def of_function(cases, values):
     """The result of a sweep whose cases came to these values of `y`."""
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
     from tautline.sweeps.cases import Row
     from tautline.sweeps.table import dataset
 

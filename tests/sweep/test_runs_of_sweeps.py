@@ -257,7 +257,7 @@ def test_the_summary_of_a_plan_that_samples_tells_its_percentiles_and_their_tabl
 
 
 def test_percentiles_of_a_sweep_with_failed_cases_are_said_to_lack_them(tmp_path):
-    from tautline.cli.sweep import _left_out
+    from tautline.cli.commands.sweep import _left_out
     from tautline.sweeps.file import read_sweep
     from tautline.sweeps.sweep import run_sweep
 

@@ -44,7 +44,7 @@ def test_bad_data_leave_the_estimate_as_it_is(kind, settled):
     # A clock that is 1 % wrong makes the accelerations 2 % wrong, and the weight hardly.
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
     if counted:
-        assert twin.rows.counts[counted] > 0
+        assert twin.readings.rows.counts[counted] > 0
     times = [line["time"] for line in lines]
     assert times == sorted(times)
 
@@ -82,8 +82,8 @@ def test_killed_and_started_again_it_goes_on_with_the_same_estimates(tmp_path, s
     second = weight_twin(start="5 t")
     begin = load(second, tmp_path / "twin.state")
     assert begin == first.now
-    assert second.horizon.mean == pytest.approx(first.horizon.mean)
-    assert second.horizon.prior == pytest.approx(first.horizon.prior)
+    assert second.estimate.horizon.mean == pytest.approx(first.estimate.horizon.mean)
+    assert second.estimate.horizon.prior == pytest.approx(first.estimate.horizon.prior)
     again = lines_of(second, [row for row in rows if row[0] > begin])
     window = begin + 3.0
     for line in again:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tautline.twin.horizon import Horizon, Sample
+from tautline.twin.estimation.horizon import Horizon, Sample
 from tautline.twin.map import Channel, Unknown
 
 

@@ -5,11 +5,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tautline.twin.inputs import InputTrack
 from tautline.twin.map import Channel
-from tautline.twin.rows import Row
-from tautline.twin.smoothing import joined, smooth
-from tautline.twin.waves import Waves
+from tautline.twin.signals.inputs import InputTrack
+from tautline.twin.signals.rows import Row
+from tautline.twin.signals.smoothing import joined, smooth
+from tautline.twin.signals.waves import Waves
 
 CHANNEL = Channel(
     column="heave", name="vessel.heave", is_input=True, unit="m", scale=1.0, zero=0.0, zero_first=False,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tautline.twin.rows import Rows
+from tautline.twin.signals.rows import Rows
 
 
 def given(stamps, delay=0.3, interval=0.1):

@@ -289,7 +289,8 @@ def test_files_are_compressed_and_binary(tmp_path):
 
 
 def test_vtk_is_loaded_by_the_writing_only():
-    ask = "import sys, tautline.view.files.paraview, tautline.cli.export; print(any('vtk' in m for m in sys.modules))"
+    names = "sys, tautline.view.files.paraview, tautline.cli.commands.export"
+    ask = f"import {names}; print(any('vtk' in m for m in sys.modules))"
     done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True)
     assert done.stdout.strip() == "False", done.stderr
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from pydantic_core import PydanticCustomError
 
-from tautline.results.limits import AT_LEAST, AT_MOST
+from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import Problem, SceneError, option_error
 from tautline.scene.values.quantity import Quantity
 from tautline.sweeps.verbs import output_of, single, whole

@@ -13,7 +13,7 @@ import numpy as np
 from crane.operability.allowable import FITTED, UNKNOWN, Allowable, Table, governing, steepest
 from crane.operability.criteria import Criterion
 from tautline.results.errors import WriteError
-from tautline.results.rows import heads_of, write_rows
+from tautline.results.tables.rows import heads_of, write_rows
 from tautline.sweeps.table import Variables, write_netcdf
 from tautline.view.figures.figure import QUIET, axes, colour, save, styled
 

@@ -14,7 +14,7 @@ from crane.results.summary import ends_of, span_ends
 from crane.scene.path import DRUM_FLEET_LIMIT, Drum, Sheave
 from crane.scene.scene import CraneScene
 from crane.scene.strength import strain_bound
-from tautline.results.limits import AT_LEAST, judged, strain_limit, stretch_limits
+from tautline.results.assessment.limits import AT_LEAST, judged, strain_limit, stretch_limits
 
 LEAST_RATIO = 16.0
 """Sheave over rope diameter; codes ask for 16 to 25 (ISO 16625)."""
@@ -25,7 +25,7 @@ Records = Iterator[dict[str, Any]]
 
 
 def limits(result: Any, scene: CraneScene) -> list[dict[str, Any]]:
-    """Records of `tautline.results.limits`, from the stored frames."""
+    """Records of `tautline.results.assessment.limits`, from the stored frames."""
     return [*_strength(result, scene), *_strain(result, scene), *_angles(result, scene), *_bending(result, scene)]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from crane.scene.scene import CraneScene
-from tautline.results.limits import STEEL, STEEL_STRAIN, STRAIN
+from tautline.results.assessment.limits import STEEL, STEEL_STRAIN, STRAIN
 
 
 def strain_bound(scene: CraneScene) -> float:

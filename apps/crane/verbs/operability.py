@@ -95,11 +95,11 @@ def operability(
     """Storms over sea states: extremes, and the allowable significant wave height against period and heading."""
     from crane.operability.storms import occurring
     from crane.operability.storms import operability as run
-    from tautline.cli.changes import changed
-    from tautline.cli.console import say
-    from tautline.cli.first_run import compiling
-    from tautline.cli.progress import Counter
-    from tautline.cli.simulate import print_warnings
+    from tautline.cli.commands.simulate import print_warnings
+    from tautline.cli.options.changes import changed
+    from tautline.cli.output.console import say
+    from tautline.cli.output.first_run import compiling
+    from tautline.cli.output.progress import Counter
 
     application, found = context.obj.read(scene)
     read = changed(found, changes)
@@ -129,7 +129,7 @@ def _asked(
     from crane.operability.conditions import conditions_of
     from crane.operability.scatter import read_scatter
     from crane.operability.storms import Asked
-    from tautline.cli.lists import number
+    from tautline.cli.options.lists import number
 
     diagram = None if scatter is None else read_scatter(scatter)
     heights = _range(hs, "--hs", "m", "0.5:4:0.5", None if diagram is None else diagram.heights.tolist())
@@ -150,7 +150,7 @@ def _asked(
 
 def _range(text: str | None, option: str, unit: str, example: str, other: list[float] | None) -> list[float]:
     """Increasing values of ``FROM:TO:STEP`` or ``A,B,C``; `other` where nothing is given."""
-    from tautline.cli.lists import number, numbers, stepped, three_of
+    from tautline.cli.options.lists import number, numbers, stepped, three_of
 
     if text is None:
         if other is None:
@@ -209,7 +209,7 @@ def _share(text: str, option: str, example: str, given: str | None = None) -> fl
 
 
 def _introduce(asked: Asked, absent: int) -> None:
-    from tautline.cli.console import say
+    from tautline.cli.output.console import say
 
     steep = [one for one in asked.conditions if not one.physical]
     count = len(asked.conditions) - len(steep)
@@ -231,10 +231,10 @@ def _report(
 ) -> None:
     from crane.operability.output import draw, write_all
     from crane.operability.scatter import told
-    from tautline.cli.console import console, print_json, say
+    from tautline.cli.commands.sweep import failures
+    from tautline.cli.output.console import console, print_json, say
+    from tautline.cli.output.summary import two_columns
     from tautline.cli.run import Ended, ExitCode
-    from tautline.cli.summary import two_columns
-    from tautline.cli.sweep import failures
 
     outcome, table = found.outcome, found.table
     written: dict[str, Path] = {}

@@ -8,7 +8,7 @@ import numpy as np
 
 from drillstring.scene.scene import DrillstringScene
 from drillstring.string.lumps import Lumps
-from tautline.results.limits import STEEL, STEEL_STRAIN, STRAIN, judged, strain_limit
+from tautline.results.assessment.limits import STEEL, STEEL_STRAIN, STRAIN, judged, strain_limit
 
 INTO_THE_WALL = 1.0
 """Depth of the string in the wall over its clearance, above which the wall is no wall."""
@@ -17,7 +17,7 @@ SNUG = 0.05
 
 
 def limits(result: Any, scene: DrillstringScene, lumps: Lumps) -> list[dict[str, Any]]:
-    """Records of `tautline.results.limits`, from the stored frames of either kind of string."""
+    """Records of `tautline.results.assessment.limits`, from the stored frames of either kind of string."""
     tension = np.asarray(result["tension"])
     links = [f"{lumps.tubes[k].name}, {0.5 * (a + b):.4g} m" for k, a, b in zip(
         lumps.section, lumps.measured_depth[:-1], lumps.measured_depth[1:], strict=True)]  # fmt: skip

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drillstring.stick_slip.severity_map import NOT_RUN, NUMBERS, Cell, Map
-from tautline.results.rows import heads_of, write_dataset, write_rows
+from tautline.results.tables.rows import heads_of, write_dataset, write_rows
 from tautline.scene.values.printed import quantity, shown, significant
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from drillstring.model.build import build
 from drillstring.scene.ends import Controller
 from drillstring.scene.scene import DrillstringScene
 from drillstring.twin.stands import bit_depth, with_stand
-from tautline.results.rows import write_rows
+from tautline.results.tables.rows import write_rows
 from tautline.scene.reading.document import Path_
 from tautline.simulation import simulate
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tautline.cli.findings import figure_place, say_sentences, write_figure, write_table
+from tautline.cli.output.findings import figure_place, say_sentences, write_figure, write_table
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
@@ -16,7 +16,7 @@ from tautline.scene.errors import option_error
 if TYPE_CHECKING:
     from drillstring.modes.campbell import Campbell
     from drillstring.scene.scene import DrillstringScene
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
 USUAL_SPEEDS, USUAL_ORDERS = (0.0, 200.0), (1.0, 2.0, 3.0)
 """Rotary speeds, rpm, and multiples of them where none are given."""
@@ -92,8 +92,8 @@ def campbell(
     from drillstring.modes.campbell import campbell as compute
     from drillstring.modes.natural_modes import KINDS
     from drillstring.scene.scene import of_kind, read
-    from tautline.cli.changes import changed
-    from tautline.cli.lists import number, one_of, words
+    from tautline.cli.options.changes import changed
+    from tautline.cli.options.lists import number, one_of, words
     from tautline.results.target import check_table
 
     drillstring = changed(read(scene), changes)
@@ -112,7 +112,7 @@ def campbell(
     if table is not None:
         _write(found, table)
     if as_json:
-        from tautline.cli.console import print_json
+        from tautline.cli.output.console import print_json
 
         said = {"scene": str(scene), "status": "done", "figure": str(figure), "csv": None if csv is None else str(csv)}
         print_json(said | report(found))
@@ -181,7 +181,7 @@ def _speed(word: str, text: str) -> float:
 
 def parse_orders(text: str | None, blades: int | None) -> tuple[float, ...]:
     """Multiples of the rotary speed, rising, with the number of blades among them."""
-    from tautline.cli.lists import words
+    from tautline.cli.options.lists import words
 
     def read(word: str) -> Any:
         try:
@@ -204,7 +204,7 @@ def parse_depth(scene: DrillstringScene, text: str | None) -> float | None:
     if text is None:
         return None
     from drillstring.model.prepared import tubes_of, well_of
-    from tautline.cli.lists import number
+    from tautline.cli.options.lists import number
 
     depth = number(text, "--from", "m")
     length = sum(tube.length for tube in tubes_of(scene, well_of(scene).length))
@@ -221,7 +221,7 @@ def parse_held(scene: DrillstringScene, text: str | None) -> frozenset[str]:
         return frozenset(["bit"] if scene.bit.load < 0.0 or scene.bit.on_bottom else [])
     if text.strip() == "none":
         return frozenset()
-    from tautline.cli.lists import one_of, words
+    from tautline.cli.options.lists import one_of, words
 
     known = list(dict.fromkeys([section.name for section in scene.string] + ["bit"]))
     return frozenset(words(text, "--hold", one_of(known)))
@@ -261,7 +261,7 @@ def report(found: Campbell) -> dict[str, Any]:
 
 def _print(scene: DrillstringScene, found: Campbell) -> None:
     from drillstring.view.campbell_summary import sentences, table
-    from tautline.cli.console import console
+    from tautline.cli.output.console import console
 
     if found.modes:
         console().print(table(found, scene.units))
@@ -289,7 +289,7 @@ def read_options(scene: DrillstringScene, options: Mapping[str, Any]) -> tuple[A
     """What `campbell` is to compute in a sweep; raises SceneError naming the option."""
     from drillstring.modes.natural_modes import KINDS
     from drillstring.scene.scene import of_kind
-    from tautline.cli.lists import number, one_of, words
+    from tautline.cli.options.lists import number, one_of, words
 
     text = {name: None if value is None else str(value) for name, value in options.items()}
     blades = options.get("blades")
@@ -311,7 +311,7 @@ def findings(scene: DrillstringScene, asked: tuple[Any, ...]) -> dict[str, Findi
     """Natural frequencies along ``mode``, and the rotary speeds that excite them along ``crossing``, rising."""
     from drillstring.modes.campbell import campbell as compute
     from drillstring.scene.scene import of_kind
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
     model, *rest = asked
     found = compute(of_kind(scene, model), *rest)

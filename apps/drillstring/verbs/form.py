@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tautline.cli.findings import figure_place, write_figure, write_table
+from tautline.cli.output.findings import figure_place, write_figure, write_table
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture
 from tautline.scene.errors import option_error
@@ -60,7 +60,7 @@ def form(
     """Find the string's shape at rest, and set the exact extensible rod beside it where there is one."""
     from drillstring.scene.scene import read
     from drillstring.statics.form import find_form
-    from tautline.cli.changes import changed
+    from tautline.cli.options.changes import changed
     from tautline.integrators.statics.relaxation import MOST_STEPS
     from tautline.results.target import check_table
 
@@ -79,7 +79,7 @@ def form(
     if table is not None:
         _write(scenes, found, table)
     if as_json:
-        from tautline.cli.console import print_json
+        from tautline.cli.output.console import print_json
 
         said = {"status": "done", "figure": str(figure), "csv": None if table is None else str(table)}
         reports = [report(path, one) for path, one in zip(scenes, found, strict=True)]
@@ -195,8 +195,8 @@ def _print(scenes: list[Path], found: list[Finding], system: str) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from tautline.cli.console import say
-    from tautline.cli.study import show
+    from tautline.cli.commands.study import show
+    from tautline.cli.output.console import say
 
     table = Table(box=None, padding=(0, 2, 0, 0))
     table.add_column("scene")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tautline.cli.findings import say_sentences
+from tautline.cli.output.findings import say_sentences
 from tautline.cli.verbs import Changes, Json, Scene, Stem
 from tautline.scene.errors import option_error
 
@@ -61,12 +61,12 @@ def stick_slip(
     """Map stick-slip of the bit over rotary speed and weight on bit, one run to each, on all cores."""
     from drillstring.scene.scene import read
     from drillstring.stick_slip.severity_map import require_bit, stick_slip_map
-    from tautline.cli.changes import changed
-    from tautline.cli.first_run import compiling
-    from tautline.cli.lists import number
-    from tautline.cli.progress import Counter
+    from tautline.cli.commands.study import stem_of
+    from tautline.cli.options.changes import changed
+    from tautline.cli.options.lists import number
+    from tautline.cli.output.first_run import compiling
+    from tautline.cli.output.progress import Counter
     from tautline.cli.run import Ended, ExitCode
-    from tautline.cli.study import stem_of
 
     drillstring = changed(read(scene), changes)
     require_bit(drillstring)
@@ -95,7 +95,7 @@ def parse_range(text: str, option: str, unit: str, bare: float = 1.0) -> list[fl
     SceneError
         Naming the option and what is wrong.
     """
-    from tautline.cli.lists import numbers, stepped, three_of
+    from tautline.cli.options.lists import numbers, stepped, three_of
 
     def one(word: str) -> float:
         value = numbers(word, option, unit)[0]
@@ -127,8 +127,8 @@ def _weights(scene: DrillstringScene, text: str | None) -> list[float]:
 def _report(path: Path, scene: DrillstringScene, found: Map, stem: Path, as_json: bool) -> None:
     from drillstring.stick_slip.record import sentences, table, whole_record, write_csv, write_netcdf
     from drillstring.view.stick_slip_figures import stick_slip_figure
-    from tautline.cli.console import console, print_json, say
-    from tautline.cli.study import named
+    from tautline.cli.commands.study import named
+    from tautline.cli.output.console import console, print_json, say
 
     title = f"{scene.title or path.stem}: stick-slip"
     laid_out = table(found, scene.units)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drillstring.verbs.form import Models, parse_models
-from tautline.cli.findings import figure_place, say_sentences, write_figure
+from tautline.cli.output.findings import figure_place, say_sentences, write_figure
 from tautline.cli.run import searched
 from tautline.cli.verbs import Changes, Json, Picture, Scene
 from tautline.scene.errors import option_error
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from drillstring.statics.motion import Motion
     from drillstring.statics.torque_drag import Case
     from drillstring.string.factors import Factors
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
 MOST_DEPTHS, MOST_FACTORS, MOST_ELEMENTS = 1000, 20, 5000
 LARGEST_FACTOR = 2.0
@@ -86,8 +86,8 @@ def torque_drag(
     from drillstring.scene.scene import of_kind, read
     from drillstring.statics.torque_drag import own_friction
     from drillstring.statics.torque_drag import torque_drag as compute
-    from tautline.cli.changes import changed
-    from tautline.cli.console import print_json, say
+    from tautline.cli.options.changes import changed
+    from tautline.cli.output.console import print_json, say
     from tautline.cli.run import Ended, ExitCode
 
     drillstring = changed(read(scene), changes)
@@ -129,7 +129,7 @@ def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
     import math
 
     from drillstring.string.factors import Factors
-    from tautline.cli.lists import words
+    from tautline.cli.options.lists import words
 
     def factor(word: str) -> float:
         try:
@@ -159,7 +159,7 @@ def parse_frictions(text: str, shoe: float = 0.0) -> list[Factors]:
 def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | None:
     """Motions of reaming up and down; None without a speed. Raises SceneError for a rotary speed alone."""
     from drillstring.statics.motion import reaming
-    from tautline.cli.lists import number
+    from tautline.cli.options.lists import number
 
     if speed is None:
         if rotary is not None:
@@ -171,7 +171,7 @@ def parse_reaming(speed: str | None, rotary: str | None) -> dict[str, Motion] | 
 
 def parse_depths(text: str) -> list[float]:
     """Depths of ``FROM:TO:STEP`` with both ends, or of ``A,B,C``, m or with units; raises SceneError with the cure."""
-    from tautline.cli.lists import number, numbers, stepped, three_of
+    from tautline.cli.options.lists import number, numbers, stepped, three_of
 
     refuse = partial(option_error, "--depth", text)
 
@@ -265,8 +265,8 @@ def _report_of(case: Case) -> dict[str, Any]:
 
 def _print(scene: DrillstringScene, cases: list[Case], fitted: Fit | None) -> None:
     from drillstring.view.torque_summary import sentences, table
-    from tautline.cli.console import say
-    from tautline.cli.study import show
+    from tautline.cli.commands.study import show
+    from tautline.cli.output.console import say
     from tautline.scene.values.printed import shown
 
     show(table(cases, scene.units))
@@ -318,7 +318,7 @@ def read_options(scene: DrillstringScene, options: Mapping[str, Any]) -> dict[st
 def findings(scene: DrillstringScene, asked: Mapping[str, Any]) -> dict[str, Finding]:
     """Hook loads and surface torque, with those of the soft string; along ``depth`` where there are several depths."""
     from drillstring.statics.torque_drag import torque_drag as compute
-    from tautline.results.finding import Finding
+    from tautline.results.tables.finding import Finding
 
     (case,) = compute(scene, **asked)
     depths = [point.depth for point in case.points]

@@ -20,7 +20,7 @@ Words = Annotated[list[str] | None, typer.Argument(metavar="[WORDS]", help=WORDS
 def tubulars(words: Words = None, as_json: Json = False) -> None:
     """List the standard tubulars that a section of a string can name, or those that some words fit."""
     from drillstring.scene.tubulars import NoSuchTubular, catalogue, matching
-    from tautline.cli.console import console, print_json, say
+    from tautline.cli.output.console import console, print_json, say
 
     text = " ".join(words or ())
     try:

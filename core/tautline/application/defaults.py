@@ -117,7 +117,8 @@ class Defaults:
         raise NotImplementedError(f"{type(self).__name__} has no build")
 
     @property
-    def _drawings(self) -> Mapping[str, Any]:
+    def drawings(self) -> Mapping[str, Any]:
+        """Figures by their names, each a `tautline.view.figures.drawings.Drawing`."""
         from tautline.application.figures import DRAWINGS
 
         return DRAWINGS
@@ -125,13 +126,13 @@ class Defaults:
     @property
     def figure_names(self) -> Mapping[str, str]:
         """Names of figures, and what they show."""
-        return {name: one.text for name, one in self._drawings.items()}
+        return {name: one.text for name, one in self.drawings.items()}
 
     def pictures(self, results: Sequence[Result], what: Sequence[str] = (), vs: str | None = None) -> dict[str, Any]:
         """Draw results: name -> Figure, and nothing is written; raises ResultError for an unknown name."""
         from tautline.view.figures.drawings import drawn
 
-        return drawn(results, self._drawings, what, vs)
+        return drawn(results, self.drawings, what, vs)
 
     def figures(
         self,

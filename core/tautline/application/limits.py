@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from pydantic_core import PydanticCustomError
 
-from tautline.results.bounds import Bound
-from tautline.results.limits import AT_LEAST, AT_MOST
+from tautline.results.assessment.bounds import Bound
+from tautline.results.assessment.limits import AT_LEAST, AT_MOST
 from tautline.scene.errors import LONGEST, Problem, SceneError
 from tautline.scene.limits import ABOVE, Limit
 from tautline.scene.values.quantity import Quantity

@@ -25,8 +25,8 @@ class Application(Protocol):
 
     It may have more: ``verbs``, typer commands of its own; ``describe(figures)``, rows of a table (what, how much) that
     ``check`` prints of `check_figures`; ``draw(scene, path)``, which ``check --figure`` calls and which returns the
-    path; ``tables``, verbs whose findings a sweep collects, name -> `tautline.results.finding.Table`; ``sometimes``,
-    names of the figures of a run that only some runs have.
+    path; ``tables``, verbs whose findings a sweep collects, name -> `tautline.results.tables.finding.Table`;
+    ``sometimes``, names of the figures of a run that only some runs have.
     """
 
     name: str

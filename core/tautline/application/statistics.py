@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tautline.results.balance import ENERGIES
+from tautline.results.assessment.balance import ENERGIES
 from tautline.scene.errors import SceneError
 from tautline.scene.refusal import nearest
 from tautline.statistics.store import Keep

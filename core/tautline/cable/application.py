@@ -55,7 +55,7 @@ class Cable(Packaged):
 
     def as_written(self, scene: CableScene) -> tuple[Any, Any]:
         """The models of the file, and the document as the thesis' oddities are meant."""
-        from tautline.cable.input.models import WrittenCable
-        from tautline.cable.input.thesis_compat import read_compat
+        from tautline.cable.input.syntax.models import WrittenCable
+        from tautline.cable.input.syntax.thesis_compat import read_compat
 
         return WrittenCable, read_compat(scene.document)[0]

@@ -12,8 +12,8 @@ import numpy as np
 from tautline.cable.input.couplings import APART, coupling_gap, value_of
 from tautline.cable.input.geometry import arc_length, chord
 from tautline.cable.input.material import material_coordinates
-from tautline.cable.input.nodal import item_of
 from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
+from tautline.cable.input.syntax.nodal import item_of
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.reading.document import join_key

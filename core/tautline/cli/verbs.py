@@ -258,7 +258,7 @@ def check(
     context: typer.Context, scene: Scene, changes: Changes = None, figure: Drawing = None, as_json: Json = False
 ) -> None:
     """Validate a scene and warn, with cause and cure; runs nothing."""
-    from tautline.cli import simulate as verb
+    from tautline.cli.commands import simulate as verb
 
     verb.check(context.obj, scene, as_json, figure, changes)
 
@@ -282,8 +282,8 @@ def simulate(
 
     An earlier result of the same name is replaced once the run has begun. Ctrl-C keeps what there is.
     """
-    from tautline.cli import simulate as verb
-    from tautline.cli.lists import number, seconds
+    from tautline.cli.commands import simulate as verb
+    from tautline.cli.options.lists import number, seconds
 
     times = {"step": seconds(step, "--step", ("auto",)), "end": seconds(end, "--end")}
     wanted = None if accuracy is None else number(accuracy, "--accuracy", "")
@@ -312,8 +312,8 @@ def study(
     as_json: Json = False,
 ) -> None:
     """Error against run time over methods and steps: table, CSV, NetCDF, figure, and which setting to take."""
-    from tautline.cli import study as verb
-    from tautline.cli.lists import seconds
+    from tautline.cli.commands import study as verb
+    from tautline.cli.options.lists import seconds
 
     asked = {
         "methods": methods, "steps": steps, "elements": elements, "constraints": constraints, "newton": newton,
@@ -337,8 +337,8 @@ def stability(
     as_json: Json = False,
 ) -> None:
     """Critical step three ways and what sets it, conditioning, drift, and stiff and extreme variants of the scene."""
-    from tautline.cli import stability as verb
-    from tautline.cli.lists import seconds
+    from tautline.cli.commands import stability as verb
+    from tautline.cli.options.lists import seconds
 
     asked = {
         "tolerance": tolerance, "end": seconds(end, "--end"), "point": point, "budget": budget, "quick": quick,
@@ -357,7 +357,7 @@ def plot(
     as_json: Json = False,
 ) -> None:
     """Draw figures of one result, or of several to compare; or any variable, against time or another."""
-    from tautline.cli.plot import plot as draw
+    from tautline.cli.commands.plot import plot as draw
 
     draw(context.obj, results, output, what or (), against, form, as_json)
 
@@ -380,7 +380,7 @@ def render(
     as_json: Json = False,
 ) -> None:
     """Show a result in space: in a window, or as pictures, a film or a web page."""
-    from tautline.cli import render as verb
+    from tautline.cli.commands import render as verb
 
     asked = {
         "output": output, "image": image, "movie": movie, "html": html, "view": view, "colour": colour,
@@ -403,7 +403,7 @@ def export(
 ) -> None:
     """Write a result for other programs: ParaView, spreadsheets."""
     from tautline.application.space import look_of
-    from tautline.cli import export as verb
+    from tautline.cli.commands import export as verb
 
     verb.export(context.obj, result, output, vtk, csv, what or (), look_of(view, exaggerate), as_json, every)
 
@@ -419,7 +419,7 @@ def fmu(
     as_json: Json = False,
 ) -> None:
     """Write a scene as an FMU for co-simulation: what is driven goes in, what is read comes out."""
-    from tautline.cli import fmu as verb
+    from tautline.cli.commands import fmu as verb
 
     verb.fmu(context.obj, scene, output, changes, inputs, outputs, fmi, as_json)
 
@@ -440,7 +440,7 @@ def twin(
     quiet: Quiet = False,
 ) -> None:
     """Run a scene beside the machine: sensor data in; estimates, hidden quantities and alarms out."""
-    from tautline.cli import twin as verb
+    from tautline.cli.commands import twin as verb
 
     kept = state or resume
     verb.twin(context.obj, scene, map, source, output, changes, speed, resume, kept, account, serve, as_json, quiet)
@@ -464,7 +464,7 @@ def record(
     as_json: Json = False,
 ) -> None:
     """Write what sensors would show of a scene: a record to rehearse a twin with."""
-    from tautline.cli import twin as verb
+    from tautline.cli.commands import twin as verb
 
     given = {
         "rate": rate, "noise": noise, "delay": delay, "dropout": dropout, "jitter": jitter, "gap": gap, "fault": fault,
@@ -485,7 +485,7 @@ def sweep(
     quiet: Quiet = False,
 ) -> None:
     """Run a scene with many values of some of its keys, on all processors or a cluster."""
-    from tautline.cli import sweep as verb
+    from tautline.cli.commands import sweep as verb
 
     verb.sweep(context.obj, file, jobs, dask, output, resume, changes, as_json, quiet)
 
@@ -498,14 +498,14 @@ def new(
     force: Force = False,
 ) -> None:
     """Write a commented starter scene."""
-    from tautline.cli import starter
+    from tautline.cli.commands import starter
 
     starter.new(context.obj, template, output, listed, force)
 
 
 def schema(context: typer.Context, output: TextFile = None) -> None:
     """Print the JSON schema of a scene, for editors that complete and check."""
-    from tautline.cli import starter
+    from tautline.cli.commands import starter
 
     starter.schema(context.obj, output)
 

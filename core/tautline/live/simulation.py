@@ -36,7 +36,7 @@ from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
 from tautline.live.memory import Memory, State, check
 from tautline.live.readings import Outputs, Parameters
-from tautline.results.balance import ENERGIES, Balance
+from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.result import Result
 from tautline.results.store import Store
 from tautline.scene.methods import explicit_like, method_of

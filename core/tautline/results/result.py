@@ -105,7 +105,7 @@ class Result:
 
     @property
     def limits(self) -> list[dict[str, Any]]:
-        """What the run is judged by, passed or not, with time and place: see `tautline.results.limits`."""
+        """What the run is judged by, passed or not, with time and place: see `tautline.results.assessment.limits`."""
         limits = self.attributes.get("limits", [])
         return json.loads(limits) if isinstance(limits, str) else list(limits)
 

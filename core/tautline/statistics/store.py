@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from tautline.results.assessment.limits import AT_MOST
 from tautline.results.errors import ResultError
-from tautline.results.limits import AT_MOST
 from tautline.results.result import Result
 from tautline.results.store import Store
 from tautline.results.variable import Variable

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tautline.results.rows import heads_of, write_dataset, write_rows
+from tautline.results.tables.rows import heads_of, write_dataset, write_rows
 
 if TYPE_CHECKING:
     from tautline.study.accuracy.precision import Row, Study

@@ -14,8 +14,8 @@ from typing import Any
 
 from tautline.errors import TautlineError
 from tautline.integrators.status import Interrupted, StoppedEarly
-from tautline.results.finding import Finding
 from tautline.results.headline import plain
+from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document
 from tautline.sweeps.file import ORIGIN, SIMULATE, Collected

@@ -17,7 +17,7 @@ from typing import IO, Any
 
 from tautline.results.disk import Lock
 from tautline.results.errors import ResultError, WriteError
-from tautline.results.finding import Finding
+from tautline.results.tables.finding import Finding
 from tautline.sweeps.cases import LOST, Row
 
 NAME = "journal.ndjson"

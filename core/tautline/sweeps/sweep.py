@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.errors import TautlineError
-from tautline.results.finding import Finding
+from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
 from tautline.scene.identity import model_hash
 from tautline.scene.reading.document import join_key

@@ -16,8 +16,8 @@ from uuid import uuid4
 import numpy as np
 
 from tautline.results.errors import WriteError
-from tautline.results.finding import Finding
-from tautline.results.rows import heads_of, write_rows
+from tautline.results.tables.finding import Finding
+from tautline.results.tables.rows import heads_of, write_rows
 from tautline.sweeps.cases import Row
 from tautline.sweeps.plans import CASE, SAMPLED, Cases
 from tautline.version import __version__

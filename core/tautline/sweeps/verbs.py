@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.results.finding import Finding, Table
+from tautline.results.tables.finding import Finding, Table
 from tautline.sweeps.file import SIMULATE, Collected, SweepFile, percentile
 
 RUN = {

@@ -16,7 +16,7 @@ from contextlib import ExitStack, contextmanager
 from itertools import islice
 from typing import Any, NamedTuple
 
-from tautline.results.finding import Finding
+from tautline.results.tables.finding import Finding
 from tautline.scene.errors import option_error
 from tautline.sweeps.cases import LOST, Job, Row, Runner, run_packed
 

@@ -82,7 +82,7 @@ class Model:
         Brings the run's state to the static equilibrium that it starts from, where that takes more than finding it: a
         rope of the length that makes its drawing true.
     limits : callable or None
-        Result -> records of what it is judged by (`tautline.results.limits`).
+        Result -> records of what it is judged by (`tautline.results.assessment.limits`).
     figures : callable or None
         Result, names -> the same as `headline`, of the figures that are named at least; None where no way is
         quicker to some than to all.
@@ -92,7 +92,7 @@ class Model:
         Figures of `headline` that are one number, by name, with their SI units: those that only some runs have too.
     nothing : collection of str
         Those of them without which a run has nothing of the kind: they are 0 then, such as the longest slack.
-    bounds : sequence of tautline.results.bounds.Bound
+    bounds : sequence of tautline.results.assessment.bounds.Bound
         Limits that the scene gives itself.
     keep : tautline.statistics.store.Keep or None
         What is kept in place of every frame; None for every frame.

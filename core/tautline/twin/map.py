@@ -463,11 +463,11 @@ def watches_of(bounds: Sequence[Any], outputs: Collection[str]) -> tuple[list[Wa
 
     Parameters
     ----------
-    bounds : sequence of tautline.results.bounds.Bound
+    bounds : sequence of tautline.results.assessment.bounds.Bound
     outputs : collection of str
         Names of what can be read while a simulation runs.
     """
-    from tautline.results.limits import AT_MOST
+    from tautline.results.assessment.limits import AT_MOST
 
     entries = [
         Watch.model_validate({

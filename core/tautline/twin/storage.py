@@ -17,7 +17,7 @@ import numpy as np
 
 from tautline.live.memory import State
 from tautline.results.errors import ResultError
-from tautline.twin.horizon import Sample
+from tautline.twin.estimation.horizon import Sample
 
 if TYPE_CHECKING:
     from tautline.twin.twin import Twin
@@ -27,21 +27,22 @@ FORMAT = 2
 
 def save(twin: Twin, path: Path) -> None:
     """Write the state of a twin; raises ResultError where that is not possible."""
-    states = twin.family.save()
-    h = twin.horizon
+    estimate, readings = twin.estimate, twin.readings
+    states = estimate.family.save()
+    h = estimate.horizon
     words = {
         "format": FORMAT, "scene": states[0].scene, "layout": states[0].layout, "times": [s.time for s in states],
         "unknowns": [one.name for one in h.unknowns], "channels": [one.column for one in twin.plan.channels],
-        "origin": twin.origin, "now": twin.now, "unsettled": twin.unsettled, "restarts": twin.restarts,
-        "zeros": {str(k): v for k, v in twin._zeros.items()}, "rows": twin.rows.memory(),
-        "tracks": [one.memory() for one in twin.tracks], "health": [one.memory() for one in twin.health],
-        "alarms": twin.alarms.memory(), "blows_due": twin.family._blows_due,
-        "operation": twin.operation.memory() if twin.operation else {}, "paused": twin._paused,
+        "origin": estimate.log.origin, "now": twin.now, "unsettled": twin.unsettled, "restarts": twin.restarts,
+        "zeros": {str(k): v for k, v in readings.zeros.items()}, "rows": readings.rows.memory(),
+        "tracks": [one.memory() for one in readings.tracks], "health": [one.memory() for one in readings.health],
+        "alarms": twin.watch.alarms.memory(), "blows_due": estimate.family._blows_due,
+        "operation": twin.operation.memory() if twin.operation else {}, "paused": twin.paused,
     }  # fmt: skip
     samples = list(h.samples)
     arrays = {
         "words": np.frombuffer(json.dumps(words).encode(), np.uint8),
-        "blocks": np.array([s.block for s in states]), "at": twin.family.at, "apart": twin.family.apart,
+        "blocks": np.array([s.block for s in states]), "at": estimate.family.at, "apart": estimate.family.apart,
         "theta0": h.theta0, "mean": h.mean, "prior": h.prior, "prior_mean": h.prior_mean,
         "numbers": np.array([h.prior_time, h.released]), "spread": h.spread, "correlation": h.correlation,
         "variance": h._variance, "alike": h._alike, "learned": h._learned, "covariance": h.covariance,
@@ -51,7 +52,7 @@ def save(twin: Twin, path: Path) -> None:
         "sample_use": np.array([s.use for s in samples]),
         "sample_rows": np.array([np.broadcast_to(s.rows, s.y0.shape) for s in samples]),
     }  # fmt: skip
-    for name, waves in twin.waves.items():
+    for name, waves in readings.waves.items():
         arrays[f"waves {name}"] = np.append(np.array(waves._values), [waves._next, waves._time, *waves._state])
     beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
@@ -83,21 +84,22 @@ def load(twin: Twin, path: Path) -> float:
         raise ResultError(path, "there is no such file", cure) from None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         raise ResultError(path, "is no state of a twin", cure) from None
+    unknowns = twin.estimate.horizon.unknowns
     own = words.get("operation")
-    if twin.operation is not None and own and words.get("unknowns") == [one.name for one in twin.horizon.unknowns]:
+    if twin.operation is not None and own and words.get("unknowns") == [one.name for one in unknowns]:
         # What the machine has become meanwhile, such as a string with more stands, is another scene.
         grown = twin.operation.recall(own)
         if grown is not None:
-            twin._become(grown)
-    mine = twin.family.save()
+            twin.become(grown)
+    mine = twin.estimate.family.save()
     same = (
         words["format"] == FORMAT and words["scene"] == mine[0].scene and words["layout"] == mine[0].layout
-        and words["unknowns"] == [one.name for one in twin.horizon.unknowns]
+        and words["unknowns"] == [one.name for one in unknowns]
         and words["channels"] == [one.column for one in twin.plan.channels] and len(blocks) == len(mine)
     )  # fmt: skip
     if not same:
         raise ResultError(path, "belongs to another scene or another map", cure)
-    twin.family.restore([
+    twin.estimate.family.restore([
         State(time, words["scene"], words["layout"], block, 0)
         for time, block in zip(words["times"], blocks, strict=True)
     ])  # fmt: skip
@@ -106,10 +108,11 @@ def load(twin: Twin, path: Path) -> float:
 
 
 def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
-    twin.family.at, twin.family.apart = arrays["at"], arrays["apart"]
-    twin.family.set_parameters()
-    twin.family._blows_due = [(float(t), int(k)) for t, k in words["blows_due"]]
-    h = twin.horizon
+    estimate, readings = twin.estimate, twin.readings
+    family, h = estimate.family, estimate.horizon
+    family.at, family.apart = arrays["at"], arrays["apart"]
+    family.set_parameters()
+    family._blows_due = [(float(t), int(k)) for t, k in words["blows_due"]]
     for name in ("theta0", "mean", "prior", "prior_mean", "spread", "correlation", "covariance", "rough", "largest"):
         setattr(h, name, arrays[name])
     h._variance, h._alike, h._learned = arrays["variance"], arrays["alike"], arrays["learned"]
@@ -118,18 +121,18 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
         Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use", "rows")))
         for i in range(len(arrays["sample_time"]))
     )
-    twin.origin, twin.now = float(words["origin"]), float(words["now"])
-    twin._paused = bool(words["paused"])
+    estimate.log.origin, twin.now = float(words["origin"]), float(words["now"])
+    twin.paused = bool(words["paused"])
     twin.unsettled, twin.restarts = float(words["unsettled"]), int(words["restarts"])
-    twin._zeros = {int(k): float(v) for k, v in words["zeros"].items()}
-    twin.rows.recall(words["rows"])
-    for track, memory in zip(twin.tracks, words["tracks"], strict=True):
+    readings.zeros = {int(k): float(v) for k, v in words["zeros"].items()}
+    readings.rows.recall(words["rows"])
+    for track, memory in zip(readings.tracks, words["tracks"], strict=True):
         track.recall(memory)
-    for health, memory in zip(twin.health, words["health"], strict=True):
+    for health, memory in zip(readings.health, words["health"], strict=True):
         health.recall(memory)
-    twin.alarms.recall(words["alarms"])
-    for name, waves in twin.waves.items():
+    twin.watch.alarms.recall(words["alarms"])
+    for name, waves in readings.waves.items():
         *values, waves._next, waves._time, a, b, c = arrays[f"waves {name}"].tolist()
         waves._values.extend(values)
         waves._state = np.array([a, b, c])
-    twin._keep(twin.now)
+    estimate.log.keep(twin.now, family.save())

@@ -26,7 +26,7 @@ from study.oscillators import (
 
 from tautline.integrators.method import method_for
 from tautline.integrators.period import lag_of_step
-from tautline.results.balance import Balance
+from tautline.results.assessment.balance import Balance
 from tautline.study.trials.trial import Setting
 
 TURNS = (1e-2, 0.1, 0.6283, 1.0, 2.0)

@@ -130,7 +130,7 @@ def test_a_twin_that_was_killed_goes_on_with_the_string_as_it_has_grown(two_and_
     rows = record_of_connections(2)
     again = Twin(well(0.4, 0.1), FRICTION)
     load(again, state)
-    assert again.rows.reached == killed["time"]
+    assert again.readings.rows.reached == killed["time"]
     lines = lines_of(again, rows[middle:])
     assert lines[0]["rig"]["added"] == pytest.approx(killed["rig"]["added"])
     assert lines[-1]["rig"]["added"] == pytest.approx(two[-1]["rig"]["added"])

@@ -174,7 +174,7 @@ def test_the_load_is_drawn_where_it_is(browser, page):
     twin = weight_twin(start="5 t")
     rows = rows_of(hoist(CALM), end=2.0)
     lines = [told for stamp, readings in rows for told in twin.add(stamp, readings)]
-    first = twin.family.simulations[0]
+    first = twin.estimate.family.simulations[0]
     tab, _, wrong = opened(browser, page)
     page.publish(lines[-1], first.model, first._frames.rows[0])
     patience = time.monotonic() + 20.0

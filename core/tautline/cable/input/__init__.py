@@ -1,3 +1,1 @@
-"""The thesis' own syntax (Appendix A): models of the file, parts of the scene, and the way from the ones to the
-others.
-"""
+"""Cable scenes as they are read: from the items of a file to the parts that the builder takes."""

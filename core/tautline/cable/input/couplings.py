@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from tautline.cable.input import models as w
-from tautline.cable.input.entries import DOFS
 from tautline.cable.input.parts import CableScene, Coupling, Dof, Node, Tie
 from tautline.cable.input.register import Register
+from tautline.cable.input.syntax import models as w
+from tautline.cable.input.syntax.entries import DOFS
 from tautline.scene.errors import Problem, SceneError, SceneWarning
 
 METHODS = {"LagMultipl": "multiplier", "Penalty": "penalty", "AugLagrange": "augmented"}

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from tautline.cable.input.nodal import NodalPart, item_of
-from tautline.cable.input.solver import CableSolver
+from tautline.cable.input.syntax.nodal import NodalPart, item_of
+from tautline.cable.input.syntax.solver import CableSolver
 from tautline.scene.errors import Problem, SceneError, SceneWarning
 from tautline.scene.limits import Limit
 from tautline.scene.model import WITHOUT_TEXT

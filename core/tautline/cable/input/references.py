@@ -9,14 +9,14 @@ import math
 from collections.abc import Sequence
 
 from tautline.cable.input import couplings as joints
-from tautline.cable.input import models as w
-from tautline.cable.input.entries import DOFS
 from tautline.cable.input.geometry import COINCIDENT, chord, mean_direction
 from tautline.cable.input.initial import initial_value
-from tautline.cable.input.nodal import NODAL, item_of
 from tautline.cable.input.parts import CableScene, Curve, Element, Motion, Node, Place, Vector
 from tautline.cable.input.register import Register, known_ids
-from tautline.cable.input.thesis_compat import without_alternatives
+from tautline.cable.input.syntax import models as w
+from tautline.cable.input.syntax.entries import DOFS
+from tautline.cable.input.syntax.nodal import NODAL, item_of
+from tautline.cable.input.syntax.thesis_compat import without_alternatives
 from tautline.scene.errors import SceneWarning
 from tautline.scene.reading.document import Document
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from tautline.cable.input import models as w
 from tautline.cable.input.parts import Place
+from tautline.cable.input.syntax import models as w
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.reading.document import Document
 

@@ -1,6 +1,6 @@
 """A scene in the syntax of the thesis' Appendix A: read, checked, and made into the parts that the builder takes.
 
-`tautline.cable.input.models` holds the models of the file, `tautline.cable.input.parts` those of the scene, and
+`tautline.cable.input.syntax.models` holds the models of the file, `tautline.cable.input.parts` those of the scene, and
 `tautline.cable.input.references` leads from the ones to the others.
 """
 
@@ -13,10 +13,10 @@ from typing import Any
 
 from tautline.cable.input.couplings import check_couplings
 from tautline.cable.input.material import material_coordinates
-from tautline.cable.input.models import file_model
 from tautline.cable.input.parts import CableScene, Place
 from tautline.cable.input.references import resolve
-from tautline.cable.input.thesis_compat import read_compat
+from tautline.cable.input.syntax.models import file_model
+from tautline.cable.input.syntax.thesis_compat import read_compat
 from tautline.scene.errors import SceneError
 from tautline.scene.extensions import problems_of_extensions
 from tautline.scene.model import validate

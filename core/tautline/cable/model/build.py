@@ -10,8 +10,8 @@ import numpy as np
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.input.material import material_coordinates
-from tautline.cable.input.nodal import NODAL, item_of
 from tautline.cable.input.parts import BESIDES_MODEL, CableScene
+from tautline.cable.input.syntax.nodal import NODAL, item_of
 from tautline.cable.model.elements import element_groups, steady_flow, stencils
 from tautline.cable.model.eyelets import eyelets
 from tautline.cable.model.handles import handles

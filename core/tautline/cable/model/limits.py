@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 
 from tautline.cable.input.parts import CableScene
-from tautline.results.limits import ANY_STRAIN, strain_limit, stretch_limits
+from tautline.results.assessment.limits import ANY_STRAIN, strain_limit, stretch_limits
 
 
 def limits(result: Any, scene: CableScene) -> list[dict[str, Any]]:
-    """Records of `tautline.results.limits`, from the stored frames: |r'| at cubic nodes and along linear elements."""
+    """Records of `tautline.results.assessment.limits`, from the stored frames.
+
+    |r'| is judged at cubic nodes and along linear elements.
+    """
     stiff = [k for k, element in enumerate(scene.elements) if element.EA > 0.0]
     strain = np.asarray(result["axial_force"])[:, stiff] / np.array([scene.elements[k].EA for k in stiff])
     found = strain_limit(result.time, strain, ANY_STRAIN, [f"element {scene.elements[k].id}" for k in stiff])

@@ -10,8 +10,8 @@ import numpy as np
 
 from tautline.cable.input.geometry import COINCIDENT
 from tautline.cable.input.material import SHORTEST
-from tautline.cable.input.nodal import item_of
 from tautline.cable.input.parts import Tie
+from tautline.cable.input.syntax.nodal import item_of
 from tautline.cable.model.elements import length_of
 from tautline.cable.model.layout import Layout
 from tautline.constraints.equations import equations

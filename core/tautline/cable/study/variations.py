@@ -11,8 +11,8 @@ from collections import Counter
 from dataclasses import replace
 from typing import Any
 
-from tautline.cable.input.nodal import NodalPart
 from tautline.cable.input.parts import CableScene, Element, Tie
+from tautline.cable.input.syntax.nodal import NodalPart
 from tautline.cable.model.ties import penalty_stiffness
 from tautline.cable.study.refinement import Chart, Place, divided, runs_of
 from tautline.scene.errors import SceneError

@@ -11,7 +11,7 @@ import numpy as np
 
 from tautline.cable.input.embedded_scene import scene_of
 from tautline.cable.input.parts import CableScene, Curve
-from tautline.cable.input.plots import AXES, TEXTS
+from tautline.cable.input.syntax.plots import AXES, TEXTS
 from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.view.figures.comparison import NothingToShow, marker, names, over_time, title

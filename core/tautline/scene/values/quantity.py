@@ -73,6 +73,9 @@ class Quantity:
 
     def __post_init__(self) -> None:
         """Refuse a row that is not in the table, or is one of another unit: a slip of who declares the key."""
+        if self.of and self.of not in RANGES:
+            cure = "or add a row to tautline.scene.values.ranges.RANGES"
+            raise ValueError(f"no plausible range is called '{self.of}'; {nearest(self.of, RANGES)}, {cure}")
         if self.of and (RANGES[self.of].low is not None and RANGES[self.of].unit != self.unit):
             raise ValueError(f"the plausible range of '{self.of}' is not in {self.unit or 'pure numbers'}")
 

@@ -15,7 +15,7 @@ from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.vibration.critical_step import CriticalStep, Mode, critical_step
 from tautline.kernels.groups import link, without_friction
 from tautline.kernels.matrix import dense, new_matrix, sparse
-from tautline.results.balance import ENERGIES
+from tautline.results.assessment.balance import ENERGIES
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.scene.methods import RK4, Method, method_of

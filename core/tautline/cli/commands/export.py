@@ -1,0 +1,143 @@
+"""The verb ``export``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tautline.application.installed import Catalogue
+from tautline.cli.output.console import console, print_json, say
+
+if TYPE_CHECKING:
+    from tautline.results.result import Result
+    from tautline.view.space.appearance import Look
+
+Progress = Callable[[int, int], None]
+ENDINGS = (".pvd", ".csv")
+
+
+def export(
+    catalogue: Catalogue,
+    path: Path,
+    output: Path | None,
+    vtk: bool,
+    csv: bool,
+    what: Sequence[str],
+    look: Look,
+    as_json: bool,
+    every: int = 1,
+) -> None:
+    """Write a result for other programs: ParaView, spreadsheets. The result itself stays as it is.
+
+    Parameters
+    ----------
+    output : Path or None
+        A folder, which must exist, or the beginning of the names of files, with or without ``.pvd`` or ``.csv``; by
+        default the result's name in the current folder.
+    vtk, csv : bool
+        A ``.pvd`` with its frames, tables; one of them at least.
+    what : sequence of str
+        Variables that go into tables; empty for all.
+    look : Look
+        Of what ParaView shows.
+    every : int
+        Of so many frames ParaView gets one, and the last.
+
+    Raises
+    ------
+    ResultError
+        If nothing is asked for, or options contradict each other; if the result cannot be read, a variable is unknown,
+        or a file cannot be written.
+    """
+    from tautline.results.result import Result
+
+    _check(vtk, csv, output, what, look, every)
+    result = Result.read(path)
+    base = _base(path, output)
+    files: list[Path] = []
+    if csv:
+        from tautline.results.tables.table import write_csv
+
+        with _counted("tables") as progress:
+            files += write_csv(result, base.with_name(f"{base.name}.csv"), tuple(what), progress)
+    if vtk:
+        files += _write_vtk(catalogue, result, base, look, every)
+    _say_files(files)
+    if as_json:
+        print_json({"status": "done", "files": [str(file) for file in files]})
+
+
+def _write_vtk(catalogue: Catalogue, result: Result, base: Path, look: Look, every: int) -> list[Path]:
+    from tautline.results.errors import ResultError
+
+    application = catalogue.for_result(result)
+    appearance = getattr(application, "appearance", None)
+    if appearance is None:
+        cause = f"results of {application.name} have no appearance in space"
+        raise ResultError("--vtk", cause, "leave it out, and take --csv")
+    seen = appearance(result, look)
+    seen = seen if every == 1 else seen.thinned(every)
+    try:
+        from tautline.view.files.paraview import write_paraview
+
+        with _counted("frames") as progress:
+            return write_paraview(seen, result, base.with_name(f"{base.name}.pvd"), progress)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in ("vtk", "vtkmodules"):
+            raise
+        raise ResultError("--vtk", "needs VTK, which is not installed", "pip install pyvista") from None
+
+
+def _check(vtk: bool, csv: bool, output: Path | None, what: Sequence[str], look: Look, every: int) -> None:
+    """Refuse options that leave nothing to do, or that nothing asked for heeds."""
+    from tautline.results.errors import ResultError
+
+    if not (vtk or csv):
+        cause = "nothing is asked for"
+        raise ResultError("export", cause, "give --vtk (a .pvd that ParaView opens), --csv (tables), or both")
+    if what and not csv:
+        cause = "chooses variables of tables, and none are asked for"
+        raise ResultError("--what", cause, "add --csv, or leave it out: every quantity is in ParaView's files")
+    for option, given in (("--view", look.view), ("--exaggerate", look.exaggerate), ("--every", every != 1)):
+        if given and not vtk:
+            raise ResultError(option, "changes what ParaView shows, and tables stay as they are", "add --vtk")
+    if output is None or output.is_dir():
+        return
+    ending = output.suffix.lower()
+    if (ending == ".pvd" and not vtk) or (ending == ".csv" and not csv):
+        other = "--vtk" if ending == ".pvd" else "--csv"
+        raise ResultError(output, f"ends in {ending}, but {other} is not given", f"add {other}, or give another name")
+
+
+def _base(path: Path, output: Path | None) -> Path:
+    """Folder and beginning of the names of files."""
+    if output is None:
+        return Path(path.stem)
+    if output.is_dir():
+        return output / path.stem
+    return output.with_suffix("") if output.suffix.lower() in ENDINGS else output
+
+
+@contextmanager
+def _counted(what: str) -> Iterator[Progress | None]:
+    """A bar of progress on a terminal, None elsewhere."""
+    if not console().is_terminal:
+        yield None
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (MofNCompleteColumn(), TextColumn(what), BarColumn(bar_width=40), TimeRemainingColumn(compact=True))
+    with Progress(*columns, console=console(), transient=True) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def _say_files(files: list[Path]) -> None:
+    for file in files:
+        if file.suffix == ".vtp":
+            continue
+        frames = [one for one in files if one.suffix == ".vtp"] if file.suffix == ".pvd" else []
+        more = f" and {len(frames)} files in {frames[0].parent}; open it in ParaView" if frames else ""
+        say(f"wrote {file}{more}", "green")

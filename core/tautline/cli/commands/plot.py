@@ -1,0 +1,87 @@
+"""The verb ``plot``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from tautline.application.installed import Catalogue
+from tautline.cli.output.console import print_json, say
+
+FORMATS = ("png", "svg", "pdf")
+PICTURES = ("jpg", "jpeg", "gif", "bmp", "tif", "tiff", "webp", "eps", "ps")
+"""Endings that nobody gives to a folder."""
+
+
+def plot(
+    catalogue: Catalogue,
+    paths: Sequence[Path],
+    output: Path | None,
+    what: Sequence[str],
+    vs: str | None,
+    form: str | None,
+    as_json: bool,
+) -> None:
+    """Draw figures of one or more results.
+
+    Parameters
+    ----------
+    output : Path or None
+        A file if it ends in a known format, else a folder, which is made; by default the current folder.
+    what : sequence of str
+        Names of figures or of variables; empty for the application's default figures.
+    vs : str or None
+        Variable to draw the others against, in place of time.
+    form : str or None
+        ``png``, ``svg`` or ``pdf``; by default what the output's name ends in, or ``png``.
+
+    Raises
+    ------
+    ResultError
+        If a result cannot be read, they are of several applications, a figure is unknown or a file cannot be written.
+    """
+    from tautline.results.errors import ResultError
+    from tautline.results.result import Result
+    from tautline.statistics.store import check_whole
+
+    results = [Result.read(path) for path in paths]
+    for result in results:
+        check_whole(result, "plot")
+    application = catalogue.for_result(results[0])
+    if form is not None and form not in FORMATS:
+        raise ResultError(output or "--format", f"unknown format '{form}'", f"known: {', '.join(FORMATS)}")
+    folder, stem, ending = _place(output)
+    if ending and form and ending != form:
+        raise ResultError(output or "", f"ends in .{ending}, but --format says {form}", "leave one of them out")
+    made = not folder.exists()
+    try:
+        folder.mkdir(exist_ok=True)
+    except FileNotFoundError:
+        raise ResultError(folder, f"there is no folder {folder.parent}", "make it, or name another with -o") from None
+    except OSError as error:
+        raise ResultError(folder, f"cannot be made: {error.strerror}", "name another folder with -o") from None
+    against = {} if vs is None else {"vs": vs}
+    try:
+        written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
+    except ResultError:
+        if made and not any(folder.iterdir()):
+            folder.rmdir()
+        raise
+    for file in written:
+        say(f"wrote {file}", "green")
+    if as_json:
+        print_json({"status": "done", "figures": [str(file) for file in written]})
+
+
+def _place(output: Path | None) -> tuple[Path, str | None, str | None]:
+    """Folder, beginning of the file name and format that ``-o`` asks for."""
+    from tautline.results.errors import ResultError
+
+    if output is None:
+        return Path(), None, None
+    ending = output.suffix[1:].lower()
+    if ending in FORMATS and not output.is_dir():
+        return output.parent, output.stem, ending
+    if ending in PICTURES and not output.is_dir():
+        raise ResultError(output, f"ends in .{ending}, which is no format of figures", "name it .png, .svg or .pdf")
+    return output, None, None

@@ -1,0 +1,340 @@
+"""The verbs ``check`` and ``simulate``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tautline.application.installed import Catalogue
+from tautline.cli.options.changes import as_given, changed
+from tautline.cli.output.console import console, print_json, say
+from tautline.cli.output.duration import total_time
+from tautline.cli.output.first_run import compiling
+from tautline.cli.output.numba_version import version_note
+from tautline.cli.output.progress import Bar
+from tautline.cli.output.summary import limit_said, limits_of_scene, table, two_columns
+from tautline.cli.run import Ended, ExitCode
+from tautline.scene.errors import option_error
+from tautline.scene.values.printed import in_words, quantity
+
+if TYPE_CHECKING:
+    from tautline.application.protocol import Application
+    from tautline.results.result import Result
+    from tautline.scene.errors import SceneWarning
+    from tautline.simulation import Afterwards
+
+COPIED = (
+    "method", "step", "steps", "newton_iterations", "wall_time", "cpu_time", "real_time_factor", "energy_error",
+    "numerical_dissipation", "motion_frequency", "phase_lag",
+)  # fmt: skip
+"""Keys of the report that are attributes of the result."""
+
+SHARES = {
+    1.0 / 3.0: "runs with a half and a third of the step",
+    4.0: "runs with twice and four times the step", 0.5: "a run with half the step",
+}  # fmt: skip
+"""Other runs by the step of the last of them, over the run's own."""
+
+
+def check(
+    catalogue: Catalogue,
+    scene: Path,
+    as_json: bool,
+    figure: Path | None = None,
+    changes: Sequence[str] | None = None,
+) -> None:
+    """Validate a scene, print its warnings and what it comes to, and draw it if a `figure` is asked for.
+
+    Parameters
+    ----------
+    changes : sequence of str or None
+        Values in place of the scene's, ``key=value`` each.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For a scene that cannot be run, and a figure that cannot be drawn.
+    """
+    application, found = catalogue.read(scene)
+    read = changed(found, changes)
+    warnings = application.warnings(read)
+    figures = application.check_figures(read)
+    print_warnings(warnings)
+    if figure is not None:
+        _draw(application, read, figure)
+    # What only the builder can tell, such as a repeated constraint, is refused here too; nothing is run.
+    if note := version_note():
+        say(f"warning: {note}", "yellow")
+    model = application.build(read)
+    for note in getattr(model, "notes", ()):
+        say(f"note: {note}")
+    rows = () if as_json else getattr(application, "describe", lambda _: ())(figures)
+    if rows:
+        console().print(two_columns(rows))
+    count = len(warnings)
+    warned = f", {count} warning{'s' * (count > 1)}" if count else ""
+    say(f"{scene} can be run{warned}. Next: {catalogue.name} simulate {scene}{as_given(changes)}", "green")
+    if as_json:
+        warnings = [{"where": warning.where, "text": warning.text} for warning in warnings]
+        drawn = {} if figure is None else {"figure": str(figure)}
+        print_json({"scene": str(scene), "status": "good", "warnings": warnings} | drawn | figures)
+
+
+def _draw(application: Application, scene: Any, figure: Path) -> None:
+    """Draw a scene; raises ResultError for an application that draws none."""
+    from tautline.results.errors import ResultError
+
+    draw = getattr(application, "draw", None)
+    if draw is None:
+        raise ResultError("--figure", f"scenes of {application.name} are not drawn", "leave it out")
+    say(f"wrote {draw(scene, figure)}", "green")
+
+
+def print_warnings(warnings: Iterable[SceneWarning]) -> None:
+    """Print warnings, one to a line."""
+    for warning in warnings:
+        say(f"warning: {warning}", "yellow")
+
+
+def simulate(
+    catalogue: Catalogue,
+    scene: Path,
+    output: Path | None,
+    overrides: dict[str, Any],
+    resume: Path | None,
+    verify: bool | None,
+    as_json: bool,
+    quiet: bool,
+    changes: Sequence[str] | None = None,
+) -> None:
+    """Run a scene and report.
+
+    Parameters
+    ----------
+    output : Path or None
+        The result; by default the scene's name with ``.nc`` in the current folder.
+    overrides : dict
+        ``method``, ``step``, ``end``, ``rho_inf``, ``accuracy``; None keeps what the scene says.
+    resume : Path or None
+        An earlier result to go on from.
+    verify : bool or None
+        Whether to estimate the error from runs with shorter steps; None does so where friction acts between fixed
+        steps of an implicit method, and from longer steps without friction.
+    changes : sequence of str or None
+        Values in place of the scene's, ``key=value`` each.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For a scene that cannot be run or a result that cannot be written; nothing is written then.
+    Ended
+        If the run stopped early, was interrupted, or does not reach the accuracy that was asked for; that was reported
+        and the result is kept.
+    """
+    from tautline.results.target import check_target
+
+    _check_accuracy(overrides, resume, verify)
+
+    application, found = catalogue.read(scene)
+    if overrides.get("accuracy") is None:
+        # An application of somebody else may not know of it.
+        overrides = {key: value for key, value in overrides.items() if key != "accuracy"}
+    read = application.with_overrides(changed(found, changes), **overrides)
+    target = check_target(output or Path(scene.name).with_suffix(".nc"))
+    earlier = _earlier(resume)
+    read, accuracy = _accuracy(application, read, overrides, earlier, verify)
+    warnings = application.warnings(read)
+    print_warnings(warnings)
+
+    if note := version_note():
+        say(f"warning: {note}", "yellow")
+    model = application.build(read)
+
+    from tautline.integrators.status import Interrupted, StoppedEarly
+    from tautline.simulation import simulate as run_model
+
+    solver = getattr(model, "solver", None)
+    end = getattr(solver, "end", None)
+    if not quiet:
+        for note in getattr(model, "notes", ()):
+            say(f"note: {note}")
+        length = f", {quantity(end, 's')}" if end is not None else ""
+        say(f"simulating {scene}{length}")
+    try:
+        with Bar(end, shown=not quiet) as bar:
+            if accuracy is not None:
+                result = _to_accuracy(application, read, accuracy, target, bar, quiet)
+            else:
+                others = _other_runs(application, read, model, verify, earlier, bar, quiet)
+                result = run_model(
+                    model, target, progress=bar, resume=earlier, announce=compiling,
+                    afterwards=others,
+                )  # fmt: skip
+    except StoppedEarly as stop:
+        report = _report(scene, stop.result, end, warnings) | {
+            "status": stop.status.name.lower().replace("_", " "),
+            "stopped": {"time": stop.time, "part": stop.part, "sentence": stop.sentence},
+        }
+        _finish(catalogue, report, stop.result, as_json, quiet)
+        say(f"stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
+        raise Ended(ExitCode.STOPPED_EARLY) from None
+    except Interrupted as interruption:
+        report = _report(scene, interruption.result, end, warnings) | {"status": "interrupted"}
+        _finish(catalogue, report, interruption.result, as_json, quiet)
+        say(f"interrupted at t = {report['simulated_time'] or 0.0:.6g} s", "yellow")
+        raise Ended(ExitCode.INTERRUPTED) from None
+    _finish(catalogue, _report(scene, result, end, warnings) | {"status": "done"}, result, as_json, quiet)
+    if result.accuracy is not None and result.accuracy["met"] is False:
+        raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def _check_accuracy(overrides: dict[str, Any], resume: Path | None, verify: bool | None) -> None:
+    """Refuse ``--accuracy`` beside what it chooses; raises SceneError."""
+    given = overrides.get("accuracy")
+    if given is None:
+        return
+    beside = {
+        "--method": overrides.get("method") is not None, "--step": overrides.get("step") is not None,
+        "--resume": resume is not None, "--verify": verify is True, "--no-verify": verify is False,
+    }  # fmt: skip
+    for option, there in beside.items():
+        if there:
+            raise option_error(
+                "--accuracy", f"{100.0 * given:.3g} %",
+                f"stands beside {option}: it chooses method and step of a whole run itself, and estimates the error",
+                f"leave --accuracy or {option} out",
+            )  # fmt: skip
+
+
+def _accuracy(
+    application: Application, scene: Any, overrides: dict[str, Any], earlier: Result | None, verify: bool | None
+) -> tuple[Any, float | None]:
+    """The scene, and the accuracy that method and step are to be chosen for; None where they are as they stand.
+
+    What is gone on with keeps the method and the step that were chosen for it.
+    """
+    asked = getattr(getattr(scene, "solver", None), "accuracy", None)
+    if asked is None:
+        return scene, None
+    if earlier is not None:
+        chosen = earlier.accuracy or {}
+        keep = {key: chosen.get(key) for key in ("method", "step") if overrides.get(key) is None}
+        return application.with_overrides(scene, **keep, control="fixed" if chosen else None), None
+    given = [f"--{key}" for key in ("method", "step") if overrides.get(key) is not None]
+    given += [] if verify is None else ["--verify" if verify else "--no-verify"]
+    if given:
+        say(f"note: nothing is chosen for an accuracy of {100.0 * asked:.3g} %, because {given[0]} is given")
+        return scene, None
+    return scene, float(asked)
+
+
+def _to_accuracy(application: Application, scene: Any, asked: float, target: Path, bar: Bar, quiet: bool) -> Result:
+    """The run of a scene whose method and step are chosen for an accuracy."""
+    from tautline.study.accuracy.choice import run_to_accuracy
+
+    def begin(method: str, step: float, end: float) -> None:
+        if not quiet:
+            say(f"for an accuracy of {100.0 * asked:.3g} %: {method}, steps of {quantity(step, 's')}")
+        bar.again(end, "choosing the step")
+
+    return run_to_accuracy(application, scene, asked, target, progress=bar, announce=compiling, begin=begin)
+
+
+def _other_runs(
+    application: Application, scene: Any, model: Any, verify: bool | None, earlier: Result | None, bar: Bar, quiet: bool
+) -> Afterwards | None:
+    """What estimates a run's error from runs with other steps; None where that is not to be done."""
+    if verify is False or (verify is None and earlier is not None) or getattr(model, "system", None) is None:
+        return None
+    if getattr(model, "keep", None) is not None:
+        # Runs with other steps are compared frame by frame.
+        if verify:
+            cure = "leave --verify out, or run a shorter stretch of the scene with output.keep: frames"
+            raise option_error("--verify", "", "needs every frame, and the scene keeps statistics", cure)
+        return None
+    from tautline.study.trials.step_error import estimate, runs_for
+    from tautline.study.trials.trial import Subject
+
+    parts = runs_for(model, verify)
+    if not parts:
+        return None
+
+    def begin() -> None:
+        if not quiet:
+            say(f"estimating the error from {SHARES[parts[-1]]}; --no-verify leaves it out")
+        bar.again(len(parts) * float(model.solver.end), "estimating the error")
+
+    def compared(result: Result) -> tuple[dict[str, Any], list[str]]:
+        found = estimate(Subject(application, scene), result, progress=bar, parts=parts, begin=begin)
+        if isinstance(found, str):
+            return {}, [f"the error due to the time step is not known: {found}"] if found else []
+        return {"step_error": found._asdict()}, [found.warning] if found.warning else []
+
+    return compared
+
+
+def _earlier(resume: Path | None) -> Result | None:
+    if resume is None:
+        return None
+    from tautline.results.result import Result
+
+    return Result.read(resume)
+
+
+def _report(scene: Path, result: Result | None, end: float | None, warnings: Sequence[SceneWarning]) -> dict[str, Any]:
+    """Keys of ``simulate --json``; null where a run that stopped has no number."""
+    attributes = result.attributes if result is not None else {}
+    times: Any = result["time"] if result is not None else []
+    stored = None if result is None else str(result.path)
+    report: dict[str, Any] = {"scene": str(scene), "result": stored, "status": None}
+    report |= {key: attributes.get(key) for key in COPIED}
+    report["step_error"] = result.step_error if result is not None else None
+    report["accuracy"] = result.accuracy if result is not None else None
+    report["warnings"] = result.warnings if result is not None else []
+    report["start"] = attributes.get("start") or None
+    report["limits"] = result.limits if result is not None else []
+    report["scene_warnings"] = [{"where": warning.where, "text": warning.text} for warning in warnings]
+    # The loop's time is not what a person waits for; it is told when all else is known.
+    report["total_time"] = None
+    report |= {"end": attributes.get("end", end), "frames": len(times)}
+    report["simulated_time"] = float(times[-1] - times[0]) if len(times) else None
+    figures = {name: figure.get("value") for name, figure in (result.headline if result is not None else {}).items()}
+    return report | {name: value for name, value in figures.items() if name not in report}
+
+
+def _print_limits(report: dict[str, Any], system: str) -> None:
+    """Print what came of the limits that the scene gives itself, and until when they were looked at."""
+    records = [record for record in report["limits"] if "output" in record]
+    if not records:
+        return
+    console().print()
+    console().print(limits_of_scene(records, system))
+    if report["status"] != "done" and records[0]["until"] is not None:
+        say(
+            f"the limits are judged until t = {quantity(records[0]['until'], 's')}, where the run ended early", "yellow"
+        )
+
+
+def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None, as_json: bool, quiet: bool) -> None:
+    """Print what came of a run, and how long the whole command took up to here."""
+    report["total_time"] = total_time()
+    if result is None:
+        say("nothing was stored", "yellow")
+    elif not quiet:
+        console().print(table(report, result.attributes, result.headline))
+        _print_limits(report, str(result.attributes.get("units") or "si"))
+        frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
+        if seen := result.attributes.get("frames_seen"):
+            told = f"statistics of {seen} frames, and {frames} round the extremes"
+            say(f"wrote {result.path}: {told}. Next: {catalogue.name} export --csv {result.path}", "green")
+        else:
+            say(f"wrote {result.path}: {frames}. Next: {catalogue.name} plot {result.path}", "green")
+    system = str(result.attributes.get("units") or "si") if result is not None else "si"
+    for warning in report["warnings"]:
+        say(f"warning: {in_words(warning, system)}", "yellow")
+    for record in report["limits"]:
+        if not record["passed"]:
+            say(f"warning: {record['text']}: {limit_said(record, system)}", "yellow")
+    if as_json:
+        print_json(report)

@@ -1,0 +1,81 @@
+"""The verbs ``new`` and ``schema``: where to begin."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from tautline.application.installed import Catalogue
+from tautline.cli.output.console import print_text, say
+from tautline.scene.errors import Problem, SceneError
+
+
+def _refuse(where: str, cause: str, cure: str) -> SceneError:
+    return SceneError([Problem(where, None, "", None, cause, cure)])
+
+
+def new(catalogue: Catalogue, template: str | None, output: Path | None, listed: bool, force: bool) -> None:
+    """Write a commented starter scene, or list those there are.
+
+    Raises
+    ------
+    SceneError
+        If the template is unknown, the file exists and `force` is false, or it cannot be written.
+    """
+    templates = {name: text for application in catalogue.all() for name, text in application.templates.items()}
+    if listed:
+        for name, text in templates.items():
+            print_text(f"{name:<20} {_first_comment(text)}".rstrip() + "\n")
+        return
+    if not templates:
+        raise _refuse("new", "there are no templates", "write a scene by hand; `schema` says what it may hold")
+    name = next(iter(templates)) if template is None else template
+    if name not in templates:
+        raise _refuse("new", f"there is no template '{name}'", f"known: {', '.join(templates)}")
+    if output is not None and str(output) == "-":
+        print_text(templates[name])
+        return
+    path = Path(f"{name}.yaml") if output is None else output
+    write(path, templates[name], force)
+    say(f"wrote {path}. Next: {catalogue.name} simulate {path}", "green")
+
+
+def schema(catalogue: Catalogue, output: Path | None) -> None:
+    """Print the JSON schema of a scene; of several applications, an object of schemas by name."""
+    schemas: dict[str, Any] = {application.name: application.schema() for application in catalogue.all()}
+    text = json.dumps(next(iter(schemas.values())) if len(schemas) == 1 else schemas, indent=2) + "\n"
+    if output is None or str(output) == "-":
+        print_text(text)
+        return
+    # A schema is made anew with every version: an earlier one is simply replaced, anything else is not.
+    write(output, text, force=output.suffix == ".json")
+    say(f"wrote {output}", "green")
+
+
+def write(path: Path, text: str, force: bool) -> None:
+    """Write a text file.
+
+    Raises
+    ------
+    SceneError
+        If the file exists and `force` is false, or it cannot be written.
+    """
+    try:
+        if path.is_dir():
+            raise _refuse(str(path), "is a folder", f"name a file in it: -o {path / 'scene.yaml'}")
+        with path.open("w" if force else "x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise _refuse(str(path), "exists", "name another with -o, or overwrite it with --force") from None
+    except FileNotFoundError:
+        raise _refuse(str(path), f"there is no folder {path.parent}", "make it, or name another with -o") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise _refuse(str(path), f"cannot be written: {reason}", "name another with -o") from None
+
+
+def _first_comment(text: str) -> str:
+    """Take the first line of a scene as what it is about."""
+    first = text.lstrip().partition("\n")[0]
+    return first.lstrip("# ").strip() if first.startswith("#") else ""

@@ -1,0 +1,187 @@
+"""The verb ``sweep``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tautline.application.installed import Catalogue
+from tautline.cli.commands.simulate import print_warnings
+from tautline.cli.options.changes import as_given, changed
+from tautline.cli.output.console import console, print_json, say
+from tautline.cli.output.first_run import compiling
+from tautline.cli.output.numba_version import version_note
+from tautline.cli.output.progress import Counter
+from tautline.cli.output.summary import two_columns
+from tautline.cli.run import Ended, ExitCode
+from tautline.scene.errors import option_error
+from tautline.scene.values.printed import quantity, shown, significant
+
+if TYPE_CHECKING:
+    from tautline.sweeps.sweep import Outcome
+    from tautline.sweeps.table import Variables
+
+TOLD = 5
+"""Failed cases that are told one by one."""
+
+
+def sweep(
+    catalogue: Catalogue, file: Path, jobs: int | None, dask: str | None, output: Path | None, resume: bool,
+    changes: Sequence[str] | None, as_json: bool, quiet: bool,
+) -> None:  # fmt: skip
+    """Run a sweep and report.
+
+    Parameters
+    ----------
+    file : Path
+        Of the sweep, which names the scene.
+    output : Path or None
+        Folder; by default the name of the sweep's file, in the current folder.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For bad input; nothing is written then.
+    Ended
+        If it was interrupted, or no case came to its end; that was reported, and what was finished is kept.
+    """
+    from tautline.sweeps.file import notes_of, read_sweep, scene_path
+
+    if not file.exists():
+        raise option_error("SWEEP", str(file), "there is no such file", "name the YAML file of a sweep")
+    read = read_sweep(file)
+    place = scene_path(read)
+    application = catalogue.for_scene(place)
+    scene = changed(application.read(place), changes)
+    folder = output or Path(file.stem)
+    if not quiet:
+        print_warnings(application.warnings(scene))
+        for note in notes_of(read):
+            say(f"note: {note}")
+    if note := version_note():
+        say(f"warning: {note}", "yellow")
+
+    from tautline.sweeps.sweep import run_sweep
+
+    with Counter("cases", shown=not quiet) as bar:
+        outcome = run_sweep(
+            read, application, scene, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
+            announce=compiling, say=(lambda text: None) if quiet else say,
+        )  # fmt: skip
+    figures = _draw(outcome, folder)
+    _report(catalogue, file, outcome, figures, as_json, quiet, changes)
+
+
+def _draw(outcome: Outcome, folder: Path) -> list[Path]:
+    """Draw what the plan has a figure for."""
+    if outcome.result is None or not outcome.done:
+        return []
+    from tautline.sweeps.figures import draw
+
+    return draw(outcome.data, outcome.cases, folder)
+
+
+def _report(
+    catalogue: Catalogue, file: Path, outcome: Outcome, figures: list[Path], as_json: bool, quiet: bool,
+    changes: Sequence[str] | None,
+) -> None:  # fmt: skip
+    if not quiet:
+        console().print(two_columns(_rows(outcome)))
+        for text in [*failures(outcome), *_left_out(outcome)]:
+            say(text, "yellow")
+        for path in (outcome.result, outcome.table, outcome.percentiles, *figures):
+            if path is not None:
+                say(f"wrote {path}", "green")
+    if outcome.interrupted:
+        place = "" if outcome.result is None else f" -o {outcome.result.parent}"
+        say(f"interrupted; go on: {catalogue.name} sweep {file}{place} --resume{as_given(changes)}", "yellow")
+    status = "interrupted" if outcome.interrupted else "done" if outcome.done else "no case came to its end"
+    if as_json:
+        print_json(
+            {
+                "sweep": str(file),
+                "status": status,
+                "cases": len(outcome.cases),
+                "done": outcome.done,
+                "failed": outcome.failed,
+                "earlier": outcome.earlier,
+                "result": None if outcome.result is None else str(outcome.result),
+                "table": None if outcome.table is None else str(outcome.table),
+                "percentiles": None if outcome.percentiles is None else str(outcome.percentiles),
+                "figures": [str(path) for path in figures],
+                "wall_time": outcome.wall_time,
+                "cpu_time": outcome.cpu_time,
+                "overhead": outcome.overhead,
+            }
+        )
+    if outcome.interrupted:
+        raise Ended(ExitCode.INTERRUPTED)
+    if not outcome.done:
+        raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def _rows(outcome: Outcome) -> list[tuple[str, str]]:
+    """Rows of the summary: the smallest and the largest of what was collected, and what it took."""
+    import numpy as np
+
+    from tautline.sweeps.table import TIMES
+
+    data, system, rows = outcome.data, str(outcome.data.attrs.get("units") or "si"), []
+    for name, one in data.data_vars.items():
+        if name in TIMES or one.dims != outcome.cases.dims or not one.is_number:
+            continue
+        unit = str(one.attrs.get("units") or "")
+        low, high = (shown(float(value), unit, system) for value in (np.nanmin(one.values), np.nanmax(one.values)))
+        rows.append((str(name), low if low == high else f"{low} to {high}"))
+    rows += _percentiles(data, system)
+    rows += [("", ""), ("cases", str(len(outcome.cases))), ("done", str(outcome.done))]
+    if outcome.failed:
+        rows.append(("failed", str(outcome.failed)))
+    if outcome.earlier:
+        rows.append(("finished before", str(outcome.earlier)))
+    rows += [("wall time", quantity(outcome.wall_time, "s")), ("processor time", quantity(outcome.cpu_time, "s"))]
+    if outcome.overhead is not None:
+        rows.append(("beside the compiled loops", f"{significant(100.0 * outcome.overhead, 2)} %"))
+    return rows
+
+
+def _left_out(outcome: Outcome) -> list[str]:
+    """What percentiles and indices do not hold: cases that failed, which are seldom a fair draw of all."""
+    if not outcome.failed:
+        return []
+    if outcome.cases.indices:
+        return ["Sobol' indices leave out each sample of which a case failed"]
+    if outcome.percentiles is not None:
+        return [f"percentiles are those of the {outcome.done} cases that came to their end: they may be biased"]
+    return []
+
+
+def _percentiles(data: Variables, system: str) -> list[tuple[str, str]]:
+    """P10, P50 and P90 of each number; of what has an axis those at its last place."""
+    from tautline.sweeps.table import PERCENTILES, RANKS
+
+    rows, ranks = [], ", ".join(f"P{rank:g}" for rank in RANKS)
+    for name, one in data.data_vars.items():
+        if not str(name).endswith(PERCENTILES):
+            continue
+        unit, place, values = str(one.attrs.get("units") or ""), "", one.values
+        if values.ndim > 1:
+            along, values = one.dims[1], values[:, -1]
+            axis = data.coords.get(along)
+            at = one.values.shape[1] - 1 if axis is None else float(axis.values[-1])
+            axis_unit = "" if axis is None else str(axis.attrs.get("units") or "")
+            place = f" at {along} {shown(at, axis_unit, system)}"
+        told = ", ".join(shown(float(value), unit, system) for value in values)
+        rows.append((f"{str(name).removesuffix(PERCENTILES)}{place}: {ranks}", told))
+    return rows
+
+
+def failures(outcome: Outcome) -> list[str]:
+    """The first cases that failed, and why, a line each."""
+    status: Any = outcome.data["status"].values.ravel()
+    message: Any = outcome.data["message"].values.ravel()
+    failed = [case for case, one in enumerate(status) if one not in ("done", "not run")]
+    told = [f"case {case}: {status[case]}: {message[case]}" for case in failed[:TOLD]]
+    more = len(failed) - TOLD
+    return told + ([f"... and {more} more; status and message of each are in the table"] if more > 0 else [])

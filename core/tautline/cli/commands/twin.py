@@ -1,0 +1,275 @@
+"""The verbs ``twin`` and ``record``."""
+
+from __future__ import annotations
+
+import csv
+import json
+import time as clock
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tautline.application.installed import Catalogue
+from tautline.cli.options.changes import changed
+from tautline.cli.output.console import finite, print_json, print_text, say
+from tautline.cli.run import Ended, ExitCode
+from tautline.scene.errors import option_error
+
+if TYPE_CHECKING:
+    from tautline.twin.sources.record import Source
+    from tautline.twin.twin import Twin
+
+SAVE_EVERY = 5.0
+"""How often the state is saved, s of the wall clock."""
+POLL = 0.05
+"""How long a record is waited for at a time, s."""
+PIECE = 0.002
+"""How long is looked ahead between two looks at the source, s."""
+MOST_PORT = 65535
+SILENCE = 1.0
+"""After how long without records those that wait for others are answered, s."""
+
+
+def twin(
+    catalogue: Catalogue, path: Path, map: Path, source: str, output: Path | None, changes: Sequence[str] | None,
+    speed: float | None, resume: Path | None, state: Path | None, account: Path | None,
+    serve: str | None, as_json: bool, quiet: bool,
+) -> None:  # fmt: skip
+    """Run a scene beside the machine.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For bad input; nothing is written then.
+    """
+    from tautline.integrators.status import StoppedEarly
+    from tautline.twin.map import read_map
+    from tautline.twin.series import Series
+    from tautline.twin.sources.opening import open_source
+    from tautline.twin.storage import load
+    from tautline.twin.twin import Twin
+
+    scene = changed(catalogue.read(path)[1], changes)
+    if not map.exists():
+        raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
+    read = read_map(map)
+    opened = open_source(source, [one.column for one in read.sensors], time=read.time, speed=speed)
+    try:
+        made = Twin(scene, read, live=opened.live, account=account)
+        begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None
+        if begin is not None:
+            say(f"going on from {begin:.6g} s")
+        if made.plan_names.unwatched:
+            say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
+        page = _page(serve, path, made)
+        series = Series(output, made) if output is not None else None
+        _Loop(made, opened, series, page, state, as_json, quiet).run()
+    except StoppedEarly as stop:
+        say(f"{path}: stopped at {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
+        raise Ended(ExitCode.STOPPED_EARLY) from None
+    finally:
+        opened.close()
+
+
+def _page(where: str | None, path: Path, made: Twin) -> Any:
+    """The page at a port, or at a host and a port; None where none was asked for."""
+    if where is None:
+        return None
+    from tautline.twin.page.server import Page
+
+    host, _, port = where.rpartition(":")
+    if not port.isdecimal() or int(port) > MOST_PORT:
+        raise option_error("--serve", where, "is no port", "write a number such as 8080, or 0.0.0.0:8080")
+    units = {**made.plan_names.inputs, **made.units}
+    page = Page(int(port), path.stem, units, made.application, host or "127.0.0.1")
+    say(f"the twin is shown at {page.address}")
+    return page
+
+
+class _Loop:
+    """Takes records, prints lines, looks ahead while it waits, saves the state."""
+
+    def __init__(
+        self, made: Twin, source: Source, series: Any, page: Any, state: Path | None, as_json: bool, quiet: bool
+    ) -> None:
+        self.twin, self.source, self.series, self.page, self.state = made, source, series, page, state
+        self.as_json, self.quiet = as_json, quiet
+        self.told: dict[str, float] = {}
+        self.begin = self.twin.now
+        self.saved = clock.monotonic()
+        self.lines = 0
+        self.last: dict[str, Any] | None = None
+
+    def run(self) -> None:
+        """Until the source has ended, or Ctrl-C."""
+        status = "done"
+        heard = clock.monotonic()
+        try:
+            while not self.source.ended:
+                busy = self.twin.work(PIECE) if self.source.live else self.twin.work()
+                record = self.source.poll(0.0 if busy else POLL)
+                if record is None:
+                    if clock.monotonic() - heard > SILENCE:
+                        self._give(self.twin.answers(end=True))
+                        heard = clock.monotonic()
+                    continue
+                heard = clock.monotonic()
+                if not self.source.live and record.time <= self.begin:
+                    continue  # a file that is read again from its begin
+                self._give(self.twin.add(record.time, record.values, record.arrived))
+            self._give(self.twin.finish())
+        except KeyboardInterrupt:
+            status = "interrupted"
+        self._end(status)
+
+    def _give(self, lines: Sequence[dict[str, Any]]) -> None:
+        for line in lines:
+            self.lines, self.last = self.lines + 1, line
+            if self.as_json:
+                print_text(json.dumps(finite(line), allow_nan=False) + "\n")
+            if self.series is not None:
+                self.series.add(line)
+            if self.page is not None:
+                first = self.twin.estimate.family.simulations[0]
+                self.page.publish(finite(line), first.model, first._frames.rows[0])
+            self._tell(line)
+        now = clock.monotonic()
+        if lines and now - self.saved > SAVE_EVERY:
+            self._save()
+
+    def _tell(self, line: dict[str, Any]) -> None:
+        """Print alarms as they begin and end."""
+        for note in [*self.twin.notes, *self.twin.readings.rows.notes]:
+            say(note, "yellow")
+        self.twin.notes.clear()
+        self.twin.readings.rows.notes.clear()
+        active = {one["name"]: one for one in line["alarms"]}
+        for name, one in active.items():
+            if name not in self.told:
+                say(f"{line['time']:.6g} s: ALARM {name}: {one['text']}", "red")
+        for name, since in list(self.told.items()):
+            if name not in active:
+                say(f"{line['time']:.6g} s: {name} has ended, after {line['time'] - since:.3g} s")
+        self.told = {name: float(one["since"]) for name, one in active.items()}
+
+    def _save(self) -> None:
+        """Keep what goes over operations, and then the state: what it has counted is not counted again."""
+        from tautline.twin.storage import save
+
+        if self.lines and self.twin.operation is not None:
+            self.twin.operation.save()
+        if self.lines and self.state is not None:
+            save(self.twin, self.state)
+        self.saved = clock.monotonic()
+
+    def _end(self, status: str) -> None:
+        self._save()
+        if self.series is not None:
+            self.series.finish(status)
+        if self.page is not None:
+            self.page.close()
+        self._summarise()
+        if status == "interrupted":
+            raise Ended(ExitCode.INTERRUPTED)
+
+    def _summarise(self) -> None:
+        """Print what was found last, and what was wrong with the data."""
+        from tautline.cli.output.console import console
+        from tautline.cli.output.summary import two_columns
+        from tautline.scene.values.printed import quantity
+
+        if self.last is None:
+            say("no row of data could be used", "yellow")
+            return
+        rows = [
+            (name, f"{quantity(one['value'], one['unit'])} ± {quantity(2.0 * one['sd'], one['unit'])}")
+            for name, one in self.last["estimates"].items()
+        ]
+        rows += [("not observable", text) for text in self.last["not_observable"]]
+        counts = sorted(self.twin.readings.rows.counts.items())
+        rows += [(f"rows {kind}", str(count)) for kind, count in counts if count]
+        if self.source.refused:
+            rows.append(("lines that could not be read", str(self.source.refused)))
+        rows.append(("rows answered", str(self.lines)))
+        if not self.quiet:
+            console().print(two_columns(rows))
+
+
+def record(
+    catalogue: Catalogue, path: Path, map: Path, output: Path, changes: Sequence[str] | None, end: str | None,
+    given: dict[str, Any], as_json: bool,
+) -> None:  # fmt: skip
+    """Run a scene with sensors, and write what they show.
+
+    Raises
+    ------
+    SceneError, ResultError
+        For bad input; nothing is written then.
+    """
+    from pydantic_core import PydanticCustomError
+
+    from tautline.integrators.status import StoppedEarly
+    from tautline.scene.values.quantity import Quantity
+    from tautline.twin.map import read_map
+    from tautline.twin.record import Sensing, read_fault
+    from tautline.twin.record import record as recorded
+
+    scene = changed(catalogue.read(path)[1], changes)
+    read = read_map(map)
+
+    def number(option: str, text: str | None, unit: str, default: float) -> float:
+        if text is None:
+            return default
+        try:
+            return float(text)
+        except ValueError:
+            try:
+                return float(Quantity(unit).read(text))
+            except PydanticCustomError as error:
+                cure = str((error.context or {}).get("cure", ""))
+                raise option_error(option, text, error.message(), cure) from None
+
+    sensing = Sensing(
+        rate=number("--rate", given["rate"], "Hz", 10.0), noise=number("--noise", given["noise"], "", 0.0),
+        dropout=number("--dropout", given["dropout"], "", 0.0), jitter=number("--jitter", given["jitter"], "s", 0.0),
+        delay=number("--delay", given["delay"], "s", 0.0), gaps=[_gap(text) for text in given["gap"] or ()],
+        faults=[read_fault(text) for text in given["fault"] or ()], seed=given["seed"],
+    )  # fmt: skip
+    if not sensing.rate > 0.0:
+        raise option_error("--rate", str(given["rate"]), "is no rate", "give rows a second, such as 10 Hz")
+    until = number("--end", end, "s", float("nan"))
+    rows = recorded(scene, read, sensing, None if until != until else until)
+    first = next(rows)
+    columns = [one.column for one in read.sensors]
+    units = {one.column: one.unit for one in read.sensors}
+    count, status = 0, "done"
+    with output.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time [s]", *(f"{name} [{units[name]}]" if units[name] else name for name in columns)])
+        try:
+            for time, values in [first]:
+                writer.writerow([f"{time:.6f}", *_cells(values, columns)])
+                count += 1
+            for time, values in rows:
+                writer.writerow([f"{time:.6f}", *_cells(values, columns)])
+                count += 1
+        except StoppedEarly as stop:
+            say(f"{path}: stopped at {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
+            status = stop.status.name.lower().replace("_", " ")
+    say(f"wrote {output}: {count} rows. Next: {catalogue.name} twin {path} --map {map} --source {output}", "green")
+    if as_json:
+        print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})
+    if status != "done":
+        raise Ended(ExitCode.STOPPED_EARLY)
+
+
+def _cells(values: dict[str, float], columns: Sequence[str]) -> list[str]:
+    return [f"{values[name]:.9g}" if values[name] == values[name] else "" for name in columns]
+
+
+def _gap(text: str) -> tuple[float, float]:
+    try:
+        begin, end = (float(part) for part in text.split(":"))
+    except ValueError:
+        raise option_error("--gap", text, "is no gap", "write FROM:TO in s, such as 20:25") from None
+    return begin, end

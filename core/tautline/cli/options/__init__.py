@@ -1,0 +1,1 @@
+"""What is written in one word on the command line: lists, numbers with units, values of keys."""

@@ -1,0 +1,1 @@
+"""Tables: what a run or a search found, as rows with units, in CSV and NetCDF."""

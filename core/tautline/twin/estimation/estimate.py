@@ -1,0 +1,456 @@
+"""The estimate: a family of simulations that is held against the sensors over a window.
+
+Derivatives hold near the parameters that the family was made with. Where the estimate has left them, a spare family
+goes through the window again from a state that is extrapolated to the estimate, a few rows at a time. It takes the
+place of the first if it explains the data about as well.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from tautline.integrators.status import StoppedEarly
+from tautline.live.simulation import Simulation
+from tautline.twin.estimation.family import Blow, Family, steps_to
+from tautline.twin.estimation.horizon import Horizon, Sample, mean_of
+from tautline.twin.estimation.log import CHECKPOINT, Checkpoint, Log, Logged
+from tautline.twin.map import Plan, Unknown
+from tautline.twin.operation import Operation
+from tautline.twin.signals.rows import Rows
+
+if TYPE_CHECKING:
+    from tautline.live.memory import State
+
+CAUGHT_UP = 4
+"""Rows of the window that are gone through anew at every sample, while it is linearised elsewhere."""
+OBSERVED = 30
+"""Rows that are observed at a time when a window is gone through anew."""
+CAUGHT_UP_FROM_REST = 12
+"""The same of a window that reaches back to where the machine was at rest."""
+USUAL = 10.0
+"""Usual size of a free motion, in blows."""
+WORSE, NOISE = 1.5, 1.0
+"""A window gone through anew is taken if what it leaves unexplained is at most so many times what was left before, and
+so much more, in variances of the sensor."""
+FAR_OFF = 0.25
+"""Standard deviations of the start that an estimate has to be away from where it was linearised to begin from rest."""
+WILD = 4.0
+"""Size of derivatives over their usual one from which on a neighbour is begun anew."""
+SLOPES = 200
+"""Rows of which the usual size is the median."""
+FEWEST = 5
+"""Rows that are worth going through anew."""
+APART = 0.1
+"""How far neighbours are off, over the standard deviation at the start."""
+SWINGING = 0.003
+"""How far neighbours are off, over the parameter, where a load may bounce: further off they bounce out of step."""
+LEAST_APART = 1e-4
+"""And at least so much of the parameter."""
+MOVED = 2.0
+"""Standard deviations of the estimate from the linearisation that call for a new one."""
+MOVED_FROM_START = 0.02
+"""And standard deviations of the start."""
+
+
+class Machine(NamedTuple):
+    """What stands for the machine.
+
+    Attributes
+    ----------
+    scene : scene
+    inputs : list of str
+        Those that the map drives.
+    blows : sequence of Blow
+        What sets free motions off.
+    first : Simulation
+        The scene at its start, with the parameters that it has.
+    """
+
+    scene: Any
+    inputs: list[str]
+    blows: Sequence[Blow]
+    first: Simulation
+
+
+class Estimate:
+    """What is not known of a machine, from what its sensors show.
+
+    Parameters
+    ----------
+    plan : Plan
+        Unknowns, sensors and window.
+    machine : Machine
+        The scene as it is.
+    operation : Operation or None
+        What the application knows of the work.
+    rows : Rows
+        Whose sample interval counts.
+
+    Attributes
+    ----------
+    family : Family
+        The simulations that stand at the newest row.
+    horizon : Horizon
+        The estimate itself, with its window.
+    log : Log
+        What the simulations were given.
+    notes : list of str
+        What could not be done.
+    from_rest : bool
+        Whether the window could not be gone through from where it began: it has to be begun again from rest.
+    """
+
+    def __init__(self, plan: Plan, machine: Machine, operation: Operation | None, rows: Rows) -> None:
+        self.operation, self.rows = operation, rows
+        # Rows are compared one by one, or as means.
+        self._mean = operation.mean if operation is not None else 0.0
+        self.log = Log(plan.window)
+        self.notes: list[str] = []
+        self.from_rest = self._plain = False
+        self._job: Iterator[None] | None = None
+        self._pending: list[Sample] = []
+        self._gathered: list[Sample] = []
+        self._slopes: list[deque[np.ndarray]] = []
+        self.build(plan, machine)
+        free = [_as_unknown(one) for one in self.blows]
+        self.horizon = Horizon([*plan.unknowns, *free], plan.measured, plan.window, len(free))
+        self.horizon.theta0[self._offsets] = 0.0
+
+    # -- the simulations -----------------------------------------------------------------------------------------------
+
+    def build(self, plan: Plan, machine: Machine) -> None:
+        """Make a family of a machine, and a spare one; the estimate stays as it is."""
+        self.plan, self._first, self.blows = plan, machine.first, list(machine.blows)
+        self._parameters = [i for i, one in enumerate(plan.unknowns) if not one.is_offset]
+        self._offsets = [i for i, one in enumerate(plan.unknowns) if one.is_offset]
+        names = [plan.unknowns[i].target for i in self._parameters]
+        start = np.array([plan.unknowns[i].start for i in self._parameters])
+        apart = np.array(
+            [self._apart(i, plan.unknowns[i].start, APART * plan.unknowns[i].sd) for i in self._parameters]
+        )
+        made = []
+        for i in range(len(names) + 1):
+            theta = start.copy()
+            if i:
+                theta[i - 1] += apart[i - 1]
+            given = dict(zip(names, theta.tolist(), strict=True))
+            at = Simulation(machine.scene, machine.inputs, keep=False, parameters=given) if names else machine.first
+            made.append(at)
+        made += [made[0].copy() for _ in self.blows]
+        self.family = Family(made, names, self.blows)
+        self.family.at, self.family.apart = start, np.append(apart, np.ones(len(self.blows)))
+        self._seen = [*self._parameters, *range(len(plan.unknowns), len(plan.unknowns) + len(self.blows))]
+        self.spare = Family([sim.copy() for sim in made] if len(made) > 1 else [], names, self.blows)
+        self._begin = self.family.save()
+        self._begin_of = Family([], names, self.blows)
+        self._begin_of.at, self._begin_of.apart = start.copy(), self.family.apart.copy()
+        self.family.strike(0.0)
+
+    def _apart(self, i: int, value: float, width: float) -> float:
+        """How far a neighbour is off in its parameter, within the range."""
+        one = self.plan.unknowns[i]
+        apart = max(width, LEAST_APART * abs(value), 1e-9)
+        if value + apart > one.high or not self._can_be(one.target, value + apart):
+            return -apart
+        return apart
+
+    def _can_be(self, name: str, value: float) -> bool:
+        parameter = self._first.parameters._parameter(name)
+        return parameter.least < value <= parameter.most
+
+    def advance(self, time: float, inputs: list[tuple[str, np.ndarray]]) -> None:
+        """Go on to a row; a long gap is gone through in pieces, with inputs that come to rest."""
+        target = time - self.log.origin
+        begin = self.family.time
+        if target <= begin + 1e-12:
+            return
+        gap = target - begin > max(4.0 * (self.rows.interval if np.isfinite(self.rows.interval) else 1.0), 0.5)
+        if gap and inputs:
+            for at in steps_to(begin, target)[:-1]:
+                # The inputs stand at the far side already: on the way they hold what they had.
+                self.family.advance(at, self.log.resting(at + self.log.origin))
+        self.family.advance(target, inputs)
+        if self.log.is_due(time):
+            self.log.keep(time, self.family.save())
+
+    def rest(self) -> None:
+        """Put the simulations back to rest, with the parameters of the estimate."""
+        h = self.horizon
+        at = np.clip(h.mean, h.low, h.high)[self._parameters]
+        self.family.stand(
+            self._begin, self._begin_of, np.append(at - self._begin_of.at, np.zeros(len(self.blows))),
+            self._begin_of.apart[: len(at)], self._quarter, np.zeros(len(at), bool),
+        )  # fmt: skip
+        self._job = None
+        self._pending, self._plain, self.from_rest = [], False, False
+        self.log.clear()
+        h.drop_before(np.inf)
+        h.theta0[self._parameters] = self.family.at
+
+    def state(self) -> tuple[State, dict[str, float]]:
+        """The state and the parameters of the estimate."""
+        states = self.family.save()
+        if not self._seen:
+            return states[0], {}
+        at = self.horizon.mean[self._parameters]
+        weights = (self.horizon.mean - self.horizon.theta0)[self._seen] / self.family.apart
+        memory = self.family.simulations[0]._memory
+        block = memory.combine(states[0].block, [s.block for s in states[1:]], weights)
+        return replace(states[0], block=block), dict(zip(self.family.names, at.tolist(), strict=True))
+
+    # -- what is compared ----------------------------------------------------------------------------------------------
+
+    def compared(
+        self, read: Mapping[str, np.ndarray], family: Family | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Computed values of the sensors (m,), and their derivatives (m, k); of the family, where no other is given."""
+        family = family or self.family
+        measured = self.plan.measured
+        J = np.zeros((len(measured), len(self.horizon.unknowns)))
+        if not measured:
+            return np.zeros(0), J
+        values = np.array([read[one.name] for one in measured]).reshape(len(measured), -1).T
+        if self._seen:
+            J[:, self._seen] = family.believed(family.derivatives(values))
+        for k in self._offsets:
+            J[[one.name == self.plan.unknowns[k].target for one in measured], k] = 1.0
+        return values[0], J
+
+    def alike(self, read: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Of which sensors (m,) the differences of simulations are derivatives: all do what the machine does."""
+        names = [one.name for one in self.plan.measured]
+        return np.ones(len(names), bool) if self.operation is None else self.operation.counts(read, names)
+
+    def tame(self, J: np.ndarray) -> np.ndarray:
+        """Which sensors (m,) have derivatives that can be believed; near a slip they tell of a small range only."""
+        p = self._parameters
+        if not p or not self.blows:
+            return np.ones(len(J), bool)
+        size = np.abs(J[:, p])
+        if not self._slopes:
+            self._slopes = [deque(maxlen=SLOPES) for _ in range(len(J))]
+        good = np.ones(len(J), bool)
+        for m, past in enumerate(self._slopes):
+            if len(past) >= FEWEST:
+                good[m] = np.all(size[m] <= 2.0 * WILD * np.maximum(np.median(past, axis=0), 1e-12))
+            if good[m]:
+                past.append(size[m])
+        return good
+
+    def explains(self, told: float, y: float, J: np.ndarray) -> bool:
+        """Whether the unknowns could explain a value within their ranges, before they are known."""
+        if self.converged or not self.plan.unknowns:
+            return False
+        h = self.horizon
+        low = np.where(J > 0, h.low, h.high) - h.mean
+        high = np.where(J > 0, h.high, h.low) - h.mean
+        with np.errstate(invalid="ignore"):
+            least, most = np.nansum(J * low), np.nansum(J * high)
+        return bool(told + least <= y <= told + most)
+
+    def outputs(self, read: Mapping[str, np.ndarray]) -> dict[str, Any]:
+        """Outputs at the estimate: name -> (value, standard deviation)."""
+        h, p = self.horizon, self._seen
+        shift = (h.mean - h.theta0)[p]
+        spread = h.covariance[np.ix_(p, p)] if p else np.zeros((0, 0))
+        found: dict[str, Any] = {}
+        for name, values in read.items():
+            J = self.family.derivatives(values)
+            found[name] = (values[0] + J @ shift, np.sqrt(np.einsum("...i,ij,...j->...", J, spread, J)))
+        return found
+
+    @property
+    def converged(self) -> bool:
+        """Whether the estimate is known much better than at the start."""
+        h = self.horizon
+        n = len(self.plan.unknowns)
+        return n == 0 or bool(np.any(h.deviation[:n] < 0.1 * h.first_sd[:n]))
+
+    def take_in(self, sample: Sample) -> None:
+        """Add a row to the window: by itself, or with others as their mean."""
+        if not self._mean:
+            self.horizon.add(sample)
+            return
+        if self._pending and not sample.use.any():
+            self.take_in_mean()
+        if sample.use.any():
+            self._pending.append(sample)
+            if sample.time - self._pending[0].time >= self._mean - 1e-9:
+                self.take_in_mean()
+
+    def take_in_mean(self) -> None:
+        """Add the mean of what has been gathered, where that is enough."""
+        if len(self._pending) >= FEWEST:
+            self.horizon.add(mean_of(self._pending))
+        self._pending = []
+
+    def _means(self, samples: list[Sample]) -> list[Sample]:
+        """Rows of a window as they are taken in."""
+        if not self._mean:
+            return samples
+        found: list[Sample] = []
+        begun: list[Sample] = []
+        for one in samples:
+            if one.use.any():
+                begun.append(one)
+            if begun and (not one.use.any() or one.time - begun[0].time >= self._mean - 1e-9):
+                found += [mean_of(begun)] if len(begun) >= FEWEST else []
+                begun = []
+        # What is not whole yet goes on to be gathered.
+        self._gathered = begun
+        return found
+
+    # -- the window gone through anew ----------------------------------------------------------------------------------
+
+    def relinearise(self) -> None:
+        """Go through the window anew where the estimate has left where it was linearised, a few rows at a time."""
+        if not self._seen:
+            return
+        if self._job is None and len(self.log.rows) >= FEWEST and (self.blows or self._has_moved()):
+            self._job = self._anew()
+        if self._job is not None:
+            try:
+                for _ in range(CAUGHT_UP_FROM_REST if self._mean else CAUGHT_UP):
+                    next(self._job)
+            except StopIteration:
+                self._job = None
+            except StoppedEarly as error:
+                self._job = None
+                self.notes.append(f"the window could not be gone through anew: {error}")
+
+    @property
+    def relinearising(self) -> bool:
+        """Whether a window is being gone through anew."""
+        return self._job is not None
+
+    def _has_moved(self) -> bool:
+        h, p = self.horizon, self._parameters
+        moved = np.abs(h.mean - h.theta0)[p]
+        return bool(np.any(moved > np.maximum(MOVED * h.linear_deviation[p], MOVED_FROM_START * h.first_sd[p])))
+
+    def _anew(self) -> Iterator[None]:
+        """The spare family goes through the window from a state that is extrapolated to the estimate."""
+        h, p, spare = self.horizon, self._parameters, self.spare
+        if self.blows:
+            widths = [SWINGING * max(abs(h.mean[i]), h.first_sd[i]) for i in p]
+        else:
+            # What sticks and slips is not smooth in the small.
+            widths = [APART * h.first_sd[i] for i in p]
+        apart = np.array([self._apart(i, h.mean[i], width) for i, width in zip(p, widths, strict=True)])
+        self.log.forget(self.log.rows[-1].time)
+        first = self.log.checkpoints[0]
+        late = self._quarter if self.blows else 0.0
+        shift, fresh = (h.mean - h.theta0)[self._seen], self._wild()
+        spare.stand(first.states, self.family, shift, apart, late, fresh | self._plain, self._plain)
+        kept = deque([Checkpoint(first.time, spare.save())])
+        samples: list[Sample] = []
+        rows: list[Logged] = []
+        frames: list[np.ndarray] = []
+        reached = first.time
+        while (row := self.log.after(reached)) is not None:
+            spare.advance(row.time - self.log.origin, row.inputs)
+            rows.append(row)
+            frames.append(spare.frames())
+            if row.time - kept[-1].time >= CHECKPOINT - 1e-9:
+                kept.append(Checkpoint(row.time, spare.save()))
+            reached = row.time
+            if len(rows) == OBSERVED:
+                samples += self._samples_of(rows, frames)
+                rows, frames = [], []
+            yield
+        samples = self._means(samples + self._samples_of(rows, frames))
+        theta0 = h.theta0.copy()
+        theta0[p] = spare.at
+        # Before the last blow the free motions cannot have any phase.
+        begin = max(first.time + late + 1e-6, reached - h.window - 1e-9)
+        samples = self._unmixed([one for one in samples if one.time >= begin])
+        before = [one for one in h.samples if one.time >= begin]
+        if not samples or not self._better(samples, theta0, before):
+            # From so far away no state can be extrapolated, neither with the differences nor without: then from rest.
+            self.from_rest = self._plain and bool(np.any(np.abs(h.mean - h.theta0)[p] > FAR_OFF * h.first_sd[p]))
+            self._plain = not self._plain
+            return
+        self._plain = False
+        h.drop_before(first.time)
+        if spare.trust is not None:
+            h.rough[:, p] = spare.rough
+        self._pending = self._gathered
+        h.replaced(samples, theta0)
+        self.family, self.spare = spare, self.family
+        self.log.checkpoints = kept
+
+    def _samples_of(self, rows: Sequence[Logged], frames: Sequence[np.ndarray]) -> list[Sample]:
+        """Samples of rows that the spare family has gone through, of the frames that it left there."""
+        if not rows:
+            return []
+        names = [*(one.name for one in self.plan.measured), *(self.operation.reads if self.operation else ())]
+        all_read = dict(zip(names, self.spare.read_frames(np.array(frames), names), strict=True))
+        found = []
+        for k, row in enumerate(rows):
+            read = {name: values[k] for name, values in all_read.items()}
+            y0, J = self.compared(read, self.spare)
+            use = row.use & self.alike(read)
+            found.append(Sample(row.time, np.where(use, row.y, np.nan), y0, J, use))
+        return found
+
+    @property
+    def _quarter(self) -> float:
+        """A quarter of the period of the free motion, in whole rows, s: of what its derivative shows."""
+        row = self.rows.interval if np.isfinite(self.rows.interval) else 0.1
+        samples = self.horizon.samples
+        if not self.blows or len(samples) < FEWEST:
+            return row
+        J = np.array([one.J[:, len(self.plan.unknowns)] for one in samples])
+        turns = np.count_nonzero(np.diff(np.sign(J), axis=0), axis=0).max(initial=0)
+        span = samples[-1].time - samples[0].time
+        return row * min(max(1, round(0.5 * span / (turns + 1) / row)), max(1, len(samples) // 4))
+
+    def _better(self, samples: list[Sample], theta0: np.ndarray, before: list[Sample]) -> bool:
+        """Whether the window gone through anew explains the data about as well as it was explained before, or better.
+
+        What sticks and slips is not always put right by differences of states; then the first state itself is tried.
+        """
+        h = self.horizon
+        if not np.isfinite([one.y0 for one in samples]).all() or not np.isfinite([one.J for one in samples]).all():
+            return False
+        old = h.cost(before, h.theta0, False) if before else np.inf
+        return h.cost(samples, theta0, True) <= WORSE * old + NOISE
+
+    def _unmixed(self, samples: list[Sample]) -> list[Sample]:
+        """The same samples with derivatives that are free of free motion, and those that can be believed."""
+        if samples and self.blows and self._parameters:
+            J = np.array([one.J[:, self._seen] for one in samples])
+            J = self.spare.unmix(J, self.horizon.deviations(samples[-1].y0))
+            for one, own in zip(samples, J, strict=True):
+                one.J[:, self._seen] = own
+        return samples
+
+    def _wild(self) -> np.ndarray:
+        """Of which parameters (p,) the derivatives have grown far beyond what they were."""
+        h, p = self.horizon, self._parameters
+        if not len(h.samples) or not self.blows:
+            return np.zeros(len(p), bool)
+        J = np.array([one.J[:, p] for one in h.samples])
+        usual = np.array([np.median(past, axis=0) for past in self._slopes]) if self._slopes else np.abs(J[0])
+        return np.any(np.median(np.abs(J), axis=0) > WILD * usual, axis=0)
+
+
+def _as_unknown(blow: Blow) -> Unknown:
+    """A free motion, in blows of the usual size."""
+    name = f"free motion of {blow.output}"
+    return Unknown(
+        name=name,
+        target=blow.output,
+        is_offset=False,
+        unit="",
+        start=0.0,
+        sd=USUAL,
+        low=-np.inf,
+        high=np.inf,
+        drift=0.0,
+    )

@@ -1,0 +1,156 @@
+"""What is ahead: whether a bound will be passed as things go on, and with which speeds and waves none would be."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tautline.twin.forecast import Forecast, Found, other_speed
+from tautline.twin.map import Plan
+from tautline.twin.signals.waves import Waves
+
+if TYPE_CHECKING:
+    from tautline.live.memory import State
+
+FRESH = 3.0
+"""Forecasts that an answer of one holds good for."""
+RESTRICT_EVERY = 2.0
+"""How often the largest speed and heave are looked for, s."""
+REPLAYED, PIECE, INTO = 18.0, 0.125, 6.0
+"""How much of the ship's motion is gone through once more, larger or smaller, in what pieces, and how long it takes to
+go over into it, s: so slowly that the load does not bounce by that."""
+
+Estimated = Callable[[], "tuple[State, dict[str, float]]"]
+"""The state and the parameters of the estimate, when they are asked for."""
+
+
+class Outlook:
+    """Runs ahead from time to time, piece by piece, while no row waits.
+
+    Parameters
+    ----------
+    plan : Plan
+        How far, how often, and whether restrictions are looked for.
+    waves : mapping
+        Input that moves with a ship -> its waves.
+    estimated : callable
+        Gives state and parameters of the estimate.
+
+    Attributes
+    ----------
+    forecast : Forecast or None
+        Of the simulation as it is; None where nothing is to be foreseen.
+    found : Found or None
+        What the last run ahead came to.
+    restricted : list of dict
+        The largest hoisting speed and ship motion without a bound that is passed.
+    """
+
+    def __init__(self, plan: Plan, waves: Mapping[str, Waves], estimated: Estimated) -> None:
+        self.plan, self.waves, self.estimated = plan, waves, estimated
+        self.forecast: Forecast | None = None
+        self.found: Found | None = None
+        self.restricted: list[dict[str, Any]] = []
+        self._job: Iterator[None] | None = None
+        self._next_forecast = self._next_restrict = -np.inf
+
+    def foresee(self, time: float, inputs: Mapping[str, np.ndarray]) -> None:
+        """Begin a run ahead from a row with its inputs (3,), where one is due."""
+        if self.forecast is None or self._job is not None or time < self._next_forecast - 1e-9:
+            return
+        self._next_forecast = time + self.plan.forecast_every
+        self._job = self._run(self.forecast, time, inputs)
+
+    def work(self, seconds: float | None = None) -> bool:
+        """Look ahead for at most so many seconds, or to the end; whether something is left."""
+        end = np.inf if seconds is None else clock.perf_counter() + seconds
+        while self._job is not None and clock.perf_counter() < end:
+            try:
+                next(self._job)
+            except StopIteration:
+                self._job = None
+        return self._job is not None
+
+    def drop(self, found: Found | None = None) -> None:
+        """Leave what is under way: the machine is not where it was. What is known of the time ahead is `found`."""
+        self._job, self.found = None, found
+
+    def fresh(self, time: float) -> Found | None:
+        """What was found, if that is not too long ago."""
+        found = self.found
+        return found if found is not None and time - found.begun <= FRESH * self.plan.forecast_every else None
+
+    def _run(self, forecast: Forecast, time: float, inputs: Mapping[str, np.ndarray]) -> Iterator[None]:
+        state, parameters = self.estimated()
+        yield from forecast.run(time, state, parameters, self._paths(forecast, inputs))
+        self.found = forecast.found
+        if forecast.bounds and self.plan.restrict and time >= self._next_restrict - 1e-9:
+            self._next_restrict = time + RESTRICT_EVERY
+            yield from self._restrictions(forecast, time, state, parameters, inputs)
+
+    def _paths(
+        self, forecast: Forecast, inputs: Mapping[str, np.ndarray], winch: float | None = None
+    ) -> dict[str, Any]:
+        """Paths of all inputs ahead, with another speed of winches where one is given."""
+        times = forecast.times
+        paths = {}
+        for name, state in inputs.items():
+            if name in self.waves:
+                paths[name] = self.waves[name].ahead(times)
+            elif winch is not None and name.endswith(".pay_out"):
+                paths[name] = other_speed(state, times, winch)
+            else:
+                paths[name] = other_speed(state, times, state[1])
+        return paths
+
+    def _replayed(self, inputs: Mapping[str, np.ndarray], times: np.ndarray, factor: float) -> dict[str, Any]:
+        """The same with the ship's motion of the last seconds once more, so many times as large."""
+        return {
+            name: self.waves[name].replayed(times, REPLAYED, factor, INTO)
+            if name in self.waves
+            else other_speed(state, times, state[1])
+            for name, state in inputs.items()
+        }
+
+    def _restrictions(
+        self, forecast: Forecast, time: float, state: State, parameters: Mapping[str, float],
+        inputs: Mapping[str, np.ndarray],
+    ) -> Iterator[None]:  # fmt: skip
+        """The largest hoisting speed and the largest heave with which no bound that is watched ahead is passed."""
+        found = []
+        winch = next((name for name in inputs if name.endswith(".pay_out")), None)
+        if winch is not None:
+            now = abs(float(inputs[winch][1]))
+            unit_speed = max(now, 0.25)
+            yield from forecast.largest(
+                time, state, parameters, lambda f: self._paths(forecast, inputs, -f * unit_speed), forecast.bounds
+            )
+            found.append(_restriction(forecast, "hoisting speed", forecast.factor * unit_speed, now, "m/s"))
+        moved = [self.waves[name] for name in inputs if name in self.waves]
+        if moved and all(one.lasting(REPLAYED) for one in moved):
+            times = np.arange(PIECE, REPLAYED + 1e-9, PIECE)
+            yield from forecast.largest(
+                time, state, parameters, lambda f: self._replayed(inputs, times, f), forecast.bounds, times, INTO
+            )
+            found.append(_restriction(forecast, "ship motion", forecast.factor, 1.0, ""))
+        self.restricted = found
+
+
+def _restriction(forecast: Forecast, name: str, most: float, now: float, unit: str) -> dict[str, Any]:
+    """What stands in a line of the twin of the largest motion that was found."""
+    free = not forecast.limited_by
+    by = f", then {forecast.limited_by}" if not free else ""
+    at_least = "at least " if free else ""
+    most_said = f"{most:.3g} {unit}".strip() if unit else f"{most:.2g} times the present"
+    return {
+        "name": name,
+        "largest": most,
+        "now": now,
+        "unit": unit,
+        "restrict": most < now - 1e-9,
+        "by": forecast.limited_by,
+        "text": f"{name} at most {at_least}{most_said}{by}",
+    }

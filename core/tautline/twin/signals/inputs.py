@@ -1,0 +1,136 @@
+"""What drives the simulation: measured inputs, without jumps whatever the sensors do.
+
+Where samples are missing a motion comes to rest. Where they come back, or begin elsewhere than the simulation stands,
+the difference is made up for by a quintic: the simulation never jumps, and stands where the sensor says soon after.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tautline.twin.map import Channel
+from tautline.twin.signals.rows import Row
+from tautline.twin.signals.smoothing import coming_to_rest, joined, noise_of, smooth
+
+JOIN = 3.0
+"""Shortest time in which a difference is made up for, s."""
+SPEED = 1.0
+"""Speed at which a large difference is made up for where nothing faster was measured, SI."""
+SAME = 1e-9
+SLOW = 0.02
+"""Speed over the fastest at which a motion may be joined at once."""
+NOISES = 101
+"""Samples of which the noise is the median."""
+FAR = 2.0
+"""Delays from an instant within which samples are looked at."""
+JUMP = 3.0
+"""Speed from sample to sample, over the fastest seen, that is no motion but a break of the sensor."""
+
+
+class InputTrack:
+    """One input: its state (value, rate, second rate) from row to row.
+
+    Attributes
+    ----------
+    state : (3,)
+        As given to the simulation at the last row.
+    missing : bool
+        Whether there is no sample of it near.
+    joining : bool
+        Whether a difference is being made up for.
+    """
+
+    def __init__(self, channel: Channel, number: int) -> None:
+        self.channel, self.number = channel, number
+        self.state = np.full(3, np.nan)
+        self.time = np.nan
+        self.missing = False
+        self.fastest = SPEED
+        self._apart, self._from, self._over = np.zeros(3), -np.inf, 1.0
+        self._held, self._held_at = np.full(3, np.nan), np.nan
+        self._noises: deque[float] = deque(maxlen=NOISES)
+        self._break = np.nan
+
+    @property
+    def joining(self) -> bool:
+        """Whether a difference is being made up for."""
+        return self.time < self._from + self._over
+
+    def begin(self, value: float, time: float) -> None:
+        """Stand at rest at a value: where the simulation begins."""
+        self.state, self.time = np.array([value, 0.0, 0.0]), time
+
+    def follow(self, rows: Sequence[Row], values: np.ndarray, row: Row, reach: float) -> np.ndarray:
+        """State (3,) at a row, from the samples around it."""
+        times = np.array([one.time for one in rows])
+        good = np.isfinite(values) & self._one_side(times, values, row.time)
+        good &= np.abs(times - row.time) <= FAR * reach + 1e-9
+        near = times[good & (np.abs(times - row.time) <= reach + 1e-9)] - row.time
+        # Nothing is extrapolated: there is a sample on either side, or at the instant itself.
+        if near.size == 0 or near[0] > 1e-9 or near[-1] < -1e-9:
+            return self.hold(row.time)
+        found = smooth(times[good], values[good], row.time, reach, self._noise(values[good]))
+        if (row.after_gap or self._break == row.time) and not self.missing:
+            self.hold(row.time)
+        if self.missing:
+            self._join(found, row.time)
+        self.missing = False
+        if row.time < self._from + self._over:
+            found = found + joined(self._apart, (row.time - self._from) / self._over, self._over)
+        else:
+            self.fastest = max(self.fastest, abs(float(found[1])))
+        self.state, self.time = found, row.time
+        return found
+
+    def _one_side(self, times: np.ndarray, values: np.ndarray, at: float) -> np.ndarray:
+        """Samples (n,) that no break parts from an instant; no motion is as fast as a sensor that jumps."""
+        keep = np.ones(len(values), bool)
+        finite = np.flatnonzero(np.isfinite(values))
+        speeds = np.abs(np.diff(values[finite])) / np.maximum(np.diff(times[finite]), 1e-9)
+        for i in np.flatnonzero(speeds > JUMP * self.fastest):
+            cut = times[finite[i + 1]]
+            keep &= (times < cut) == (at < cut)
+            if at == cut:
+                self._break = at
+        return keep
+
+    def _noise(self, values: np.ndarray) -> float:
+        """Standard deviation of the sensor: as the map says, or as the samples show."""
+        self._noises.append(noise_of(values))
+        found = float(np.median(self._noises)) / 0.6745
+        return found if not np.isfinite(self.channel.sd) else max(found, self.channel.sd)
+
+    def hold(self, time: float) -> np.ndarray:
+        """State (3,) where there is no sample: what moves comes to rest."""
+        if not self.missing:
+            self.missing, self._held, self._held_at = True, self.state, self.time
+        self.state, self.time = coming_to_rest(self._held, time - self._held_at), time
+        return self.state
+
+    def _join(self, found: np.ndarray, time: float) -> None:
+        """Begin to make up for the difference between where the simulation stands and what is measured."""
+        self._apart = self.state - found
+        self._from = time
+        self._over = max(JOIN, 1.875 * abs(float(self._apart[0])) / self.fastest)
+
+    def joining_from_rest(self, found: np.ndarray, run_in: float) -> float:
+        """How long the simulation runs before the first row, s: nothing where it stands where the sensor says."""
+        apart = found - self.state
+        small = SAME + 1e-6 * max(1.0, abs(float(found[0])))
+        if abs(apart[0]) < small and abs(apart[1]) < SLOW * self.fastest:
+            return 0.0
+        return max(run_in, 1.875 * abs(float(apart[0])) / self.fastest)
+
+    def memory(self) -> dict[str, Any]:
+        """What a later process needs to go on."""
+        names = ("state", "time", "missing", "fastest", "_apart", "_from", "_over", "_held", "_held_at")
+        return {name: np.asarray(getattr(self, name)).tolist() for name in names}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from what an earlier process kept."""
+        for name, value in memory.items():
+            setattr(self, name, np.array(value, float) if isinstance(value, list) else value)

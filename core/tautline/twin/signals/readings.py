@@ -1,0 +1,165 @@
+"""What the sensors say at a row: values in SI as far as they can be believed, and states of the inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from tautline.twin.map import Plan
+from tautline.twin.signals.inputs import SLOW, InputTrack
+from tautline.twin.signals.rows import Row, Rows
+from tautline.twin.signals.sensors import Health
+from tautline.twin.signals.smoothing import smooth
+from tautline.twin.signals.waves import Waves
+
+
+class Readings:
+    """Sensors of a plan: their rows, their health, and the motion of the inputs that they show.
+
+    Parameters
+    ----------
+    plan : Plan
+        Whose channels are read.
+    start : mapping
+        Input -> its value at the start of the scene.
+    live : bool
+        Whether data arrive while they are measured.
+
+    Attributes
+    ----------
+    zeros : dict
+        Number of a channel with ``zero: first`` -> the reading that counts as zero.
+    """
+
+    def __init__(self, plan: Plan, start: Mapping[str, float], live: bool) -> None:
+        self.channels, self.run_in, self.start = plan.channels, plan.run_in, start
+        self.rows = Rows([one.column for one in plan.channels], plan.delay, live)
+        self.health = [Health(one) for one in plan.channels]
+        self.tracks = [InputTrack(one, i) for i, one in enumerate(plan.channels) if one.is_input]
+        self.waves = {one.name: Waves() for one in plan.inputs if one.waves}
+        self.zeros: dict[int, float] = {}
+
+    def checked(self, row: Row) -> np.ndarray:
+        """Values in SI (c,), NaN where a sensor cannot be believed."""
+        values = np.full(len(self.channels), np.nan)
+        for i, (channel, health) in enumerate(zip(self.channels, self.health, strict=True)):
+            reading = row.values[i]
+            if channel.zero_first and i not in self.zeros and np.isfinite(reading):
+                self.zeros[i] = float(reading)
+            zero = self.zeros.get(i, 0.0) if channel.zero_first else channel.zero
+            start = self.start.get(channel.name, 0.0) if channel.zero_first else 0.0
+            values[i] = health.check(row.time, channel.scale * (reading - zero) + start)
+        row.values = values
+        return values
+
+    def named(self, values: np.ndarray) -> dict[str, float]:
+        """Values (c,) by the names of their channels."""
+        return {one.name: float(v) for one, v in zip(self.channels, values, strict=True)}
+
+    def measured(self, values: np.ndarray) -> np.ndarray:
+        """Of values (c,) those of the outputs (m,)."""
+        return np.array([values[i] for i, one in enumerate(self.channels) if one.is_output])
+
+    def believed(self, values: np.ndarray) -> np.ndarray:
+        """Which of the outputs (m,) have a value, of a sensor without a fault."""
+        use = [
+            np.isfinite(values[i]) and self.health[i].fault == ""
+            for i, channel in enumerate(self.channels) if channel.is_output
+        ]  # fmt: skip
+        return np.array(use, bool)
+
+    @property
+    def made_up(self) -> bool:
+        """Whether an input is not measured now, or is on its way back to what is."""
+        return any(track.missing or track.joining for track in self.tracks)
+
+    def state_of_health(self, settled: bool) -> str:
+        """Good, degraded or lost."""
+        lost = [health.fault == "lost" for health in self.health]
+        if all(lost) or any(track.missing and self.health[track.number].fault == "lost" for track in self.tracks):
+            return "lost"
+        poor = any(health.fault for health in self.health) or self.made_up
+        return "degraded" if poor or not settled else "good"
+
+    # -- inputs --------------------------------------------------------------------------------------------------------
+
+    def inputs(self, row: Row, begun: bool) -> list[tuple[str, np.ndarray]]:
+        """Inputs and their states (3,) at a row.
+
+        Parameters
+        ----------
+        begun : bool
+            Whether the simulations stand where the data are, so that a motion has to go on from where it was.
+        """
+        around = self.rows.around(row)
+        reach = self.rows.patience
+        if not np.isfinite(reach):
+            reach = self.rows.interval if np.isfinite(self.rows.interval) else 1.0
+        found = []
+        for track in self.tracks:
+            if not np.isfinite(track.state).all() and begun:
+                track.begin(self.start[track.channel.name], row.time)
+            values = np.array([self._in_si(one, track.number) for one in around])
+            if begun:
+                state = track.follow(around, values, row, reach)
+            else:
+                state = self._first_state(track, around, values, row, reach)
+            found.append((track.channel.name, state))
+            if track.channel.name in self.waves and not track.missing:
+                self.waves[track.channel.name].add(row.time, state)
+        return found
+
+    def _in_si(self, row: Row, i: int) -> float:
+        """A value of a row that is still to come, as `checked` will have it."""
+        if row.time <= self.rows.reached:
+            return row.values[i]
+        channel = self.channels[i]
+        zero = self.zeros.get(i, row.values[i]) if channel.zero_first else channel.zero
+        start = self.start.get(channel.name, 0.0) if channel.zero_first else 0.0
+        value = channel.scale * (row.values[i] - zero) + start
+        health = self.health[i]
+        repeated = health.fault in ("stuck", "clipped") and value == health._last
+        return value if channel.low <= value <= channel.high and not repeated else np.nan
+
+    def _first_state(
+        self, track: InputTrack, around: Sequence[Row], values: np.ndarray, row: Row, reach: float
+    ) -> np.ndarray:
+        good = np.isfinite(values)
+        times = np.array([one.time for one in around])
+        if not good.any():
+            return np.array([self.start[track.channel.name], 0.0, 0.0])
+        return smooth(times[good], values[good], row.time, reach)
+
+    def begin(self, row: Row, inputs: Sequence[tuple[str, np.ndarray]], anywhere: bool) -> float:
+        """Let motions begin at a row; gives how long the simulations need to come to them from rest, s.
+
+        Parameters
+        ----------
+        anywhere : bool
+            Whether positions with ``zero: first`` count from where the machine stands.
+        """
+        run_in = 0.0
+        for track, (name, state) in zip(self.tracks, inputs, strict=True):
+            track.begin(self.start[name], row.time)
+            if anywhere and track.channel.zero_first:
+                self._count_anew(track, state)
+            run_in = max(run_in, track.joining_from_rest(state, self.run_in))
+        for track, (_, state) in zip(self.tracks, inputs, strict=True):
+            track.state, track.time = state, row.time
+        return run_in
+
+    def _count_anew(self, track: InputTrack, state: np.ndarray) -> None:
+        """Let a position count from where the machine begins anew: it takes up its speed on the way there.
+
+        A block that has fetched a stand is elsewhere than it was. Where its motion is under way already, the simulation
+        begins so much before that it reaches the speed by a steady acceleration.
+        """
+        small = abs(state[1]) < SLOW * track.fastest
+        wanted = self.start[track.channel.name] + (0.0 if small else 0.5 * state[1] * self.run_in)
+        off = wanted - state[0]
+        state[:] = wanted, 0.0 if small else state[1], 0.0
+        i = track.number
+        self.zeros[i] = self.zeros.get(i, 0.0) - off / track.channel.scale
+        for row in self.rows.past:
+            row.values[i] += off

@@ -1,0 +1,242 @@
+"""Rows of data in the order of their stamps: what is late, doubled, out of order or from the future is put right here.
+
+A row is handed on when all rows that may still come before it have come: a *delay* after its stamp. The delay is also
+what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.smoothing`).
+
+| what comes | what becomes of it |
+|---|---|
+| a stamp that was there | its values fill what was empty; it is counted |
+| out of order, within the delay | it is put in its place |
+| later than the delay | it is left out, and counted |
+| a stamp far ahead | it waits for the next row: if that goes on from it there was a gap, else it is left out |
+| stamps that go on from an earlier time | the clock was set back: time goes on from where it was |
+| no readable stamp | it is left out, and counted |
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import Counter, deque
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+FAR = 4.0
+"""Stamps further ahead than so many sample intervals wait for the next."""
+BACK = 5
+"""Rows in a row that are late and follow one another: the clock was set back."""
+INTERVALS = 51
+"""Intervals of which the median is the sample interval."""
+DELAY = 3.0
+"""Sample intervals that a row waits where no delay is given."""
+TYPICAL = 5
+"""Rows after which the sample interval is known."""
+CLOCK_WRONG = 1e-3
+"""Rate of the source's clock beside ours that is reported."""
+CLOCK_TIME = 60.0
+"""Over how long that is found, s."""
+
+
+@dataclass
+class Row:
+    """Values (c,) of all columns at a stamp, NaN where there is none; ``raw`` is what the source gave."""
+
+    time: float
+    values: np.ndarray
+    arrived: float = 0.0
+    after_gap: bool = False
+
+    def __post_init__(self) -> None:
+        self.raw = self.values.copy()
+
+
+@dataclass
+class Rows:
+    """Rows as they come, and in order.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        In the order of the values.
+    delay : float or None
+        s; None for three sample intervals.
+    live : bool
+        Whether rows arrive while they are measured, so that the source's clock can be compared with ours.
+
+    Attributes
+    ----------
+    counts : Counter
+        What was put right, by kind: late, doubled, out of order, future, no stamp, gaps, clock set back.
+    interval : float
+        The sample interval, s; NaN until it is known.
+    """
+
+    columns: Sequence[str]
+    delay: float | None = None
+    live: bool = False
+    counts: Counter[str] = field(default_factory=Counter)
+    notes: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.shift = 0.0
+        self.waiting: list[Row] = []
+        self.past: deque[Row] = deque()
+        self.reached = -np.inf
+        self._newest = -np.inf
+        self._suspect: Row | None = None
+        self._late: list[Row] = []
+        self._intervals: deque[float] = deque(maxlen=INTERVALS)
+        self._clock: deque[tuple[float, float]] = deque(maxlen=600)
+        self.clock_rate = 0.0
+        self.known_interval = np.nan
+
+    @property
+    def interval(self) -> float:
+        """The sample interval, s."""
+        if len(self._intervals) >= TYPICAL - 1:
+            self.known_interval = float(np.median(self._intervals))
+        return self.known_interval
+
+    @property
+    def patience(self) -> float:
+        """How long a row waits for others, s."""
+        if self.delay is not None:
+            return self.delay
+        return DELAY * self.interval if np.isfinite(self.interval) else np.inf
+
+    def add(self, time: float, values: Mapping[str, float], arrived: float = 0.0) -> None:
+        """Take a record of the source."""
+        if not np.isfinite(time):
+            self.counts["no stamp"] += 1
+            return
+        row = Row(time + self.shift, np.array([values.get(c, np.nan) for c in self.columns], float), arrived)
+        if self.live:
+            self._compare_clocks(time, arrived)
+        if self._suspect is not None:
+            self._resolve(row)
+        if row.time <= self.reached:
+            self._add_late(row)
+            return
+        if row.time - self._newest > self._far and np.isfinite(self._newest):
+            self._suspect = row
+            return
+        self._late.clear()
+        self._insert(row)
+
+    @property
+    def _far(self) -> float:
+        interval = self.interval
+        return FAR * interval if np.isfinite(interval) else np.inf
+
+    def _resolve(self, row: Row) -> None:
+        """A row that came from far ahead: there was a gap if the next goes on from it."""
+        suspect, self._suspect = self._suspect, None
+        assert suspect is not None
+        if row.time >= suspect.time:
+            suspect.after_gap = True
+            self.counts["gaps"] += 1
+            self._insert(suspect)
+        elif row.time > self._newest - self._far:
+            self.counts["future"] += 1
+        else:
+            self.counts["future"] += 1
+
+    def _add_late(self, row: Row) -> None:
+        """A row that is too late, unless the clock was set back."""
+        known = next((one for one in reversed(self.past) if abs(one.time - row.time) < 1e-9), None)
+        if known is not None and np.array_equal(known.raw, row.raw, equal_nan=True):
+            self.counts["doubled"] += 1
+            return
+        self.counts["late"] += 1
+        if self._late and not row.time > self._late[-1].time:
+            self._late.clear()
+        self._late.append(row)
+        if len(self._late) < BACK:
+            return
+        rows, self._late = self._late, []
+        step = self.interval if np.isfinite(self.interval) else rows[-1].time - rows[-2].time
+        back = max(self._newest, self.reached) + step - rows[0].time
+        self.shift += back
+        self.counts["late"] -= BACK
+        self.counts["clock set back"] += 1
+        self.notes.append(f"the source's clock was set back by {back:.3g} s; time goes on from where it was")
+        for one in rows:
+            one.time += back
+            one.after_gap = one is rows[0]
+            self._insert(one)
+
+    def _insert(self, row: Row) -> None:
+        times = [one.time for one in self.waiting]
+        k = bisect_left(times, row.time - 1e-9)
+        if k < len(self.waiting) and abs(self.waiting[k].time - row.time) < 1e-9:
+            self.counts["doubled"] += 1
+            known = self.waiting[k].values
+            self.waiting[k].values = np.where(np.isfinite(known), known, row.values)
+            return
+        if k < len(self.waiting):
+            self.counts["out of order"] += 1
+        elif np.isfinite(self._newest) and not row.after_gap:
+            self._intervals.append(row.time - self._newest)
+        self.waiting.insert(k, row)
+        self._newest = max(self._newest, row.time)
+
+    def _compare_clocks(self, stamp: float, arrived: float) -> None:
+        """Find how fast the source's clock runs beside ours."""
+        if self._clock and arrived - self._clock[-1][1] < 0.1:
+            return
+        self._clock.append((stamp, arrived))
+        first, last = self._clock[0], self._clock[-1]
+        if last[1] - first[1] > CLOCK_TIME:
+            before = abs(self.clock_rate) > CLOCK_WRONG
+            a = np.array(self._clock)
+            self.clock_rate = float(np.polyfit(a[:, 1] - first[1], a[:, 0] - first[0], 1)[0]) - 1.0
+            if abs(self.clock_rate) > CLOCK_WRONG and not before:
+                rate = 100.0 * self.clock_rate
+                self.notes.append(f"the source's clock runs {rate:+.2g} % beside ours; the twin goes by its stamps")
+
+    def ready(self, end: bool = False) -> Row | None:
+        """The next row that no other can come before; with `end` nothing more is waited for."""
+        if end and self._suspect is not None:
+            self._suspect.after_gap = True
+            self.counts["gaps"] += 1
+            self._insert(self._suspect)
+            self._suspect = None
+        if not self.waiting:
+            return None
+        row = self.waiting[0]
+        behind = self._suspect is not None or any(one.after_gap for one in self.waiting[1:])
+        if not (end or behind or self._newest - row.time >= self.patience - 1e-9):
+            return None
+        self.waiting.pop(0)
+        self.past.append(row)
+        self.reached = row.time
+        keep = row.time - 10.0 * (self.patience if np.isfinite(self.patience) else 1.0)
+        while len(self.past) > 8 and self.past[0].time < keep:
+            self.past.popleft()
+        return row
+
+    def around(self, row: Row) -> list[Row]:
+        """Rows on both sides of one that was handed on last, in order, without a gap between them."""
+        rows = [*self.past, *self.waiting]
+        i = rows.index(row)
+        first = i
+        while first > 0 and not rows[first].after_gap:
+            first -= 1
+        last = i
+        while last + 1 < len(rows) and not rows[last + 1].after_gap:
+            last += 1
+        return rows[first : last + 1]
+
+    # -- to be kept over a restart -------------------------------------------------------------------------------------
+
+    def memory(self) -> dict[str, Any]:
+        """What a later process needs to go on."""
+        return {"reached": self.reached, "shift": self.shift, "interval": self.interval, "counts": dict(self.counts)}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from what an earlier process kept."""
+        self.reached = self._newest = float(memory["reached"])
+        self.shift, self.known_interval = float(memory["shift"]), float(memory["interval"])
+        self.counts.update(memory["counts"])

@@ -1,0 +1,197 @@
+"""Whether a sensor can be believed: lost, stuck, clipped, outside its range, in another unit, drifting.
+
+A value that does not change is no fault by itself: a winch that stands has none. It is one where the sensor has noise,
+so that its values always change, or where the motion stopped more abruptly than it ever changed before.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from tautline.twin.map import Channel
+from tautline.twin.signals.smoothing import FIFTH
+
+SAME = 5
+"""Values that are exactly alike from which on a sensor may be stuck."""
+SHORTEST = 0.4
+"""Over how long they have to be so at least, s."""
+STILL = 1.5
+"""How long a motion in waves may be exactly still, s."""
+CLIPPED = 10.0
+"""How long a sensor that was clipped is not believed, s."""
+HISTORY = 400
+"""Values that are looked back on."""
+NOISY = 0.1
+"""Noise, over the usual change from value to value, from which on values change at random."""
+ROUNDING = 1e-9
+"""Noise, over the largest value seen, that is rounding."""
+ENOUGH = 40
+"""Values after which that is judged."""
+GAP = 4.0
+"""Time since the last value, over that before it, that is a gap."""
+ABRUPT = 4.0
+"""Change of the step from value to value, over the largest seen, that no motion makes."""
+EDGE = 1e-6
+TEN = (8.0, 12.5)
+"""Ratio of measured and computed value that looks like a slip of a unit by 10."""
+THOUSAND = (800.0, 1250.0)
+DRIFT_TIME = 20.0
+"""Time constant of the mean residual, s."""
+FAR = 3.0
+"""Residuals beyond count as this many standard deviations: a knock is no drift."""
+DRIFTING = 5.0
+"""Standard deviations of the mean residual from which on a sensor drifts."""
+
+
+class Health:
+    """What is known of one sensor.
+
+    Attributes
+    ----------
+    fault : str
+        lost, stuck, clipped, out of range, unit, or empty.
+    """
+
+    def __init__(self, channel: Channel) -> None:
+        self.channel = channel
+        self.fault, self.text = "", ""
+        self.seen = np.nan
+        self.begun = np.nan
+        self._values: deque[float] = deque(maxlen=HISTORY)
+        self._changes: deque[float] = deque(maxlen=HISTORY)
+        self._same, self._same_from, self._abrupt = 1, np.nan, False
+        self._last, self._step = np.nan, np.nan
+        self._until, self.sd = -np.inf, 0.0
+        self._ten = 0
+        self.mean, self.weight = 0.0, 0.0
+        self._before, self._passed, self._largest = np.nan, np.nan, 0.0
+
+    def check(self, time: float, reading: float) -> float:
+        """The value in SI, NaN where it is not to be used.
+
+        Parameters
+        ----------
+        reading : float
+            In SI already; NaN where there is none.
+        """
+        if not np.isfinite(self.begun):
+            self.begun = time
+        if not np.isfinite(reading):
+            since = self.seen if np.isfinite(self.seen) else self.begun
+            if time - since >= self.channel.lost_after:
+                self._set("lost", f"no value of {self.channel.column} since {since:.6g} s")
+            return np.nan
+        passed, self.seen = time - self.seen, time
+        if passed > GAP * self._passed:
+            # What was before a gap tells nothing of a motion that stops.
+            self._last = self._step = np.nan
+        self._passed = passed
+        if self.fault == "lost":
+            self._set("", "")
+        low, high = self.channel.low, self.channel.high
+        width = EDGE * (high - low) if np.isfinite(high - low) else 0.0
+        if reading < low - width or reading > high + width:
+            self._set(
+                "out of range", f"{self.channel.column} shows {reading:.6g} {self.channel.unit}, outside its range"
+            )
+            return np.nan
+        return self._repeated(time, reading, low, high, width)
+
+    def _repeated(self, time: float, reading: float, low: float, high: float, width: float) -> float:
+        """Judge values that are exactly alike."""
+        same = reading == self._last
+        if same:
+            self._same += 1
+        else:
+            step = reading - self._last
+            if np.isfinite(step) and np.isfinite(self._step) and self._same == 1:
+                self._changes.append(abs(step - self._step))
+            self._same, self._same_from, self._step = 1, time, step
+            if self.fault in ("stuck", "out of range") or (self.fault == "clipped" and time >= self._until):
+                self._set("", "")
+        if same and self._same == 2:
+            largest = max(self._changes, default=np.inf) if len(self._changes) >= ENOUGH else np.inf
+            # A speed may be held from one sample to the next; a place may not.
+            held = self.channel.is_input and self.channel.unit.endswith("/s")
+            self._abrupt = bool(not held and np.isfinite(self._step) and abs(self._step) > ABRUPT * largest)
+        self._values.append(reading)
+        self._last, self._largest = reading, max(self._largest, abs(reading))
+        long = self._same >= SAME and time - self._same_from >= SHORTEST
+        # A slack rope, or a string that stands, shows zero for as long as it likes; a depth of the hole is no motion.
+        if not long or reading == 0.0 or not (self.channel.is_input or self.channel.is_output):
+            return reading if self.fault != "clipped" else np.nan
+        at_edge = np.isfinite(width) and width > 0.0 and (reading <= low + width or reading >= high - width)
+        # A ship never stands still to the last digit.
+        ship = self.channel.waves and time - self._same_from >= STILL and np.ptp(self._values) > 0.0
+        if not (at_edge or self._abrupt or ship or self._has_noise()):
+            return reading
+        extreme = reading >= max(self._values) or reading <= min(self._values)
+        kind = "clipped" if at_edge or (extreme and len(self._values) >= ENOUGH) else "stuck"
+        self._set(
+            kind, f"{self.channel.column} has shown {reading:.6g} {self.channel.unit} since {self._same_from:.6g} s"
+        )
+        return np.nan
+
+    def _has_noise(self) -> bool:
+        """Whether values used to change at random, before the last that are alike."""
+        before = np.array(self._values)[: -self._same]
+        if before.size < ENOUGH:
+            return False
+        noise = np.median(np.abs(np.diff(before, 5))) / FIFTH
+        return bool(noise > max(NOISY * np.median(np.abs(np.diff(before))), ROUNDING * self._largest))
+
+    def compare(self, time: float, measured: float, computed: float, sd: float, settled: bool) -> bool:
+        """Compare with what is computed; False where the measured value is in another unit."""
+        self.sd = sd
+        small = max(6.0 * sd, 1e-12)
+        if not np.isfinite(measured) or abs(computed) < small:
+            return self.fault != "unit"
+        ratio = measured / computed
+        slip = None
+        for times, (low, high) in ((10.0, TEN), (1000.0, THOUSAND)):
+            if low < ratio < high or low < 1.0 / ratio < high if ratio else False:
+                slip = times if ratio > 1.0 else 1.0 / times
+        if slip is not None:
+            self._ten += 1
+            if self._ten >= SAME:
+                self._set("unit", f"{self.channel.column} shows {slip:g} times what is computed: is its unit right?")
+        else:
+            self._ten = 0
+            if self.fault == "unit":
+                self._set("", "")
+        if settled and slip is None:
+            self._drift(time, float(np.clip((measured - computed) / sd, -FAR, FAR)))
+        return slip is None
+
+    def _drift(self, time: float, e: float) -> None:
+        """Follow the mean residual, and how alike neighbours are."""
+        passed = time - self._before if np.isfinite(self._before) else 0.0
+        self._before = time
+        keep = np.exp(-passed / DRIFT_TIME)
+        self.mean = keep * self.mean + (1.0 - keep) * e
+        self.weight = keep**2 * self.weight + (1.0 - keep) ** 2
+
+    def drifting(self, alike: float) -> bool:
+        """Whether the mean residual is beyond what noise makes, with so many samples counting as one."""
+        return self.weight > 0.0 and abs(self.mean) > DRIFTING * np.sqrt(self.weight * max(alike, 1.0))
+
+    def _set(self, fault: str, text: str) -> None:
+        self.fault, self.text = fault, text
+
+    def memory(self) -> dict[str, Any]:
+        """What a later process needs to go on."""
+        return {
+            "fault": self.fault, "text": self.text, "seen": self.seen, "values": list(self._values),
+            "changes": list(self._changes), "mean": self.mean, "weight": self.weight, "before": self._before,
+        }  # fmt: skip
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from what an earlier process kept."""
+        self.fault, self.text, self.seen = memory["fault"], memory["text"], float(memory["seen"])
+        self._values.extend(memory["values"])
+        self._changes.extend(memory["changes"])
+        self.mean, self.weight, self._before = memory["mean"], memory["weight"], memory["before"]

@@ -1,0 +1,151 @@
+"""The watch: which alarms of a plan hold at a row, and what is said of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tautline.scene.values.printed import quantity
+from tautline.twin.alarms import Alarms, beyond, bound_said
+from tautline.twin.forecast import Found, extreme
+from tautline.twin.map import Alarm, Plan
+from tautline.twin.operation import Operation
+from tautline.twin.signals.sensors import Health
+
+TOLD = {
+    "TWO_BLOCKED": "two-blocking ahead", "RUN_OUT": "drum empty ahead", "DRUM_FULL": "drum full ahead",
+    "OFF_WHEEL": "rope off its sheave ahead", "SLACK_ON_WHEEL": "slack rope on a sheave ahead",
+}  # fmt: skip
+"""Names of alarms where the simulation cannot go on."""
+STOPPED = "simulation stopped"
+"""Name of the alarm that the simulation was begun again."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A row, and what is known there.
+
+    Attributes
+    ----------
+    values : (c,)
+        Of all channels.
+    outputs : mapping
+        Name -> value at the estimate, and standard deviation.
+    residual, residual_sd, use : (m,)
+        Measured less expected, its standard deviation, and which of them count.
+    correlation : (m,)
+        How many rows of a sensor count as one.
+    converged : bool
+        Whether the estimate is known.
+    ahead : Found or None
+        What will come, if that was found lately.
+    """
+
+    time: float
+    values: np.ndarray
+    outputs: Mapping[str, Any]
+    residual: np.ndarray
+    residual_sd: np.ndarray
+    use: np.ndarray
+    correlation: np.ndarray
+    converged: bool
+    ahead: Found | None
+
+
+class Watch:
+    """Judges the alarms of a plan, of its sensors and of the application, row by row.
+
+    Parameters
+    ----------
+    plan : Plan
+    health : sequence of Health
+        Of all channels (c,).
+    operation : Operation or None
+    """
+
+    def __init__(self, plan: Plan, health: Sequence[Health], operation: Operation | None) -> None:
+        self.plan, self.health, self.operation = plan, health, operation
+        self.alarms = Alarms()
+
+    def judge(self, row: Compared) -> None:
+        """Judge all alarms."""
+        measured = {one.name: row.values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
+        order = [one.name for one in self.plan.measured]
+        for one in self.plan.alarms:
+            if one.is_residual:
+                self._judge_residual(one, row, order.index(one.target), measured[one.target])
+            else:
+                self._judge_output(one, row, measured.get(one.target, np.nan))
+        self.judge_sensors(row.time, row.correlation, row.converged)
+        self._judge_ahead(row)
+        self.judge_operation(row.time)
+        self.alarms.judge(STOPPED, False, row.time, "")
+
+    def stopped(self, time: float, text: str) -> None:
+        """Take notice that the simulation was begun again."""
+        self.alarms.judge(STOPPED, True, time, text)
+
+    def _judge_residual(self, one: Alarm, row: Compared, m: int, measured: float) -> None:
+        r, sd = row.residual[m], row.residual_sd[m]
+        size = abs(r) / sd if one.times_sd else r
+        known = np.isfinite(r) and bool(row.use[m]) and row.converged
+        holds = bool(known and (size > one.above or (not one.times_sd and beyond(r, one.above, one.below))))
+        text = (
+            f"{one.target} is measured {said(measured, one.unit)}, expected {said(measured - r, one.unit)}"
+            if known
+            else ""
+        )
+        text += f" (standard deviation {said(sd, one.unit)}): friction, contact or rope path are not as in the scene"
+        self.alarms.judge(one.name, holds, row.time, text, one.lasting)
+
+    def _judge_output(self, one: Alarm, row: Compared, measured: float) -> None:
+        # Before the estimate is known, what is computed is that of a guess.
+        computed, ahead = row.outputs.get(one.target), row.ahead
+        known = computed is not None and row.converged
+        values = [("computed", extreme(computed[0], one) if known else np.nan), ("measured", measured)]
+        now = [(word, v) for word, v in values if np.isfinite(v) and beyond(v, one.above, one.below)]
+        text, holds = "", bool(now)
+        if now:
+            text = f"{one.target} {now[0][0]}: {bound_said(now[0][1], one.above, one.below, one.unit)}"
+        elif known and ahead is not None and one.name in ahead.first:
+            after, value = ahead.first[one.name]
+            left = max(0.0, ahead.begun + after - row.time)
+            text = f"{one.target} in {left:.1f} s: {bound_said(value, one.above, one.below, one.unit)}"
+            holds = True
+        self.alarms.judge(one.name, holds, row.time, text, one.lasting)
+
+    def judge_sensors(self, time: float, correlation: np.ndarray, converged: bool) -> None:
+        """Judge what is wrong with sensors."""
+        numbers = [i for i, one in enumerate(self.plan.channels) if one.is_output]
+        for i, health in enumerate(self.health):
+            column = health.channel.column
+            for kind in ("lost", "stuck", "clipped", "out of range", "unit"):
+                self.alarms.judge(f"{column} {kind}", health.fault == kind, time, health.text)
+            if i in numbers:
+                alike = float(correlation[numbers.index(i)])
+                off = said(health.mean * health.sd, health.channel.unit)
+                text = f"{column} is off by {off} on average lately: the sensor, the weight or friction drifts"
+                self.alarms.judge(f"{column} drifting", health.drifting(alike) and converged, time, text)
+
+    def judge_operation(self, time: float) -> None:
+        """Judge what the application warns of."""
+        for name, holds, text, lasting in self.operation.alarms() if self.operation else ():
+            self.alarms.judge(name, holds, time, text, lasting)
+
+    def _judge_ahead(self, row: Compared) -> None:
+        """Where the simulation ahead cannot go on, such as with two blocks together."""
+        ahead = row.ahead if row.converged else None
+        stopped = ahead.stopped if ahead is not None else None
+        for status, name in TOLD.items():
+            holds = stopped is not None and stopped[1] == status
+            left = max(0.0, ahead.begun + stopped[0] - row.time) if holds and ahead and stopped else 0.0
+            text = f"{name.removesuffix(' ahead')} in {left:.1f} s if all goes on as now"
+            self.alarms.judge(name, holds, row.time, text)
+
+
+def said(value: float, unit: str) -> str:
+    """A quantity in words."""
+    return quantity(float(value), unit)
