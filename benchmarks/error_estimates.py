@@ -153,7 +153,7 @@ OVERALL = (
     "half", "of", "scenes", "stated is at least the error", "smallest stated over error", "median", "largest",
 )  # fmt: skip
 SHIPPED = (
-    "Every shipped scene as it stands. A dash stands where `simulate` states nothing unasked, for RK4 and where the "
+    "Every shipped scene as it stands. A dash stands where `simulate` states nothing unasked: where the "
     "error of each step is controlled, as it is for ropes that carry no compression. Scenes in which nothing moves are "
     "left out. "
     "An error in brackets is not proved: the two references differ by more than a quarter of it."

@@ -222,8 +222,13 @@ def _proof(scene: str, stored: dict[str, Any]) -> str:
             f"{2000.0 * REFINED_STEP:g} ms, both programs differ by {one['apart']:.1e} m."
         )
     if scene == "hose":
-        apart = [one["apart"] for key, one in stored.items() if key.startswith("hose")]
-        return f" {MODES[0]} and {MODES[1]} modes differ by up to {max(apart):.1e} m." if apart else ""
+        apart: dict[str, float] = {}
+        for key, one in stored.items():
+            if key.startswith("hose"):
+                flow = key.removeprefix("hose ").split(",")[0]
+                apart[flow] = max(apart.get(flow, 0.0), one["apart"])
+        each = ", ".join(f"{way:.1e} m at {flow}" for flow, way in apart.items())
+        return f" {MODES[0]} and {MODES[1]} modes differ by up to {each}." if apart else ""
     return ""
 
 
@@ -314,7 +319,7 @@ def from_json(text: str) -> tuple[list[Row], str]:
 
 SHORT = (
     "One line for each case, with the quicker of Exudyn's elements. "
-    "Tautline computes in space, that element in the plane."
+    "Tautline computes in space, Exudyn's quicker cable element in the plane."
 )
 
 
