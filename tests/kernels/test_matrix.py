@@ -8,12 +8,15 @@ from tautline.kernels.matrix import (
     add_at,
     dense,
     diagonal,
+    factorise_apart,
     factorise_matrix,
+    hold_row,
     new_factors,
     new_matrix,
     replace_by_identity,
     rows_of,
     size_of_row,
+    solve_apart,
     solve_matrix,
     sparse,
 )
@@ -26,6 +29,27 @@ def _fill(matrix, full, k):
         for j in range(size):
             if i >= n or j >= n or abs(i - j) <= k:
                 add_at(matrix, i, j, full[i, j])
+
+
+@entry
+def _sizes(matrix, x, found):
+    for row in range(found.size):
+        found[row] = size_of_row(matrix, row, x)
+
+
+@entry
+def _hold(matrix, row):
+    hold_row(matrix, row)
+
+
+@entry
+def _factorise_apart(factors):
+    return factorise_apart(factors)
+
+
+@entry
+def _solve_apart(factors, x):
+    solve_apart(factors, x)
 
 
 def random_matrix(size, k, border, seed=3):
@@ -57,9 +81,10 @@ def test_a_bordered_matrix_is_solved_as_the_dense_one_is(size, k, border):
 def test_the_size_of_a_row_is_that_of_the_dense_one(size, k, border):
     full, matrix = random_matrix(size, k, border), new_matrix(size, k, border)
     _fill(matrix, full, k)
-    sizes = np.random.default_rng(4).uniform(size=size)
-    found = [size_of_row(matrix, row, sizes) for row in range(size)]
-    assert np.allclose(found, np.abs(full) @ sizes, rtol=1e-13)
+    sizes = np.random.default_rng(4).standard_normal(size)
+    found = np.zeros(size)
+    _sizes(matrix, sizes, found)
+    assert np.allclose(found, np.abs(full) @ np.abs(sizes), rtol=1e-13)
 
 
 def test_a_border_that_depends_on_the_band_is_found_singular_and_named():
@@ -72,11 +97,27 @@ def test_a_border_that_depends_on_the_band_is_found_singular_and_named():
 
 @pytest.mark.parametrize("row", [0, 3, 6, 7])
 def test_a_row_can_be_made_that_of_the_unit_matrix(row):
-    full, matrix = random_matrix(8, 2, 2), new_matrix(8, 2, 2)
-    _fill(matrix, full, 2)
-    replace_by_identity(matrix, row)
-    full[row] = np.eye(8)[row]
-    assert np.array_equal(dense(matrix), full)
+    for make in (replace_by_identity, _hold):
+        full, matrix = random_matrix(8, 2, 2), new_matrix(8, 2, 2)
+        _fill(matrix, full, 2)
+        make(matrix, row)
+        full[row] = np.eye(8)[row]
+        assert np.array_equal(dense(matrix), full)
+
+
+@pytest.mark.parametrize(("size", "k", "border"), [(9, 2, 0), (30, 4, 3), (4, 0, 4)])
+def test_what_is_called_apart_is_the_same_to_the_bit_as_what_python_calls(size, k, border):
+    full, right = random_matrix(size, k, border), np.random.default_rng(4).standard_normal(size)
+    found = []
+    for factorise, solve in ((factorise_matrix, solve_matrix), (_factorise_apart, _solve_apart)):
+        factors, x = new_factors(size, k, border), right.copy()
+        _fill(factors.matrix, full, k)
+        assert factorise(factors) == 0
+        solve(factors, x)
+        found.append(x)
+    assert np.array_equal(*found)
+    singular = new_factors(size, k, border)
+    assert _factorise_apart(singular) == factorise_matrix(singular) != 0
 
 
 @pytest.mark.parametrize("part", range(4))

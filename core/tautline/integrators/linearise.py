@@ -1,14 +1,18 @@
-"""The scene evaluated at a state from Python: residual and tangent in one compiled function."""
+"""The scene evaluated at a state from Python: residual and tangent in one compiled function.
+
+The same function searches for rest. A scene takes seconds to compile, as much for a second function as for the first.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
+from tautline.integrators.search import LEFT, MORE, SHIFT, Search, iterate, no_search
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held, keep_flowing, prescribe, reduce
-from tautline.kernels.jit import entry
+from tautline.kernels.jit import entry, kernel
 from tautline.kernels.matrix import clear, dense, diagonal, factorise_matrix, new_factors, new_matrix, solve_matrix
 from tautline.system.system import System
 
@@ -23,20 +27,36 @@ def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual, sums=SU
     Every group begins an explicit step of ``h`` s, so that laws and arcs fit the state; with h = 0 a run under way is
     looked at and not touched. ``sums`` may leave some out.
     """
-    groups = system.link(sums)
-    evaluate_scene(groups, system.dofs, system.functions, state, t, h, at_rest, cm, cc, ck, matrix, residual)
+    evaluate_groups(system.link(sums), system, state, t, h, at_rest, cm, cc, ck, matrix, residual)
+
+
+def evaluate_groups(groups, system, state, t, h, at_rest, cm, cc, ck, matrix, residual):
+    """The same of groups that are linked already, which need not be all of the system's."""
+    scene = groups, system.dofs, system.functions, state
+    evaluate_scene(*scene, t, h, at_rest, cm, cc, ck, matrix, residual, NO_SEARCH)
 
 
 def evaluate_damping(system, state, t, matrix):
     """``matrix`` = C at the state of a run under way, which is not touched, without what friction adds to it."""
     groups = system.link_without_friction(SUMS)
     none = np.zeros(system.size)
-    evaluate_scene(groups, system.dofs, system.functions, state, t, 0.0, False, 0.0, 1.0, 0.0, matrix, none)
+    evaluate_groups(groups, system, state, t, 0.0, False, 0.0, 1.0, 0.0, matrix, none)
 
 
-@entry
-def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, matrix, residual):
-    """The compiled part of :func:`evaluate`."""
+def search_on(system: System, state: State, search: Search) -> int:
+    """Let a search for rest make the iterations that are left to it; returns how it stands then."""
+    scene = system.link(SUMS), system.dofs, system.functions, state
+    none = np.zeros(system.size)
+    return int(evaluate_scene(*scene, 0.0, 1.0, True, 0.0, 0.0, 1.0, search.factors.matrix, none, search))
+
+
+NO_SEARCH = no_search()
+"""With which a scene is evaluated only."""
+
+
+@kernel(forceinline=True)
+def _evaluate(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, matrix, residual):
+    """Residual and tangent of a scene."""
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
@@ -56,6 +76,21 @@ def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, ma
     expand(dofs, state.v, state.full_v)
     expand(dofs, state.a, state.full_a)
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
+
+
+@entry
+def evaluate_scene(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, matrix, residual, search):
+    """The compiled part of :func:`evaluate`, and of :func:`search_on`: an evaluation is a search of no iterations."""
+    for _ in range(max(1, search.counts[LEFT])):
+        if search.counts[LEFT] > 0:
+            cm = search.numbers[SHIFT]
+        _evaluate(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, matrix, residual)
+        if search.counts[LEFT] == 0:
+            break
+        stands = iterate(search, state.q, residual)
+        if stands != MORE:
+            return stands
+    return MORE
 
 
 def start_moving(system: System, state: State, step: float) -> None:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tautline.integrators.explicit import accelerate, account
-from tautline.integrators.linearise import SUMS, evaluate_scene
+from tautline.integrators.linearise import NO_SEARCH, SUMS, evaluate_scene
 from tautline.integrators.newton import DONE
 from tautline.integrators.state import (
     DISSIPATED,
@@ -234,7 +234,7 @@ def compile_for(method, system, state, announce=None):
     factors = new_factors(0, 0)
     calls = [
         (loop, (method, groups, *scene, none, groups, 0.0, rows, groups)),
-        (evaluate_scene, (groups, *scene, 0.0, 0.0, False, 0.0, 0.0, 0.0, new_matrix(0, 0), none)),
+        (evaluate_scene, (groups, *scene, 0.0, 0.0, False, 0.0, 0.0, 0.0, new_matrix(0, 0), none, NO_SEARCH)),
         (solve_matrix, (factors, none)),
         (factorise_matrix, (factors,)),
     ]

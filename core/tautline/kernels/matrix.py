@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import typeof
+from numba import typeof, types
 
 from tautline.kernels.factors.band import (
     CAREFUL,
@@ -25,6 +25,7 @@ from tautline.kernels.factors.band_blocks import pack, room_for_blocks, solve_by
 from tautline.kernels.factors.lapack import factorise_dense, solve_dense
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lanes import LANES
+from tautline.kernels.separate import apart
 
 EXCHANGED, PACKED, REACH = 7, 8, 9
 """Places among the ``integers`` of factors: how many rows of the band were exchanged; what is known of the blocks
@@ -49,6 +50,8 @@ class Matrix(NamedTuple):
 
 MATRIX = typeof(Matrix(*(np.zeros((0, 0)) for _ in range(4))))
 """The type of :class:`Matrix` in compiled code."""
+VECTOR = typeof(np.zeros(0))
+"""That of a vector."""
 
 
 class Factors(NamedTuple):
@@ -268,6 +271,13 @@ def solve_matrix(factors, x):
     solve_inside(factors, x)
 
 
+FACTORS = typeof(new_factors(0, 0))
+"""The type of :class:`Factors` in compiled code."""
+factorise_apart = apart(factorise_matrix, types.intp, FACTORS)
+solve_apart = apart(solve_matrix, types.none, FACTORS, VECTOR)
+"""The same for what is long and calls them seldom: it does not take them in, which would compile them once more."""
+
+
 @kernel(forceinline=True)
 def solve_inside(factors, x):
     """The same, written out where it is called: for a few unknowns the call is most of the work."""
@@ -371,16 +381,40 @@ def sparse(matrix: Matrix):
     )
 
 
-def size_of_row(matrix: Matrix, row: int, sizes: np.ndarray) -> float:
-    """Sum over a row of its entries' sizes times sizes (n + m,): what its product can be at most."""
-    n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
+@kernel
+def size_of_row(matrix, row, x):
+    """Sum over a row of its entries' sizes times those of x (n + m,): what its product can be at most."""
+    n, k, m = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3, matrix.corner.shape[0]
+    found = 0.0
     if row >= n:
-        inner, border = matrix.lower[row - n] * sizes[:n], matrix.corner[:, row - n]
-    else:
-        first, last = max(0, row - k), min(n, row + k + 1)
-        inner, border = _along(matrix, row, first, last) * sizes[first:last], matrix.right[:, row]
-    found = float(np.abs(inner).sum())
-    return found + float(np.abs(border) @ sizes[n:]) if border.size else found
+        for i in range(n):
+            found += abs(matrix.lower[row - n, i] * x[i])
+        for j in range(m):
+            found += abs(matrix.corner[j, row - n] * x[n + j])
+        return found
+    for i in range(max(0, row - k), min(n, row + k + 1)):
+        found += abs(matrix.band[i, 2 * k + row - i] * x[i])
+    for j in range(m):
+        found += abs(matrix.right[j, row] * x[n + j])
+    return found
+
+
+@kernel
+def hold_row(matrix, row):
+    """Make a row that of the unit matrix: its unknown stays where it is."""
+    n, k, m = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3, matrix.corner.shape[0]
+    if row >= n:
+        for i in range(n):
+            matrix.lower[row - n, i] = 0.0
+        for j in range(m):
+            matrix.corner[j, row - n] = 0.0
+        matrix.corner[row - n, row - n] = 1.0
+        return
+    for i in range(max(0, row - k), min(n, row + k + 1)):
+        matrix.band[i, 2 * k + row - i] = 0.0
+    for j in range(m):
+        matrix.right[j, row] = 0.0
+    matrix.band[row, 2 * k] = 1.0
 
 
 def _along(matrix: Matrix, row: int, first: int, last: int) -> np.ndarray:

@@ -70,35 +70,56 @@ def separate(returned: types.Type, *arguments: types.Type) -> Callable[[Any], An
     """
 
     def made(function: Any) -> Any:
-        if config.DISABLE_JIT:
-            return function
-        if not is_ours(function):
-            raise TypeError(f"{function.__qualname__} is of no installed application: @kernel compiles it as well")
-        needed = Needed(f"tautline:{function.__module__}:{function.__qualname__}")
-        _known[needed.name] = addressed(function), arguments
-
-        def call(typing, *given):
-            def code(context, builder, _, values):
-                needed()
-                context.active_code_library._reload_init.add(needed)
-                kind = context.call_conv.get_function_type(returned, arguments)
-                callee = cgutils.get_or_insert_function(builder.module, kind, needed.name)
-                status, found = context.call_conv.call_function(builder, callee, returned, arguments, values)
-                with cgutils.if_unlikely(builder, status.is_error):
-                    context.call_conv.return_status_propagate(builder, status)
-                return found
-
-            return signature(returned, *arguments), code
-
-        # Numba asks for names of arguments, one by one.
-        names = ", ".join(function.__code__.co_varnames[: function.__code__.co_argcount])
-        space = {"call": call, "__name__": function.__module__}
-        exec(f"def {function.__name__}(typing, {names}):\n    return call(typing, {names})", space)
-        chosen = intrinsic(space[function.__name__])
-        chosen.py_func = function
-        return chosen
+        return function if config.DISABLE_JIT else _stand_in(function, addressed(function), returned, arguments)
 
     return made
+
+
+def apart(compiled: Any, returned: types.Type, *arguments: types.Type) -> Any:
+    """An entry for compiled code that calls its one copy, and does not take it in.
+
+    Parameters
+    ----------
+    compiled : kernel
+        Made by :func:`tautline.kernels.jit.entry`, in the module that asks for this.
+    returned, *arguments : numba types
+        As of :func:`separate`.
+
+    Raises
+    ------
+    TypeError
+        As :func:`separate`.
+    """
+    return compiled if config.DISABLE_JIT else _stand_in(compiled.py_func, compiled, returned, arguments)
+
+
+def _stand_in(function: Any, compiled: Any, returned: types.Type, arguments: tuple[types.Type, ...]) -> Any:
+    """What compiled code calls in place of a function that stands apart."""
+    if not is_ours(function):
+        raise TypeError(f"{function.__qualname__} is of no installed application: @kernel compiles it as well")
+    needed = Needed(f"tautline:{function.__module__}:{function.__qualname__}")
+    _known[needed.name] = compiled, arguments
+
+    def call(typing, *given):
+        def code(context, builder, _, values):
+            needed()
+            context.active_code_library._reload_init.add(needed)
+            kind = context.call_conv.get_function_type(returned, arguments)
+            callee = cgutils.get_or_insert_function(builder.module, kind, needed.name)
+            status, found = context.call_conv.call_function(builder, callee, returned, arguments, values)
+            with cgutils.if_unlikely(builder, status.is_error):
+                context.call_conv.return_status_propagate(builder, status)
+            return found
+
+        return signature(returned, *arguments), code
+
+    # Numba asks for names of arguments, one by one.
+    names = ", ".join(function.__code__.co_varnames[: function.__code__.co_argcount])
+    space = {"call": call, "__name__": function.__module__}
+    exec(f"def {function.__name__}(typing, {names}):\n    return call(typing, {names})", space)
+    chosen = intrinsic(space[function.__name__])
+    chosen.py_func = function
+    return chosen
 
 
 def code_of(function: Any) -> Code:

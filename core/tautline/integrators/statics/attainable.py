@@ -8,8 +8,8 @@ import numpy as np
 
 from tautline.integrators.generalized_alpha import coefficients
 from tautline.integrators.linearise import evaluate
+from tautline.integrators.search import ROUNDING
 from tautline.integrators.state import State, new_state
-from tautline.integrators.statics.equilibrium import ROUNDING
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, rows_of, solve_matrix
 from tautline.scene.methods import method_of
 from tautline.system.model import Model, SolverSettings

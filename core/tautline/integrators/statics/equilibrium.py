@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.linearise import evaluate
+from tautline.integrators.linearise import evaluate, search_on
+from tautline.integrators.search import (
+    AWAY,
+    FOUND,
+    ITERATION,
+    LEFT,
+    LOOSE,
+    MORE,
+    NEAREST,
+    PREVIOUS,
+    SHIFT,
+    WORST,
+    WORST_THERE,
+    Search,
+)
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.kernels.matrix import (
-    Factors,
-    Matrix,
-    cut,
-    factorise_matrix,
-    new_factors,
-    replace_by_identity,
-    rows_of,
-    size_of_row,
-    solve_matrix,
-)
+from tautline.kernels.matrix import Factors, cut, factorise_matrix, new_factors, replace_by_identity, solve_matrix
 from tautline.system.system import System
 
 SHIFTS = (0.0, 1e-4, 1e-2, 1.0, 100.0)
@@ -31,7 +34,7 @@ AHEAD = 160
 PART_ITERATIONS = 100
 """Iterations over a part of the rows between two over all of them: a front passes a lump in each."""
 
-AWAY = 20.0
+FAR = 20.0
 """Extents of a scene by which no part of it moves into balance."""
 
 
@@ -118,58 +121,30 @@ def search_from(system: System, state: State, step_limit: float, shift: float, t
     return _search(system, state, step_limit, tolerance, shift).found
 
 
-ROUNDING = 4.0 * np.finfo(float).eps
-"""Residual that rounding leaves in a row, over the sum of its stiffnesses times positions."""
-
-
-def _balances(system: System, matrix: Matrix, q: np.ndarray, x: np.ndarray, tolerance: float, worst: int) -> bool:
-    """Whether no row's residual is more than the tolerance and rounding; the worst is asked first, for most are not."""
-    limit = tolerance * system.scale
-    if x.size == 0 or (abs(x[worst]) <= limit[worst] and bool((np.abs(x) <= limit).all())):
-        return True  # whatever rounding leaves
-    size = np.abs(q)
-    if abs(x[worst]) > limit[worst] + ROUNDING * size_of_row(matrix, worst, size):
-        return False
-    return bool(np.all(np.abs(x) <= limit + ROUNDING * (abs(rows_of(matrix)) @ size)))
-
-
 def _search(system: System, state: State, step_limit: float, tolerance: float, first_shift: float) -> _Ended:
     """One search."""
-    n = system.size
-    factors = new_factors(n, system.bandwidth, system.border)
-    x, shift, previous = np.zeros(n), first_shift, np.inf
-    q, origin, extent = state.q, state.q.copy(), max(float(np.ptp(state.q)) if n else 0.0, step_limit)
-    nearest, lever, scale = _Ended(0, np.inf, 0), levers(system), system.scale
+    n, in_parts = system.size, system.window.size > 0 and system.size > 4 * AHEAD
+    lever, origin = levers(system), state.q.copy()
     lever[system.algebraic] = 0.0  # a multiplier is no way gone: it may change as it must
-    at_rest, in_parts = system.at_rest.tolist(), system.window.size > 0 and n > 4 * AHEAD
-    for iteration in range(ITERATIONS):
-        evaluate(system, state, 0.0, 1.0, True, shift, 0.0, 1.0, factors.matrix, x)
-        for row in at_rest:
-            replace_by_identity(factors.matrix, row)
-            x[row] = 0.0
-        sizes = np.abs(x) / scale
-        worst = int(sizes.argmax()) if n else 0
-        size = float(sizes[worst]) if n else 0.0
-        if not math.isfinite(size):
-            return nearest._replace(iterations=iteration, away=True)
-        if _balances(system, factors.matrix, q, x, tolerance, worst):
-            return _Ended(iteration, min(size, tolerance), worst, found=True)
-        if size < nearest.residual:
-            nearest = _Ended(iteration, size, worst)
-        if shift > 0.0 and math.isfinite(previous):
-            shift *= min(4.0, max(0.1, size / previous))
-        previous = size
-        if factorise_matrix(factors):
-            return nearest._replace(iterations=iteration, loose=True)
-        solve_matrix(factors, x)
-        largest = float(np.abs(x * lever).max()) if n else 0.0
-        if largest > 0.0:
-            q -= x * min(1.0, step_limit / largest)
-        if in_parts and shift == 0.0:
-            _balance_part(system, state, step_limit, tolerance, factors, x)
-    moved = np.delete(np.abs(q - origin), system.algebraic)
-    away = bool(moved.max(initial=0.0) > AWAY * extent)
-    return nearest._replace(iterations=ITERATIONS, away=away)
+    extent = max(float(np.ptp(origin)) if n else 0.0, step_limit)
+    numbers, counts = np.array([step_limit, tolerance, first_shift, np.inf, np.inf]), np.zeros(4, np.int64)
+    factors = new_factors(n, system.bandwidth, system.border)
+    search = Search(factors, system.at_rest, system.scale, lever, numbers, counts)
+    stands = MORE
+    while stands == MORE and counts[ITERATION] < ITERATIONS:
+        # Between two iterations over all rows a part may be brought into balance.
+        counts[LEFT] = 1 if in_parts and numbers[SHIFT] == 0.0 else ITERATIONS - counts[ITERATION]
+        stands = search_on(system, state, search)
+        if stands == MORE and in_parts and numbers[SHIFT] == 0.0:
+            _balance_part(system, state, step_limit, tolerance, factors, np.zeros(n))
+    iterations = int(counts[ITERATION])
+    if stands == FOUND:
+        return _Ended(iterations, min(float(numbers[PREVIOUS]), tolerance), int(counts[WORST]), found=True)
+    nearest = _Ended(iterations, float(numbers[NEAREST]), int(counts[WORST_THERE]))
+    if stands != MORE:
+        return nearest._replace(away=stands == AWAY, loose=stands == LOOSE)
+    moved = np.delete(np.abs(state.q - origin), system.algebraic)
+    return nearest._replace(away=bool(moved.max(initial=0.0) > FAR * extent))
 
 
 def levers(system: System) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import eigvals
 
-from tautline.integrators.linearise import SUMS, evaluate, evaluate_damping, evaluate_scene
+from tautline.integrators.linearise import SUMS, evaluate, evaluate_damping, evaluate_groups
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.vibration.critical_step import CriticalStep, Mode, critical_step
@@ -168,10 +168,8 @@ def _set_by(system: System, state: State, t: float, mode: Mode, row: int) -> str
     kept = state.residual.copy()
     for group in without_friction(system.groups) if by_damping else system.groups:
         matrix = new_matrix(system.size, system.bandwidth, system.border)
-        evaluate_scene(
-            link((group,), *SUMS), system.dofs, system.functions, state, t, 0.0, False, *part, matrix,
-            np.zeros(system.size),
-        )  # fmt: skip
+        groups, none = link((group,), *SUMS), np.zeros(system.size)
+        evaluate_groups(groups, system, state, t, 0.0, False, *part, matrix, none)
         shares.append((float(mode.shape @ (sparse(matrix) @ mode.shape)), type(group).__name__))
     state.residual[:] = kept
     whole = sum(abs(share) for share, _ in shares) or 1.0

@@ -1,0 +1,92 @@
+"""The search for rest: iterations made one by one, and what an evaluation leaves of it."""
+
+import numpy as np
+import pytest
+
+import tautline
+from tautline.application.installed import Installed
+from tautline.integrators.linearise import NO_SEARCH, evaluate, search_on
+from tautline.integrators.search import AWAY, FOUND, ITERATION, LEFT, LOOSE, MORE, NEAREST, SHIFT, Search
+from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.kernels.matrix import new_factors, new_matrix
+
+LIMIT, TOLERANCE, MANY = 0.1, 1e-10, 200
+
+
+def built(name):
+    """A system of its own: groups remember where they last found the rope."""
+    scene = tautline.read(f"data/{name}.yaml")
+    return Installed().of(scene).build(scene).system
+
+
+@pytest.fixture
+def system():
+    return built("hoist")
+
+
+def search_of(system, shift=0.0):
+    factors = new_factors(system.size, system.bandwidth, system.border)
+    numbers = np.array([LIMIT, TOLERANCE, shift, np.inf, np.inf])
+    return Search(factors, system.at_rest, system.scale, np.ones(system.size), numbers, np.zeros(4, np.int64))
+
+
+@pytest.mark.parametrize("name", ["hoist", "sixteen_falls"])
+@pytest.mark.parametrize("shift", [0.0, 1.0])
+def test_iterations_one_by_one_and_all_at_once_end_at_the_same_place_to_the_bit(name, shift):
+    found = []
+    for left in (1, MANY):
+        system = built(name)
+        search, state = search_of(system, shift), new_state(system)
+        search.counts[LEFT] = left
+        stands = MORE
+        while stands == MORE and search.counts[ITERATION] < MANY:
+            stands = search_on(system, state, search)
+        found.append((stands, search.counts[ITERATION], search.numbers[SHIFT], state.q.tobytes()))
+    assert found[0] == found[1]
+    assert found[0][0] == FOUND and found[0][1] > 2
+    assert found[0][2] <= shift
+
+
+def test_what_is_found_is_in_balance(system):
+    """The residual of an evaluation, which knows nothing of a search, is the tolerance's share of the scale at most."""
+    state = new_state(system)
+    found = find_equilibrium(system, state, LIMIT, TOLERANCE)
+    residual = np.zeros(system.size)
+    evaluate(
+        system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0,
+        new_matrix(system.size, system.bandwidth, system.border), residual,
+    )  # fmt: skip
+    moves = np.setdiff1d(np.arange(system.size), system.at_rest)
+    assert found.iterations > 2
+    assert (np.abs(residual[moves]) <= 10.0 * TOLERANCE * system.scale[moves]).all()
+
+
+def test_an_evaluation_moves_nothing_and_leaves_no_search_behind(system):
+    state = new_state(system)
+    before = state.q.copy()
+    residual = np.zeros(system.size)
+    evaluate(
+        system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0,
+        new_matrix(system.size, system.bandwidth, system.border), residual,
+    )  # fmt: skip
+    assert residual.any() and np.array_equal(state.q, before)
+    assert not NO_SEARCH.counts.any() and not NO_SEARCH.numbers.any()
+
+
+def test_a_search_says_that_it_has_left_what_numbers_can_hold(system):
+    search, state = search_of(system), new_state(system)
+    search.counts[LEFT] = MANY
+    state.q[0] = np.nan
+    assert search_on(system, state, search) == AWAY
+
+
+def test_a_search_says_that_nothing_resists(system):
+    """A rope without stiffness is pulled down by its weight, and no force grows with that."""
+    (spans,) = (group for group in system.groups if type(group).__name__ == "Spans")
+    spans.rows["stiffness"] = 0.0
+    spans.rows["damping"] = 0.0
+    search, state = search_of(system), new_state(system)
+    search.counts[LEFT] = MANY
+    assert search_on(system, state, search) == LOOSE
+    assert np.isfinite(search.numbers[NEAREST]) and search.numbers[NEAREST] > 0.0
