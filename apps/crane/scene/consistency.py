@@ -244,18 +244,27 @@ def _computable(scene: Scene) -> Iterator[Fault]:
 
 def _any_odd(value: Any) -> bool:
     """Whether any number is so large or so small that its key matters."""
-    if isinstance(value, float):
+    kind = type(value)
+    if kind is float:
         return value != 0.0 and not SMALLEST <= abs(value) <= FAR_AWAY
-    if isinstance(value, (tuple, list)):
-        return any(_any_odd(entry) for entry in value)
+    if kind in WITHOUT_NUMBERS:
+        return False
+    if kind is tuple or kind is list:
+        for entry in value:
+            if _any_odd(entry):
+                return True
+        return False
     if not isinstance(value, Model) or _not_odd.get(id(value)) is value:
         return False
-    odd = any(_any_odd(entry) for entry in value.__dict__.values())
-    if not odd:
-        _not_odd[id(value)] = value
-    return odd
+    for entry in value.__dict__.values():
+        if _any_odd(entry):
+            return True
+    _not_odd[id(value)] = value
+    return False
 
 
+WITHOUT_NUMBERS = frozenset({str, int, bool, type(None)})
+"""Classes of values that no key cares how large they are."""
 _not_odd: WeakValueDictionary[int, Model] = WeakValueDictionary()
 """Parts of scenes without such a number: variants of a scene share most of them."""
 

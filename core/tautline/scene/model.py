@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import difflib
+import functools
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 import pydantic
 from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
@@ -13,6 +15,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from tautline.scene.errors import LONGEST, Problem, SceneError
 from tautline.scene.reading.document import Document, Path_
+from tautline.scene.reading.files import files_of
 from tautline.scene.refusal import KIND, nearest, refusal
 from tautline.scene.values.printed import in_words
 from tautline.scene.values.quantity import Quantity, suited
@@ -38,7 +41,30 @@ Switch = Annotated[bool, Strict()]
 """True or false; 0 and 'no' are neither."""
 
 
+PARTS = "parts of the last variant"
+"""Where it keeps them."""
+
 T = TypeVar("T")
+
+
+class _Part(NamedTuple):
+    """A part of a scene's file that a variant has changed: what it was, the changes, what it became, and its model."""
+
+    base: Any
+    changes: tuple[Any, ...]
+    value: Any
+    model: Any
+
+
+def _by_part(changes: Mapping[str, Any]) -> dict[str, tuple[Any, ...] | None]:
+    """Changes by the part of the file that they are in, to be compared; None where a value is no single one."""
+    found: dict[str, Any] = {}
+    for key, value in changes.items():
+        part = re.split(r"[.\[]", key, maxsplit=1)[0] if isinstance(key, str) else ""
+        single = type(value) in (str, int, float, bool)
+        before = found.get(part, ())
+        found[part] = (*before, (key, type(value), value)) if single and before is not None else None
+    return found
 
 
 class Model(pydantic.BaseModel):
@@ -177,28 +203,70 @@ class Scene(Model):
         SceneError
             For an unknown key, with the nearest, and for a scene that is not sound with the new values.
         """
-        return self._remade(lambda document: document.changed(changes, origin))
+        known = self._known_parts(changes)
+        return self._remade(lambda document: document.changed(changes, origin).with_parts(known), changes)
 
     def with_values(self, values: Mapping[Path_, tuple[Any, str]]) -> Self:
         """The same by key paths: key path -> (value, the option it came from, named in messages)."""
         return self._remade(lambda document: document.replaced(values))
 
-    def _remade(self, change: Callable[[Document], Document]) -> Self:
+    def _remade(self, change: Callable[[Document], Document], changes: Mapping[str, Any] | None = None) -> Self:
         if self._document is None:
             raise SceneError([self.problem("", *WITHOUT_TEXT)])
         changed = self._with_document(change(self._document))
         changed.share(self)
         changed._driven = self._driven
+        if changes:
+            changed._keep_parts(self, changes)
         return changed
 
-    def _with_document(self, document: Document) -> Self:
-        """The scene of a document; of what is the same object there as in our own, the models are taken over."""
-        assert self._document is not None
-        before, names = self._document.root, {f.alias or name: name for name, f in type(self).model_fields.items()}
-        root = {
-            key: getattr(self, names[key]) if key in names and value is before.get(key) else value
-            for key, value in document.root.items()
+    def _known_parts(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Parts of the file that the last variant had changed to the same: key -> what stood there.
+
+        Variants that differ in a weight alone have one vessel: it is read once, and what was prepared of it stays.
+        """
+        if self._document is None or not (kept := self.__dict__.get(MADE, {}).get(PARTS)):
+            return {}
+        asked = _by_part(changes)
+        return {
+            key: part.value
+            for key, part in kept.items()
+            if part.base is self._document.root.get(key) and part.changes == asked.get(key)
         }
+
+    def _keep_parts(self, base: Scene, changes: Mapping[str, Any]) -> None:
+        """Keep the parts that were changed for the next variant: those of the last one only.
+
+        One that names a file is not kept: the file may be written anew.
+        """
+        assert self._document is not None and base._document is not None
+        names, kept = self._names(), self.__dict__[MADE].setdefault(PARTS, {})
+        for key, asked in _by_part(changes).items():
+            if key not in names or asked is None:
+                continue
+            value, model = self._document.root.get(key), getattr(self, names[key])
+            if next(files_of(model), None) is None:
+                kept[key] = _Part(base._document.root.get(key), asked, value, model)
+
+    @classmethod
+    @functools.cache
+    def _names(cls) -> dict[str, str]:
+        """Fields by the keys of the file."""
+        return {field.alias or name: name for name, field in cls.model_fields.items()}
+
+    def _with_document(self, document: Document) -> Self:
+        """The scene of a document; of what is the same object there as in our own, or in the last variant, the models
+        are taken over."""
+        assert self._document is not None
+        before, names, kept = self._document.root, self._names(), self.__dict__.get(MADE, {}).get(PARTS, {})
+        root = {}
+        for key, value in document.root.items():
+            if key in names and value is before.get(key):
+                root[key] = getattr(self, names[key])
+            elif key in kept and value is kept[key].value:
+                root[key] = kept[key].model
+            else:
+                root[key] = value
         try:
             scene = type(self).model_validate(root, context={"folder": document.folder})
         except ValidationError:

@@ -201,6 +201,10 @@ class Document:
         """
         return self.replaced({key_named(key, origin): (value, origin) for key, value in values.items()})
 
+    def with_parts(self, known: Mapping[str, Any]) -> Document:
+        """The same with objects, equal to its own, in the place of its parts: key -> object."""
+        return replace(self, root={**self.root, **known}) if known else self
+
     def problem(self, key: str | Path_, cause: str, cure: str = "", value: str | None = None) -> Problem:
         """Build a problem at a key path; the value is shown as written."""
         path = split_key(key)
