@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 import time
@@ -42,7 +43,6 @@ from tautline.integrators.time_loop import (
     WORK_LIMIT,
     Frames,
     compile_for,
-    frames_of,
     loop_of,
     new_frames,
     new_pause,
@@ -263,9 +263,10 @@ class Run:
         self.remembered = 0.0
         self.began: dict[str, Any] = {}
         self._starts_far = False
-        self.frames = self._room(1)
+        self.ahead = 0
+        """Frames in the room before those of the batch: that of the start of a brief run, stored with the first."""
+        self.frames = self._room(1 if brief is None else 1 + min(self.batch, self.ends.size))
         self._critical: CriticalStep | None = None
-        self.first: np.ndarray | None = None
         self.unchecked = FRAMES_UNCHECKED
 
     @property
@@ -362,7 +363,7 @@ class Run:
                 f"its head; give positions closer to those at rest, or take {self._other_start()}"
             )
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, names[worst], detail)
-        places = [i for i, name in enumerate(names) if PLACE.search(name)]
+        places = _in_space(tuple(names))
         way = np.abs(self.state.q - drawn)[places]
         far = int(way.argmax()) if places else 0
         self.began = {
@@ -399,7 +400,7 @@ class Run:
         if not np.isfinite(self.frames.rows[0]).all():
             raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
         if self.brief is not None:
-            self.first = self.frames.rows[:1].copy()
+            self.ahead = 1
             return
         self._store(store, self.frames, 1)
 
@@ -407,8 +408,9 @@ class Run:
         """Run one batch of frames, or a part of a frame that takes long; the next is as long as fits into ``BATCH``."""
         under_way, first = self._under_way(), self.done + self.waiting
         rows = 1 if under_way else min(self.batch, self.ends.size - first)
-        if self.frames.time.size < rows:
-            self.frames = self._room(rows)
+        if self.frames.time.size < self.ahead + rows:
+            held, self.frames = self.frames, self._room(self.ahead + rows)
+            self.frames.rows[: self.ahead] = held.rows[: self.ahead]
         system, some = self.model.system, slice(first, first + rows)
         before, used = time.perf_counter(), time.thread_time()
         if not under_way:
@@ -420,7 +422,7 @@ class Run:
         with self._turn_of_others():
             status, filled, reached = run_steps(
                 self.method, system, self.state,
-                self.ends[some], self.steps[some], self.time, self._from(self.waiting), self.pause,
+                self.ends[some], self.steps[some], self.time, self._from(self.ahead + self.waiting), self.pause,
             )  # fmt: skip
         spent = time.perf_counter() - before
         self.wall += spent
@@ -435,7 +437,8 @@ class Run:
         if self.waiting and (stopped or not self._under_way()):
             stored, self.waiting = self.waiting, 0
             self.done += stored
-            self._store(store, self.frames, stored, stopped)
+            self._store(store, self.frames, self.ahead + stored, stopped)
+            self.ahead = 0
             self._size_batch(stored, checked)
         if stopped:
             worst = int(self.state.counters[WORST])
@@ -509,14 +512,17 @@ class Run:
     def _store(self, store: Store, frames: Frames, filled: int, stopped: bool = False) -> None:
         """Store frames, and remember the state unless the run has stopped: then it is no longer that of a frame."""
         part = Frames(*(array[:filled] for array in frames))
-        if self.first is not None:
-            part = frames_of(np.concatenate((self.first, part.rows)), self.model.system.q.size)
-            self.first = None
         stored: Mapping[str, np.ndarray]
         if isinstance(store, BriefStore) and self.model.on_demand is not None:
-            part = part if part.rows.base is not frames.rows else frames_of(part.rows.copy(), self.model.system.q.size)
+            # The store keeps the frames: the next batch gets a room of its own.
+            self.frames = self._room(0)
             made = self.model.on_demand(part)
-            stored = OnDemand({"time": lambda: part.time, **{name: partial(made.__getitem__, name) for name in made}})
+            made = (
+                made
+                if isinstance(made, OnDemand)
+                else OnDemand({name: partial(made.__getitem__, name) for name in made})
+            )
+            stored = made.also(time=lambda: part.time)
         else:
             stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
@@ -635,6 +641,12 @@ class Run:
                 f"{step * math.sqrt(LATE / lag):.2g} s where phase matters"
             )
         return found
+
+
+@functools.lru_cache(maxsize=2)
+def _in_space(names: tuple[str, ...]) -> list[int]:
+    """Unknowns that are places in space."""
+    return [i for i, name in enumerate(names) if PLACE.search(name)]
 
 
 def _pivots(count: int) -> str:

@@ -170,3 +170,16 @@ def test_the_types_that_are_found_once_are_those_that_numba_finds(name):
     still.flags.writeable = False
     for thing in [*things, still, 2**63, (1, 2.0), (), np.zeros(3)]:
         assert memory.kind_of(thing) == typeof(thing) == memory.kind_of(thing)
+
+
+def test_groups_are_laid_out_with_the_words_and_the_form_that_each_has_alone_and_where_numpy_says_they_are():
+    scene = tautline.read(DATA / "hoist.yaml")
+    system = Installed().of(scene).build(scene).system
+    still = np.arange(3.0)
+    still.flags.writeable = False
+    things = [*system.groups, (still, np.zeros((0, 4)), np.zeros(2, np.int32), 3, 1.5, np.float64(2.5), np.int64(4))]
+    known = {}
+    for thing in things:
+        assert memory.laid(thing, known) == (memory.words_of(thing), memory.form_of(thing))
+    for array in (still, np.zeros((2, 3)), np.zeros(0), system.groups[0].rows):
+        assert memory.words_of(array)[4] == array.ctypes.data

@@ -100,3 +100,13 @@ def test_no_shipped_scene_is_called_wrong_at_a_tenth_or_four_times_its_step(name
     assert tautline.read(here).solver.step == pytest.approx(step)
     result = tautline.simulate(here)
     assert result.attributes["status"] == "done" and result.attributes["energy_error"] < 0.05
+
+
+def test_what_was_gained_is_found_anew_when_frames_or_what_went_through_are_others():
+    balance = Balance(1.0, 0.0)
+    balance.add(np.array([[0.0, 0.0, 10.0, 0.0, 0.0], [11.0, 0.0, 0.0, 0.0, 0.0]]))
+    first = balance.gained(20.0)
+    assert balance.gained(20.0) == first > 0.0
+    assert balance.gained(40.0) < first and balance.gained(20.0, 0.5) < first
+    balance.add(np.array([[14.0, 0.0, 0.0, 0.0, 0.0]]))
+    assert balance.gained(20.0) > first

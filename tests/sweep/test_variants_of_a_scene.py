@@ -7,9 +7,11 @@ import pytest
 from sweep.short_hoist import HOIST, MASS, PERIOD, hoist
 
 import tautline
+from crane.assembly.layout import lay_out
 from tautline.integrators.time_loop import new_frames
 from tautline.kernels.time_function import TimeFunctions
 from tautline.results.on_demand import BriefStore, OnDemand, together
+from tautline.scene.errors import SceneError
 from tautline.sweeps.cases import Runner, job_of
 from tautline.sweeps.file import Collected
 from tautline.sweeps.sweep import KEPT
@@ -72,6 +74,66 @@ def test_models_of_one_scene_share_no_memory_that_a_run_writes():
     assert isinstance(one.system.functions, TimeFunctions)
     pairs = zip(arrays(one.system.functions), arrays(other.system.functions), strict=True)
     assert not any(np.shares_memory(a, b) for a, b in pairs)
+
+
+def test_scenes_of_one_geometry_are_laid_out_once_and_what_a_run_writes_is_not_shared():
+    scene = hoist(0.2)
+    layouts = [lay_out(variant) for variant in (scene, scene.replace({MASS: 4000.0}), scene.replace({PERIOD: 6.0}))]
+    one, other, third = layouts
+    assert one.path is other.path and one.known is other.known
+    assert other.scene.bodies[0].mass == 4000.0
+    assert third.known is not one.known  # the vessel moves otherwise: functions of time are others
+    before = one.degrees.value.copy(), list(one.degrees.names), dict(one.degrees.motion), len(one.requests.of)
+    other.degrees.value[:] = np.nan
+    other.degrees.add("further", 1.0)
+    other.degrees.fix(0)
+    other.requests.add(other.requests.of[0])
+    other.supply[0] = 3
+    other.wheels["radius"] = 7.0
+    again = lay_out(scene.replace({MASS: 5000.0}))
+    for layout in (one, again):
+        assert np.array_equal(layout.degrees.value, before[0]) and layout.degrees.names == before[1]
+        assert layout.degrees.motion == before[2] and len(layout.requests.of) == before[3] and layout.supply == {}
+        assert not (layout.wheels["radius"] == 7.0).any()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"bodies[0].position": [12.4, 0, 6]},
+        {"bodies[0].guide": ["y"]},
+        {"rope.diameter": 0.02},
+        {"mesh.elements_per_span": 2},
+        {"start": "as drawn"},
+        {"path[1].sheave.radius": 0.5},
+        {"gravity": [0, 0, -9.7]},
+    ],
+)
+def test_a_scene_of_another_geometry_is_laid_out_as_if_it_were_the_first(changes):
+    scene = hoist(0.2)
+    lay_out(scene)
+    found, alone = (lay_out(of.replace(changes)) for of in (scene, hoist(0.2)))
+    for name in ("value", "names", "motion", "masters"):
+        assert repr(getattr(found.degrees, name)) == repr(getattr(alone.degrees, name))
+    assert found.wheels.tobytes() == alone.wheels.tobytes() and found.station == alone.station
+    assert found.path.length == alone.path.length
+
+
+def test_a_load_that_a_variant_makes_float_is_refused_though_its_geometry_is_known():
+    water = {"water": {"surface": 50.0}, "rope.diameter": 0.03, "bodies[0].volume": 1.0}
+    scene = hoist(0.2).replace(water)
+    lay_out(scene)
+    with pytest.raises(SceneError, match="does not pull on its rope"):
+        lay_out(scene.replace({MASS: 500.0}))
+
+
+def test_what_is_known_of_a_mapping_is_known_of_the_same_with_more():
+    made = []
+    parts = OnDemand({"a": lambda: made.append("a") or 1.0, "b": lambda: made.append("b") or 2.0})
+    assert parts["a"] == 1.0
+    more = parts.also(c=lambda: 3.0)
+    assert [more[name] for name in ("a", "b", "c")] == [1.0, 2.0, 3.0] and "c" not in parts
+    assert parts["b"] == 2.0 and made == ["a", "b"]
 
 
 def test_only_what_a_figure_needs_is_made_of_the_frames():

@@ -88,7 +88,7 @@ def couplings_of(rows: list[Row], spans: Spans) -> list[np.ndarray]:
         places = [row[key] for key in ("p", "s") if row[key] != NONE]
         for n in (row["before"], row["after"]):
             if n != NONE:
-                for station in (spans.rows.a[n], spans.rows.b[n]):
+                for station in (int(spans.rows["a"][n]), int(spans.rows["b"][n])):
                     places += list(range(station, station + STATION))
         stencils.append(np.array([places], dtype=np.int64))
     return stencils

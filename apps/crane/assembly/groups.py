@@ -82,34 +82,36 @@ def _bending(layout: Layout, spans: Spans) -> tuple[Bends, Arcs]:
 
 
 def _records(kind: np.dtype, rows: list[dict[str, Any]]) -> np.recarray:
-    made = np.zeros(len(rows), kind).view(np.recarray)
-    for i, row in enumerate(rows):
-        made[i] = tuple(row[name] for name in kind.names or ())
-    return made
+    names = kind.names or ()
+    return np.array([tuple([row[name] for name in names]) for row in rows], kind).view(np.recarray)
 
 
 def _spans(layout: Layout) -> Spans:
-    rope, rows = layout.scene.rope, []
-    common = {
-        "stiffness": rope.axial_stiffness,
-        "mass": rope.mass_per_length,
-        "load": rope.mass_per_length * np.array(layout.scene.gravity, dtype=float),
-        "slack": int(rope.compression == "none"),
-    }
-    radius = layout.wheels.radius
-    damping = damping_of(layout.scene, layout.path)
-    for i, (first, last) in enumerate(layout.spans):
-        for k in range(first, last):
-            one = i if k == first and radius[i] != 0.0 else POINT
-            two = i + 1 if k == last - 1 and radius[i + 1] != 0.0 else POINT
-            ends = {"a": layout.station[k], "b": layout.station[k + 1], "wheel1": one, "wheel2": two}
-            rows.append({**ends, "damping": damping[i], **common})
-    return new_spans(_records(SPAN, rows), layout.wheels, _between(layout))
+    rope = layout.scene.rope
+    rows = np.zeros(len(layout.station) - 1, SPAN)
+    rows["a"], rows["b"] = layout.station[:-1], layout.station[1:]
+    rows["wheel1"] = rows["wheel2"] = POINT
+    rows["stiffness"], rows["mass"], rows["slack"] = (
+        rope.axial_stiffness,
+        rope.mass_per_length,
+        rope.compression == "none",
+    )
+    rows["load"] = rope.mass_per_length * np.array(layout.scene.gravity, dtype=float)
+    on = _on_wheels(layout)
+    for i, ((first, last), damping) in enumerate(zip(layout.spans, damping_of(layout.scene, layout.path), strict=True)):
+        rows["damping"][first:last] = damping
+        rows["wheel1"][first], rows["wheel2"][last - 1] = on[i], on[i + 1]
+    return new_spans(rows.view(np.recarray), layout.wheels, _between(layout))
+
+
+def _on_wheels(layout: Layout) -> list[int]:
+    """Number of each item that is a wheel; POINT of the others."""
+    return [i if radius != 0.0 else POINT for i, radius in enumerate(layout.wheels["radius"].tolist())]
 
 
 def _between(layout: Layout) -> np.recarray:
     """Items that a sheave or a drum can meet, two by two."""
-    on = [i if radius != 0.0 else POINT for i, radius in enumerate(layout.wheels.radius)]
+    on = _on_wheels(layout)
     rows = [
         {"a": layout.station[first], "b": layout.station[last], "wheel1": on[i], "wheel2": on[i + 1]}
         for i, (first, last) in enumerate(layout.spans)
@@ -119,7 +121,7 @@ def _between(layout: Layout) -> np.recarray:
 
 def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunctions) -> Slips:
     n = len(contacts)
-    ends = np.ascontiguousarray(np.column_stack((spans.rows.a, spans.rows.b)))
+    ends = np.ascontiguousarray(np.column_stack((spans.rows["a"], spans.rows["b"])))
     none = {"by_s": 0.0, "by_p": 0.0}
     return Slips(
         _records(SLIP, [none | row for row in contacts]), spans.found, spans.start, ends, np.zeros(n), np.zeros(n),

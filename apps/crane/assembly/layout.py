@@ -7,14 +7,14 @@ position; the nodes of a span are free, and their material follows that of the m
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
 from crane.assembly.loads import floating
-from crane.assembly.prepared import motion_of
+from crane.assembly.prepared import FrameMotion, motion_of
 from crane.geometry.line import WHEEL
 from crane.geometry.quaternion import QUATERNION, quaternion_of, rotation_of
 from crane.geometry.reeving import Path, ReevingError, Wheel, reeve, sigma_of
@@ -30,6 +30,7 @@ from tautline.scene.functions import Constant
 from tautline.system.system import Degrees
 from tautline.system.time_functions import FunctionRequest
 
+T = TypeVar("T")
 AXES = 3
 ROUNDING = 1.0e-9
 """Share of its length by which a rope that is as long as its path may seem shorter."""
@@ -78,6 +79,8 @@ class Layout:
         The frames' numbers at t = 0.
     stretch : float
         Of the rope as it is laid out, by which material and rims that do not slip go together.
+    known : dict
+        What `once` has made, shared by the layouts of all scenes of one geometry.
     """
 
     scene: CraneScene
@@ -95,6 +98,23 @@ class Layout:
     degrees: Degrees
     requests: Requests
     stretch: float = 1.0
+    known: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    def once(self, what: str, make: Callable[[], T]) -> T:
+        """What ``make`` gives of the geometry alone: it is made for the first of many scenes that have it in common.
+
+        It is not to be changed by anybody.
+        """
+        if what not in self.known:
+            self.known[what] = make()
+        return self.known[what]
+
+    def of_scene(self, scene: CraneScene) -> Layout:
+        """The same of a scene of the same geometry, with degrees of freedom, requests and wheels of its own."""
+        return replace(
+            self, scene=scene, supply=dict(self.supply), wheels=self.wheels.copy(), degrees=self.degrees.copy(),
+            requests=Requests(list(self.requests.of)),
+        )  # fmt: skip
 
     @property
     def spans(self) -> list[tuple[int, int]]:
@@ -157,6 +177,22 @@ def lay_out(scene: CraneScene) -> Layout:
         Where no rope can take the path, and for faults of the files of a vessel's motion.
     """
     motion = motion_of(scene)
+    laid, wheels = scene.once("layout", _geometry(scene, motion), lambda: _laid_out(scene, motion))
+    _refuse_load_above(scene, wheels)
+    _refuse_short(scene, laid.path)
+    _refuse_floating(scene, laid.path)
+    return laid.of_scene(scene)
+
+
+def _geometry(scene: CraneScene, motion: FrameMotion) -> tuple[Any, ...]:
+    """All that a layout follows from: scenes with other masses, drags, forces or solvers have the same."""
+    bodies = tuple((body.name, body.position, body.guide, body.inertia, body.orientation) for body in scene.bodies)
+    still = scene.vessel is None
+    return motion, still, scene.path, bodies, scene.rope, scene.elements, scene.gravity, scene.start
+
+
+def _laid_out(scene: CraneScene, motion: FrameMotion) -> tuple[Layout, list[Wheel]]:
+    """A layout, and its items as the geometry sees them."""
     frames, places, requests, entries = motion.frames, motion.places, motion.requests, motion.entries
     on = [_frame_number(scene, item, places) for item in scene.path]
     wheels = [
@@ -165,7 +201,6 @@ def lay_out(scene: CraneScene) -> Layout:
     _refuse_load_above(scene, wheels)
     path = _reeved(scene, wheels)
     _refuse_short(scene, path)
-    _refuse_floating(scene, path)
     builder = _Builder(scene, frames, entries, requests)
     records = np.zeros(len(wheels), WHEEL).view(np.recarray)
     for i, (wheel, k) in enumerate(zip(wheels, on, strict=True)):
@@ -175,7 +210,7 @@ def lay_out(scene: CraneScene) -> Layout:
             builder.frame[k], path.sigma[i] * wheel.radius, turned.T @ wheel.axis, turned.T @ mark,
             int(k != GROUND and _turns(requests, k)),
         )  # fmt: skip
-    return builder.finish(records, wheels, on, path)
+    return builder.finish(records, wheels, on, path), wheels
 
 
 def _turns(requests: list[FunctionRequest], k: int) -> bool:

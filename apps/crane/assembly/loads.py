@@ -43,7 +43,11 @@ def buoyancy_of(scene: CraneScene, body: Body) -> float:
 
 
 def pull(scene: CraneScene, path: Path) -> dict[str, np.ndarray]:
-    """By body that the rope touches: the force on it of a tension of 1 N all along the rope, (3,)."""
+    """By body that the rope touches: the force on it of a tension of 1 N all along the rope, (3,); found once."""
+    return scene.once("pull", (scene.path, path), lambda: _pull(scene, path))
+
+
+def _pull(scene: CraneScene, path: Path) -> dict[str, np.ndarray]:
     e = np.array([span.e for span in path.spans])
     found: dict[str, np.ndarray] = {}
     for i, item in enumerate(scene.path):

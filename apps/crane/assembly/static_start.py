@@ -8,7 +8,7 @@ import numpy as np
 
 from crane.assembly.layout import AXES, Layout
 from crane.groups.capstan_friction import TORQUE, Slips
-from crane.groups.span import Spans
+from crane.groups.span import FORCE, Spans
 from crane.groups.winch import Drums, Supplies
 from crane.scene.bodies import XYZ
 from crane.scene.scene import Drum, End, Sheave
@@ -89,13 +89,15 @@ def _rest(system: System, state: State, limit: float) -> None:
     end the two are the same.
     """
     spans = next(group for group in system.groups if isinstance(group, Spans))
-    begin, slack = state.q.copy(), spans.rows.slack.copy()
+    begin, slack = state.q.copy(), spans.rows["slack"].copy()
     if not slack.any():
         find_equilibrium(system, state, limit)
         return
     try:
         spans.rows["slack"] = 0
         find_equilibrium(system, state, limit)
+        if (spans.found[:, FORCE] > 0.0).all():
+            return
     except StoppedEarly:
         state.q[:] = begin
     finally:

@@ -558,7 +558,7 @@ def new_spans(rows: np.recarray, wheels: np.recarray, items: np.recarray | None 
     """Group of spans with its scratch; without ``items`` nobody asks whether two of them have met."""
     n = len(rows)
     items = np.zeros(0, BETWEEN).view(np.recarray) if items is None else items
-    reach = max(STATION + max(rows.a.max(), rows.b.max()), FRAME + wheels.frame.max(initial=-FRAME))
+    reach = max(STATION + max(rows["a"].max(), rows["b"].max()), FRAME + wheels["frame"].max(initial=-FRAME))
     return Spans(
         rows, items, wheels, np.zeros((n, SIZE)), np.zeros((n, 3)),
         np.zeros(n, np.int64), np.zeros(1, np.int64), np.full((2, reach), np.nan), np.zeros(1),

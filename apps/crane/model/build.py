@@ -63,15 +63,15 @@ def build(scene: CraneScene) -> Model:
     model = Model(
         system=system,
         solver=settings_of(solver, scene.output.interval, TOLERANCE, "force", error),
-        variables=variables(observer),
-        coordinates=observer.coordinates(),
+        variables=layout.once(f"variables, {made.compensation is None}", lambda: variables(observer)),
+        coordinates=layout.once("coordinates", observer.coordinates),
         attributes=attributes_of(scene, "crane", COORDINATE_UNITS),
         observe=observer.observe,
         on_demand=observer.on_demand,
         headline=told,
         limits=lambda result: limits(result, scene),
         figures=told,
-        figure_units=figure_units(scene),
+        figure_units=layout.once("figure units", lambda: figure_units(scene)),
         nothing=NOTHING,
         start="static" if scene.start == "static" else "as given",
         step_limit=0.3 * float(layout.path.chords.min()),
@@ -115,7 +115,14 @@ def assembled(scene: CraneScene) -> Assembly:
     still = [layout.material(i) for i, item in enumerate(scene.path) if isinstance(item, Drum) and not item.prescribed]
     turns = [turn + k for turn in layout.turn.values() for k in range(QUATERNION)]
     at_rest = [*still, *layout.rim.values(), *turns]
-    system = assemble(groups, layout.degrees, functions, velocity, *_stencils(layout, contacts), at_rest=at_rest)
+    system = assemble(
+        groups,
+        layout.degrees,
+        functions,
+        velocity,
+        *layout.once("stencils", lambda: _stencils(layout, contacts)),
+        at_rest=at_rest,
+    )
     driven = system.dofs.driven
     system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first[system.dofs.motion[driven]]
     return Assembly(layout, system, compensation, [*layout.path.warnings])
@@ -149,7 +156,7 @@ def _tie_material(layout: Layout, tension: float) -> None:
     elif scene.start == "as drawn":
         stretch = 1.0
     p = np.concatenate(([0.0], np.cumsum(path.chords / stretch)))
-    radius = layout.wheels.radius
+    radius = layout.wheels["radius"]
     for i, item in enumerate(scene.path):
         place = layout.material(i)
         degrees.value[place] = p[i]
@@ -196,9 +203,7 @@ def _drive(layout: Layout) -> Compensation | None:
 def _further(layout: Layout, name: str, value: float, request: FunctionRequest | None) -> int:
     """A further degree of freedom, which follows a value and a function of time, or is fixed."""
     degrees = layout.degrees
-    degrees.names.append(name)
-    degrees.value, degrees.scale = np.append(degrees.value, value), np.append(degrees.scale, 1.0)
-    place = degrees.value.size - 1
+    place = degrees.add(name, value)
     if request is None:
         degrees.fix(place)
     else:

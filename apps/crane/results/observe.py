@@ -101,7 +101,7 @@ class Observer:
 
     def __init__(self, layout: Layout, groups: tuple[Any, ...], compensation: Compensation | None) -> None:
         self.layout, self.scene = layout, layout.scene
-        self.stations = np.array(layout.station)
+        self.stations = layout.once("stations", lambda: np.array(layout.station))
         self.elements = len(self.stations) - 1
         self.sheaves = [i for i, item in enumerate(self.scene.path) if isinstance(item, Sheave)]
         self.drums = [i for i, item in enumerate(self.scene.path) if isinstance(item, Drum)]
@@ -112,7 +112,7 @@ class Observer:
         self.own += len(motors.rows) if motors is not None else 0
         self.start = layout.degrees.value.copy()
         self.wound = [Wound(self.scene.path[i], self.scene.rope.diameter, layout.stretch) for i in self.drums]
-        self.hung = self._hung()
+        self.hung = layout.once("hung", self._hung)
         self.compensator: Any = None
         if compensation is not None:
             self.compensator = compile_functions([FunctionRequest(compensation.place, end=self.scene.solver.end)])
@@ -122,7 +122,7 @@ class Observer:
         hung = hook_span(self.scene)
         if hung is None or not any(self.scene.gravity):
             return None
-        across = across_plumb(self.layout.wheels.axis[hung[0]], self.scene.gravity)
+        across = across_plumb(self.layout.wheels["axis"][hung[0]], self.scene.gravity)
         return hung if np.linalg.norm(across) >= UPRIGHT else None
 
     def _axes(self, q: np.ndarray, items: list[int]) -> np.ndarray:
@@ -190,11 +190,11 @@ class Observer:
 
     def _tension(self, v: np.ndarray, found: np.ndarray) -> np.ndarray:
         """Tension at both ends of every span, (m, spans, 2) N."""
-        first, last = np.array(self.layout.spans).T
+        first, last = self.layout.once("ends", lambda: np.array(self.layout.spans).T)
         # What turns the rope's momentum at a mark is part of its tension there.
-        flux = self.scene.rope.mass_per_length * v[:, self.stations + MATERIAL] ** 2
-        at_first = found[:, first, FIRST] + flux[:, first] * found[:, first, STRETCH] ** 2
-        at_last = found[:, last - 1, LAST] + flux[:, last] * found[:, last - 1, STRETCH] ** 2
+        mass, material = self.scene.rope.mass_per_length, self.stations + MATERIAL
+        at_first = found[:, first, FIRST] + mass * v[:, material[first]] ** 2 * found[:, first, STRETCH] ** 2
+        at_last = found[:, last - 1, LAST] + mass * v[:, material[last]] ** 2 * found[:, last - 1, STRETCH] ** 2
         if self.scene.rope.compression == "none":
             # Where the half element beside a mark is thrown about while it is slack, its inertia is no tension.
             at_first = np.where(found[:, first, FORCE] > 0.0, np.maximum(at_first, 0.0), 0.0)

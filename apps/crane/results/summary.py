@@ -14,7 +14,7 @@ from crane.assembly.layout import Layout
 from crane.results.course import Course, contacts_of, course_of, laid_out
 from crane.results.power import winch_energy
 from crane.rope_life.bending import BendingCycles, bending_cycles
-from crane.rope_life.events import Peak, amplification, largest, safety_factor, slack_events
+from crane.rope_life.events import Peak, amplification_of, columns, largest, safety_factor, slack_events
 from crane.rope_life.fatigue import RainflowCycles, equivalent_range, rainflow_counts
 from crane.scene.scene import CraneScene, Sheave
 
@@ -131,22 +131,23 @@ def _told(peak: Peak) -> str:
 
 def _tensions(result: Any, layout: Layout, wanted: Collection[str] = ()) -> Iterator[Row]:
     """Largest and smallest, of the whole rope and where it is held."""
-    scene, time = layout.scene, result.time
-    tension, names = ends_of(result), span_ends(scene)
-    peak, low = largest(time, tension, names), largest(time, -tension, names)
+    scene = layout.scene
+    tension = columns(result.time, ends_of(result), span_ends(scene))
+    time, values, names = tension
+    peak, low = tension.at(int(np.argmax(values))), tension.at(int(np.argmin(values)))
     yield "max_tension", peak.value, "N", f"largest tension ({_told(peak)})"
-    yield "min_tension", -low.value, "N", f"smallest tension ({_told(low)})"
+    yield "min_tension", low.value, "N", f"smallest tension ({_told(low)})"
     rest, word = _rest(result, layout)
-    amplified = amplification(time, tension, np.where(rest > SLACK * rest.max(initial=0.0), rest, 0.0), names)
+    amplified = amplification_of(tension, np.where(rest > SLACK * rest.max(initial=0.0), rest, 0.0))
     if amplified is not None:
         yield "dynamic_amplification", amplified.value, "", f"largest tension over {word} ({_told(amplified)})"
-    safety = safety_factor(scene.rope.breaking_load, tension)
+    safety = safety_factor(scene.rope.breaking_load, values)
     if safety is not None:
         yield "safety_factor", safety, "", "breaking load over largest tension"
     if wanted and not any(name.startswith("max_tension_") for name in wanted):
         return
-    for key, columns in _places(scene):
-        at = largest(time, tension[:, columns], [names[k] for k in columns])
+    for key, sides in _places(scene):
+        at = largest(time, values[:, sides], [names[k] for k in sides])
         yield f"max_tension_{key}", at.value, "N", f"largest tension at {_told(at)}"
 
 
@@ -188,7 +189,8 @@ def _slack(result: Any, layout: Layout) -> Iterator[Row]:
     spans = [f"{one.name} to {two.name}" for one, two in zip(scene.path[:-1], scene.path[1:], strict=True)]
     ends = np.asarray(result["tension"])
     threshold = SLACK * float(_rest(result, layout)[0].max())
-    found = slack_events(result.time, ends.min(axis=-1), spans, threshold, most=ends.max(axis=-1))
+    first, last = ends[..., 0], ends[..., 1]
+    found = slack_events(result.time, np.minimum(first, last), spans, threshold, most=np.maximum(first, last))
     yield "slack_events", len(found), "", "slack events"
     if not found:
         return

@@ -71,10 +71,38 @@ def checked(time: np.ndarray, **histories: np.ndarray) -> tuple[np.ndarray, ...]
         if not np.isfinite(values).all():
             frame = int(np.argmin(np.isfinite(values).reshape(time.size, -1).all(axis=1)))
             raise ValueError(f"{name}: frame {frame} (time {time[frame]:g} s) is not finite")
-    if (np.diff(time) < 0.0).any():
+    if (time[1:] < time[:-1]).any():
         frame = int(np.argmax(np.diff(time) < 0.0)) + 1
         raise ValueError(f"time: {time[frame]:g} s at frame {frame} comes after {time[frame - 1]:g} s")
     return tuple(arrays.values())
+
+
+class Columns(NamedTuple):
+    """Histories that were checked: times (m,) s, values (m, n), and what each column is of."""
+
+    time: np.ndarray
+    values: np.ndarray
+    names: Sequence[str]
+
+    def at(self, place: int) -> Peak:
+        """A value by its place in the flat array."""
+        frame, column = divmod(place, len(self.names))
+        return Peak(float(self.values[frame, column]), self.names[column], float(self.time[frame]))
+
+
+def columns(time: np.ndarray, values: np.ndarray, names: Sequence[str]) -> Columns:
+    """Check times and values, and make the latter (m, n).
+
+    Raises
+    ------
+    ValueError
+        As `checked`, and where there is not one name for each column.
+    """
+    time, values = checked(time, values=values)
+    values = values.reshape(time.size, -1)
+    if values.shape[1] != len(names) or not names or len(set(names)) != len(names):
+        raise ValueError(f"names: {', '.join(names) or 'none'} for {values.shape[1]} columns; one each is wanted")
+    return Columns(time, values, names)
 
 
 def slack_events(
@@ -103,8 +131,10 @@ def slack_events(
     most : (m,) or (m, n) array or None
         The largest tension in each span, which a snap is read off, N; None where it is the same.
     """
-    time, tension = _columns(time, tension, names)
-    _, most = _columns(time, tension if most is None else most, names)
+    time, tension, names = columns(time, tension, names)
+    if not (tension <= threshold).any():
+        return []
+    most = tension if most is None else columns(time, most, names).values
     found = [
         event for name, column in zip(names, tension.T, strict=True) for event in _slack(time, column, name, threshold)
     ]
@@ -128,9 +158,7 @@ def largest(time: np.ndarray, values: np.ndarray, names: Sequence[str]) -> Peak:
     names : sequence of str
         Of the n columns.
     """
-    time, values = _columns(time, values, names)
-    frame, column = divmod(int(np.argmax(values)), len(names))
-    return Peak(float(values[frame, column]), names[column], float(time[frame]))
+    return columns(time, values, names).at(int(np.argmax(values)))
 
 
 def amplification(time: np.ndarray, tension: np.ndarray, static: np.ndarray, names: Sequence[str]) -> Peak | None:
@@ -157,14 +185,22 @@ def amplification(time: np.ndarray, tension: np.ndarray, static: np.ndarray, nam
     ValueError
         As `checked`, or where a static tension is not finite.
     """
-    time, tension = _columns(time, tension, names)
+    return amplification_of(columns(time, tension, names), static)
+
+
+def amplification_of(tension: Columns, static: np.ndarray) -> Peak | None:
+    """The same of tensions that were checked."""
+    time, values, names = tension
     static = np.broadcast_to(np.asarray(static, float), (len(names),))
     if not np.isfinite(static).all():
         raise ValueError(f"static: {names[int(np.argmin(np.isfinite(static)))]} has no finite tension at rest")
     carrying = np.flatnonzero(static > 0.0)
     if carrying.size == 0:
         return None
-    return largest(time, tension[:, carrying] / static[carrying], [names[k] for k in carrying.tolist()])
+    if carrying.size < static.size:
+        values, static, names = values[:, carrying], static[carrying], [names[k] for k in carrying.tolist()]
+    factors = values / static
+    return Columns(time, factors, names).at(int(np.argmax(factors)))
 
 
 def safety_factor(breaking_load: float | None, tension: np.ndarray) -> float | None:
@@ -186,15 +222,6 @@ def safety_factor(breaking_load: float | None, tension: np.ndarray) -> float | N
     if not np.isfinite(most):
         raise ValueError("tension: not finite")
     return None if breaking_load is None or most <= 0.0 else breaking_load / most
-
-
-def _columns(time: np.ndarray, values: np.ndarray, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Check times and values, and make the latter (m, n)."""
-    time, values = checked(time, values=values)
-    values = values.reshape(time.size, -1)
-    if values.shape[1] != len(names) or not names or len(set(names)) != len(names):
-        raise ValueError(f"names: {', '.join(names) or 'none'} for {values.shape[1]} columns; one each is wanted")
-    return time, values
 
 
 def _slack(time: np.ndarray, tension: np.ndarray, name: str, threshold: float) -> list[SlackEvent]:

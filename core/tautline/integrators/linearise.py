@@ -13,7 +13,7 @@ from tautline.integrators.status import Status, StoppedEarly
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held, keep_flowing, prescribe, reduce
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.matrix import clear, dense, diagonal, factorise_matrix, new_factors, new_matrix, solve_matrix
+from tautline.kernels.matrix import clear, dense, diagonal, factorise_matrix, new_matrix, solve_matrix
 from tautline.system.system import System
 
 SUMS = ("begin", "residual", "smooth_tangent", "switching_tangent")
@@ -104,7 +104,7 @@ def start_moving(system: System, state: State, step: float) -> None:
         SINGULAR, naming the unknown that has no mass.
     """
     n = system.size
-    factors = new_factors(n, system.bandwidth, system.border)
+    factors = system.spare_factors()
     state.v[:] = system.v[system.free]
     state.q[system.algebraic] = 0.0
     acceleration = np.zeros(n)

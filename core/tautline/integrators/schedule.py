@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -9,6 +10,13 @@ import numpy as np
 
 def frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Output times (m,) s, and the number of steps before each: equal, and no longer than ``step``."""
+    ends, steps = _frame_times(end, interval, step)
+    return ends.copy(), steps.copy()
+
+
+@functools.lru_cache(maxsize=2)
+def _frame_times(end: float, interval: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """The same, found once for runs that differ in other things."""
     whole = math.floor(end / interval * (1.0 + 1e-12))
     ends = interval * np.arange(1, whole + 1)
     if end - whole * interval > 1e-9 * interval:

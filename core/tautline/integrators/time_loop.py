@@ -33,6 +33,8 @@ ENERGIES = 5
 """Numbers of a frame that are energies."""
 WORK_LIMIT, STEP, PART = range(3)
 """Places in ``pause``, see :func:`new_pause`."""
+NO_LIMIT = int(np.iinfo(np.int64).max)
+"""Work that no run does."""
 PAUSED = -1
 """In place of a status: the loop goes back to Python in the middle of a frame, and can be called again."""
 
@@ -72,7 +74,7 @@ def new_pause() -> np.ndarray:
     The work (:func:`work_done`) at which it goes back to Python before the next part of a step, whether a frame is full
     or not; the steps of the frame under way that are done; and of the step under way the parts of the finest size.
     """
-    return np.array([np.iinfo(np.int64).max, 0, 0])
+    return np.array([NO_LIMIT, 0, 0])
 
 
 @kernel(forceinline=True)

@@ -44,6 +44,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -57,7 +58,7 @@ from tautline.kernels.compiling.caching import KERNELS_OF
 from tautline.kernels.dofs import DOFS
 from tautline.kernels.jit import address_of, addressed, stands_for
 from tautline.kernels.matrix import MATRIX
-from tautline.kernels.memory import form_of, kind_of, words_of
+from tautline.kernels.memory import kind_of, laid
 from tautline.kernels.parallel_compile import Job
 
 Kernel = Callable[..., None]
@@ -229,17 +230,17 @@ Laid = tuple[list[list[int]], list[Any]]
 
 def laid_out(groups: tuple[Any, ...]) -> Laid:
     """What :func:`link` lays out of the groups, whichever sums it is asked for."""
-    words: dict[int, list[int]] = {}
-    forms: dict[int, Any] = {}
-    return [words_of(g, words) for g in groups], [form_of(g, forms) for g in groups]
+    known: dict[int, tuple[list[int], Any]] = {}
+    both = [laid(g, known) for g in groups]
+    return [words for words, _ in both], [form for _, form in both]
 
 
-def link(groups: tuple[Any, ...], *sums: str, laid: Laid | None = None) -> Any:
+def link(groups: tuple[Any, ...], *sums: str, as_laid: Laid | None = None) -> Any:
     """Compile the groups' kernels for the sums that are named, or load them, and list where they are.
 
     The list is one array of integers: for each sum the place of its own part, which is a count and, for every group
     that it sums over, the address of the code and that of the group; then the groups themselves. The groups' arrays are
-    referred to and must live on; ``laid`` is what they were laid out as before. Without a compiler
+    referred to and must live on; ``as_laid`` is what they were laid out as before. Without a compiler
     (``NUMBA_DISABLE_JIT=1``) the groups themselves are the list.
 
     Raises
@@ -249,13 +250,13 @@ def link(groups: tuple[Any, ...], *sums: str, laid: Laid | None = None) -> Any:
     """
     if config.DISABLE_JIT:
         return groups
-    words, forms = laid or laid_out(groups)
+    words, forms = as_laid or laid_out(groups)
     known = next((one for one in tuple(_drafts) if one.sums == sums and one.forms == forms), None)
     if known is None:
         known = _draft(groups, sums, words, forms)
         _drafts.appendleft(known)
     table = known.table.copy()
-    table[known.begin :] = [number for word in words for number in word]
+    table[known.begin :] = list(chain.from_iterable(words))
     table[known.members] += table.ctypes.data
     return table
 

@@ -6,6 +6,7 @@ compiled for its type loads it from there as a value. The words refer to the arr
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any
 
 import numpy as np
@@ -35,11 +36,10 @@ def kind_of(value: Any) -> types.Type:
     return _kinds[form]
 
 
-def form_of(value: Any, known: dict[int, Any] | None = None) -> Any:
+def form_of(value: Any) -> Any:
     """What the type of a value depends on: classes, and of arrays the kind of their entries and how they lie.
 
-    It is made and compared much faster than a type of numba's, which is hashed part by part each time. ``known`` keeps
-    the forms of tuples by their identity, for values that share some.
+    It is made and compared much faster than a type of numba's, which is hashed part by part each time.
     """
     kind = type(value)
     if kind in ARRAYS:
@@ -47,19 +47,13 @@ def form_of(value: Any, known: dict[int, Any] | None = None) -> Any:
         lies = flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned, entries.isalignedstruct
         return entries, value.ndim, lies
     if isinstance(value, tuple):
-        if known is None:
-            return kind, *map(form_of, value)
-        if id(value) not in known:
-            known[id(value)] = kind, *(form_of(part, known) for part in value)
-        return known[id(value)]
+        return kind, *map(form_of, value)
     # A whole number that needs all of 64 bits has no sign.
     return kind if kind in PLAIN and not (kind is int and value.bit_length() > 63) else typeof(value)
 
 
-def words_of(value: Any, known: dict[int, list[int]] | None = None) -> list[int]:
+def words_of(value: Any) -> list[int]:
     """The 8-byte words in which compiled code holds a value.
-
-    ``known`` keeps the words of tuples by their identity, for values that share some.
 
     Raises
     ------
@@ -67,15 +61,46 @@ def words_of(value: Any, known: dict[int, list[int]] | None = None) -> list[int]
         For what is neither a C-contiguous array, an integer, a float nor a tuple of such.
     """
     if isinstance(value, tuple):
-        if known is None:
-            return [word for part in value for word in words_of(part)]
-        if id(value) not in known:
-            known[id(value)] = [word for part in value for word in words_of(part, known)]
-        return known[id(value)]
+        return [word for part in value for word in words_of(part)]
     if isinstance(value, np.ndarray) and _flags(value).c_contiguous:
-        return [0, 0, _size(value), _width(value), _memory(value).data, *_shape(value), *_strides(value)]
+        return [0, 0, _size(value), _width(value), _address(value), *_shape(value), *_strides(value)]
     if isinstance(value, (float, np.float64)):
         return [int(np.float64(value).view(np.int64))]
     if isinstance(value, (int, np.int64)) and not isinstance(value, bool):
         return [int(value)]
     raise TypeError(f"a group holds contiguous arrays, integers, floats and tuples of them, not {value!r}")
+
+
+def laid(value: Any, known: dict[int, tuple[list[int], Any]]) -> tuple[list[int], Any]:
+    """Words and form of a value, found in one pass; ``known`` keeps those of tuples by their identity."""
+    kind = type(value)
+    if kind in ARRAYS:
+        flags = _flags(value)
+        if flags.c_contiguous:
+            entries, shape = _entries(value), _shape(value)
+            lies = True, flags.f_contiguous, flags.writeable, flags.aligned, entries.isalignedstruct
+            words = [0, 0, _size(value), entries.itemsize, _address(value), *shape, *_strides(value)]
+            return words, (entries, len(shape), lies)
+    if not isinstance(value, tuple):
+        return words_of(value), form_of(value)
+    found = known.get(id(value))
+    if found is None:
+        words, forms = [], [kind]
+        for part in value:
+            more, form = laid(part, known)
+            words += more
+            forms.append(form)
+        found = known[id(value)] = words, tuple(forms)
+    return found
+
+
+_memory_from = (ctypes.c_char * 0).from_buffer
+"""What stands where an array's numbers do, and is no longer than nothing: any array has room for it."""
+
+
+def _address(array: np.ndarray) -> int:
+    """Where an array's numbers are: numpy's own way to it describes the whole array, and takes twice as long."""
+    try:
+        return ctypes.addressof(_memory_from(array))
+    except (TypeError, ValueError, BufferError):  # it is read only, or tells no other its entries
+        return int(_memory(array).data)

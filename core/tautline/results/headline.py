@@ -8,6 +8,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
+PLAIN = frozenset({str, int, bool, type(None)})
+"""Classes of which every value is fit for JSON as it is."""
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -30,6 +33,8 @@ class Figure:
 
 def plain(value: Any) -> Any:
     """Make a value fit for JSON: numpy numbers and arrays become Python's, numbers that are not finite become None."""
+    if type(value) in PLAIN or (type(value) is float and math.isfinite(value)):
+        return value
     if is_dataclass(value) and not isinstance(value, type):
         value = asdict(value)
     if isinstance(value, Mapping):

@@ -26,6 +26,12 @@ class OnDemand(Mapping[str, Any]):
         self._made = made
         self._known: dict[str, Any] = {}
 
+    def also(self, **made: Callable[[], Any]) -> OnDemand:
+        """The same with further values, each made when it is first asked for; of what is known nothing is made anew."""
+        further = OnDemand({**self._made, **made})
+        further._known = self._known
+        return further
+
     def __getitem__(self, name: str) -> Any:
         """A value; KeyError where there is none."""
         if name not in self._known:

@@ -11,6 +11,7 @@ import numpy as np
 
 from tautline.kernels.dofs import Dofs, runs_of
 from tautline.kernels.groups import laid_out, link, without_friction
+from tautline.kernels.matrix import Factors, new_factors
 from tautline.kernels.time_function import TimeFunctions
 from tautline.system.masters import Masters
 from tautline.system.pattern import Pattern, narrow, pattern_of
@@ -36,6 +37,17 @@ class Degrees:
     motion: dict[int, int] = field(default_factory=dict)
     masters: dict[int, list[tuple[int, float]]] = field(default_factory=dict)
 
+    def copy(self) -> Degrees:
+        """The same degrees of freedom, to be changed."""
+        parts = self.names, self.value, self.scale, self.motion, self.masters
+        return Degrees(*(part.copy() for part in parts))
+
+    def add(self, name: str, value: float) -> int:
+        """A further degree of freedom, whose row is judged by 1; returns its number."""
+        self.names.append(name)
+        self.value, self.scale = _longer(self.value, value), _longer(self.scale, 1.0)
+        return self.value.size - 1
+
     def fix(self, i: int) -> None:
         """Hold a degree of freedom at its value."""
         self.motion[i] = -1
@@ -50,10 +62,9 @@ class Degrees:
 
     def _constant(self, value: float) -> int:
         """A further degree of freedom, held at a value that no group sees."""
-        self.names.append("a constant")
-        self.value, self.scale = np.append(self.value, value), np.append(self.scale, 1.0)
-        self.fix(self.value.size - 1)
-        return self.value.size - 1
+        place = self.add("a constant", value)
+        self.fix(place)
+        return place
 
     def resolved(self, i: int) -> list[tuple[int, float]]:
         """Masters of a degree of freedom that are not tied themselves."""
@@ -64,6 +75,14 @@ class Degrees:
             for k, further in self.resolved(j):
                 sums[k] = sums.get(k, 0.0) + factor * further
         return [(k, f) for k, f in sums.items() if f != 0.0]
+
+
+def _longer(x: np.ndarray, value: float) -> np.ndarray:
+    """An array (n,) with a further number."""
+    longer = np.empty(x.size + 1)
+    longer[:-1] = x
+    longer[-1] = value
+    return longer
 
 
 LAID, WITHOUT_FRICTION = ("laid out",), "without friction"
@@ -133,6 +152,13 @@ class System:
     force: float = 0.0
     window: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
+    _spare: Factors | None = field(default=None, init=False, repr=False, compare=False)
+
+    def spare_factors(self) -> Factors:
+        """Room for a tangent and its factors, for whoever needs some for a moment: the next may write over them."""
+        if self._spare is None:
+            self._spare = new_factors(self.size, self.bandwidth, self.border)
+        return self._spare
 
     def name_of(self, row: int) -> str:
         """What a reduced row is; or, counted from -1 downwards, a full degree of freedom."""
@@ -148,7 +174,7 @@ class System:
                     return table
             if LAID not in self.linked:
                 self.linked[LAID] = laid_out(self.groups)
-            self.linked[sums] = link(self.groups, *sums, laid=self.linked[LAID])
+            self.linked[sums] = link(self.groups, *sums, as_laid=self.linked[LAID])
         return self.linked[sums]
 
     def link_without_friction(self, sums: tuple[str, ...]) -> Any:

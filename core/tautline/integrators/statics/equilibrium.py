@@ -23,7 +23,7 @@ from tautline.integrators.search import (
 )
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
-from tautline.kernels.matrix import Factors, cut, factorise_matrix, new_factors, replace_by_identity, solve_matrix
+from tautline.kernels.matrix import Factors, cut, factorise_matrix, replace_by_identity, solve_matrix
 from tautline.system.system import System
 
 SHIFTS = (0.0, 1e-4, 1e-2, 1.0, 100.0)
@@ -128,7 +128,7 @@ def _search(system: System, state: State, step_limit: float, tolerance: float, f
     lever[system.algebraic] = 0.0  # a multiplier is no way gone: it may change as it must
     extent = max(float(np.ptp(origin)) if n else 0.0, step_limit)
     numbers, counts = np.array([step_limit, tolerance, first_shift, np.inf, np.inf]), np.zeros(4, np.int64)
-    factors = new_factors(n, system.bandwidth, system.border)
+    factors = system.spare_factors()
     search = Search(factors, system.at_rest, system.scale, lever, numbers, counts)
     stands = MORE
     while stands == MORE and counts[ITERATION] < ITERATIONS:

@@ -120,7 +120,7 @@ def count_negative(system: System, state: State) -> Stability:
 def _stiffness(system: System, state: State) -> Factors:
     """Tangent at rest, with what stays at rest left out, and room for its factors."""
     # With a threshold of zero no rows are exchanged: the signs of the pivots are then those of the eigenvalues.
-    factors = new_factors(system.size, system.bandwidth, system.border, 0.0)
+    factors = system.spare_factors()._replace(threshold=0.0)
     evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, factors.matrix, np.zeros(system.size))
     for row in system.at_rest:
         _leave_out(factors.matrix, row)
