@@ -120,7 +120,7 @@ def test_a_scene_of_another_geometry_is_laid_out_as_if_it_were_the_first(changes
 
 
 def test_a_load_that_a_variant_makes_float_is_refused_though_its_geometry_is_known():
-    water = {"water": {"surface": 50.0}, "rope.diameter": 0.03, "bodies[0].volume": 1.0}
+    water = {"water": {"surface": 50.0, "density": 1025.0}, "rope.diameter": 0.03, "bodies[0].volume": 1.0}
     scene = hoist(0.2).replace(water)
     lay_out(scene)
     with pytest.raises(SceneError, match="does not pull on its rope"):
