@@ -168,6 +168,25 @@ def test_the_frames_of_a_case_are_gone_with_it_without_a_collection_of_garbage()
         gc.enable()
 
 
+@pytest.mark.parametrize("file", ["hoist.yaml", "sixteen_falls.yaml"])
+def test_a_model_and_its_arrays_are_gone_with_the_case_without_a_collection_of_garbage(file):
+    import gc
+    import weakref
+
+    scene = tautline.read(DATA / file)
+    application = tautline._installed().of(scene)
+    application.build(scene)
+    gc.disable()
+    try:
+        model = application.build(scene.replace({MASS: 4000.0}))
+        gone = [weakref.ref(array) for array in (model.system.q, model.system.groups[0].rows, model.system.scale)]
+        assert model.handles().outputs
+        del model
+        assert all(one() is None for one in gone)
+    finally:
+        gc.enable()
+
+
 def test_scenes_of_a_short_sweep_are_made_once_and_of_a_long_one_no_more_are_kept_than_so_many(monkeypatch):
     made = []
     varied = Runner.varied

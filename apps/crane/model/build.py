@@ -59,12 +59,14 @@ def build(scene: CraneScene) -> Model:
         return headline(result, scene, layout, names)
 
     solver = scene.solver
+    stored = layout.once(f"variables, {made.compensation is None}", lambda: variables(observer))
+    places = layout.once("coordinates", observer.coordinates)
     error = error_of_steps(solver, STEP_ERROR) or (STEP_ERROR if scene.controlled else 0.0)
     model = Model(
         system=system,
         solver=settings_of(solver, scene.output.interval, TOLERANCE, "force", error),
-        variables=layout.once(f"variables, {made.compensation is None}", lambda: variables(observer)),
-        coordinates=layout.once("coordinates", observer.coordinates),
+        variables=stored,
+        coordinates=places,
         attributes=attributes_of(scene, "crane", COORDINATE_UNITS),
         observe=observer.observe,
         on_demand=observer.on_demand,
@@ -78,7 +80,7 @@ def build(scene: CraneScene) -> Model:
         own=observer.own,
         notes=notes,
         settle=lambda state: draw_true(layout, system, state),
-        handles=lambda: handles(made, model),
+        handles=lambda: handles(made, stored, places),
         statistics={
             "watched": ("tension",), "fatigue": ("tension",), "needs": ("tension",), "rules": JOINED,
             "names": OF_PIECES,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +15,7 @@ from crane.groups.span import Spans
 from crane.groups.winch import Drums
 from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.surroundings import Motion, Vessel
+from tautline.results.variable import Variable
 from tautline.scene.errors import SceneError
 from tautline.system.handles import Handles, Output, Parameter, extreme_of, inputs_of, number, outputs_of, part_of
 
@@ -48,8 +49,11 @@ def driven(scene: CraneScene, names: tuple[str, ...]) -> CraneScene:
     return scene.driven_by((*names, *forces)) if names else scene
 
 
-def handles(made: Any, model: Any) -> Handles:
-    """All handles of a crane; ``made`` is its assembly."""
+def handles(made: Any, variables: Sequence[Variable], coordinates: Mapping[str, Any]) -> Handles:
+    """All handles of a crane; ``made`` is its assembly.
+
+    The model itself is not asked for: it holds what calls this, and would lie in a circle with it.
+    """
     layout: Layout = made.layout
     inputs = inputs_of(layout.requests.of)
     if layout.scene.heave_compensation is not None:
@@ -57,16 +61,16 @@ def handles(made: Any, model: Any) -> Handles:
         moved = {f"{frame.name}.{word}" for frame in layout.frames for word in frame.words}
         inputs = {name: one for name, one in inputs.items() if name not in moved}
     parameters = {one.name: one for one in _parameters(layout, made.system.groups)}
-    return Handles(inputs, _outputs(layout, model), parameters)
+    return Handles(inputs, _outputs(layout, variables, coordinates), parameters)
 
 
-def _outputs(layout: Layout, model: Any) -> dict[str, Output]:
-    made = outputs_of(model.variables, model.coordinates, THINGS)
+def _outputs(layout: Layout, variables: Sequence[Variable], coordinates: Mapping[str, Any]) -> dict[str, Output]:
+    made = outputs_of(variables, coordinates, THINGS)
     scene = layout.scene
-    tension = next(variable for variable in model.variables if variable.name == "tension")
+    tension = next(variable for variable in variables if variable.name == "tension")
     for name, text, choose in (("max_tension", "largest", np.max), ("min_tension", "smallest", np.min)):
         made[name] = extreme_of(tension, name, f"{text} tension at the ends of spans", choose)
-    known = {variable.name: variable for variable in model.variables}
+    known = {variable.name: variable for variable in variables}
     places = {body.name: (layout.body[body.name], "body_", k) for k, body in enumerate(scene.bodies)}
     places |= {
         item.name: (layout.station[layout.item[i]], "", layout.item[i])
