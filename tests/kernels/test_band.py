@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tautline.kernels.factors.band import BOLD, CAREFUL
 from tautline.kernels.factors.lapack import factorise_dense, solve_dense
 from tautline.kernels.matrix import (
     EXCHANGED,
@@ -20,10 +21,10 @@ def banded(rng, n, kl, ku):
     return np.triu(np.tril(rng.standard_normal((n, n)), ku), -kl)
 
 
-def factors_of(matrix, k):
+def factors_of(matrix, k, threshold=CAREFUL):
     """Room for the factors, with the matrix in it."""
     n = len(matrix)
-    factors = new_factors(n, k)
+    factors = new_factors(n, k, threshold=threshold)
     for j in range(n):
         for i in range(max(0, j - k), min(n, j + k + 1)):
             factors.matrix.band[j, 2 * k + i - j] = matrix[i, j]
@@ -54,7 +55,7 @@ def test_a_ragged_band_is_worked_on_within_its_envelope_only():
     n, k = 60, 11
     i, j = np.indices((n, n))
     matrix = np.where(abs(i // 6 - j // 6) <= 1, 0.1 * rng.standard_normal((n, n)), 0.0) + 3.0 * np.eye(n)
-    factors = factors_of(matrix, k)
+    factors = factors_of(matrix, k, BOLD)
     assert factorise_matrix(factors) == 0
     assert np.array_equal(factors.pivots, np.arange(1, n + 1))
     block = np.arange(n) // 6

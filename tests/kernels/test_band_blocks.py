@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tautline.kernels.factors.band import BOLD
 from tautline.kernels.matrix import (
     IN_BLOCKS,
     PACKED,
@@ -40,7 +41,7 @@ def _solved(factors, b):
 
 @pytest.mark.parametrize(("n", "k"), BANDS)
 def test_what_is_solved_with_again_is_solved_in_blocks_and_is_the_same(n, k):
-    full, factors = _band(n, k), new_factors(n, k)
+    full, factors = _band(n, k), new_factors(n, k, threshold=BOLD)
     _write(full, factors.matrix, k)
     assert factorise_matrix(factors) == 0
     b = np.random.default_rng(1).standard_normal(n)
@@ -54,7 +55,7 @@ def test_what_is_solved_with_again_is_solved_in_blocks_and_is_the_same(n, k):
 
 @pytest.mark.parametrize(("n", "k"), BANDS[2:])
 def test_blocks_are_renewed_with_the_factors(n, k):
-    full, factors, changed = _band(n, k), new_factors(n, k), new_matrix(n, k)
+    full, factors, changed = _band(n, k), new_factors(n, k, threshold=BOLD), new_matrix(n, k)
     _write(full, factors.matrix, k)
     factorise_matrix(factors)
     b = np.random.default_rng(2).standard_normal(n)
@@ -72,7 +73,7 @@ def test_a_part_of_the_rows_is_solved_in_blocks_as_row_by_row():
     b[:first] = b[last:] = 0.0
     found = []
     for times in (0, 2):
-        factors = new_factors(n, k)
+        factors = new_factors(n, k, threshold=BOLD)
         _write(full, factors.matrix, k)
         factorise_matrix(factors)
         for _ in range(times):
@@ -98,7 +99,7 @@ def test_factors_with_exchanged_rows_are_never_put_into_blocks():
 
 def test_factors_are_put_into_blocks_before_their_first_use_only_where_those_before_them_were_used_often():
     n, k = 203, 12
-    full, factors = _band(n, k), new_factors(n, k)
+    full, factors = _band(n, k), new_factors(n, k, threshold=BOLD)
     b = np.random.default_rng(5).standard_normal(n)
     # Uses of one after the other, and whether the first of the next finds blocks.
     for uses, packed in ((3, True), (2, False), (1, False), (4, True)):
@@ -110,3 +111,56 @@ def test_factors_are_put_into_blocks_before_their_first_use_only_where_those_bef
         factorise_matrix(factors)
         np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-13)
         assert (factors.integers[PACKED] >= IN_BLOCKS) == packed
+
+
+@pytest.mark.parametrize(("n", "k"), [*BANDS, (1, 4), (3, 6), (61, 6), (64, 8), (65, 9), (100, 23), (77, 5)])
+def test_elimination_in_blocks_solves_as_dense_algebra_and_leaves_the_band_as_it_was(n, k):
+    full, factors = _band(n, k), new_factors(n, k)
+    _write(full, factors.matrix, k)
+    before = factors.matrix.band.copy()
+    assert factorise_matrix(factors) == 0
+    # With five diagonals a block would read another column: that band is eliminated row by row.
+    assert (factors.integers[PACKED] >= IN_BLOCKS) == (k != 5)
+    assert np.array_equal(factors.matrix.band, before) == (k != 5)
+    b = np.random.default_rng(6).standard_normal(n)
+    np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-13)
+
+
+def test_a_block_without_entries_is_left_out_and_a_part_of_the_rows_is_solved_alone():
+    n, k, first, last = 96, 12, 32, 64
+    full = _band(n, k)
+    full[:, :first][first:] = full[:first, first:] = 0.0
+    full[:last, last:] = full[last:, :last] = 0.0
+    factors = new_factors(n, k)
+    _write(full, factors.matrix, k)
+    assert factorise_matrix(factors) == 0
+    b = np.random.default_rng(7).standard_normal(n)
+    np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-13)
+    x = b.copy()
+    solve_rows(factors, x, first, last)
+    inner = slice(first, last)
+    np.testing.assert_allclose(full[inner, inner] @ x[inner], b[inner], rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("broken", ["pivot", "below", "beside", "singular"])
+def test_where_a_row_has_to_be_exchanged_elimination_in_blocks_leaves_it_to_that_by_rows(broken):
+    n, k, at = 60, 10, 28
+    full = _band(n, k)
+    if broken == "pivot":
+        full[at, at] = 1e-12  # scaled to one: its column outgrows it
+    elif broken == "below":
+        full[at + 2, at] = 1e4 * full[at, at]
+    elif broken == "beside":
+        full[at + 6, at] = 1e5 * full[at, at]
+    else:
+        full[at] = 0.0
+    factors = new_factors(n, k)
+    _write(full, factors.matrix, k)
+    row = factorise_matrix(factors)
+    if broken == "singular":
+        assert row > 0
+        return
+    assert row == 0
+    assert factors.integers[PACKED] < IN_BLOCKS
+    b = np.random.default_rng(8).standard_normal(n)
+    np.testing.assert_allclose(_solved(factors, b), np.linalg.solve(full, b), rtol=1e-9, atol=1e-12)

@@ -22,6 +22,7 @@ from tautline.kernels.factors.band import (
     substitute_between,
 )
 from tautline.kernels.factors.band_blocks import pack, room_for_blocks, solve_by_blocks
+from tautline.kernels.factors.block_elimination import factorise_in_blocks, goes_in_blocks, room_for_window
 from tautline.kernels.factors.lapack import factorise_dense, solve_dense
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lanes import LANES
@@ -62,7 +63,8 @@ class Factors(NamedTuple):
     ``inverse`` (n,) is one over their diagonal. ``scale`` (n,) has made the diagonal of the band one: slopes and
     positions are of one size then, and rows are seldom exchanged, which would fill the band: only where a pivot is
     below ``threshold`` of its column's largest entry. ``column`` (3 k + 1,) is scratch. ``blocks`` are the band's
-    factors once more, as they are quickest to solve with (band_blocks.py).
+    factors once more, as they are quickest to solve with (band_blocks.py). With a ``window``, which is scratch, they
+    are made so from the start, if no row has to be exchanged (block_elimination.py).
     """
 
     matrix: Matrix
@@ -78,6 +80,7 @@ class Factors(NamedTuple):
     column: np.ndarray
     threshold: float
     blocks: np.ndarray
+    window: np.ndarray
 
 
 def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
@@ -96,6 +99,8 @@ def new_factors(size: int, bandwidth: int, border: int = 0, threshold: float = C
         np.zeros(size - border), np.zeros(size - border), np.zeros(10, np.int32),
         np.zeros(3 * bandwidth + 1), threshold,
         np.zeros(room_for_blocks(size - border, bandwidth) if bandwidth > NARROW else (2, 0)),
+        # What is renewed in part, or whose pivots are counted, is eliminated row by row.
+        np.zeros(room_for_window(bandwidth) if threshold == CAREFUL and goes_in_blocks(bandwidth) else 0),
     )  # fmt: skip
 
 
@@ -105,7 +110,10 @@ def cut(factors: Factors, first: int, last: int) -> Factors:
     each = {
         name: getattr(factors, name)[first:last] for name in ("pivots", "above", "below", "right", "inverse", "scale")
     }
-    own = {"matrix": Matrix(band, none, none, np.zeros((0, 0))), "columns": none, "blocks": np.zeros((2, 0))}
+    own = {
+        "matrix": Matrix(band, none, none, np.zeros((0, 0))), "columns": none, "blocks": np.zeros((2, 0)),
+        "window": np.zeros(0),
+    }  # fmt: skip
     return factors._replace(**own, **each)
 
 
@@ -197,11 +205,21 @@ def _substitute(f, n, k, x):
     )  # fmt: skip
 
 
-@entry
-def factorise_matrix(factors):
-    """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
-    f = factors
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+@kernel(forceinline=True)
+def _factorise_in_blocks(f, n, k):
+    """Make the band's factors in blocks; returns whether no row had to be exchanged for that."""
+    if f.window.size == 0:
+        return False
+    reach = factorise_in_blocks(f.matrix.band, f.scale, f.blocks, f.window, f.threshold, n, k)
+    if reach < 0:
+        return False
+    f.integers[EXCHANGED], f.integers[PACKED], f.integers[REACH] = 0, IN_BLOCKS, reach
+    return True
+
+
+@kernel(forceinline=True)
+def _factorise_by_rows(f, n, k):
+    """Make the band's factors in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
     # Where the factors before these were used often, these will be: they are packed before their first use.
     f.integers[PACKED] = TRIED if f.integers[PACKED] == AGAIN else FRESH
     equilibrate(f.matrix.band, f.scale, n, k)
@@ -209,6 +227,15 @@ def factorise_matrix(factors):
     row, f.integers[EXCHANGED] = eliminate(
         f.matrix.band, f.pivots, f.above, f.below, f.right, f.inverse, f.threshold, n, k
     )  # fmt: skip
+    return row
+
+
+@entry
+def factorise_matrix(factors):
+    """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
+    f = factors
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    row = 0 if _factorise_in_blocks(f, n, k) else _factorise_by_rows(f, n, k)
     if row != 0:
         return row
     m = f.corner_pivots.size

@@ -205,9 +205,7 @@ class Estimate:
 
     # -- what is compared ----------------------------------------------------------------------------------------------
 
-    def compared(
-        self, read: Mapping[str, np.ndarray], family: Family | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def compared(self, read: Mapping[str, np.ndarray], family: Family | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Computed values of the sensors (m,), and their derivatives (m, k); of the family, where no other is given."""
         family = family or self.family
         measured = self.plan.measured
