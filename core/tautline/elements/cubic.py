@@ -179,27 +179,29 @@ def write_own(four, at, x, y, own):
 
 
 @kernel(forceinline=True)
-def follow_one_another(number, n, a, b):
-    """Whether the unknowns of all of four elements are numbered one after the other, from r1 to r2'."""
+def nodes_in_a_row(number, n, a, b):
+    """Whether the unknowns of each node of four elements are numbered one after the other, r and r'."""
     for k in range(LANES):
-        i, j = a[k], b[k]
-        if not (in_a_row(number, n, i, 2 * AXES) and in_a_row(number, n, j, 2 * AXES)):
-            return False
-        if number[j] != number[i] + 2 * AXES:
+        if not (in_a_row(number, n, a[k], 2 * AXES) and in_a_row(number, n, b[k], 2 * AXES)):
             return False
     return True
 
 
 @kernel(forceinline=True)
-def diagonals_of(number, width, places):
-    """Where the diagonal entries of four unknowns stand in a band (n, width) laid flat.
+def corners_of(number, width, a, b):
+    """Where the blocks of two nodes of four elements begin in a band (n, width) laid flat.
 
-    The entry a rows down and b columns on is b (width - 1) + a places further.
+    First those in the first node's columns: its own rows and the second's; then those in the second's columns. An entry
+    a rows down and b columns on is b (width - 1) + a places further.
     """
     centre = 2 * ((width - 1) // 3)
+    i0, i1, i2, i3 = number[a[0]], number[a[1]], number[a[2]], number[a[3]]
+    j0, j1, j2, j3 = number[b[0]], number[b[1]], number[b[2]], number[b[3]]
+    own = i0 * width + centre, i1 * width + centre, i2 * width + centre, i3 * width + centre
+    other = j0 * width + centre, j1 * width + centre, j2 * width + centre, j3 * width + centre
     return (
-        number[places[0]] * width + centre, number[places[1]] * width + centre,
-        number[places[2]] * width + centre, number[places[3]] * width + centre,
+        own, (own[0] + j0 - i0, own[1] + j1 - i1, own[2] + j2 - i2, own[3] + j3 - i3),
+        (other[0] + i0 - j0, other[1] + i1 - j1, other[2] + i2 - j2, other[3] + i3 - j3), other,
     )  # fmt: skip
 
 
@@ -216,10 +218,10 @@ def _add_in_a_row(matrix, dofs, four, at, counts, a, b):
     two, for it is its node's other element that adds to them next.
     """
     flat, width, step = matrix.band.reshape(-1), matrix.band.shape[1], SHAPE * LANES
-    places = diagonals_of(dofs.number, width, a)
+    in_first, below_it, above_it, in_second = corners_of(dofs.number, width, a, b)
     for vector in range(AXES):
         # Columns of r1 and r2, of r1', of r2'.
-        first = AXES if vector == 1 else 2 * AXES if vector == 0 else SHAPE
+        first, second = (in_first, below_it) if vector == 1 else (above_it, in_second)
         for y in range(AXES):
             place = at + (AXES * vector + y) * LANES
             d0, d1 = counts * load(four, place), counts * load(four, place + step)
@@ -228,29 +230,29 @@ def _add_in_a_row(matrix, dofs, four, at, counts, a, b):
             t0, t1 = counts * load(four, place + 6 * step), counts * load(four, place + 7 * step)
             t2 = counts * load(four, place + 8 * step)
             on_first, on_second = transposed(-d0, -d1, -d2, s0), transposed(d0, d1, d2, t0)
-            column = (first + y) * (width - 1)
-            add_at_places(flat, places, column, on_first)
-            add_pairs_at_places(flat, places, column + 4, s1, s2)
-            add_at_places(flat, places, column + 6, on_second)
-            add_pairs_at_places(flat, places, column + 10, t1, t2)
+            column = (y if vector == 0 else AXES + y) * (width - 1)
+            add_at_places(flat, first, column, on_first)
+            add_pairs_at_places(flat, first, column + LANES, s1, s2)
+            add_at_places(flat, second, column, on_second)
+            add_pairs_at_places(flat, second, column + LANES, t1, t2)
             if vector == 0:
-                column = y * (width - 1)
-                add_at_places(flat, places, column, _opposite(on_first))
-                add_pairs_at_places(flat, places, column + 4, -s1, -s2)
-                add_at_places(flat, places, column + 6, _opposite(on_second))
-                add_pairs_at_places(flat, places, column + 10, -t1, -t2)
+                add_at_places(flat, in_first, column, _opposite(on_first))
+                add_pairs_at_places(flat, in_first, column + LANES, -s1, -s2)
+                add_at_places(flat, below_it, column, _opposite(on_second))
+                add_pairs_at_places(flat, below_it, column + LANES, -t1, -t2)
 
 
 @kernel(forceinline=True)
-def add_scalar_in_a_row(flat, width, places, i, j, x):
+def add_scalar_in_a_row(flat, width, corners, i, j, x):
     """Add lanes to entries (X_i, X_j) of four elements along all three axes, and to (X_j, X_i) where these differ.
 
-    ``places`` are those of their first unknowns' diagonal entries in the band (n, width) laid flat.
+    ``corners`` are those of :func:`corners_of` in the band (n, width) laid flat.
     """
+    row, column = AXES * (i % 2), AXES * (j % 2)
     for c in range(AXES):
-        add_to(flat, places, (AXES * j + c) * (width - 1) + AXES * i + c, x)
+        add_to(flat, corners[2 * (j // 2) + i // 2], (column + c) * (width - 1) + row + c, x)
         if i != j:
-            add_to(flat, places, (AXES * i + c) * (width - 1) + AXES * j + c, x)
+            add_to(flat, corners[2 * (i // 2) + j // 2], (row + c) * (width - 1) + column + c, x)
 
 
 @kernel
@@ -259,7 +261,7 @@ def add_blocks(matrix, dofs, four, at, each, counts, a, b, block):
 
     Members that are the last one over again, which stand for those that there are not, count nothing.
     """
-    if follow_one_another(dofs.number, matrix.band.shape[0], a, b):
+    if nodes_in_a_row(dofs.number, matrix.band.shape[0], a, b):
         _add_in_a_row(matrix, dofs, four, at, counts, a, b)
         return
     for lane in range(LANES):

@@ -12,10 +12,10 @@ from tautline.elements.cubic import (
     VECTORS,
     add_scalar_in_a_row,
     add_scalars,
-    diagonals_of,
-    follow_one_another,
+    corners_of,
     lengths_of,
     members,
+    nodes_in_a_row,
     nodes_of,
     vectors,
 )
@@ -122,24 +122,24 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(0, g.rows.size, LANES):
         each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
-        if not follow_one_another(number, matrix.band.shape[0], i, j):
+        if not nodes_in_a_row(number, matrix.band.shape[0], i, j):
             _add_one_by_one(g, n, q, cm, cc, matrix, dofs)
             continue
         w, x, y, z = g.rows[each[0]], g.rows[each[1]], g.rows[each[2]], g.rows[each[3]]
         h = lengths_of(q, i, j)
         m = pack(w.mass, x.mass, y.mass, z.mass) * h * counts / 420.0
         m = m * (cm + cc * pack(w.damping, x.damping, y.damping, z.damping))
-        places = diagonals_of(number, width, i)
-        add_scalar_in_a_row(flat, width, places, 0, 0, 156.0 * m)
-        add_scalar_in_a_row(flat, width, places, 1, 0, 22.0 * m * h)
-        add_scalar_in_a_row(flat, width, places, 1, 1, 4.0 * m * h * h)
-        add_scalar_in_a_row(flat, width, places, 2, 0, 54.0 * m)
-        add_scalar_in_a_row(flat, width, places, 2, 1, 13.0 * m * h)
-        add_scalar_in_a_row(flat, width, places, 2, 2, 156.0 * m)
-        add_scalar_in_a_row(flat, width, places, 3, 0, -13.0 * m * h)
-        add_scalar_in_a_row(flat, width, places, 3, 1, -3.0 * m * h * h)
-        add_scalar_in_a_row(flat, width, places, 3, 2, -22.0 * m * h)
-        add_scalar_in_a_row(flat, width, places, 3, 3, 4.0 * m * h * h)
+        corners = corners_of(number, width, i, j)
+        add_scalar_in_a_row(flat, width, corners, 0, 0, 156.0 * m)
+        add_scalar_in_a_row(flat, width, corners, 1, 0, 22.0 * m * h)
+        add_scalar_in_a_row(flat, width, corners, 1, 1, 4.0 * m * h * h)
+        add_scalar_in_a_row(flat, width, corners, 2, 0, 54.0 * m)
+        add_scalar_in_a_row(flat, width, corners, 2, 1, 13.0 * m * h)
+        add_scalar_in_a_row(flat, width, corners, 2, 2, 156.0 * m)
+        add_scalar_in_a_row(flat, width, corners, 3, 0, -13.0 * m * h)
+        add_scalar_in_a_row(flat, width, corners, 3, 1, -3.0 * m * h * h)
+        add_scalar_in_a_row(flat, width, corners, 3, 2, -22.0 * m * h)
+        add_scalar_in_a_row(flat, width, corners, 3, 3, 4.0 * m * h * h)
 
 
 @kernel
