@@ -11,6 +11,8 @@ from tautline.kernels.matrix import Factors, factorise_apart, hold_row, new_fact
 
 ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Residual that rounding leaves in a row, over the sum of its stiffnesses times positions."""
+FALLS = 0.1
+"""Share of the residual before below which an iteration has still brought something."""
 STEP_LIMIT, TOLERANCE, SHIFT, PREVIOUS, NEAREST = range(5)
 """Places in ``numbers``: largest change of an unknown in one iteration; residual over its scale that counts as balance;
 the shift, 1/s^2; and the residual over its scale of the iteration before and of the nearest so far."""
@@ -77,7 +79,8 @@ def iterate(s, q, x):
     counts[WORST] = worst
     before = numbers[PREVIOUS]
     numbers[PREVIOUS] = size
-    if _balances(s, q, x, worst):
+    # What rounding may leave is enough only once the residual does not fall any more.
+    if _balances(s, q, x, worst) and not numbers[TOLERANCE] < size < FALLS * before:
         return FOUND
     if size < numbers[NEAREST]:
         numbers[NEAREST], counts[WORST_THERE] = size, worst

@@ -207,8 +207,11 @@ def _substitute(f, n, k, x):
 
 @kernel(forceinline=True)
 def _factorise_in_blocks(f, n, k):
-    """Make the band's factors in blocks; returns whether no row had to be exchanged for that."""
-    if f.window.size == 0:
+    """Make the band's factors in blocks; returns whether no row had to be exchanged for that.
+
+    Where the threshold is lower, somebody counts pivots or renews a part: those stand in factors by rows only.
+    """
+    if f.window.size == 0 or f.threshold < CAREFUL:
         return False
     reach = factorise_in_blocks(f.matrix.band, f.scale, f.blocks, f.window, f.threshold, n, k)
     if reach < 0:
