@@ -88,6 +88,25 @@ def _read_block(flat, width, centre, scale, b, d, n, window, to):
 
 
 @kernel(forceinline=True)
+def _read_reach(band, scale, head, span, p, n, k, window):
+    """Read the blocks of the last row and column that the pivots of block p reach; those before were read earlier."""
+    flat, width, most = band.reshape(-1), band.shape[1], span - 1
+    e = p + most
+    _write_scale(band, scale, LANES * e, n, k)
+    for j in range(max(0, -p), most):
+        _read_block(flat, width, 2 * k, scale, e, p + j, n, window, _block(head, span, most, j))
+        _read_block(flat, width, 2 * k, scale, p + j, e, n, window, _block(head, span, j, most))
+    _read_block(flat, width, 2 * k, scale, e, e, n, window, _block(head, span, most, most))
+
+
+@kernel(forceinline=True)
+def _clear_block(x, at):
+    """Set a block to zero."""
+    for c in range(0, BLOCK, LANES):
+        store(x, at + c, spread(0.0))
+
+
+@kernel(forceinline=True)
 def _is_zero(window, at):
     """Whether a block is of zeros."""
     return not any_of(
@@ -99,54 +118,35 @@ def _is_zero(window, at):
 
 
 @kernel(forceinline=True)
-def _write_inverse(window, at, to, threshold):
-    """Write the inverse of a block; returns whether no row of it had to be exchanged.
+def _inverted(row, k, own, b, c, d):
+    """One step of Gauss and Jordan on four columns: row k is divided by the pivot and subtracted from the others' rows.
 
-    By Gauss and Jordan: each pivot's column is replaced by that of the inverse as it is eliminated from the others.
+    ``row`` is one in row k and zero elsewhere; the pivot's ``own`` column becomes that of the inverse.
     """
-    a0, a1, a2, a3 = (
-        load(window, at), load(window, at + LANES), load(window, at + 2 * LANES), load(window, at + 3 * LANES)
+    h = 1.0 / lane(own, k)
+    others = where(row > 0.0, 0.0, own)
+    x, y, z = lane(b, k) * h, lane(c, k) * h, lane(d, k) * h
+    return (
+        where(row > 0.0, h, -(others * h)), where(row > 0.0, x, b - others * x),
+        where(row > 0.0, y, c - others * y), where(row > 0.0, z, d - others * z),
     )  # fmt: skip
-    none = spread(0.0)
-    e0, e1 = pack(1.0, 0.0, 0.0, 0.0), pack(0.0, 1.0, 0.0, 0.0)
-    e2, e3 = pack(0.0, 0.0, 1.0, 0.0), pack(0.0, 0.0, 0.0, 1.0)
-    p0 = lane(a0, 0)
-    good = abs(p0) >= threshold * largest(abs(a0)) and p0 != 0.0
-    h = 1.0 / p0
-    m = where(e0 > 0.0, 0.0, a0)
-    # Row 0 of all columns is divided by the pivot, and subtracted from the others' rows.
-    x1, x2, x3 = lane(a1, 0) * h, lane(a2, 0) * h, lane(a3, 0) * h
-    a1 = where(e0 > 0.0, x1, a1 - m * x1)
-    a2 = where(e0 > 0.0, x2, a2 - m * x2)
-    a3 = where(e0 > 0.0, x3, a3 - m * x3)
-    a0 = where(e0 > 0.0, h, none - m * h)
-    p1 = lane(a1, 1)
-    good = good and abs(p1) >= threshold * max(abs(lane(a1, 2)), abs(lane(a1, 3))) and p1 != 0.0
-    h = 1.0 / p1
-    m = where(e1 > 0.0, 0.0, a1)
-    x0, x2, x3 = lane(a0, 1) * h, lane(a2, 1) * h, lane(a3, 1) * h
-    a0 = where(e1 > 0.0, x0, a0 - m * x0)
-    a2 = where(e1 > 0.0, x2, a2 - m * x2)
-    a3 = where(e1 > 0.0, x3, a3 - m * x3)
-    a1 = where(e1 > 0.0, h, none - m * h)
-    p2 = lane(a2, 2)
-    good = good and abs(p2) >= threshold * abs(lane(a2, 3)) and p2 != 0.0
-    h = 1.0 / p2
-    m = where(e2 > 0.0, 0.0, a2)
-    x0, x1, x3 = lane(a0, 2) * h, lane(a1, 2) * h, lane(a3, 2) * h
-    a0 = where(e2 > 0.0, x0, a0 - m * x0)
-    a1 = where(e2 > 0.0, x1, a1 - m * x1)
-    a3 = where(e2 > 0.0, x3, a3 - m * x3)
-    a2 = where(e2 > 0.0, h, none - m * h)
-    p3 = lane(a3, 3)
-    good = good and p3 != 0.0
-    h = 1.0 / p3
-    m = where(e3 > 0.0, 0.0, a3)
-    x0, x1, x2 = lane(a0, 3) * h, lane(a1, 3) * h, lane(a2, 3) * h
-    a0 = where(e3 > 0.0, x0, a0 - m * x0)
-    a1 = where(e3 > 0.0, x1, a1 - m * x1)
-    a2 = where(e3 > 0.0, x2, a2 - m * x2)
-    a3 = where(e3 > 0.0, h, none - m * h)
+
+
+@kernel(forceinline=True)
+def _write_inverse(window, at, to, threshold):
+    """Write the inverse of a block; returns whether no row of it had to be exchanged."""
+    a0, a1 = load(window, at), load(window, at + LANES)
+    a2, a3 = load(window, at + 2 * LANES), load(window, at + 3 * LANES)
+    good = lane(a0, 0) != 0.0 and abs(lane(a0, 0)) >= threshold * largest(abs(a0))
+    a0, a1, a2, a3 = _inverted(pack(1.0, 0.0, 0.0, 0.0), 0, a0, a1, a2, a3)
+    pivot, below = abs(lane(a1, 1)), max(abs(lane(a1, 2)), abs(lane(a1, 3)))
+    good = good and pivot != 0.0 and pivot >= threshold * below
+    a1, a0, a2, a3 = _inverted(pack(0.0, 1.0, 0.0, 0.0), 1, a1, a0, a2, a3)
+    pivot = abs(lane(a2, 2))
+    good = good and pivot != 0.0 and pivot >= threshold * abs(lane(a2, 3))
+    a2, a0, a1, a3 = _inverted(pack(0.0, 0.0, 1.0, 0.0), 2, a2, a0, a1, a3)
+    good = good and lane(a3, 3) != 0.0
+    a3, a0, a1, a2 = _inverted(pack(0.0, 0.0, 0.0, 1.0), 3, a3, a0, a1, a2)
     store(window, to, a0)
     store(window, to + LANES, a1)
     store(window, to + 2 * LANES, a2)
@@ -182,7 +182,6 @@ def factorise_in_blocks(band, scale, blocks, window, threshold, n, k):
     int
         How many blocks stand beside each other, or -1 where a row would have to be exchanged.
     """
-    flat, width, centre = band.reshape(-1), band.shape[1], 2 * k
     most = reach_of_band(k)
     span, count, stride = most + 1, (n + LANES - 1) // LANES, (1 + most) * BLOCK
     inverse, marks, reach = span * span * BLOCK, span * span * BLOCK + BLOCK, 1
@@ -192,14 +191,8 @@ def factorise_in_blocks(band, scale, blocks, window, threshold, n, k):
     head = 0  # of the first pivot; those before it only read what it reaches
     for p in range(-most, count):
         head = head + 1 if head + 1 < span else 0
-        e = p + most
-        if e < count:
-            # The blocks of the last row and column that this pivot reaches.
-            _write_scale(band, scale, LANES * e, n, k)
-            for j in range(max(0, -p), most):
-                _read_block(flat, width, centre, scale, e, p + j, n, window, _block(head, span, most, j))
-                _read_block(flat, width, centre, scale, p + j, e, n, window, _block(head, span, j, most))
-            _read_block(flat, width, centre, scale, e, e, n, window, _block(head, span, most, most))
+        if p + most < count:
+            _read_reach(band, scale, head, span, p, n, k, window)
         if p < 0:
             continue
         if not _write_inverse(window, _block(head, span, 0, 0), inverse, threshold):
@@ -218,8 +211,7 @@ def factorise_in_blocks(band, scale, blocks, window, threshold, n, k):
             empty = j > last or _is_zero(window, source)
             window[marks + j] = 0.0 if empty else 1.0
             if empty:
-                for c in range(0, BLOCK, LANES):
-                    store(backward, place + c, spread(0.0))
+                _clear_block(backward, place)
                 continue
             reach = max(reach, j)
             unscaled = 1.0 / gather(scale, i + LANES * j, n)
@@ -231,8 +223,7 @@ def factorise_in_blocks(band, scale, blocks, window, threshold, n, k):
         for b in range(1, last + 1):
             source, place = _block(head, span, b, 0), at + b * (stride + BLOCK)
             if _is_zero(window, source):
-                for c in range(0, BLOCK, LANES):
-                    store(forward, place + c, spread(0.0))
+                _clear_block(forward, place)
                 continue
             reach = max(reach, b)
             s0, s1 = load(window, source), load(window, source + LANES)
