@@ -117,14 +117,9 @@ def assembled(scene: CraneScene) -> Assembly:
     still = [layout.material(i) for i, item in enumerate(scene.path) if isinstance(item, Drum) and not item.prescribed]
     turns = [turn + k for turn in layout.turn.values() for k in range(QUATERNION)]
     at_rest = [*still, *layout.rim.values(), *turns]
-    system = assemble(
-        groups,
-        layout.degrees,
-        functions,
-        velocity,
-        *layout.once("stencils", lambda: _stencils(layout, contacts)),
-        at_rest=at_rest,
-    )
+    # Laws and sockets couple too: they are asked for each scene, also where its geometry was met before.
+    stencils = _stencils(layout, contacts)
+    system = assemble(groups, layout.degrees, functions, velocity, *stencils, at_rest=at_rest)
     driven = system.dofs.driven
     system.q[system.dofs.held[driven]] = system.dofs.offset[driven] + at_first[system.dofs.motion[driven]]
     return Assembly(layout, system, compensation, [*layout.path.warnings])
