@@ -263,8 +263,8 @@ class Run:
         self.remembered = 0.0
         self.began: dict[str, Any] = {}
         self._starts_far = False
-        self.ahead = 0
-        """Frames in the room before those of the batch: that of the start of a brief run, stored with the first."""
+        self.ahead, self.stored_at = 0, time.perf_counter()
+        """Frames in the room before those of the batch, stored with what follows; and when frames were stored last."""
         self.frames = self._room(1 if brief is None else 1 + min(self.batch, self.ends.size))
         self._critical: CriticalStep | None = None
         self.unchecked = FRAMES_UNCHECKED
@@ -399,17 +399,17 @@ class Run:
         )  # fmt: skip
         if not np.isfinite(self.frames.rows[0]).all():
             raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
-        if self.brief is not None:
-            self.ahead = 1
-            return
-        self._store(store, self.frames, 1)
+        self.ahead = 1
+        self._remember()
+        if self.look is not None:
+            self.look(self.state, self.time, self.method)
 
     def advance(self, store: Store) -> None:
         """Run one batch of frames, or a part of a frame that takes long; the next is as long as fits into ``BATCH``."""
         under_way, first = self._under_way(), self.done + self.waiting
         rows = 1 if under_way else min(self.batch, self.ends.size - first)
         if self.frames.time.size < self.ahead + rows:
-            held, self.frames = self.frames, self._room(self.ahead + rows)
+            held, self.frames = self.frames, self._room(2 * self.ahead + rows)
             self.frames.rows[: self.ahead] = held.rows[: self.ahead]
         system, some = self.model.system, slice(first, first + rows)
         before, used = time.perf_counter(), time.thread_time()
@@ -435,11 +435,15 @@ class Run:
         self.spent += spent - checked
         stopped = status != Status.DONE
         if self.waiting and (stopped or not self._under_way()):
-            stored, self.waiting = self.waiting, 0
-            self.done += stored
-            self._store(store, self.frames, self.ahead + stored, stopped)
-            self.ahead = 0
-            self._size_batch(stored, checked)
+            made, self.waiting = self.waiting, 0
+            self.done, self.ahead = self.done + made, self.ahead + made
+            if not stopped:
+                self._remember()
+            if stopped or self._store_is_due():
+                self._store(store)
+            if self.look is not None:
+                self.look(self.state, self.time, self.method)
+            self._size_batch(made, checked)
         if stopped:
             worst = int(self.state.counters[WORST])
             raise StoppedEarly(Status(status), reached, system.name_of(worst))
@@ -475,10 +479,14 @@ class Run:
         if work > 0:
             self.work = max(1, int(min(MORE_WORK * work, PATIENCE * BATCH * work / max(spent, 1e-9))))
 
+    def _most_rows(self) -> int:
+        """Frames that may be in memory at once."""
+        most = BATCH_NUMBERS if self.model.keep is None else DIGESTED_NUMBERS
+        return max(1, most // (4 * self.model.system.q.size + self.model.own + 6))
+
     def _size_batch(self, rows: int, checked: float) -> None:
         """Set the length of the next batch from frames stored and from the time, s, that a look at the step took."""
-        most = BATCH_NUMBERS if self.model.keep is None else DIGESTED_NUMBERS
-        limit = max(1, most // (4 * self.model.system.q.size + self.model.own + 6))
+        limit = self._most_rows()
         per_frame, self.spent = max(self.spent, 1e-9) / rows, 0.0
         if self.explicit:
             # A look at the step takes a millisecond, which is hundreds of steps of a small scene.
@@ -509,9 +517,24 @@ class Run:
             return self.step
         return min(self.step, SAFE * self.critical.search(self.state, self.time)[0])
 
-    def _store(self, store: Store, frames: Frames, filled: int, stopped: bool = False) -> None:
-        """Store frames, and remember the state unless the run has stopped: then it is no longer that of a frame."""
-        part = Frames(*(array[:filled] for array in frames))
+    def _store_is_due(self) -> bool:
+        """Whether frames that wait are to be stored: first batches are short, and storing them takes longer than they do.
+        """
+        if self.brief is not None or self.done == self.ends.size:
+            return True
+        return self.ahead >= self._most_rows() or time.perf_counter() - self.stored_at > BATCH
+
+    def _remember(self) -> None:
+        """Remember the state, which is that of a frame: a run that has stopped is gone on with from there."""
+        if self.brief is not None:
+            return
+        if self.places[0] is not self.method:
+            self.places = self.method, places_of(*self._parts())
+        self.memory, self.remembered = copied(self.places[1]), self.time
+
+    def _store(self, store: Store) -> None:
+        """Store the frames that wait."""
+        part = Frames(*(array[: self.ahead] for array in self.frames))
         stored: Mapping[str, np.ndarray]
         if isinstance(store, BriefStore) and self.model.on_demand is not None:
             # The store keeps the frames: the next batch gets a room of its own.
@@ -526,13 +549,8 @@ class Run:
         else:
             stored = {"time": part.time.copy(), **self.model.observe(part)}
         self.balance.add(np.column_stack([stored[name] for name in ENERGIES]))
-        if not stopped and self.brief is None:
-            if self.places[0] is not self.method:
-                self.places = self.method, places_of(*self._parts())
-            self.memory, self.remembered = copied(self.places[1]), self.time
         store.append(stored, self.memory, {} if self.brief is not None else self.progress())
-        if self.look is not None:
-            self.look(self.state, self.time, self.method)
+        self.ahead, self.stored_at = 0, time.perf_counter()
 
     def progress(self) -> dict[str, Any]:
         """What a run that is killed must leave beside its state, to be gone on with."""
@@ -545,6 +563,8 @@ class Run:
         self, store: Store, status: str, further: dict[str, Any] | None = None, warnings: Sequence[str] = ()
     ) -> Result | None:
         """Close the file with what is known at the end, further attributes and warnings; None if it holds nothing."""
+        if self.ahead and self.brief is None:
+            self._store(store)
         result = store.result
         if result is None:
             return None
