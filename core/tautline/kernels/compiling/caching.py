@@ -163,6 +163,7 @@ class KernelCache(FunctionCache):
         self._impl = Code(function, file)
         self._is_ours = is_ours(function)
         self._files: dict[str, Files] = {}
+        self._keys: dict[Any, Any] = {}
         self._enabled = True
 
     @property
@@ -233,6 +234,12 @@ class KernelCache(FunctionCache):
 
     def _index_key(self, signature: Any, codegen: Any) -> Any:
         """The types by what they are, so that a list can be read without them; the function and others' kernels."""
+        known = signature, codegen.magic_tuple()
+        if known not in self._keys:
+            self._keys[known] = self._new_key(signature, codegen)
+        return self._keys[known]
+
+    def _new_key(self, signature: Any, codegen: Any) -> Any:
         arguments = sigutils.normalize_signature(signature)[0]
         classes = list(dict.fromkeys(each for kind in arguments for each in _classes_in(kind)))
         described = [f"{each.__module__}.{each.__qualname__}{each._fields}" for each in classes]

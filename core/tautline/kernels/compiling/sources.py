@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import os
 import re
 import sys
 import types as python_types
@@ -32,16 +33,32 @@ KNOWN = {"numpy", "numba", "llvmlite", "scipy"} | set(sys.stdlib_module_names) -
 """Packages that are known by their version."""
 
 
-def kernel_sources(package: str = "tautline") -> dict[str, Path]:
-    """Files of the core, or of an installed application, that hold compiled code, by their place in the package."""
+def kernel_sources(package: str = "tautline") -> dict[str, bytes]:
+    """Contents of the files of the core, or of an installed application, that hold compiled code.
+
+    They go by their place in the package. Each is read once and told from others by its text: this is done before the
+    first kernel of every run is loaded.
+    """
     spec = util.find_spec(package)
-    roots = [Path(root) for root in spec.submodule_search_locations or ()] if spec else []
-    return {
-        f"{package}/{file.relative_to(root).as_posix()}": file
-        for root in roots
-        for file in sorted(root.rglob("*.py"))
-        if _is_compiled(file, root)
-    }
+    roots = list(spec.submodule_search_locations or ()) if spec else []
+    return {place: text for root in roots for place, text in sorted(_texts(package, root))}
+
+
+def _texts(package: str, root: str) -> Iterator[tuple[str, bytes]]:
+    """Places and contents of the files below a folder that hold compiled code, or constants that are compiled in."""
+    for folder, inner, files in os.walk(root):
+        rooms = tuple(Path(folder).relative_to(root).parts)
+        if package == "tautline" and rooms[:1] in UNCOMPILED:
+            inner.clear()
+            continue
+        everything = not COMPILED.isdisjoint(rooms)
+        for name in files:
+            if not name.endswith(".py"):
+                continue
+            with open(os.path.join(folder, name), "rb") as file:
+                text = file.read()
+            if everything or b"kernel" in text:
+                yield "/".join((package, *rooms, name)), text
 
 
 @functools.cache
@@ -54,14 +71,6 @@ def packages() -> frozenset[str]:
 def is_ours(thing: Any) -> bool:
     """Whether a function or class is of the core or of an installed application."""
     return (getattr(thing, "__module__", None) or "").split(".")[0] in packages()
-
-
-def _is_compiled(source: Path, root: Path) -> bool:
-    """Whether a file of a package holds compiled code, or constants that are compiled in."""
-    rooms = source.relative_to(root).parts[:-1]
-    if root.name == "tautline" and rooms[:1] in UNCOMPILED:
-        return False
-    return not COMPILED.isdisjoint(rooms) or b"kernel" in source.read_bytes()
 
 
 IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
@@ -88,7 +97,7 @@ def hash_of_package(package: str) -> str:
     digest, seen, waiting = hashlib.sha256(), {"tautline"}, [package]
     while waiting:
         each = waiting.pop()
-        texts = {place: file.read_bytes() for place, file in kernel_sources(each).items()}
+        texts = kernel_sources(each)
         for place, text in texts.items():
             digest.update(f"{place}\0".encode() + hashlib.sha256(text).digest())
         if each != "tautline":
