@@ -518,8 +518,7 @@ class Run:
         return min(self.step, SAFE * self.critical.search(self.state, self.time)[0])
 
     def _store_is_due(self) -> bool:
-        """Whether frames that wait are to be stored: first batches are short, and storing them takes longer than they do.
-        """
+        """Whether frames that wait are to be stored: the first batches are short, and to store them takes longer."""
         if self.brief is not None or self.done == self.ends.size:
             return True
         return self.ahead >= self._most_rows() or time.perf_counter() - self.stored_at > BATCH
