@@ -16,6 +16,8 @@ from tautline.kernels.lanes import (
     add_pairs_at_places,
     add_rows,
     any_of,
+    collect_fours,
+    collect_pairs,
     cos,
     equals,
     exp,
@@ -111,6 +113,27 @@ def test_columns_are_added_as_rows_of_four_and_two_also_where_these_overlap():
             expected[place + 5 : place + 7] += a[k] * b[k], c[k]
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-14)
     np.testing.assert_allclose(plain, expected, rtol=0.0, atol=1e-14)
+
+
+@entry
+def _from_places(x, out, places):
+    """Rows of four numbers and of two, read from places that overlap, written column by column."""
+    columns = (*collect_fours(x, places, 2), *collect_pairs(x, places, 6))
+    store(out, 0, columns[0])
+    store(out, LANES, columns[1])
+    store(out, 2 * LANES, columns[2])
+    store(out, 3 * LANES, columns[3])
+    store(out, 4 * LANES, columns[4])
+    store(out, 5 * LANES, columns[5])
+
+
+def test_rows_of_four_and_two_at_any_places_are_read_as_columns():
+    x, places = np.random.default_rng(3).standard_normal(16), (8, 0, 3, 3)
+    found, plain = np.zeros((2, 6 * LANES))
+    _from_places(x, found, places)
+    getattr(_from_places, "py_func", _from_places)(x, plain, places)
+    expected = np.array([x[place + 2 : place + 8] for place in places]).T.ravel()
+    assert found.tolist() == expected.tolist() == plain.tolist()
 
 
 @entry

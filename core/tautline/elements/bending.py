@@ -161,7 +161,9 @@ def _residual(g, t, q, v, a, r):
         stiffness, damping, depth, damped = _properties(g.rows, each)
         h = 1.0 / length
         half = 0.5 * stiffness * counts
-        shape, rates = shape_of(q, i, j), shape_of(v, i, j)
+        shape = rates = shape_of(q, i, j)
+        if damped:
+            rates = shape_of(v, i, j)
         none = spread(0.0)
         on_chord = on_first = on_second = (none, none, none)
         for k in range(g.points.shape[0]):
@@ -298,7 +300,9 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         length = lengths_of(q, i, j)
         stiffness, damping, depth, damped = _properties(g.rows, each)
         h = 1.0 / length
-        shape, rates = shape_of(q, i, j), shape_of(v, i, j)
+        shape = rates = shape_of(q, i, j)
+        if damped:
+            rates = shape_of(v, i, j)
         for k in range(g.points.shape[0]):
             p, at = g.points[k], BLOCK_OF_FOUR + k * POINT
             first = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])

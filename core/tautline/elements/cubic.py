@@ -15,6 +15,8 @@ from tautline.kernels.lanes import (
     add_pairs_at_places,
     add_to,
     collect,
+    collect_fours,
+    collect_pairs,
     load,
     pack,
     store,
@@ -82,17 +84,17 @@ def members(n, count):
 
 
 @kernel(forceinline=True)
-def collect_vector(x, places, offset):
-    """Three lanes: the components of vectors that begin at four places, each moved by ``offset``."""
-    return collect(x, places, offset), collect(x, places, offset + 1), collect(x, places, offset + 2)
+def vectors_of(x, nodes):
+    """r and r' of four nodes, three lanes each."""
+    (r1, r2, r3, s1), (s2, s3) = collect_fours(x, nodes, 0), collect_pairs(x, nodes, LANES)
+    return (r1, r2, r3), (s1, s2, s3)
 
 
 @kernel(forceinline=True)
-def add_to_vector(x, places, offset, vector):
-    """Add three lanes to the vectors that begin at four places, each moved by ``offset``."""
-    add_to(x, places, offset, vector[0])
-    add_to(x, places, offset + 1, vector[1])
-    add_to(x, places, offset + 2, vector[2])
+def add_to_vectors(x, nodes, on_r, on_s):
+    """Add three lanes each to r and r' of four nodes, which may be the same: one node after the other."""
+    add_at_places(x, nodes, 0, transposed(on_r[0], on_r[1], on_r[2], on_s[0]))
+    add_pairs_at_places(x, nodes, LANES, on_s[1], on_s[2])
 
 
 @kernel(forceinline=True)
@@ -111,9 +113,8 @@ def lengths_of(q, a, b):
 @kernel(forceinline=True)
 def shape_of(x, a, b):
     """What a slope of four elements depends on: r2 - r1, r1' and r2', three lanes each; of positions or rates."""
-    r1, r2 = collect_vector(x, a, 0), collect_vector(x, b, 0)
-    chord = (r2[0] - r1[0], r2[1] - r1[1], r2[2] - r1[2])
-    return chord, collect_vector(x, a, AXES), collect_vector(x, b, AXES)
+    (r1, s1), (r2, s2) = vectors_of(x, a), vectors_of(x, b)
+    return (r2[0] - r1[0], r2[1] - r1[1], r2[2] - r1[2]), s1, s2
 
 
 @kernel(forceinline=True)
@@ -143,10 +144,8 @@ def scaled_sum(x, s, y):
 def add_forces(r, a, b, on_chord, on_first, on_second):
     """Add what works on r2 - r1, r1' and r2' of four elements to a residual."""
     x, y, z = on_chord
-    add_to_vector(r, a, 0, (-x, -y, -z))
-    add_to_vector(r, a, AXES, on_first)
-    add_to_vector(r, b, 0, on_chord)
-    add_to_vector(r, b, AXES, on_second)
+    add_to_vectors(r, a, (-x, -y, -z), on_first)
+    add_to_vectors(r, b, on_chord, on_second)
 
 
 @kernel(forceinline=True)

@@ -12,16 +12,19 @@ from tautline.elements.cubic import (
     VECTORS,
     add_scalar_in_a_row,
     add_scalars,
+    add_to_vectors,
     corners_of,
     lengths_of,
     members,
     nodes_in_a_row,
     nodes_of,
+    scaled_sum,
     vectors,
+    vectors_of,
 )
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import LANES, add_to, collect, pack, spread
+from tautline.kernels.lanes import LANES, pack, spread
 
 INERTIA = np.dtype([("a", "i8"), ("b", "i8"), ("mass", "f8"), ("damping", "f8"), ("load", "f8", (3,))])
 """An element: its nodes' places, mass kg/m, mass-proportional damping 1/s (eq. 2.168), load with the weight N/m."""
@@ -78,22 +81,30 @@ def _add_four(g, n, q, v, a, r, moving):
     m = pack(w.mass, x.mass, y.mass, z.mass) * h / 420.0
     damped = w.damping != 0.0 or x.damping != 0.0 or y.damping != 0.0 or z.damping != 0.0
     damping = pack(w.damping, x.damping, y.damping, z.damping)
+    none = spread(0.0)
+    r1 = s1 = r2 = s2 = (none, none, none)
+    if moving:
+        (r1, s1), (r2, s2) = vectors_of(a, i), vectors_of(a, j)
+    if damped:
+        (v1, w1), (v2, w2) = vectors_of(v, i), vectors_of(v, j)
+        r1, s1 = scaled_sum(r1, damping, v1), scaled_sum(s1, damping, w1)
+        r2, s2 = scaled_sum(r2, damping, v2), scaled_sum(s2, damping, w2)
+    on_x = _force_along(r1[0], s1[0], r2[0], s2[0], m, h, pack(w.load[0], x.load[0], y.load[0], z.load[0]))
+    on_y = _force_along(r1[1], s1[1], r2[1], s2[1], m, h, pack(w.load[1], x.load[1], y.load[1], z.load[1]))
+    on_z = _force_along(r1[2], s1[2], r2[2], s2[2], m, h, pack(w.load[2], x.load[2], y.load[2], z.load[2]))
+    add_to_vectors(r, i, (on_x[0], on_y[0], on_z[0]), (on_x[1], on_y[1], on_z[1]))
+    add_to_vectors(r, j, (on_x[2], on_y[2], on_z[2]), (on_x[3], on_y[3], on_z[3]))
+
+
+@kernel(forceinline=True)
+def _force_along(r1, s1, r2, s2, m, h, load):
+    """Forces of four elements on r1, r1', r2 and r2' along one axis: of inertia, less the load per length."""
+    on_r1, on_s1, on_r2, on_s2 = _momentum(r1, h * s1, r2, h * s2)
     half = 0.5 * h
     sixth = half * h / 6.0
-    for c in range(AXES):
-        r1 = s1 = r2 = s2 = spread(0.0)
-        if moving:
-            r1, s1 = collect(a, i, c), collect(a, i, AXES + c)
-            r2, s2 = collect(a, j, c), collect(a, j, AXES + c)
-        if damped:
-            r1, s1 = r1 + damping * collect(v, i, c), s1 + damping * collect(v, i, AXES + c)
-            r2, s2 = r2 + damping * collect(v, j, c), s2 + damping * collect(v, j, AXES + c)
-        load = pack(w.load[c], x.load[c], y.load[c], z.load[c])
-        on_r1, on_s1, on_r2, on_s2 = _momentum(r1, h * s1, r2, h * s2)
-        add_to(r, i, c, m * on_r1 - load * half)
-        add_to(r, i, AXES + c, m * h * on_s1 - load * sixth)
-        add_to(r, j, c, m * on_r2 - load * half)
-        add_to(r, j, AXES + c, m * h * on_s2 + load * sixth)
+    return (
+        m * on_r1 - load * half, m * h * on_s1 - load * sixth, m * on_r2 - load * half, m * h * on_s2 + load * sixth
+    )  # fmt: skip
 
 
 @kernel

@@ -128,7 +128,9 @@ def _residual(g, t, q, v, a, r):
         stiffness, damping, engineering, slack = _properties(g.rows, each)
         damped, engineered, slackens = _is_any(g.rows, each)
         h = 1.0 / length
-        shape, rates = shape_of(q, i, j), shape_of(v, i, j)
+        shape = rates = shape_of(q, i, j)
+        if damped:
+            rates = shape_of(v, i, j)
         none = spread(0.0)
         on_chord = on_first = on_second = (none, none, none)
         for k in range(g.points.shape[0]):
@@ -163,7 +165,9 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         stiffness, damping, engineering, slack = _properties(g.rows, each)
         damped, engineered, slackens = _is_any(g.rows, each)
         h = 1.0 / length
-        shape, rates = shape_of(q, i, j), shape_of(v, i, j)
+        shape = rates = shape_of(q, i, j)
+        if damped:
+            rates = shape_of(v, i, j)
         none = spread(0.0)
         for k in range(g.points.shape[0]):
             p = g.points[k]

@@ -296,6 +296,36 @@ def _collect(context, builder, sig, args):
     return x
 
 
+def collect_fours(array, places, offset):
+    """Four numbers each from four places on, moved by ``offset``, as columns: the k-th lanes are the k-th numbers."""
+    rows = np.array([array[place + offset : place + offset + LANES] for place in places])
+    return tuple(rows[:, k].copy() for k in range(LANES))
+
+
+@lowered(collect_fours, lambda args: _ROWS if _at_places(args) else None)
+def _collect_fours(context, builder, sig, args):
+    places = (builder.bitcast(at, NUMBERS.as_pointer()) for at in _places(context, builder, sig, args))
+    rows = [builder.load(at, align=8) for at in places]
+    return context.make_tuple(builder, sig.return_type, _transposed(builder, rows))
+
+
+def collect_pairs(array, places, offset):
+    """The same with two numbers each: two lanes."""
+    rows = np.array([array[place + offset : place + offset + 2] for place in places])
+    return rows[:, 0].copy(), rows[:, 1].copy()
+
+
+@lowered(collect_pairs, lambda args: types.UniTuple(LANE, 2) if _at_places(args) else None)
+def _collect_pairs(context, builder, sig, args):
+    pair = ir.VectorType(ir.DoubleType(), 2)
+    places = (builder.bitcast(at, pair.as_pointer()) for at in _places(context, builder, sig, args))
+    a, b, c, d = (builder.load(at, align=8) for at in places)
+    together = ir.Constant(ir.VectorType(INDEX, LANES), list(range(LANES)))
+    above, below = builder.shuffle_vector(a, b, together), builder.shuffle_vector(c, d, together)
+    columns = [_shuffled(builder, above, below, (k, 2 + k, 4 + k, 6 + k)) for k in (0, 1)]
+    return context.make_tuple(builder, sig.return_type, columns)
+
+
 def add_to(array, places, offset, x):
     """Add lanes to an array at four places, each moved by ``offset``, one after the other: they may be the same."""
     for place, value in zip(places, x, strict=True):
