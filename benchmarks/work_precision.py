@@ -1,129 +1,156 @@
-"""Error against time: our integrators, and those of SciPy, which drive the same equations (`Simulation.equations`)."""
+"""Error against CPU time on eight scenes: our integrators, SciPy's on the same equations, and Exudyn where it has them.
+
+SciPy's methods drive `Simulation.equations`; Exudyn (`pip install 'tautline[race]'`) runs its own model of the same
+mesh, and is judged against its own finest run. Without it its curves are left out, and nothing is written.
+"""
 
 from __future__ import annotations
 
 import sys
 import time
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import Any
 
-import jwell
 import numpy as np
+import race_peer as peer
+import work_precision_scenes as scenes
 from page import Section, number, show, table
 from scipy.integrate import solve_ivp
+from work_precision_scenes import ROOT, Scene
 
 import tautline
+from tautline.application.installed import Installed
 
-REPEATED = 5
-"""Runs of ours of which the fastest counts: they are short."""
+REPEATED, ENOUGH = 5, 0.5
+"""Runs of ours of which the fastest counts, and the time, s, after which there are no more."""
+LONGEST = 60.0
+"""Time, s, of a run of others after which no tighter tolerance is tried."""
+WANTED = (0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)
+"""Errors of the table, as shares of the motion."""
 COLOURS = {
-    "rk4": "C0", "generalized-alpha": "C1", "DOP853": "C2", "Radau": "C3", "BDF": "C4",
+    "rk4": "C0", "generalized-alpha": "C1", "DOP853": "C2", "Radau": "C3", "BDF": "C4", "Exudyn": "C5",
 }  # fmt: skip
-PICTURE = jwell.ROOT / "docs" / "images" / "work_precision.png"
-ROPE = """
-title: A slack rope that is let go
-rope: {mass_per_length: 2.0, axial_stiffness: 2.0e4, damping: 2.0e-3, diameter: 22 mm, breaking_load: 0.4 MN}
-path:
-  - anchor: {name: left, position: [0, 0, 0]}
-  - anchor: {name: right, position: [10, 0, 0]}
-mesh: {elements_per_span: 8}
-start: as drawn
-solver: {method: generalized-alpha, rho_inf: 1, step: 0.2 ms, end: 1 s}
-output: {interval: 10 ms}
-"""
+PICTURE = ROOT / "docs" / "images" / "work_precision.png"
+
+Curve = list[tuple[float, float]]
+"""CPU time s and error of each run."""
 
 
-class Case(NamedTuple):
-    """A scene, until when, the steps of ours, and tolerances of SciPy's methods."""
+class Judge:
+    """What the runs of a scene are compared by: places of the watched unknowns at some times."""
 
-    title: str
-    scene: Any
-    end: float
-    steps: dict[str, tuple[float, ...]]
-    theirs: dict[str, tuple[float, ...]]
-    exact: tuple[str, float]
-    """Method and tolerance of the reference."""
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.sim = tautline.Simulation(scene.scene, keep=False)
+        equations = self.sim.equations
+        self.chosen = [i for i, name in enumerate(equations.names) if scene.watched(name)]
+        self.less = equations.names.index(scene.less) if scene.less else None
+        self.start = self.of(equations.state()[1])
+        self.exact = np.zeros(0)
+        self.extent = 1.0
 
+    def of(self, q: np.ndarray) -> np.ndarray:
+        """What is watched of positions (n,) or (times, n)."""
+        found = np.asarray(q)[..., self.chosen]
+        return found if self.less is None else found - np.asarray(q)[..., [self.less]]
 
-def cases() -> list[Case]:
-    """The three scenes; forces are smooth over the time that is run."""
-    data = jwell.ROOT / "data"
-    half = tuple(2.0**-k for k in range(6))
-    loose = tuple(10.0**-k for k in range(3, 10))
-    return [
-        Case(
-            "Hammer bar", data / "cantilever_bar.yaml", 0.9,
-            {"rk4": tuple(0.04 * x for x in half), "generalized-alpha": tuple(0.02 * x for x in half)},
-            {"DOP853": loose[:6], "Radau": loose[:4], "BDF": loose[:4]}, ("DOP853", 1e-11),
-        ),
-        Case(
-            "Rope let go", ROPE, 0.5,
-            {"rk4": tuple(4e-4 * x for x in half[:4]), "generalized-alpha": tuple(8e-3 * x for x in half)},
-            {"DOP853": loose[:4], "Radau": loose[:3], "BDF": loose[:3]}, ("DOP853", 1e-9),
-        ),
-        Case(
-            "Hose, 35 m/s", data / "hose.yaml", 0.05,
-            {"rk4": tuple(5e-6 * x for x in half[:2]), "generalized-alpha": tuple(2e-3 * x for x in half)},
-            {"Radau": loose[:5], "BDF": loose[:4]}, ("Radau", 1e-9),
-        ),
-    ]  # fmt: skip
+    def take(self, exact: np.ndarray) -> None:
+        """Judge by these positions (times, n) from now on."""
+        self.exact = self.of(exact)
+        everything = np.vstack([self.start, self.exact])
+        self.extent = float(np.ptp(everything, axis=0).max())
+
+    def error(self, found: np.ndarray) -> float:
+        """Largest difference over the largest way that anything watched goes."""
+        return float(np.abs(self.of(found) - self.exact).max()) / self.extent
 
 
-def reference(case: Case) -> np.ndarray:
-    """Positions at the end by a method of SciPy with a tolerance far below those of the curves."""
-    return theirs(case, *case.exact)[1]
-
-
-def theirs(case: Case, method: str, tolerance: float) -> tuple[float, np.ndarray]:
-    """CPU time s, and positions (n,) at the end, of a method of SciPy."""
-    equations = tautline.Simulation(case.scene, keep=False).equations
+def theirs(judge: Judge, method: str, tolerance: float) -> tuple[float, np.ndarray]:
+    """CPU time s, and positions (times, n), of a method of SciPy."""
+    equations = tautline.Simulation(judge.scene.scene, keep=False).equations
     t, q, v = equations.state()
     more = {} if method == "DOP853" else {"jac": equations.first_order_tangent}
     began = time.process_time()
     found = solve_ivp(
-        equations.first_order, (t, case.end), np.concatenate((q, v)), method=method, rtol=tolerance,
-        atol=1e-3 * tolerance, **more,
+        equations.first_order, (t, judge.scene.end), np.concatenate((q, v)), method=method, rtol=tolerance,
+        atol=1e-3 * tolerance * judge.scene.size, t_eval=judge.scene.times, **more,
     )  # fmt: skip
     used = time.process_time() - began
-    return used, found.y[: equations.size, -1] if found.success else np.full(equations.size, np.nan)
+    many = len(judge.scene.times), equations.size
+    return used, found.y[: equations.size].T if found.success else np.full(many, np.nan)
 
 
-def ours(case: Case, method: str, step: float) -> tuple[float, np.ndarray]:
-    """CPU time s of the steps, and positions (n,) at the end, of a method of ours."""
-    scene = tautline.read(case.scene)
-    from tautline.application.installed import Installed
-
-    application = Installed().of(scene)
-    scene = application.with_overrides(scene, method=method, step=step, end=case.end, interval=case.end)
+def ours(judge: Judge, method: str, step: float) -> tuple[float, np.ndarray]:
+    """CPU time s of the steps, and positions (times, n), of a method of ours."""
+    scene = tautline.read(judge.scene.scene)
+    times = judge.scene.times
+    scene = Installed().of(scene).with_overrides(scene, method=method, step=step, end=times[-1], interval=times[0])
     sim = tautline.Simulation(scene, keep=False)
     begin, taken = sim.save(), []
-    for _ in range(REPEATED):
+    found = np.full((times.size, sim.equations.size), np.nan)
+    while len(taken) < REPEATED and sum(taken) < ENOUGH:
         sim.restore(begin)
-        before = sim.wall_time
-        try:
-            sim.advance_to(case.end)
-        except tautline.StoppedEarly:
-            return np.nan, np.full(sim.model.system.size, np.nan)
-        taken.append(sim.wall_time - before)
-    return min(taken), sim.equations.state()[1]
+        spent = 0.0
+        for k, t in enumerate(times):
+            before = sim.wall_time
+            try:
+                sim.advance_to(float(t))
+            except tautline.StoppedEarly:
+                return np.nan, found
+            spent += sim.wall_time - before
+            found[k] = sim.equations.state()[1]
+        taken.append(spent)
+    return min(taken), found
 
 
-def curves(case: Case, quick: bool) -> Iterator[tuple[str, np.ndarray]]:
-    """Name, and rows of CPU time s and error m, of every method."""
-    began = time.perf_counter()
-    exact = reference(case)
-    print(f"{case.title}: reference {time.perf_counter() - began:.1f} s", file=sys.stderr)
-    for method, steps in case.steps.items():
-        rows = [ours(case, method, step) for step in (steps[:2] if quick else steps)]
-        yield f"ours, {method}", _errors(rows, exact)
-    for method, tolerances in case.theirs.items():
-        rows = [theirs(case, method, tolerance) for tolerance in (tolerances[:2] if quick else tolerances)]
-        yield f"SciPy, {method}", _errors(rows, exact)
+def _of_ours(judge: Judge, quick: bool) -> Iterator[tuple[str, Curve]]:
+    for method, steps in judge.scene.steps.items():
+        runs = (ours(judge, method, step) for step in (steps[:2] if quick else steps))
+        yield f"ours, {method}", [(used, judge.error(q)) for used, q in runs]
 
 
-def _errors(rows: list[tuple[float, np.ndarray]], exact: np.ndarray) -> np.ndarray:
-    found = np.array([(used, np.abs(q - exact).max()) for used, q in rows])
-    return found[np.isfinite(found).all(axis=1)]
+def _of_scipy(judge: Judge, quick: bool) -> Iterator[tuple[str, Curve]]:
+    for method, tolerances in judge.scene.theirs.items():
+        curve: Curve = []
+        for tolerance in tolerances[:2] if quick else tolerances:
+            used, q = theirs(judge, method, tolerance)
+            curve.append((used, judge.error(q)))
+            if used > LONGEST:
+                break
+        yield f"SciPy, {method}", curve
+
+
+def _of_peer(scene: Scene, quick: bool) -> Iterator[tuple[str, Curve]]:
+    """The peer's curve, by its own finest run; with half of a step and a residual a thousandth of those before it."""
+    if scene.race is None or peer.version() is None:
+        return
+    steps = scene.race_steps[:2] if quick else scene.race_steps
+    rival = peer.quickest(scene.race, peer.rivals(scene.race)[0])
+    outcomes = []
+    for step in (*steps, 0.5 * steps[-1]):
+        case = replace(scene.race, step=step, relative=1e-9, absolute=1e-9)
+        solving = peer.run(case, rival)
+        outcomes.append((solving.solve, peer.run(case, rival, judged=True).points))
+    exact = outcomes[-1][1]
+    if exact is None:
+        return
+    extent = float(np.ptp(exact, axis=0).max())
+    curve = [(used, np.nan if q is None else float(np.abs(q - exact).max()) / extent) for used, q in outcomes[:-1]]
+    yield "Exudyn", curve
+
+
+def curves(scene: Scene, quick: bool) -> Iterator[tuple[str, np.ndarray]]:
+    """Name, and rows of CPU time s and error, of every method."""
+    began, judge = time.perf_counter(), Judge(scene)
+    who, method, size = scene.exact
+    judge.take((ours if who == "ours" else theirs)(judge, method, size)[1])
+    print(f"{scene.title}: reference {time.perf_counter() - began:.1f} s, {judge.extent:.3g}", file=sys.stderr)
+    for part in (_of_ours(judge, quick), _of_scipy(judge, quick), _of_peer(scene, quick)):
+        for name, rows in part:
+            found = np.array(rows)
+            print(f"  {name}: " + ", ".join(f"{t:.3g} s {e:.1e}" for t, e in rows), file=sys.stderr)
+            yield name, found[np.isfinite(found).all(axis=1)]
 
 
 def draw(found: dict[str, dict[str, np.ndarray]]) -> None:
@@ -136,40 +163,61 @@ def draw(found: dict[str, dict[str, np.ndarray]]) -> None:
 def _drawn(found: dict[str, dict[str, np.ndarray]]) -> Any:
     from tautline.view.figures.figure import axes
 
-    figure, plots = axes(1, len(found), 3.6 * len(found), 3.9, "Error at the end against CPU time")
+    rows = (len(found) + 3) // 4
+    figure, plots = axes(rows, 4, 14.4, 3.7 * rows, "Error against CPU time")
     plots = plots.ravel()
     for plot, (title, each) in zip(plots, found.items(), strict=True):
-        for name, rows in each.items():
-            if len(rows):
+        for name, points in each.items():
+            if len(points):
                 ours = name.startswith("ours")
                 look = {"marker": "o" if ours else "x", "linestyle": "-" if ours else "--"}
-                plot.loglog(rows[:, 0], rows[:, 1], label=name, color=COLOURS[name.rpartition(" ")[2]], **look)
+                plot.loglog(points[:, 0], points[:, 1], label=name, color=COLOURS[name.rpartition(" ")[2]], **look)
         plot.set_title(title)
         plot.set_xlabel("CPU time, s")
-    plots[0].set_ylabel("error, m")
-    plots[0].legend(fontsize="small")
+        plot.set_ylabel("error, share of the motion")
+    names = {label: line for plot in plots for line, label in zip(*plot.get_legend_handles_labels(), strict=True)}
+    figure.legend(names.values(), names.keys(), loc="outside lower center", ncols=len(names))
     return figure
 
 
+def _best(each: dict[str, np.ndarray], whose: str, error: float) -> tuple[float, str] | None:
+    """Shortest CPU time s of one's methods for an error, and the method; None where none comes there."""
+    good = [
+        (float(rows[rows[:, 1] <= error, 0].min()), name.removeprefix(f"{whose}, "))
+        for name, rows in each.items()
+        if name.startswith(whose) and len(rows) and (rows[:, 1] <= error).any()
+    ]
+    return min(good, default=None)
+
+
+def _lines(found: dict[str, dict[str, np.ndarray]]) -> list[tuple[str, ...]]:
+    """Rows of the table: of each scene ours, SciPy's and Exudyn's quickest."""
+    rows = []
+    for scene in scenes.SCENES:
+        each = found[scene.title]
+        for whose in ("ours", "SciPy", "Exudyn"):
+            if not any(name.startswith(whose) for name in each):
+                continue
+            best = [_best(each, whose, error) for error in WANTED]
+            cells = ["–" if one is None else f"{number(1e3 * one[0])}" for one in best]
+            named = sorted({one[1] for one in best if one is not None and one[1] != whose})
+            rows.append((scene.title, whose, *cells, ", ".join(named)))
+    return rows
+
+
 def measure(quick: bool) -> Section:
-    """All curves; the table gives the time for an error of a ten-thousandth of a metre and less."""
-    found, rows = {}, []
-    for case in cases():
-        found[case.title] = dict(curves(case, quick))
-        for name, each in found[case.title].items():
-            cells = []
-            for wanted in (1e-4, 1e-6, 1e-8):
-                good = each[each[:, 1] <= wanted] if len(each) else each
-                cells.append(number(1e3 * good[:, 0].min()) if len(good) else "–")
-            rows.append((case.title, name, *cells))
-    if not quick:
+    """All curves, the figure, and a table of the times for errors from a tenth to a millionth of the motion."""
+    found = {scene.title: dict(curves(scene, quick)) for scene in scenes.SCENES}
+    if not quick and peer.version() is not None:
         draw(found)
-    header = ("scene", "method", "1e-4 m", "1e-6 m", "1e-8 m")
+    header = ("scene", "whose", "10 %", "1 %", "0.1 %", "1e-4", "1e-5", "1e-6", "methods that were quickest")
     text = (
-        "CPU time, ms, until the largest error of a position at the end is below so much; a dash where none of the "
-        "runs came there. SciPy's methods call our equations once for each evaluation, from Python; Radau and BDF are "
-        "given our tangent.\n\n" + table(header, rows)
-    )
+        "CPU time, ms, of the quickest run whose error is below so much; a dash where none came there. The error is "
+        "the largest difference of what is watched, over the longest way that any of it goes. SciPy's methods call "
+        "our equations once for each evaluation, from Python; Radau and BDF are given our tangent. Exudyn runs its own "
+        "model of the same mesh, and is judged by its own finest run.\n\n" + table(header, _lines(found)) + "\n\n"
+        + "\n".join(f"- {scene.title}: {scene.told}" for scene in scenes.SCENES)
+    )  # fmt: skip
     return Section("Integrators of others", text, [])
 
 

@@ -45,10 +45,10 @@ class Crane(Packaged):
         return self._module("handles").driven(scene, tuple(names))
 
     def operation(self, scene: Any, account: Path | None = None) -> Any:
-        """What a twin keeps of a crane's work: the account of its rope, where one is asked for."""
-        from crane.twin.operation import CraneOperation
+        """What a twin knows of a crane's work; with the account of its rope, where one is asked for."""
+        from crane.twin.operation import CraneOperation, Lifting
 
-        return None if account is None else CraneOperation(scene, account)
+        return Lifting(scene) if account is None else CraneOperation(scene, account)
 
     def free_motions(self, scene: Any) -> Any:
         """What moves freely, by blows that no sensor sees: loads bounce on their ropes."""

@@ -1,4 +1,8 @@
-"""A crane's work as a twin follows it: what its rope has run over, kept over operations."""
+"""A crane's work as a twin follows it: when its load hangs free, and what its rope has run over, kept over operations.
+
+A load on the ground bounces there, and simulations of other weights bounce at other times. Their differences are no
+derivatives, and would pass for knowledge of the weight that nobody has. So would those of a rope that is slack.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +26,66 @@ COLUMNS = 3 + np.arange(9)
 """Where the columns of a rotation are behind the place of a frame."""
 
 
-class CraneOperation:
-    """The account of a crane's rope.
+class Lifting:
+    """Tells when the tension of a crane's rope is that of a load which hangs free; nothing is kept.
+
+    Parameters
+    ----------
+    scene : CraneScene
+    """
+
+    outputs: Mapping[str, str] = {}
+    signals: Mapping[str, str] = {}
+    window, mean, anywhere = None, 0.0, False
+
+    def __init__(self, scene: CraneScene) -> None:
+        self._heights = _heights_on_ground(scene)
+        self.reads: Sequence[str] = ("min_tension", *self._heights)
+
+    def built(self, sim: Any) -> None:
+        """Nothing is to be laid out."""
+
+    def before(self, time: float, values: Mapping[str, float]) -> Guidance:
+        """Nothing is left out."""
+        return Guidance()
+
+    def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
+        """All sensors, while in every simulation the rope is taut and no load touches the ground."""
+        taut = bool((read["min_tension"] > 0.0).all())
+        lifted = all(bool((read[name][..., 2] > height).all()) for name, height in self._heights.items())
+        return np.full(len(sensors), taut and lifted)
+
+    def found(
+        self, time: float, measured: Mapping[str, Any], outputs: Mapping[str, Any], sim: Any
+    ) -> dict[str, tuple[float, float]]:
+        """Nothing further."""
+        return {}
+
+    def simulated(self, sim: Any) -> dict[str, float]:
+        """No signals."""
+        return {}
+
+    def told(self) -> dict[str, Any]:
+        """Nothing further."""
+        return {}
+
+    def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
+        """None."""
+        return iter(())
+
+    def save(self) -> None:
+        """There is nothing to write."""
+
+    def memory(self) -> dict[str, Any]:
+        """There is nothing to remember."""
+        return {}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Nothing was remembered."""
+
+
+class CraneOperation(Lifting):
+    """The same with the account of the crane's rope.
 
     Parameters
     ----------
@@ -38,11 +100,9 @@ class CraneOperation:
     """
 
     outputs = FOUND
-    signals: Mapping[str, str] = {}
-    reads: Sequence[str] = ()
-    window, mean, anywhere = None, 0.0, False
 
     def __init__(self, scene: CraneScene, account: Path) -> None:
+        super().__init__(scene)
         self.path = account
         self.name = uuid4().hex
         rope = _rope_of(scene)
@@ -54,14 +114,6 @@ class CraneOperation:
     def built(self, sim: Any) -> None:
         """Lay out the scene that the simulation runs."""
         self._layout = laid_out(sim.driven_scene)
-
-    def before(self, time: float, values: Mapping[str, float]) -> Guidance:
-        """Nothing is left out."""
-        return Guidance()
-
-    def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
-        """All sensors tell something."""
-        return np.ones(len(sensors), bool)
 
     def found(
         self, time: float, measured: Mapping[str, Any], outputs: Mapping[str, Any], sim: Any
@@ -77,14 +129,6 @@ class CraneOperation:
         self.account.add(time, contacts_of(observed, course), end)
         damage, place = self.account.worst
         return {"rope.damage": (damage, 0.0), "rope.damage_place": (place, 0.0)}
-
-    def simulated(self, sim: Any) -> dict[str, float]:
-        """No signals."""
-        return {}
-
-    def told(self) -> dict[str, Any]:
-        """Nothing further."""
-        return {}
 
     def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
         """A rope that has done what it lasts."""
@@ -109,6 +153,13 @@ class CraneOperation:
         else:
             self.account.operations.clear()
             self.account.begin(self.name)
+
+
+def _heights_on_ground(scene: CraneScene) -> dict[str, float]:
+    """Output -> height, m, at which a body touches the ground; nothing without ground."""
+    if scene.ground is None:
+        return {}
+    return {f"{body.name}.position": scene.ground.level + body.bottom for body in scene.bodies}
 
 
 def _rope_of(scene: CraneScene) -> RopeOf:
