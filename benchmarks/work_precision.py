@@ -17,7 +17,7 @@ import race_peer as peer
 import work_precision_scenes as scenes
 from page import Section, number, show, table
 from scipy.integrate import solve_ivp
-from work_precision_scenes import ROOT, Scene
+from work_precision_scenes import BY_ERROR, ROOT, Scene
 
 import tautline
 from tautline.application.installed import Installed
@@ -30,6 +30,7 @@ WANTED = (0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)
 """Errors of the table, as shares of the motion."""
 COLOURS = {
     "rk4": "C0", "generalized-alpha": "C1", "DOP853": "C2", "Radau": "C3", "BDF": "C4", "Exudyn": "C5",
+    BY_ERROR: "C6",
 }  # fmt: skip
 PICTURE = ROOT / "docs" / "images" / "work_precision.png"
 
@@ -82,10 +83,16 @@ def theirs(judge: Judge, method: str, tolerance: float) -> tuple[float, np.ndarr
 
 
 def ours(judge: Judge, method: str, step: float) -> tuple[float, np.ndarray]:
-    """CPU time s of the steps, and positions (times, n), of a method of ours."""
-    scene = tautline.read(judge.scene.scene)
+    """CPU time s of the steps, and positions (times, n), of a method of ours.
+
+    ``step`` is that of the run, s; of `BY_ERROR` the error of a step, m, that it keeps.
+    """
     times = judge.scene.times
-    scene = Installed().of(scene).with_overrides(scene, method=method, step=step, end=times[-1], interval=times[0])
+    given = judge.scene.scene
+    if method == BY_ERROR:
+        given = given.replace({"solver.control": "error", "solver.step_error": step}, origin="work_precision.py")
+        method, step = "generalized-alpha", float(given.solver.step)
+    scene = Installed().of(given).with_overrides(given, method=method, step=step, end=times[-1], interval=times[0])
     sim = tautline.Simulation(scene, keep=False)
     begin, taken = sim.save(), []
     found = np.full((times.size, sim.equations.size), np.nan)
@@ -171,7 +178,7 @@ def _drawn(found: dict[str, dict[str, np.ndarray]]) -> Any:
             if len(points):
                 ours = name.startswith("ours")
                 look = {"marker": "o" if ours else "x", "linestyle": "-" if ours else "--"}
-                plot.loglog(points[:, 0], points[:, 1], label=name, color=COLOURS[name.rpartition(" ")[2]], **look)
+                plot.loglog(points[:, 0], points[:, 1], label=name, color=COLOURS[name.rpartition(", ")[2]], **look)
         plot.set_title(title)
         plot.set_xlabel("CPU time, s")
         plot.set_ylabel("error, share of the motion")

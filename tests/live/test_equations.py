@@ -65,6 +65,22 @@ def test_scipy_drives_a_hose_with_its_tangent_to_where_ours_does(method):
     assert np.abs(q - ours(scene, end, 2e-5)).max() < 2e-6
 
 
+@pytest.mark.parametrize("begin", [0.0, 0.3])
+def test_scipy_drives_a_lift_to_where_ours_does_with_the_rope_that_the_static_start_found(begin):
+    """The start adds as much rope as makes the load hang where it is drawn; the equations are those of that rope."""
+    keys = {"path[1].sheave.bearing.friction": 0.0, "solver.control": "fixed", "solver.step": "0.5 ms"}
+    scene = tautline.read(DATA / "hoist.yaml").replace(keys)
+    sim = tautline.Simulation(scene, keep=False)
+    if begin > 0.0:
+        sim.advance_to(begin)
+    equations = sim.equations
+    t, q, v = equations.state()
+    assert np.abs(equations.residual(t, q, v, sim._state.a)).max() < 1e-6 * equations.scale.max()
+    found = solve_ivp(equations.first_order, (t, begin + 0.5), np.concatenate((q, v)), "DOP853", rtol=1e-8, atol=1e-11)
+    sim.advance_to(begin + 0.5)
+    assert np.abs(found.y[: equations.size, -1] - sim._state.q).max() < 2e-6
+
+
 def test_mass_tangent_and_residual_are_of_one_piece():
     equations = tautline.Simulation(HANGING, keep=False).equations
     t, q, v = equations.state()

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from tautline.integrators.equations import SUMS, evaluate_at, evaluate_mass
-from tautline.integrators.state import new_state
+from tautline.integrators.state import State
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
 from tautline.live.errors import SimulationError
 from tautline.system.model import Model
@@ -34,13 +34,14 @@ class Equations:
         Force or moment that counts as large in each row, N or N m.
     """
 
-    def __init__(self, model: Model, time: float, q: np.ndarray, v: np.ndarray) -> None:
+    def __init__(self, model: Model, time: float, state: State) -> None:
         system = model.system
-        self._system, self._state, self._time = system, new_state(system), time
+        # With what is held where the run has put it: a static start finds how much rope there is.
+        self._system, self._state, self._time = system, state, time
         self._groups = system.link(SUMS)
         # Groups begin a step there; what acts for a whole step of ours acts at its time alone.
         self._h = INSTANT * model.solver.step
-        self._q, self._v = q.copy(), v.copy()
+        self._q, self._v = state.q.copy(), state.v.copy()
         self.names, self.algebraic, self.scale = list(system.names), system.algebraic.copy(), system.scale.copy()
         self._residual = np.zeros(system.size)
         self._matrix = new_matrix(system.size, system.bandwidth, system.border)

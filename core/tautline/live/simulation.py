@@ -440,7 +440,7 @@ class Simulation:
     def equations(self) -> Equations:
         """The equations of motion, at the state as it is, for integrators of others."""
         other = self.copy()
-        return Equations(other.model, self._time, other._state.q, other._state.v)
+        return Equations(other.model, self._time, other._state)
 
     def add_force(self, force: Any, on: str | Sequence[int] | None = None) -> None:
         """Add a force to the scene, from now on.
