@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ ELEMENTS = 20
 """Of the catenary."""
 BY_ERROR = "step by error"
 """Generalized-alpha with the step that keeps the error of each."""
+ERRORS = tuple(10.0**-k for k in range(3, 9))
+"""Of a step, m."""
 SMOOTH = {"solver.control": "fixed", "path[1].sheave.bearing.friction": 0.0}
 """A hoist whose bearing does not stick, so that SciPy's methods can run it."""
 STUCK = (
@@ -141,16 +143,16 @@ SCENES = (
     _jwell(0.3, 0.2),
     Scene(
         "Hoist", _changed("hoist", SMOOTH), 12.0, 24, _is_place,
-        {"rk4": _steps(2e-4, 4), "generalized-alpha": _steps(40e-3, 11), BY_ERROR: tuple(10.0**-k for k in range(3, 9))},
+        {"rk4": _steps(2e-4, 4), "generalized-alpha": _steps(40e-3, 11), BY_ERROR: ERRORS},
         {"DOP853": LOOSE[:6], "Radau": LOOSE[:6], "BDF": LOOSE[:5]}, ("SciPy", "DOP853", 1e-11),
         "the shipped lift from a moving vessel, without friction in the bearing; all places, every half second.",
     ),
     Scene(
         "Load lost", _changed("hoist", losing(1000.0, 8).keys | SMOOTH), 0.4, 20, _is_place,
-        {"rk4": _steps(4e-4, 6), "generalized-alpha": _steps(8e-3, 11), BY_ERROR: tuple(10.0**-k for k in range(3, 9))},
+        {"rk4": _steps(4e-4, 6), "generalized-alpha": _steps(8e-3, 11), BY_ERROR: ERRORS},
         {"DOP853": LOOSE[:6], "Radau": LOOSE[:6], "BDF": LOOSE[:5]}, ("SciPy", "DOP853", 1e-11),
-        "four of five tonnes fall off at 50 ms, and the rope goes slack; without friction in the bearing; all places, every "
-        "20 ms.",
+        "four of five tonnes fall off at 50 ms, and the rope goes slack; without friction in the bearing; all places, "
+        "every 20 ms.",
     ),
     Scene(
         "Stick-slip", _changed("drilling", {DRIVE: "60 rpm", "bit.torque.static": "12 kN m", "solver.end": "20 s"}),
@@ -160,3 +162,5 @@ SCENES = (
         less="lump 0 of 24 (drill pipe 5 in 19.50 lb/ft S135, md 0 m): rotation",
     ),
 )  # fmt: skip
+QUICK = (SCENES[0], replace(SCENES[3], end=4.0, count=8, exact=("ours", "generalized-alpha", 1e-3)))
+"""Scenes of a reduced run, which only shows that it runs."""
