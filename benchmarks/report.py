@@ -1,6 +1,7 @@
 """Run all benchmarks; write docs/performance.md and the README's table of figures. With --quick nothing is written.
 
-The race with another program is a run of its own, `race.py`: its part of the page is kept.
+The race with another program (`race.py`) and the accuracy that is asked for (`accuracy_choice.py`) are runs of their own:
+their parts of the page are kept.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ def page(sections: list[Section], measured: str) -> str:
 
 
 def kept(old: str) -> str:
-    """What `race.py` wrote at the end of the page, with its marks; nothing where it never did."""
-    begin, end = (old.find(mark) for mark in RACE)
-    return "" if begin < 0 or end < 0 else f"\n{old[begin : end + len(RACE[1])]}\n"
+    """What others wrote at the end of the page, from the mark of `race.py` on; nothing where it never did."""
+    begin = old.find(RACE[0])
+    return "" if begin < 0 else f"\n{old[begin:]}"
 
 
 TOLD = ("Real time", "Waiting times", "Run time of the hose", "Cranes", "Accuracy")
