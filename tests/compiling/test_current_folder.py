@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 NAMES = ("signal", "numba", "tautline", "json", "numpy", "sitecustomize", "drillstring", "pickle", "multiprocessing")
 SPY = "open({name!r} + '.was_run', 'w').close()\nraise SystemExit('run from the current folder')\n"
 HELP = """

@@ -217,7 +217,7 @@ def test_a_wheel_has_the_machine_code_and_no_parts_and_is_for_one_python_and_pla
     packing = [sys.executable, "-m", "wheel", "pack", "-d", str(tmp_path), str(tree)]
     subprocess.run(packing, check=True, capture_output=True)
     pure = tmp_path / "tautline-0.1.0-py3-none-any.whl"
-    spec = importlib.util.spec_from_file_location("wheels", Path(__file__).parents[3] / ".ci" / "wheels.py")
+    spec = importlib.util.spec_from_file_location("wheels", Path(__file__).parents[2] / ".ci" / "wheels.py")
     wheels = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(wheels)
     made, kernels, size = wheels.wheel_with(pure, tmp_path / "cache", tmp_path)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-HERE = Path(__file__).parents[1]
+HERE = Path(__file__).parents[1] / "kernels"
 SOME = {
     "test_string_groups.py": "spatial and 1 and not one and (power or difference and (damped or stiff))",
     "test_contact_groups.py": "(spatial and 1 and power) or drag or drive or load",
