@@ -1,7 +1,7 @@
 """Run all benchmarks; write docs/performance.md and the README's table of figures. With --quick nothing is written.
 
-The race with another program (`race.py`) and the accuracy that is asked for (`accuracy_choice.py`) are runs of their own:
-their parts of the page are kept.
+The race with another program (`race.py`) and the accuracy that is asked for (`accuracy_choice.py`) are runs of their
+own: their parts of the page are kept.
 """
 
 from __future__ import annotations
