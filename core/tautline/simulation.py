@@ -407,9 +407,10 @@ class Run:
     def advance(self, store: Store) -> None:
         """Run one batch of frames, or a part of a frame that takes long; the next is as long as fits into ``BATCH``."""
         under_way, first = self._under_way(), self.done + self.waiting
-        rows = 1 if under_way else min(self.batch, self.ends.size - first)
+        most = self._most_rows()
+        rows = 1 if under_way else min(self.batch, self.ends.size - first, max(1, most - self.ahead))
         if self.frames.time.size < self.ahead + rows:
-            held, self.frames = self.frames, self._room(2 * self.ahead + rows)
+            held, self.frames = self.frames, self._room(max(self.ahead + rows, min(2 * self.ahead + rows, most)))
             self.frames.rows[: self.ahead] = held.rows[: self.ahead]
         system, some = self.model.system, slice(first, first + rows)
         before, used = time.perf_counter(), time.thread_time()

@@ -143,7 +143,10 @@ def kernels(tmp_path, monkeypatch):
     for file in files:
         file.write_text("force = 1.0  # kernel\n")
     monkeypatch.setenv("TAUTLINE_CACHE", str(tmp_path / "cache"))
-    read = lambda package="tautline": {file.name: file.read_bytes() for file in files}  # noqa: E731
+
+    def read(package="tautline"):
+        return {file.name: file.read_bytes() for file in files}
+
     monkeypatch.setattr(sources, "kernel_sources", read)
     return files, fresh
 
