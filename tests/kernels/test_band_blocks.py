@@ -126,6 +126,22 @@ def test_elimination_in_blocks_solves_as_dense_algebra_and_leaves_the_band_as_it
     np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-13)
 
 
+@pytest.mark.parametrize("at", [None, 0, 1, 4, 30, 47, 99])
+@pytest.mark.parametrize(("n", "k"), [(100, 6), (100, 11), (97, 12), (64, 8)])
+def test_a_matrix_that_is_symmetric_up_to_some_row_solves_as_dense_algebra(n, k, at):
+    full = _band(n, k)
+    full = 0.5 * (full + full.T)
+    if at is not None and at < n - 1:
+        full[at + 1, at] += 1e-9  # little, and more than rounding
+        full[at + 30 :, at + 30 :] += np.tril(full[at + 30 :, at + 30 :], -1)
+    factors = new_factors(n, k)
+    _write(full, factors.matrix, k)
+    assert factorise_matrix(factors) == 0
+    assert factors.integers[PACKED] >= IN_BLOCKS
+    b = np.random.default_rng(8).standard_normal(n)
+    np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-13)
+
+
 def test_a_block_without_entries_is_left_out_and_a_part_of_the_rows_is_solved_alone():
     n, k, first, last = 96, 12, 32, 64
     full = _band(n, k)

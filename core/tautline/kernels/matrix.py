@@ -98,7 +98,7 @@ def new_factors(size: int, bandwidth: int, border: int = 0, threshold: float = C
         np.zeros((border, size - border)), *(np.zeros(size - border, np.int32) for _ in range(3)),
         np.zeros(size - border), np.zeros(size - border), np.zeros(10, np.int32),
         np.zeros(3 * bandwidth + 1), threshold,
-        np.zeros(room_for_blocks(size - border, bandwidth) if bandwidth > NARROW else (2, 0)),
+        np.zeros(room_for_blocks(size - border, bandwidth) if bandwidth > NARROW else 0),
         # What is renewed in part, or whose pivots are counted, is eliminated row by row.
         np.zeros(room_for_window(bandwidth) if threshold == CAREFUL and goes_in_blocks(bandwidth) else 0),
     )  # fmt: skip
@@ -111,7 +111,7 @@ def cut(factors: Factors, first: int, last: int) -> Factors:
         name: getattr(factors, name)[first:last] for name in ("pivots", "above", "below", "right", "inverse", "scale")
     }
     own = {
-        "matrix": Matrix(band, none, none, np.zeros((0, 0))), "columns": none, "blocks": np.zeros((2, 0)),
+        "matrix": Matrix(band, none, none, np.zeros((0, 0))), "columns": none, "blocks": np.zeros(0),
         "window": np.zeros(0),
     }  # fmt: skip
     return factors._replace(**own, **each)
@@ -198,7 +198,7 @@ def _substitute(f, n, k, x):
             _pack(f, 0, count)
         f.integers[PACKED] = min(f.integers[PACKED] + 1, AGAIN)
         if f.integers[PACKED] >= IN_BLOCKS:
-            solve_by_blocks(f.blocks, f.integers[REACH], n, k, 0, count, x)
+            solve_by_blocks(f.blocks, f.scale, f.integers[REACH], n, k, 0, count, x)
             return
     substitute(
         f.matrix.band, f.pivots, f.above, f.below, f.inverse, f.scale, f.integers[EXCHANGED] > 0, n, k, x
@@ -284,7 +284,8 @@ def solve_rows(factors, x, first, last):
     f = factors
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     if f.integers[PACKED] >= IN_BLOCKS:
-        solve_by_blocks(f.blocks, f.integers[REACH], n, k, first // LANES, (last + LANES - 1) // LANES, x)
+        begin, end = first // LANES, (last + LANES - 1) // LANES
+        solve_by_blocks(f.blocks, f.scale, f.integers[REACH], n, k, begin, end, x)
         return
     for j in range(last, min(n, last + k)):
         x[j] = 0.0

@@ -1,12 +1,15 @@
 """Factors of a band in blocks of four unknowns, for those that are solved with more than once.
 
-Substitution goes from row to row, and every row waits for the one before it. With blocks B of a band's factors L U,
+Substitution goes from row to row, and every row waits for the one before it. With blocks of the scaled matrix of which
+those before P have been eliminated, D on the diagonal and S beside it, and multipliers M_IP = S_IP D^-1,
 
-    y_b = L_bb^-1 (S b)_b - sum_r L_bb^-1 L_b,b-r y_b-r,    x_b = S_b (U_bb^-1 y_b - sum_r U_bb^-1 U_b,b+r x'_b+r),
+    y_I = s_I b_I - sum_P M_IP y_P,    x_P = s_P (D^-1 y_P - sum_J D^-1 S_PJ x_J / s_J),
 
-S being the scale of rows and columns and x = S x'. All products with inverses are made once, when the factors are
-packed: a block then waits for the block before it by two products and a sum, and its first part waits for nothing.
-Rows must not have been exchanged. Packing costs about as much as one substitution row by row.
+s being the scale of rows and columns. All products with inverses are made once: a block then waits for the block before
+it by one product and a sum.
+
+Factors by rows are of this form too, D being L_PP U_PP and M_IP being L_IP L_PP^-1. Rows must not have been exchanged.
+Packing them costs about as much as one substitution row by row.
 """
 
 from __future__ import annotations
@@ -18,9 +21,9 @@ BLOCK = LANES * LANES
 """Numbers of a block, column by column."""
 
 
-def room_for_blocks(size: int, bandwidth: int) -> tuple[int, int]:
-    """Shape of the blocks of a band, forward and backward: that on the diagonal stands before those beside it."""
-    return 2, -(-size // LANES) * (1 + reach_of(bandwidth)) * BLOCK
+def room_for_blocks(size: int, bandwidth: int) -> int:
+    """Numbers of the blocks of a band: forward those below the diagonal, backward that on it and those to its right."""
+    return -(-size // LANES) * (1 + 2 * reach_of(bandwidth)) * BLOCK
 
 
 def reach_of(k: int) -> int:
@@ -33,6 +36,27 @@ def _part(flat, j, width, centre, i, first, last):
     """Entries of rows i to i + 3 of column j of the band, zero but for rows ``first`` to ``last`` - 1."""
     column = load(flat, j * width + centre + i - j)
     return where(within(i, last) & negated(within(i, first)), column, 0.0)
+
+
+@kernel(forceinline=True)
+def halves(blocks, n, most):
+    """The blocks forward, as many as are reached at most for each four unknowns, and backward, one more for each."""
+    forward = (n + LANES - 1) // LANES * most * BLOCK
+    return blocks[:forward], blocks[forward:]
+
+
+@kernel(forceinline=True)
+def place_below(b, r, most):
+    """Where the multipliers stand of the r-th block below block b; those of one row follow one another."""
+    return ((b + r) * most + r - 1) * BLOCK
+
+
+@kernel(forceinline=True)
+def _column_below(flat, j, width, centre, i, below, n):
+    """Entries of rows i to i + 3 of column j of L, which stand below the diagonal; zero where the column is shorter."""
+    if j < n and j + below[j] >= i:
+        return load(flat, j * width + centre + i - j)
+    return spread(0.0)
 
 
 @kernel(forceinline=True)
@@ -54,6 +78,22 @@ def _above(z, over, u1, u2, u3):
     return z
 
 
+@kernel(forceinline=True)
+def _write_multipliers(flat, width, centre, i, beside, below, n, l0, l1, l2, forward, place):
+    """Write L_IP L_PP^-1 for the columns from i and the rows from ``beside`` on."""
+    m0 = _column_below(flat, i, width, centre, beside, below, n)
+    m1 = _column_below(flat, i + 1, width, centre, beside, below, n)
+    m2 = _column_below(flat, i + 2, width, centre, beside, below, n)
+    m3 = _column_below(flat, i + 3, width, centre, beside, below, n)
+    m2 -= m3 * lane(l2, 3)
+    m1 -= m2 * lane(l1, 2) + m3 * lane(l1, 3)
+    m0 -= m1 * lane(l0, 1) + (m2 * lane(l0, 2) + m3 * lane(l0, 3))
+    store(forward, place, m0)
+    store(forward, place + LANES, m1)
+    store(forward, place + 2 * LANES, m2)
+    store(forward, place + 3 * LANES, m3)
+
+
 @kernel
 def pack(band, above, below, inverse, scale, blocks, n, k, first, last, reach):
     """Make blocks ``first`` to ``last`` - 1 of factors without exchanged rows; returns how far blocks reach, at least
@@ -61,12 +101,11 @@ def pack(band, above, below, inverse, scale, blocks, n, k, first, last, reach):
     """
     flat, width, centre = band.reshape(-1), band.shape[1], 2 * k
     most = reach_of_band(k)
-    stride = (1 + most) * BLOCK
-    forward, backward = blocks[0], blocks[1]
+    forward, backward = halves(blocks, n, most)
     for b in range(first, last):
         i = LANES * b
         end = min(i + LANES, n)
-        at = b * stride
+        at = b * (1 + most) * BLOCK
         # Columns of the block on the diagonal: those beyond the last unknown are of zeros.
         c1, c2, c3 = min(i + 1, n - 1), min(i + 2, n - 1), min(i + 3, n - 1)
         l0 = _part(flat, i, width, centre, i, i + 1, min(end, i + below[i] + 1))
@@ -79,27 +118,25 @@ def pack(band, above, below, inverse, scale, blocks, n, k, first, last, reach):
         u3 = over * _part(flat, c3, width, centre, i, c3 - above[c3], c3)
         for c in range(LANES):
             one = where(within(i, i + c + 1) & negated(within(i, i + c)), 1.0, 0.0)
-            j = i + c
-            store(forward, at + LANES * c, _below(one * (scale[j] if j < n else 0.0), l0, l1, l2))
-            store(backward, at + LANES * c, size * _above(one if j < n else 0.0 * one, over, u1, u2, u3))
+            solved = _above(_below(one if i + c < n else 0.0 * one, l0, l1, l2), over, u1, u2, u3)
+            store(backward, at + LANES * c, size * solved)
         for r in range(1, most + 1):
-            place, below_it, right_of_it = at + r * BLOCK, i - LANES * r, i + LANES * r
-            inverse_scale = 1.0 / gather(scale, right_of_it, n)
+            # What lies outside the envelope, also between the columns of the band, are zeros.
+            beside = i + LANES * r
+            if beside < n:
+                to = place_below(b, r, most)
+                _write_multipliers(flat, width, centre, i, beside, below, n, l0, l1, l2, forward, to)
+            inverse_scale = 1.0 / gather(scale, beside, n)
             unscaled = lane(inverse_scale, 0), lane(inverse_scale, 1), lane(inverse_scale, 2), lane(inverse_scale, 3)
             for c in range(LANES):
-                # What lies outside the envelope, also between the columns of the band, are zeros.
-                j = below_it + c
-                beside = spread(0.0)
-                if j >= 0 and j + below[j] >= i:
-                    beside = load(flat, j * width + centre + i - j)
+                if i + c < n and i + c + below[i + c] >= beside:
                     reach = max(reach, r)
-                store(forward, place + LANES * c, _below(beside, l0, l1, l2))
-                j = right_of_it + c
-                beside = spread(0.0)
+                j = beside + c
+                right = spread(0.0)
                 if j < n and j - above[j] < end:
-                    beside = load(flat, j * width + centre + i - j) * unscaled[c]
+                    right = load(flat, j * width + centre + i - j) * unscaled[c]
                     reach = max(reach, r)
-                store(backward, place + LANES * c, size * _above(beside, over, u1, u2, u3))
+                store(backward, at + r * BLOCK + LANES * c, size * _above(right, over, u1, u2, u3))
     return reach
 
 
@@ -110,37 +147,39 @@ def reach_of_band(k):
 
 
 @kernel(forceinline=True)
-def _times(m, at, x0, x1, x2, x3):
-    return (load(m, at) * x0 + load(m, at + 4) * x1) + (load(m, at + 8) * x2 + load(m, at + 12) * x3)
+def _product(m, at, x0, x1, x2, x3):
+    """A block times four numbers."""
+    return (load(m, at) * x0 + load(m, at + LANES) * x1) + (load(m, at + 2 * LANES) * x2 + load(m, at + 3 * LANES) * x3)
 
 
 @kernel(forceinline=True)
-def _times_lanes(m, at, x):
-    return _times(m, at, lane(x, 0), lane(x, 1), lane(x, 2), lane(x, 3))
+def _times(m, at, x):
+    """A block times four lanes."""
+    return _product(m, at, lane(x, 0), lane(x, 1), lane(x, 2), lane(x, 3))
 
 
 @kernel
-def solve_by_blocks(blocks, reach, n, k, first, last, x):
+def solve_by_blocks(blocks, scale, reach, n, k, first, last, x):
     """Solve for the unknowns of blocks ``first`` to ``last`` - 1, as if all others and their right sides were zero.
 
     ``x`` (n,) holds the right side before and the solution after.
     """
-    stride = (1 + reach_of_band(k)) * BLOCK
-    forward, backward = blocks[0], blocks[1]
+    most = reach_of_band(k)
+    forward, backward = halves(blocks, n, most)
     before = spread(0.0)
     for b in range(first, last):
-        i, at = LANES * b, b * stride
-        y = _times_lanes(forward, at, gather(x, i, n))
+        i = LANES * b
+        y = gather(x, i, n) * gather(scale, i, n)
         for r in range(2, min(reach, b - first) + 1):
             j = i - LANES * r
-            y -= _times(forward, at + r * BLOCK, x[j], x[j + 1], x[j + 2], x[j + 3])
-        before = y - _times_lanes(forward, at + BLOCK, before)
+            y -= _product(forward, place_below(b - r, r, most), x[j], x[j + 1], x[j + 2], x[j + 3])
+        before = y - _times(forward, place_below(b - 1, 1, most), before)
         scatter(x, i, n, before)
-    before = spread(0.0)
+    beside = spread(0.0)
     for b in range(last - 1, first - 1, -1):
-        i, at = LANES * b, b * stride
-        y = _times_lanes(backward, at, gather(x, i, n))
+        i, at = LANES * b, b * (1 + most) * BLOCK
+        y = _times(backward, at, gather(x, i, n))
         for r in range(2, min(reach, last - 1 - b) + 1):
-            y -= _times_lanes(backward, at + r * BLOCK, gather(x, i + LANES * r, n))
-        before = y - _times_lanes(backward, at + BLOCK, before)
-        scatter(x, i, n, before)
+            y -= _times(backward, at + r * BLOCK, gather(x, i + LANES * r, n))
+        beside = y - _times(backward, at + BLOCK, beside)
+        scatter(x, i, n, beside)

@@ -1,12 +1,17 @@
 """Factors of a band made in blocks of four unknowns from the start, where no row has to be exchanged.
 
-With blocks S of what is left of the scaled matrix when the blocks before P have been eliminated, and D = S_PP,
+What is left of the scaled matrix when the blocks before P have been eliminated, S, loses one pivot D = S_PP after the
+other,
 
     M_IP = S_IP D^-1,    S_IJ -= M_IP S_PJ,
 
-and a system is solved by y_I = b_I - sum_P M_IP y_P and x_P = D^-1 y_P - sum_J D^-1 S_PJ x_J. That is what
-:func:`tautline.kernels.factors.band_blocks.solve_by_blocks` does, for which M and D^-1 S are written as they come, with
-the scale of the unknowns. Only the blocks that a pivot reaches are at hand, and the band is read once.
+and M and D^-1 S are what :func:`tautline.kernels.factors.band_blocks.solve_by_blocks` solves with; they are written as
+they come. Only the blocks that a pivot reaches are at hand, in a window, and the band is read once.
+
+In a symmetric matrix M_IP is D^-1 S_PI on its side, and only blocks on the diagonal and right of it are made: half of
+the products. Tangents are symmetric but for friction, flow and the like. So each block is compared as it is read with
+the one that lies opposite. From the first one on that differs, blocks below the diagonal are made too: what they would
+be until then is known.
 
 Elimination row by row (band.py) is general: it stops at the envelope, exchanges rows, and is renewed in part. Here four
 columns are eliminated by products of blocks that stay in registers, which takes half of the time or less. Where a row
@@ -15,7 +20,7 @@ would have to be exchanged, -1 is returned and the matrix is as it was.
 
 from __future__ import annotations
 
-from tautline.kernels.factors.band_blocks import BLOCK, reach_of, reach_of_band
+from tautline.kernels.factors.band_blocks import BLOCK, halves, place_below, reach_of, reach_of_band
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import (
     LANES,
@@ -31,11 +36,16 @@ from tautline.kernels.lanes import (
     spread,
     sqrt,
     store,
+    transposed,
     where,
 )
 
 LARGEST = 100.0
 """Multipliers M up to which rows stay in their order: beyond, rounding would grow by as much in each block."""
+
+
+SYMMETRIC = 1.0e-12
+"""Difference, in the scaled matrix with a diagonal of ones, below which two entries that lie opposite are the same."""
 
 
 def room_for_window(bandwidth: int) -> int:
@@ -88,15 +98,53 @@ def _read_block(flat, width, centre, scale, b, d, n, window, to):
 
 
 @kernel(forceinline=True)
+def _columns(x, at):
+    """The four columns of a block."""
+    return load(x, at), load(x, at + LANES), load(x, at + 2 * LANES), load(x, at + 3 * LANES)
+
+
+@kernel(forceinline=True)
+def _write_columns(x, at, columns):
+    """Write the four columns of a block."""
+    for c in range(LANES):
+        store(x, at + LANES * c, columns[c])
+
+
+@kernel(forceinline=True)
+def _lie_opposite(window, one, other):
+    """Whether one block is the other on its side, but for rounding."""
+    a, b = _columns(window, one), transposed(*_columns(window, other))
+    return (
+        largest(larger(larger(abs(a[0] - b[0]), abs(a[1] - b[1])), larger(abs(a[2] - b[2]), abs(a[3] - b[3]))))
+        <= SYMMETRIC
+    )
+
+
+@kernel(forceinline=True)
 def _read_reach(band, scale, head, span, p, n, k, window):
-    """Read the blocks of the last row and column that the pivots of block p reach; those before were read earlier."""
+    """Read the blocks of the last row and column that the pivots of block p reach; those before were read earlier.
+
+    Returns whether those of the row lie opposite those of the column.
+    """
     flat, width, most = band.reshape(-1), band.shape[1], span - 1
-    e = p + most
+    e, same = p + most, True
     _write_scale(band, scale, LANES * e, n, k)
-    for j in range(max(0, -p), most):
-        _read_block(flat, width, 2 * k, scale, e, p + j, n, window, _block(head, span, most, j))
-        _read_block(flat, width, 2 * k, scale, p + j, e, n, window, _block(head, span, j, most))
-    _read_block(flat, width, 2 * k, scale, e, e, n, window, _block(head, span, most, most))
+    for j in range(max(0, -p), most + 1):
+        row, column = _block(head, span, most, j), _block(head, span, j, most)
+        _read_block(flat, width, 2 * k, scale, e, p + j, n, window, row)
+        if j < most:
+            _read_block(flat, width, 2 * k, scale, p + j, e, n, window, column)
+        same = same and _lie_opposite(window, row, column)
+    return same
+
+
+@kernel(forceinline=True)
+def _mirror(head, span, window):
+    """Write the blocks below the diagonal that were not made, but for the last row, which was read."""
+    for i in range(1, span - 1):
+        for j in range(i):
+            columns = _columns(window, _block(head, span, j, i))
+            _write_columns(window, _block(head, span, i, j), transposed(*columns))
 
 
 @kernel(forceinline=True)
@@ -160,6 +208,76 @@ def _product(x0, x1, x2, x3, window, at):
     return (x0 * window[at] + x1 * window[at + 1]) + (x2 * window[at + 2] + x3 * window[at + 3])
 
 
+@kernel(forceinline=True)
+def _write_right(window, head, span, p, last, scale, n, symmetric, forward, backward):
+    """Write D^-1 and D^-1 S_PJ, which solve for the unknowns of block p; where it is ``symmetric``, also M.
+
+    Returns how far blocks reach.
+    """
+    most, reach, inverse = span - 1, 1, span * span * BLOCK
+    marks = inverse + BLOCK
+    d0, d1, d2, d3 = _columns(window, inverse)
+    at, size = p * (1 + most) * BLOCK, gather(scale, LANES * p, n)
+    _write_columns(backward, at, (size * d0, size * d1, size * d2, size * d3))
+    for j in range(1, most + 1):
+        place, source = at + j * BLOCK, _block(head, span, 0, j)
+        empty = j > last or _is_zero(window, source)
+        window[marks + j] = 0.0 if empty else 1.0
+        if empty:
+            _clear_block(backward, place)
+            if symmetric and j <= last:
+                _clear_block(forward, place_below(p, j, most))
+            continue
+        reach = j
+        unscaled = 1.0 / gather(scale, LANES * (p + j), n)
+        w0 = _product(d0, d1, d2, d3, window, source)
+        w1 = _product(d0, d1, d2, d3, window, source + LANES)
+        w2 = _product(d0, d1, d2, d3, window, source + 2 * LANES)
+        w3 = _product(d0, d1, d2, d3, window, source + 3 * LANES)
+        if symmetric:
+            _write_columns(forward, place_below(p, j, most), transposed(w0, w1, w2, w3))
+        store(backward, place, size * w0 * lane(unscaled, 0))
+        store(backward, place + LANES, size * w1 * lane(unscaled, 1))
+        store(backward, place + 2 * LANES, size * w2 * lane(unscaled, 2))
+        store(backward, place + 3 * LANES, size * w3 * lane(unscaled, 3))
+    return reach
+
+
+@kernel(forceinline=True)
+def _write_multipliers(window, head, span, p, last, forward):
+    """Write M_IP as it is where nothing is symmetric; returns how far blocks reach."""
+    inverse, reach = span * span * BLOCK, 1
+    for b in range(1, last + 1):
+        source, place = _block(head, span, b, 0), place_below(p, b, span - 1)
+        if _is_zero(window, source):
+            _clear_block(forward, place)
+            continue
+        reach = b
+        s0, s1, s2, s3 = _columns(window, source)
+        for c in range(0, BLOCK, LANES):
+            store(forward, place + c, _product(s0, s1, s2, s3, window, inverse + c))
+    return reach
+
+
+@kernel(forceinline=True)
+def _subtract(window, head, span, p, last, symmetric, forward):
+    """Subtract from the blocks beside a pivot what it takes from them; returns the largest multiplier."""
+    marks, multipliers = span * span * BLOCK + BLOCK, spread(0.0)
+    for b in range(1, last + 1):
+        m0, m1, m2, m3 = _columns(forward, place_below(p, b, span - 1))
+        multipliers = larger(larger(abs(m0), abs(m1)), larger(larger(abs(m2), abs(m3)), multipliers))
+        if symmetric and window[marks + b] == 0.0:
+            continue
+        for j in range(b if symmetric else 1, last + 1):
+            if window[marks + j] == 0.0:
+                continue
+            right, target = _block(head, span, 0, j), _block(head, span, b, j)
+            for c in range(0, BLOCK, LANES):
+                left = load(window, target + c) - _product(m0, m1, m2, m3, window, right + c)
+                store(window, target + c, left)
+    return largest(multipliers)
+
+
 @kernel
 def factorise_in_blocks(band, scale, blocks, window, threshold, n, k):
     """Make the blocks that a band is solved with; the band stays as it is.
@@ -170,7 +288,7 @@ def factorise_in_blocks(band, scale, blocks, window, threshold, n, k):
         The matrix, as in band.py, with zeros in the room for exchanges of rows.
     scale : (n,) array
         On return, what rows and columns were multiplied by: one over the square root of the diagonal.
-    blocks : (2, m) array
+    blocks : (m,) array
         On return, the factors; of :func:`~tautline.kernels.factors.band_blocks.room_for_blocks`.
     window : (m,) array
         Scratch, of :func:`room_for_window`.
@@ -183,66 +301,23 @@ def factorise_in_blocks(band, scale, blocks, window, threshold, n, k):
         How many blocks stand beside each other, or -1 where a row would have to be exchanged.
     """
     most = reach_of_band(k)
-    span, count, stride = most + 1, (n + LANES - 1) // LANES, (1 + most) * BLOCK
-    inverse, marks, reach = span * span * BLOCK, span * span * BLOCK + BLOCK, 1
-    forward, backward = blocks[0], blocks[1]
-    for b in range(min(count, most)):
-        _write_scale(band, scale, LANES * b, n, k)
+    span, count, reach = most + 1, (n + LANES - 1) // LANES, 1
+    forward, backward = halves(blocks, n, most)
+    symmetric = True
     head = 0  # of the first pivot; those before it only read what it reaches
     for p in range(-most, count):
         head = head + 1 if head + 1 < span else 0
-        if p + most < count:
-            _read_reach(band, scale, head, span, p, n, k, window)
+        if p + most < count and not _read_reach(band, scale, head, span, p, n, k, window) and symmetric:
+            _mirror(head, span, window)
+            symmetric = False
         if p < 0:
             continue
-        if not _write_inverse(window, _block(head, span, 0, 0), inverse, threshold):
+        if not _write_inverse(window, _block(head, span, 0, 0), span * span * BLOCK, threshold):
             return -1
-        d0, d1 = load(window, inverse), load(window, inverse + LANES)
-        d2, d3 = load(window, inverse + 2 * LANES), load(window, inverse + 3 * LANES)
-        i, at, last = LANES * p, p * stride, min(count - 1 - p, most)
-        size = gather(scale, i, n)
-        for c in range(LANES):
-            store(forward, at + LANES * c, spread(0.0))
-            forward[at + LANES * c + c] = scale[i + c] if i + c < n else 0.0
-            store(backward, at + LANES * c, size * load(window, inverse + LANES * c))
-        # D^-1 S_PJ, which solves for the unknowns of the block.
-        for j in range(1, most + 1):
-            place, source = at + j * BLOCK, _block(head, span, 0, j)
-            empty = j > last or _is_zero(window, source)
-            window[marks + j] = 0.0 if empty else 1.0
-            if empty:
-                _clear_block(backward, place)
-                continue
-            reach = max(reach, j)
-            unscaled = 1.0 / gather(scale, i + LANES * j, n)
-            for c in range(LANES):
-                solved = size * _product(d0, d1, d2, d3, window, source + LANES * c)
-                store(backward, place + LANES * c, solved * lane(unscaled, c))
-        # M_IP, and what it takes from the blocks to the right and below.
-        multipliers = spread(0.0)
-        for b in range(1, last + 1):
-            source, place = _block(head, span, b, 0), at + b * (stride + BLOCK)
-            if _is_zero(window, source):
-                _clear_block(forward, place)
-                continue
-            reach = max(reach, b)
-            s0, s1 = load(window, source), load(window, source + LANES)
-            s2, s3 = load(window, source + 2 * LANES), load(window, source + 3 * LANES)
-            m0, m1 = _product(s0, s1, s2, s3, window, inverse), _product(s0, s1, s2, s3, window, inverse + LANES)
-            m2 = _product(s0, s1, s2, s3, window, inverse + 2 * LANES)
-            m3 = _product(s0, s1, s2, s3, window, inverse + 3 * LANES)
-            multipliers = larger(larger(abs(m0), abs(m1)), larger(larger(abs(m2), abs(m3)), multipliers))
-            store(forward, place, m0)
-            store(forward, place + LANES, m1)
-            store(forward, place + 2 * LANES, m2)
-            store(forward, place + 3 * LANES, m3)
-            for j in range(1, last + 1):
-                if window[marks + j] == 0.0:
-                    continue
-                right, target = _block(head, span, 0, j), _block(head, span, b, j)
-                for c in range(0, BLOCK, LANES):
-                    left = load(window, target + c) - _product(m0, m1, m2, m3, window, right + c)
-                    store(window, target + c, left)
-        if not largest(multipliers) <= LARGEST:
+        last = min(count - 1 - p, most)
+        reach = max(reach, _write_right(window, head, span, p, last, scale, n, symmetric, forward, backward))
+        if not symmetric:
+            reach = max(reach, _write_multipliers(window, head, span, p, last, forward))
+        if not _subtract(window, head, span, p, last, symmetric, forward) <= LARGEST:
             return -1
     return reach
