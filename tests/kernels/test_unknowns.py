@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 import short_string as string
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from tautline.cable.input.scene import parse
 from tautline.cable.model.build import assemble_cables
@@ -240,6 +242,20 @@ def test_a_chain_keeps_its_order_and_a_shuffled_one_gets_it_back():
         assert border == 0 and pattern.renumbered(np.argsort(found)).width() == 2
         assert np.array_equal(found, order) or np.array_equal(found, order[::-1])
         assert np.array_equal(pattern.toarray().sum(axis=0), pattern.degree)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_an_order_is_as_narrow_as_that_of_scipys_cuthill_mckee(seed):
+    rng = np.random.default_rng(seed)
+    size, width = int(rng.integers(20, 200)), int(rng.integers(1, 6))
+    near = np.arange(size - width)[:, None] + np.sort(rng.integers(0, width + 1, (size - width, 2)), axis=1)
+    near = near[rng.random(len(near)) < 0.9]  # in several pieces, where entries are left out
+    pattern = pattern_of(Masters.of(np.arange(size), [], {}), size, [rng.permutation(size)[near]])
+    order, border = narrow(pattern)
+    assert border == 0 and np.array_equal(np.sort(order), np.arange(size))
+    other = reverse_cuthill_mckee(csr_array(pattern.toarray()), symmetric_mode=True)
+    widths = [pattern.renumbered(np.argsort(one)).width() for one in (order, other)]
+    assert widths[0] <= widths[1]
 
 
 def test_what_all_others_depend_on_becomes_the_border():

@@ -152,10 +152,30 @@ def _narrow(size: int, row: bytes, column: bytes) -> tuple[np.ndarray, int]:
 
 
 def _cuthill_mckee(pattern: Pattern) -> np.ndarray:
-    # SciPy's sparse matrices take a fifth of a second to import.
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import reverse_cuthill_mckee
+    """Reverse Cuthill-McKee order (size,), level by level: neighbours of the first come first, of few neighbours first.
 
-    ones = np.ones(pattern.row.size, dtype=np.int8)
-    matrix = csr_matrix((ones, (pattern.row, pattern.column)), shape=(pattern.size, pattern.size))
-    return np.asarray(reverse_cuthill_mckee(matrix, symmetric_mode=True), dtype=np.int64)
+    SciPy has it too, and takes a tenth of a second to import: a sixth of a command that lifts a load for 12 s.
+    """
+    degree = pattern.degree
+    beside = pattern.column[np.lexsort((degree[pattern.column], pattern.row))]
+    begin = np.cumsum(degree) - degree
+    waiting, levels = np.ones(pattern.size, dtype=bool), []
+    for root in np.argsort(degree, kind="stable").tolist():
+        level = np.array([root])[waiting[root : root + 1]]
+        while level.size:
+            levels.append(level)
+            waiting[level] = False
+            count = degree[level]
+            place = np.arange(count.sum()) + np.repeat(begin[level] - np.cumsum(count) + count, count)
+            found = beside[place]
+            found = found[waiting[found]]
+            level = found[_first_of_each(found, pattern.size)]
+    return np.concatenate(levels)[::-1]
+
+
+def _first_of_each(found: np.ndarray, size: int) -> np.ndarray:
+    """Places at which each of some unknowns stands for the first time, in order."""
+    first = np.empty(size, dtype=np.int64)
+    places = np.arange(found.size)
+    first[found[::-1]] = places[::-1]
+    return places[first[found] == places]
