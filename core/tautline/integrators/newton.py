@@ -38,7 +38,7 @@ from tautline.kernels.matrix import (
     Matrix,
     clear,
     copy_matrix,
-    factorise_matrix,
+    factorise_apart,
     new_factors,
     new_matrix,
 )
@@ -232,7 +232,7 @@ def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
     over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, matrix, dofs)
     close_room(c.rows, c.factors, dofs, state)
     state.counters[FACTORISATIONS] += 1
-    row = factorise_matrix(c.factors)
+    row = factorise_apart(c.factors)
     if row == 0:
         c.factored_for[0] = beta
         c.factored_for[1] = gamma

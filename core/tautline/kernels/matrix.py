@@ -234,31 +234,6 @@ def _factorise_by_rows(f, n, k):
 
 
 @entry
-def factorise_matrix(factors):
-    """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
-    f = factors
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    row = 0 if _factorise_in_blocks(f, n, k) else _factorise_by_rows(f, n, k)
-    if row != 0:
-        return row
-    m = f.corner_pivots.size
-    if m == 0:
-        return 0
-    for j in range(m):
-        y = f.columns[j]
-        for i in range(n):
-            y[i] = f.matrix.right[j, i]
-        _substitute(f, n, k, y)
-        for i in range(m):
-            x = 0.0
-            for l in range(n):
-                x += f.matrix.lower[i, l] * y[l]
-            f.matrix.corner[j, i] -= x
-    row = factorise_dense(f.matrix.corner, f.corner_pivots, m, f.integers)
-    return row + n if row != 0 else 0
-
-
-@entry
 def renew_matrix(factors, matrix, first, last):
     """Factorise anew what a change of rows and columns ``first`` to ``last`` - 1 makes of a matrix without a border.
 
@@ -302,13 +277,6 @@ def solve_matrix(factors, x):
     solve_inside(factors, x)
 
 
-FACTORS = typeof(new_factors(0, 0))
-"""The type of :class:`Factors` in compiled code."""
-factorise_apart = apart(factorise_matrix, types.intp, FACTORS)
-solve_apart = apart(solve_matrix, types.none, FACTORS, VECTOR)
-"""The same for what is long and calls them seldom: it does not take them in, which would compile them once more."""
-
-
 @kernel(forceinline=True)
 def solve_inside(factors, x):
     """The same, written out where it is called: for a few unknowns the call is most of the work."""
@@ -331,6 +299,51 @@ def _solve_border(f, n, x):
     for j in range(m):
         for l in range(n):
             x[l] -= f.columns[j, l] * x[n + j]
+
+
+FACTORS = typeof(new_factors(0, 0))
+"""The type of :class:`Factors` in compiled code."""
+solve_apart = apart(solve_matrix, types.none, FACTORS, VECTOR)
+"""The same for what is long and calls it seldom: it does not take it in, which would compile it once more."""
+
+
+@kernel(forceinline=True)
+def _without_border(f):
+    """Factors of the band alone, in the same memory."""
+    return Factors(
+        f.matrix, f.pivots, f.corner_pivots[:0], f.columns, f.above, f.below, f.right, f.inverse, f.scale, f.integers,
+        f.column, f.threshold, f.blocks, f.window,
+    )  # fmt: skip
+
+
+@entry
+def factorise_matrix(factors):
+    """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
+    f = factors
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    row = 0 if _factorise_in_blocks(f, n, k) else _factorise_by_rows(f, n, k)
+    if row != 0:
+        return row
+    m = f.corner_pivots.size
+    if m == 0:
+        return 0
+    band = _without_border(f)
+    for j in range(m):
+        y = f.columns[j]
+        for i in range(n):
+            y[i] = f.matrix.right[j, i]
+        solve_apart(band, y)
+        for i in range(m):
+            x = 0.0
+            for l in range(n):
+                x += f.matrix.lower[i, l] * y[l]
+            f.matrix.corner[j, i] -= x
+    row = factorise_dense(f.matrix.corner, f.corner_pivots, m, f.integers)
+    return row + n if row != 0 else 0
+
+
+factorise_apart = apart(factorise_matrix, types.intp, FACTORS)
+"""The same for what calls it seldom; see `solve_apart`."""
 
 
 def dense(matrix: Matrix) -> np.ndarray:
