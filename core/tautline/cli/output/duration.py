@@ -25,10 +25,25 @@ def total_time() -> float:
 
 
 def _age_of_process() -> float:
-    """Time since the process started, s, to a hundredth; where no system tells, since this file was imported."""
+    """Time since the process started, s, to a hundredth; where no system tells, since this file was imported.
+
+    A shell may become the command at the end of a script, and the process is then as old as the script. It has had
+    other commands before, and we have not: what counts is the processor time that brought us here.
+    """
+    if _had_children():
+        return time.process_time()
     try:
         ticks = int(STAT.read_text().rpartition(AFTER_NAME)[2].split()[STARTED])
         age = time.clock_gettime(time.CLOCK_BOOTTIME) - ticks / os.sysconf("SC_CLK_TCK")
     except (OSError, ValueError, IndexError, AttributeError):
         return total_time()
     return age if age > 0.0 else total_time()
+
+
+def _had_children() -> bool:
+    """Whether the process has waited for another to end."""
+    try:
+        from resource import RUSAGE_CHILDREN, getrusage
+    except ImportError:  # Windows, where a process does not become another program
+        return False
+    return getrusage(RUSAGE_CHILDREN).ru_maxrss > 0
