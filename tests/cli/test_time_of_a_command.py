@@ -35,8 +35,9 @@ def test_the_total_time_counts_from_the_start_of_the_process_and_holds_that_of_t
 @pytest.mark.skipif(sys.platform == "win32", reason="a process does not become another program there")
 def test_a_script_that_becomes_the_command_is_no_part_of_its_time(tmp_path):
     words = ["check", str(DATA / "jwell.yaml")]
-    told = "import atexit; from tautline.cli.output.duration import total_time as t; atexit.register(lambda: print(t()))"
-    command = [sys.executable, "-c", f"{told}; from drillstring.main import main; main()", *words]
+    told = "from atexit import register; from tautline.cli.output.duration import total_time; "
+    run = "register(lambda: print(total_time())); from drillstring.main import main; main()"
+    command = [sys.executable, "-c", told + run, *words]
     script = ["sh", "-c", 'sleep 3; exec "$@"', "sh", *command]
     done = subprocess.run(script, capture_output=True, text=True, check=True)
     assert 0.0 < float(done.stdout.split()[-1]) < 3.0
