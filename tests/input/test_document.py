@@ -75,6 +75,12 @@ def test_an_alias_bomb_is_refused_at_once():
         Document.parse("\n".join(rows))
 
 
+def test_a_file_of_too_many_values_without_an_alias_is_not_told_to_remove_one(monkeypatch):
+    monkeypatch.setattr("tautline.scene.reading.document.MOST_VALUES", 3)
+    with pytest.raises(SceneError, match=r"1: .*holds more than 3 values; keep long tables in a CSV file"):
+        Document.parse("{a: 1, b: 2, c: 3, d: 4}")
+
+
 def test_replacing_a_value_leaves_the_original_alone():
     document = Document.parse("a: {b: [1, 2]}")
     other = document.replaced({("a", "b", 1): (5, "vary"), ("c", "d"): (6, "vary")})

@@ -413,8 +413,11 @@ class _Composer:
             return
         parent, key = self.stack[-1][0], self.keys[-1]
         if parent.size + node.size > MOST_VALUES:
-            cause = f"holds more than {MOST_VALUES} values once its aliases are written out"
-            raise self.refuse(line, cause, "remove the aliases; keep long tables in a CSV file")
+            cause = f"holds more than {MOST_VALUES} values"
+            cure = "keep long tables in a CSV file; make the mesh coarser"
+            if self.anchors:
+                cause, cure = f"{cause} once its aliases are written out", f"remove the aliases; {cure}"
+            raise self.refuse(line, cause, cure)
         if node.height + len(self.stack) > DEEPEST:
             raise self.refuse(line, f"is nested more than {DEEPEST} deep", "check the brackets and aliases")
         if parent.mapping:
