@@ -80,8 +80,8 @@ HOW = (
     "work, which does not lock; of its linear solvers the one that a short run finds quickest. Where it has an element "
     "in the plane and one in space, both ran. **Tautline computes in three dimensions throughout.**"
     "\n\nThe error is the largest distance from the reference, over all places and times that are looked at. "
-    "`tolerance` is how far a tenth of the tolerance moves the same run: it is to be well below the error, or the "
-    "tolerances would be what is compared."
+    "`tolerance` is how far a tenth of the tolerance moves the same run. Each program has the loosest power of ten "
+    "with which that is less than a tenth of its error, so that errors are compared and not tolerances."
 )
 
 
