@@ -8,11 +8,6 @@ other,
 and M and D^-1 S are what :func:`tautline.kernels.factors.band_blocks.solve_by_blocks` solves with; they are written as
 they come. Only the blocks that a pivot reaches are at hand, in a window, and the band is read once.
 
-In a symmetric matrix M_IP is D^-1 S_PI on its side, and only blocks on the diagonal and right of it are made: half of
-the products. Tangents are symmetric but for friction, flow and the like. So each block is compared as it is read with
-the one that lies opposite. From the first one on that differs, blocks below the diagonal are made too: what they would
-be until then is known.
-
 Elimination row by row (band.py) is general: it stops at the envelope, exchanges rows, and is renewed in part. Here four
 columns are eliminated by products of blocks that stay in registers, which takes half of the time or less. Where a row
 would have to be exchanged, -1 is returned and the matrix is as it was.
@@ -36,16 +31,11 @@ from tautline.kernels.lanes import (
     spread,
     sqrt,
     store,
-    transposed,
     where,
 )
 
 LARGEST = 100.0
 """Multipliers M up to which rows stay in their order: beyond, rounding would grow by as much in each block."""
-
-
-SYMMETRIC = 1.0e-12
-"""Difference, in the scaled matrix with a diagonal of ones, below which two entries that lie opposite are the same."""
 
 
 def room_for_window(bandwidth: int) -> int:
@@ -111,40 +101,15 @@ def _write_columns(x, at, columns):
 
 
 @kernel(forceinline=True)
-def _lie_opposite(window, one, other):
-    """Whether one block is the other on its side, but for rounding."""
-    a, b = _columns(window, one), transposed(*_columns(window, other))
-    return (
-        largest(larger(larger(abs(a[0] - b[0]), abs(a[1] - b[1])), larger(abs(a[2] - b[2]), abs(a[3] - b[3]))))
-        <= SYMMETRIC
-    )
-
-
-@kernel(forceinline=True)
 def _read_reach(band, scale, head, span, p, n, k, window):
-    """Read the blocks of the last row and column that the pivots of block p reach; those before were read earlier.
-
-    Returns whether those of the row lie opposite those of the column.
-    """
+    """Read the blocks of the last row and column that the pivots of block p reach; those before were read earlier."""
     flat, width, most = band.reshape(-1), band.shape[1], span - 1
-    e, same = p + most, True
+    e = p + most
     _write_scale(band, scale, LANES * e, n, k)
-    for j in range(max(0, -p), most + 1):
-        row, column = _block(head, span, most, j), _block(head, span, j, most)
-        _read_block(flat, width, 2 * k, scale, e, p + j, n, window, row)
-        if j < most:
-            _read_block(flat, width, 2 * k, scale, p + j, e, n, window, column)
-        same = same and _lie_opposite(window, row, column)
-    return same
-
-
-@kernel(forceinline=True)
-def _mirror(head, span, window):
-    """Write the blocks below the diagonal that were not made, but for the last row, which was read."""
-    for i in range(1, span - 1):
-        for j in range(i):
-            columns = _columns(window, _block(head, span, j, i))
-            _write_columns(window, _block(head, span, i, j), transposed(*columns))
+    for j in range(max(0, -p), most):
+        _read_block(flat, width, 2 * k, scale, e, p + j, n, window, _block(head, span, most, j))
+        _read_block(flat, width, 2 * k, scale, p + j, e, n, window, _block(head, span, j, most))
+    _read_block(flat, width, 2 * k, scale, e, e, n, window, _block(head, span, most, most))
 
 
 @kernel(forceinline=True)
@@ -209,11 +174,8 @@ def _product(x0, x1, x2, x3, window, at):
 
 
 @kernel(forceinline=True)
-def _write_right(window, head, span, p, last, scale, n, symmetric, forward, backward):
-    """Write D^-1 and D^-1 S_PJ, which solve for the unknowns of block p; where it is ``symmetric``, also M.
-
-    Returns how far blocks reach.
-    """
+def _write_right(window, head, span, p, last, scale, n, backward):
+    """Write D^-1 and D^-1 S_PJ, which solve for the unknowns of block p; returns how far blocks reach."""
     most, reach, inverse = span - 1, 1, span * span * BLOCK
     marks = inverse + BLOCK
     d0, d1, d2, d3 = _columns(window, inverse)
@@ -225,28 +187,23 @@ def _write_right(window, head, span, p, last, scale, n, symmetric, forward, back
         window[marks + j] = 0.0 if empty else 1.0
         if empty:
             _clear_block(backward, place)
-            if symmetric and j <= last:
-                _clear_block(forward, place_below(p, j, most))
             continue
         reach = j
         unscaled = 1.0 / gather(scale, LANES * (p + j), n)
-        w0 = _product(d0, d1, d2, d3, window, source)
-        w1 = _product(d0, d1, d2, d3, window, source + LANES)
-        w2 = _product(d0, d1, d2, d3, window, source + 2 * LANES)
-        w3 = _product(d0, d1, d2, d3, window, source + 3 * LANES)
-        if symmetric:
-            _write_columns(forward, place_below(p, j, most), transposed(w0, w1, w2, w3))
-        store(backward, place, size * w0 * lane(unscaled, 0))
-        store(backward, place + LANES, size * w1 * lane(unscaled, 1))
-        store(backward, place + 2 * LANES, size * w2 * lane(unscaled, 2))
-        store(backward, place + 3 * LANES, size * w3 * lane(unscaled, 3))
+        for c in range(LANES):
+            solved = size * _product(d0, d1, d2, d3, window, source + LANES * c)
+            store(backward, place + LANES * c, solved * lane(unscaled, c))
     return reach
 
 
 @kernel(forceinline=True)
-def _write_multipliers(window, head, span, p, last, forward):
-    """Write M_IP as it is where nothing is symmetric; returns how far blocks reach."""
-    inverse, reach = span * span * BLOCK, 1
+def _eliminate_below(window, head, span, p, last, forward):
+    """Write M_IP, and subtract what it takes from the blocks beside it.
+
+    Returns how far blocks reach, and the largest multiplier.
+    """
+    inverse, multipliers, reach = span * span * BLOCK, spread(0.0), 1
+    marks = inverse + BLOCK
     for b in range(1, last + 1):
         source, place = _block(head, span, b, 0), place_below(p, b, span - 1)
         if _is_zero(window, source):
@@ -254,28 +211,19 @@ def _write_multipliers(window, head, span, p, last, forward):
             continue
         reach = b
         s0, s1, s2, s3 = _columns(window, source)
-        for c in range(0, BLOCK, LANES):
-            store(forward, place + c, _product(s0, s1, s2, s3, window, inverse + c))
-    return reach
-
-
-@kernel(forceinline=True)
-def _subtract(window, head, span, p, last, symmetric, forward):
-    """Subtract from the blocks beside a pivot what it takes from them; returns the largest multiplier."""
-    marks, multipliers = span * span * BLOCK + BLOCK, spread(0.0)
-    for b in range(1, last + 1):
-        m0, m1, m2, m3 = _columns(forward, place_below(p, b, span - 1))
+        m0, m1 = _product(s0, s1, s2, s3, window, inverse), _product(s0, s1, s2, s3, window, inverse + LANES)
+        m2 = _product(s0, s1, s2, s3, window, inverse + 2 * LANES)
+        m3 = _product(s0, s1, s2, s3, window, inverse + 3 * LANES)
+        _write_columns(forward, place, (m0, m1, m2, m3))
         multipliers = larger(larger(abs(m0), abs(m1)), larger(larger(abs(m2), abs(m3)), multipliers))
-        if symmetric and window[marks + b] == 0.0:
-            continue
-        for j in range(b if symmetric else 1, last + 1):
+        for j in range(1, last + 1):
             if window[marks + j] == 0.0:
                 continue
             right, target = _block(head, span, 0, j), _block(head, span, b, j)
             for c in range(0, BLOCK, LANES):
                 left = load(window, target + c) - _product(m0, m1, m2, m3, window, right + c)
                 store(window, target + c, left)
-    return largest(multipliers)
+    return reach, largest(multipliers)
 
 
 @kernel
@@ -303,21 +251,19 @@ def factorise_in_blocks(band, scale, blocks, window, threshold, n, k):
     most = reach_of_band(k)
     span, count, reach = most + 1, (n + LANES - 1) // LANES, 1
     forward, backward = halves(blocks, n, most)
-    symmetric = True
     head = 0  # of the first pivot; those before it only read what it reaches
     for p in range(-most, count):
         head = head + 1 if head + 1 < span else 0
-        if p + most < count and not _read_reach(band, scale, head, span, p, n, k, window) and symmetric:
-            _mirror(head, span, window)
-            symmetric = False
+        if p + most < count:
+            _read_reach(band, scale, head, span, p, n, k, window)
         if p < 0:
             continue
         if not _write_inverse(window, _block(head, span, 0, 0), span * span * BLOCK, threshold):
             return -1
         last = min(count - 1 - p, most)
-        reach = max(reach, _write_right(window, head, span, p, last, scale, n, symmetric, forward, backward))
-        if not symmetric:
-            reach = max(reach, _write_multipliers(window, head, span, p, last, forward))
-        if not _subtract(window, head, span, p, last, symmetric, forward) <= LARGEST:
+        right = _write_right(window, head, span, p, last, scale, n, backward)
+        below, multiplier = _eliminate_below(window, head, span, p, last, forward)
+        if not multiplier <= LARGEST:
             return -1
+        reach = max(reach, right, below)
     return reach
