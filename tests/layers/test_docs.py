@@ -57,7 +57,7 @@ def test_the_commands_of_the_page_on_scenes_run_as_they_stand(monkeypatch, tmp_p
         more = ["--set", "solver.end=0.1 s"] if "simulate" in words else []
         application = next(one for one in Installed().all() if one.name == name)
         with pytest.raises(SystemExit) as left:
-            run(make_app(application), [*words, *more])
+            run(make_app(application, words), [*words, *more])
         assert not left.value.code, (line, capsys.readouterr().err)
 
 
