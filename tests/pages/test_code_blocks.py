@@ -36,7 +36,7 @@ PAGES = sorted(
 )
 ELSEWHERE = {
     "docs/extending.md": "test_extending.py",
-    "docs/gallery.md": "benchmarks/gallery.py, which writes the page by these commands and which .ci/run runs",
+    "docs/gallery.md": "benchmarks/pages/gallery.py, which writes the page by these commands and which .ci/run runs",
     "docs/control.md": "test_docs.py",
     "docs/linearisation.md": "test_docs.py",
     "docs/python.md": "test_docs.py",
