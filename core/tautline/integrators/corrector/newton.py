@@ -1,7 +1,8 @@
 """The corrector of the implicit methods: Newton's method on the residual, eq. 2.87, one step at a time.
 
 An iteration goes over the rows that are not in balance yet. At first these are all. Of a string of a thousand lumps,
-one of which has begun to slip, they are some tens, and the work is theirs and not the string's: rows.py, window.py.
+one of which has begun to slip, they are some tens, and the work is theirs and not the string's: rows.py and
+partial_newton.py.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.partial_newton import Window
-from tautline.integrators.rows import (
+from tautline.integrators.corrector.partial_newton import Window
+from tautline.integrators.corrector.rows import (
     AllRows,
     aim,
     balance,

@@ -1,4 +1,4 @@
-"""The rows that an iteration goes over: all, or a part of them where the system has a window (window.py).
+"""The rows that an iteration goes over: all, or a part of them where the system has a window (partial_newton.py).
 
 Which of both is a matter of type, so that the time loop of a scene without a window knows nothing of parts.
 """
@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from tautline.integrators import partial_newton as part
-from tautline.integrators.partial_newton import Window, is_worth_while, new_window
+from tautline.integrators.corrector import partial_newton as part
+from tautline.integrators.corrector.partial_newton import Window, is_worth_while, new_window
 from tautline.integrators.state import worst_between
 from tautline.kernels import groups as over
 from tautline.kernels.dispatch import by_type
