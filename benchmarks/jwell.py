@@ -5,17 +5,16 @@ from __future__ import annotations
 import functools
 import time
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import tautline
+from benchmarks import ROOT
 from drillstring.scene.scene import DrillstringScene
 from tautline.integrators.status import StoppedEarly
 from tautline.scene.model import validate
 
-ROOT = Path(__file__).resolve().parent.parent
 SCENE = ROOT / "data" / "jwell.yaml"
 FINEST, SECOND = 1e-5, 5e-5
 """Steps of the two finest runs by generalized-alpha and projection, s."""

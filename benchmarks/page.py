@@ -11,7 +11,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
-RACE = "<!-- race: written by benchmarks/race.py -->", "<!-- end of race -->"
+RACE = "<!-- race: written by benchmarks/race/race.py -->", "<!-- end of race -->"
 """Marks of what `race.py` writes, in docs/performance.md."""
 
 

@@ -1,4 +1,4 @@
-"""Makes the folders of tests importable, as `references.soft_string`, orders them, and has Ctrl-C heard by all."""
+"""Makes folders of tests and `benchmarks` importable, as `references.soft_string`; orders them; Ctrl-C is heard."""
 
 import gc
 import os
@@ -16,7 +16,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = os.environ.get("OPENBLAS_NUM_THREADS", "1")
 from tautline.kernels.compiling.gc_tuning import RARELY
 
 TESTS = Path(__file__).parent
-sys.path.insert(0, str(TESTS))
+sys.path[:0] = [str(TESTS), str(TESTS.parent)]
 
 # Tests compile much of the time.
 gc.set_threshold(*RARELY)

@@ -25,8 +25,9 @@ def scene(tmp_path, monkeypatch):
 
 
 def command(*words, code=0):
+    given = [str(word) for word in words]
     with pytest.raises(SystemExit) as left:
-        run(make_app(Installed()), [str(word) for word in words])
+        run(make_app(Installed(), given), given)
     assert left.value.code == code, words
 
 

@@ -14,8 +14,9 @@ def commands_of(application, capsys):
     """A function that runs a command of an application: exit code, standard output, standard error."""
 
     def command(*arguments):
+        words = [str(argument) for argument in arguments]
         with pytest.raises(SystemExit) as left:
-            run(make_app(application), [str(argument) for argument in arguments])
+            run(make_app(application, words), words)
         captured = capsys.readouterr()
         return left.value.code or 0, captured.out, captured.err
 

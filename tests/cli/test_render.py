@@ -38,8 +38,9 @@ def render(stored, tmp_path, monkeypatch, capsys):
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
 
     def command(*arguments):
+        words = ["render", str(stored), *map(str, arguments)]
         with pytest.raises(SystemExit) as left:
-            run(make_app(Gardenhose()), ["render", str(stored), *map(str, arguments)])
+            run(make_app(Gardenhose(), words), words)
         captured = capsys.readouterr()
         return left.value.code or 0, captured.out, captured.err
 

@@ -20,7 +20,7 @@ RUN = """
 import json, sys
 import numpy as np
 from tautline.elements.nodal.load import Loads
-from tautline.integrators.linearise import evaluate, evaluate_scene
+from tautline.integrators.equations import SUMS, evaluate_full
 from tautline.integrators.state import new_state
 from tautline.kernels.groups import run_hook
 from tautline.kernels.matrix import new_matrix
@@ -30,8 +30,8 @@ from tautline.system.time_functions import compile_functions
 GROUPS
 s = assemble(groups, Degrees(["x"], np.zeros(1), np.ones(1)), compile_functions([]), np.zeros(1), [], [])
 matrix, r = new_matrix(1, 0), np.zeros(1)
-evaluate(s, new_state(s), 0.0, 0.0, True, 1.0, 0.0, 0.0, matrix, r)
-count = lambda kind: [sum(getattr(f.stats, kind).values()) for f in (evaluate_scene, run_hook)]
+evaluate_full(s.link(SUMS), s.dofs, new_state(s), 0.0, 1.0, 0.0, 0.0, matrix, r)
+count = lambda kind: [sum(getattr(f.stats, kind).values()) for f in (evaluate_full, run_hook)]
 print(json.dumps([r[0], count("cache_hits"), count("cache_misses")]))
 """
 OURS = "groups = (Loads(np.array([0]), np.array([2.5])),)"
@@ -52,7 +52,7 @@ register(Push, residual=_residual)
 
 
 def run(folder, groups=OURS, path=()):
-    """Run the script in a new process with its cache in a folder: residual, cache hits and misses of (loop, hooks)."""
+    """Run the script in a new process with its cache in a folder: residual, cache hits and misses of (sum, hooks)."""
     search = os.pathsep.join([*map(str, path), *filter(None, [os.environ.get("PYTHONPATH")])])
     done = subprocess.run(
         [sys.executable, "-c", RUN.replace("GROUPS", groups)], capture_output=True, text=True, cwd=folder,

@@ -422,7 +422,7 @@ def test_at_the_command_line_it_exits_with_3_and_leaves_its_file(tmp_path, capsy
     scene = hoist(drive=ENDS["by pay-out"] | {"rope_on_drum": 3.0}, solver={"end": 4.0})
     path.write_text(yaml.safe_dump(scene), encoding="utf8")
     with pytest.raises(SystemExit) as ended:
-        run(make_app(Crane()), ["simulate", str(path), "-o", str(made)])
+        run(make_app(Crane(), ["simulate"]), ["simulate", str(path), "-o", str(made)])
     assert ended.value.code == ExitCode.STOPPED_EARLY == 3
     written = capsys.readouterr()
     assert "run off its drum" in written.out + written.err and "Traceback" not in written.out + written.err

@@ -49,7 +49,7 @@ def outcome(folder, capsys, text, *options):
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     before = sorted(os.listdir(folder))
     with pytest.raises(SystemExit) as left:
-        run(make_app(Drillstring()), ["simulate", str(path), "-o", str(folder / "result.nc"), *options])
+        run(make_app(Drillstring(), ["simulate"]), ["simulate", str(path), "-o", str(folder / "result.nc"), *options])
     printed = "".join(capsys.readouterr())
     return left.value.code, printed, sorted(set(os.listdir(folder)) - set(before))
 

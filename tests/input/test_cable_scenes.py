@@ -411,7 +411,7 @@ def test_check_exits_2_with_the_line_and_no_traceback(name, tmp_path, capsys):
     path = tmp_path / "scene.yaml"
     path.write_text(TEXT.replace(old, new, 1))
     with pytest.raises(SystemExit) as left:
-        run(make_app(Installed()), ["check", str(path)])
+        run(make_app(Installed(), ["check"]), ["check", str(path)])
     printed = re.sub(r"\s+", " ", "".join(capsys.readouterr()))
     assert left.value.code == 2
     assert f"scene.yaml:{line}: " in printed and key in printed and cure in printed and "Traceback" not in printed
@@ -420,7 +420,7 @@ def test_check_exits_2_with_the_line_and_no_traceback(name, tmp_path, capsys):
 @pytest.mark.parametrize("name", ["cantilever_bar", "reeled_span"])
 def test_the_shipped_scenes_are_good_and_without_a_warning(name, capsys):
     with pytest.raises(SystemExit) as left:
-        run(make_app(Installed()), ["check", str(DATA / f"{name}.yaml"), "--json"])
+        run(make_app(Installed(), ["check"]), ["check", str(DATA / f"{name}.yaml"), "--json"])
     assert left.value.code == 0
     assert '"warnings": []' in capsys.readouterr().out
 
@@ -548,7 +548,7 @@ def test_the_appendix_is_read_and_refused_for_saying_each_tie_three_times(tmp_pa
     path = tmp_path / "appendix.yaml"
     path.write_text(APPENDIX)
     with pytest.raises(SystemExit) as left:
-        run(make_app(Installed()), ["check", str(path)])
+        run(make_app(Installed(), ["check"]), ["check", str(path)])
     told = "".join(capsys.readouterr())
     assert left.value.code == 2 and "Traceback" not in told
     assert "appendix.yaml:45: CableModel[8].LagMultipl7: r = r of nodes 2 and 3, x: follows from" in told
@@ -560,7 +560,7 @@ def test_check_refuses_what_only_the_builder_can_tell(tmp_path, capsys):
     text = (DATA / "cantilever_bar.yaml").read_text(encoding="utf8")
     path.write_text(text.replace("BC: [0, 1, 1, 0, 1, 1, 1]", "BC: [0, 1, 1, 0, 1, 1, 0]"), encoding="utf8")
     with pytest.raises(SystemExit) as left:
-        run(make_app(Installed()), ["check", str(path)])
+        run(make_app(Installed(), ["check"]), ["check", str(path)])
     assert left.value.code == 2 and "node 1 may slide along the rope" in "".join(capsys.readouterr())
 
 
@@ -571,7 +571,7 @@ def test_check_refuses_an_element_that_its_functions_leave_no_length(tmp_path, c
     path = tmp_path / "lost.yaml"
     path.write_text(TEXT.replace(old, new, 1), encoding="utf8")
     with pytest.raises(SystemExit) as left:
-        run(make_app(Installed()), ["check", str(path)])
+        run(make_app(Installed(), ["check"]), ["check", str(path)])
     assert left.value.code == 2
     assert "both of its nodes at one point once functions and couplings hold" in "".join(capsys.readouterr())
 

@@ -78,7 +78,7 @@ def test_check_exits_2_with_the_line_and_no_traceback(name, tmp_path, capsys):
     path = tmp_path / "scene.yaml"
     path.write_text(edited(scene, (old, new), *more))
     with pytest.raises(SystemExit) as left:
-        run(make_app(Crane()), ["check", str(path)])
+        run(make_app(Crane(), ["check"]), ["check", str(path)])
     printed = re.sub(r"\s+", " ", "".join(capsys.readouterr()))
     assert left.value.code == 2
     assert f"scene.yaml:{line}: " in printed and key in printed and words in printed and "Traceback" not in printed

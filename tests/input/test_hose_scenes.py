@@ -274,7 +274,7 @@ def test_check_exits_2_with_the_line_and_no_traceback(name, tmp_path, capsys):
     path = tmp_path / "scene.yaml"
     path.write_text(edited(old, new))
     with pytest.raises(SystemExit) as left:
-        run(make_app(Gardenhose()), ["check", str(path)])
+        run(make_app(Gardenhose(), ["check"]), ["check", str(path)])
     printed = re.sub(r"\s+", " ", "".join(capsys.readouterr()))
     assert left.value.code == 2
     assert f"scene.yaml:{line}: " in printed and key in printed and cure in printed and "Traceback" not in printed

@@ -68,7 +68,7 @@ def counted(monkeypatch):
 
 def simulate(application, folder):
     with pytest.raises(SystemExit) as left:
-        run(make_app(application), ["simulate", str(folder / "scene.yaml"), "--quiet"])
+        run(make_app(application, ["simulate"]), ["simulate", str(folder / "scene.yaml"), "--quiet"])
     assert left.value.code == 0
 
 

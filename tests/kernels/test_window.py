@@ -5,9 +5,9 @@ import pytest
 from physics.wells.strings import shipped
 
 from drillstring.model.build import build
-from tautline.integrators import partial_newton as part
-from tautline.integrators.partial_newton import ASKED, ASKED_END, LEAST_MARGIN, MARGIN, SOLVED, SOLVED_END
-from tautline.integrators.rows import AllRows, rows_of
+from tautline.integrators.corrector import partial_newton as part
+from tautline.integrators.corrector.partial_newton import ASKED, ASKED_END, LEAST_MARGIN, MARGIN, SOLVED, SOLVED_END
+from tautline.integrators.corrector.rows import AllRows, rows_of
 from tautline.integrators.state import new_state
 from tautline.kernels import groups as over
 from tautline.kernels.jit import entry

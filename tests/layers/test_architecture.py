@@ -1,6 +1,5 @@
 """The page of the architecture shows the imports as they are."""
 
-import sys
 from pathlib import Path
 
 import pytest
@@ -9,12 +8,10 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def architecture(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    import architecture
+def architecture():
+    from benchmarks.pages import architecture
 
-    yield architecture
-    sys.modules.pop("architecture")
+    return architecture
 
 
 def test_the_picture_and_the_table_of_the_architecture_are_those_of_the_imports(architecture):

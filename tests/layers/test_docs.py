@@ -2,7 +2,6 @@
 
 import re
 import shlex
-import sys
 from pathlib import Path
 
 import pytest
@@ -16,20 +15,14 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_the_table_of_statuses_in_the_docs_is_the_programs():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import statuses
-    finally:
-        sys.path.pop(0)
+    from benchmarks.pages import statuses
+
     assert statuses.statuses() in (ROOT / "docs" / "solver.md").read_text(encoding="utf8")
 
 
 def test_the_table_of_plausible_ranges_in_the_docs_is_the_programs():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import plausible_ranges
-    finally:
-        sys.path.pop(0)
+    from benchmarks.pages import plausible_ranges
+
     assert plausible_ranges.ranges() in (ROOT / "docs" / "ranges.md").read_text(encoding="utf8")
 
 
@@ -57,7 +50,7 @@ def test_the_commands_of_the_page_on_scenes_run_as_they_stand(monkeypatch, tmp_p
         more = ["--set", "solver.end=0.1 s"] if "simulate" in words else []
         application = next(one for one in Installed().all() if one.name == name)
         with pytest.raises(SystemExit) as left:
-            run(make_app(application), [*words, *more])
+            run(make_app(application, words), [*words, *more])
         assert not left.value.code, (line, capsys.readouterr().err)
 
 
@@ -65,8 +58,7 @@ def test_the_commands_of_the_page_on_scenes_run_as_they_stand(monkeypatch, tmp_p
 def test_the_python_of_a_page_on_live_simulations_runs_and_is_what_its_notebook_holds(name, monkeypatch):
     if name == "cosimulation":
         pytest.importorskip("pythonfmu", reason="PythonFMU is not installed")
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    import notebooks
+    from benchmarks.pages import notebooks
 
     assert notebooks.place(name).read_text(encoding="utf8") == notebooks.notebook(name)
     monkeypatch.chdir(ROOT)

@@ -1,18 +1,14 @@
 """The mutations of kernels can be made: each names a text that its kernel has, and tests that there are."""
 
 import ast
-import sys
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
+from benchmarks.pages import mutation
+
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "benchmarks"))
-try:
-    import mutation
-finally:
-    sys.path.pop(0)
 
 
 @pytest.mark.parametrize("mutant", mutation.MUTANTS, ids=lambda mutant: f"{mutant.file}:{mutant.function}")

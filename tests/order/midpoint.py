@@ -3,8 +3,8 @@
 k = f(t, y), y1 = y + h f(t + h/2, y + h k / 2): of second order, with the stability polynomial 1 + z + z^2/2.
 """
 
+from tautline.integrators.corrector.newton import DONE
 from tautline.integrators.explicit import Explicit, accelerate, account, end_step, explicit_stepping
-from tautline.integrators.newton import DONE
 from tautline.integrators.state import keep, observe_motion, restore
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand_held, prescribe

@@ -36,7 +36,7 @@ PAGES = sorted(
 )
 ELSEWHERE = {
     "docs/extending.md": "test_extending.py",
-    "docs/gallery.md": "benchmarks/gallery.py, which writes the page by these commands and which .ci/run runs",
+    "docs/gallery.md": "benchmarks/pages/gallery.py, which writes the page by these commands and which .ci/run runs",
     "docs/control.md": "test_docs.py",
     "docs/linearisation.md": "test_docs.py",
     "docs/python.md": "test_docs.py",
@@ -132,15 +132,15 @@ def _command(line, where, capsys, as_it_stands=False):
     assert name in ("tautline", "crane", "drillstring", "gardenhose"), f"{where}: {name} is no command of ours: mark it"
     if verb == "render" and not {"--image", "--movie", "--html"} & set(more):
         return  # a window, which needs a screen
-    app = make_app(next(one for one in (*Installed().all(), Installed()) if one.name == name))
+    application = next(one for one in (*Installed().all(), Installed()) if one.name == name)
     if verb in PARSED:
-        typer.main.get_command(app).commands[verb].make_context(verb, list(more))
+        typer.main.get_command(make_app(application)).commands[verb].make_context(verb, list(more))
         verb, more = "check", more[:1]
     if verb == "sweep":
         more[0] = _fewer_cases(Path(more[0]))
         more += ["--set", "solver.end=2 s"]
     with pytest.raises(SystemExit) as left:
-        run(app, [verb, *(more if as_it_stands else _shortened(verb, more))])
+        run(make_app(application, [verb]), [verb, *(more if as_it_stands else _shortened(verb, more))])
     assert not left.value.code, f"{where}: {' '.join(words)}\n{capsys.readouterr().err}"
 
 

@@ -13,9 +13,8 @@ NAMES = sorted(path.stem for path in (ROOT / "docs" / "tutorials").glob("*.ipynb
 
 
 @pytest.fixture
-def tutorials(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    import tutorials
+def tutorials():
+    from benchmarks.pages import tutorials
 
     return tutorials
 
@@ -51,7 +50,7 @@ def test_a_notebook_asks_answers_checks_and_shows(name, tutorials):
     text = "\n".join(cell.source for cell in stored.cells)
     assert "**Question.**" in text and "assert " in text
     assert any(word in text for word in ("**Answer", "**Check"))
-    assert tutorials.figures(stored) >= 1, "python benchmarks/tutorials.py keeps what it shows"
+    assert tutorials.figures(stored) >= 1, "python -m benchmarks.pages.tutorials keeps what it shows"
 
 
 def test_a_cell_that_fails_is_told(tutorials, tmp_path):

@@ -228,7 +228,7 @@ def cable(tmp_path, monkeypatch, capsys):
     def command(*arguments):
         monkeypatch.setattr(sys, "argv", ["cable", *arguments])
         with pytest.raises(SystemExit) as left:
-            command_line(make_app(Cable()))
+            command_line(make_app(Cable(), arguments))
         captured = capsys.readouterr()
         return left.value.code or 0, captured.out, captured.err
 

@@ -35,7 +35,7 @@ def cable(folder, monkeypatch, capsys):
     def command(*arguments):
         monkeypatch.setattr(sys, "argv", ["cable", *map(str, arguments)])
         with pytest.raises(SystemExit) as left:
-            run(make_app(Cable()))
+            run(make_app(Cable(), sys.argv[1:]))
         captured = capsys.readouterr()
         return left.value.code or 0, captured.out, captured.err
 

@@ -108,7 +108,7 @@ def test_result_and_table_hold_the_same_and_the_json_says_what_it_took(tmp_path,
     )
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as end:
-        run(make_app(Crane()), ["sweep", path.name, "--json", "-j", "1", "-o", "out"])
+        run(make_app(Crane(), ["sweep"]), ["sweep", path.name, "--json", "-j", "1", "-o", "out"])
     assert end.value.code == 0
     told = json.loads(capsys.readouterr().out)
     keys = {"cases", "done", "failed", "result", "table", "wall_time", "cpu_time", "overhead", "figures", "status"}
@@ -250,7 +250,7 @@ def test_the_summary_of_a_plan_that_samples_tells_its_percentiles_and_their_tabl
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "200")
     with pytest.raises(SystemExit):
-        run(make_app(Crane()), ["sweep", path.name, "--json", "-j", "1", "-o", "out"])
+        run(make_app(Crane(), ["sweep"]), ["sweep", path.name, "--json", "-j", "1", "-o", "out"])
     found = capsys.readouterr()
     assert json.loads(found.out)["percentiles"] == "out/percentiles.csv"
     assert "max_tension: P10, P50, P90" in found.err and "wrote out/percentiles.csv" in found.err

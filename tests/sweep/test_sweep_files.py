@@ -118,7 +118,7 @@ def in_folder(monkeypatch, capsys):
         monkeypatch.chdir(folder)
         monkeypatch.setenv("COLUMNS", "400")
         with pytest.raises(SystemExit) as end:
-            run_command(make_app(Crane()), ["sweep", *words])
+            run_command(make_app(Crane(), ["sweep"]), ["sweep", *words])
         return end.value.code, capsys.readouterr().err
 
     return run

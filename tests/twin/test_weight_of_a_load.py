@@ -88,7 +88,7 @@ ahead: 0 s
         assert abs(late[name]["value"] - value) <= 2.5 * late[name]["sd"]
 
 
-@pytest.mark.parametrize("seed", [2, 12])
+@pytest.mark.parametrize("seed", [2, pytest.param(12, marks=pytest.mark.study)])
 def test_a_load_that_touches_down_and_is_lifted_off_keeps_its_weight_and_its_deviation(seed):
     """While it bounces on the ground simulations of other weights bounce elsewhere: that is no knowledge of it."""
     motion = {"time": [0, 1, 5, 6, 10, 11, 20, 21, 60], "value": [0, 0.5, 0.5, 0, 0, -0.5, -0.5, 0, 0]}

@@ -18,7 +18,7 @@ from crane.results.course import contacts_of, course_of, laid_out
 from crane.rope_life.account import RopeAccount, RopeOf
 from crane.scene.scene import CraneScene, Drum
 from tautline.scene.errors import SceneError
-from tautline.twin.operation import Guidance
+from tautline.twin.operation import Operation
 
 FOUND = {"rope.damage": "", "rope.damage_place": "m"}
 """What it finds, and the units."""
@@ -26,62 +26,23 @@ COLUMNS = 3 + np.arange(9)
 """Where the columns of a rotation are behind the place of a frame."""
 
 
-class Lifting:
-    """Tells when the tension of a crane's rope is that of a load which hangs free; nothing is kept.
+class Lifting(Operation):
+    """Says when the tension of a crane's rope is that of a load which hangs free.
 
     Parameters
     ----------
     scene : CraneScene
     """
 
-    outputs: Mapping[str, str] = {}
-    signals: Mapping[str, str] = {}
-    window, mean, anywhere = None, 0.0, False
-
     def __init__(self, scene: CraneScene) -> None:
         self._heights = _heights_on_ground(scene)
         self.reads: Sequence[str] = ("min_tension", *self._heights)
-
-    def built(self, sim: Any) -> None:
-        """Nothing is to be laid out."""
-
-    def before(self, time: float, values: Mapping[str, float]) -> Guidance:
-        """Nothing is left out."""
-        return Guidance()
 
     def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
         """All sensors, while in every simulation the rope is taut and no load touches the ground."""
         taut = bool((read["min_tension"] > 0.0).all())
         lifted = all(bool((read[name][..., 2] > height).all()) for name, height in self._heights.items())
         return np.full(len(sensors), taut and lifted)
-
-    def found(
-        self, time: float, measured: Mapping[str, Any], outputs: Mapping[str, Any], sim: Any
-    ) -> dict[str, tuple[float, float]]:
-        """Nothing further."""
-        return {}
-
-    def simulated(self, sim: Any) -> dict[str, float]:
-        """No signals."""
-        return {}
-
-    def told(self) -> dict[str, Any]:
-        """Nothing further."""
-        return {}
-
-    def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
-        """None."""
-        return iter(())
-
-    def save(self) -> None:
-        """There is nothing to write."""
-
-    def memory(self) -> dict[str, Any]:
-        """There is nothing to remember."""
-        return {}
-
-    def recall(self, memory: Mapping[str, Any]) -> None:
-        """Nothing was remembered."""
 
 
 class CraneOperation(Lifting):

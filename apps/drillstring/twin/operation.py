@@ -23,7 +23,7 @@ from drillstring.twin.states import IN_THE_SLIPS, RigState, RigStates, Settings
 from drillstring.twin.sticking_limit import sticking_limit
 from drillstring.twin.torsional_line import line_of
 from tautline.scene.errors import SceneError
-from tautline.twin.operation import Guidance
+from tautline.twin.operation import Guidance, Operation
 
 ASKED = {
     "block": "m", "hook_load": "N", "rotary_speed": "rad/s", "torque": "N m", "flow": "m^3/s", "bit_depth": "m",
@@ -67,7 +67,7 @@ SEVERITY_EVERY = 1.0
 """How often stick-slip is looked for, s."""
 
 
-class RigOperation:
+class RigOperation(Operation):
     """What a twin asks of a rig.
 
     Parameters
@@ -284,9 +284,6 @@ class RigOperation:
         sticks = found is not None and found.severity - found.sd > STICKING
         text = f"the bit's speed swings by {100.0 * found.severity:.0f} % of its mean" if sticks else ""
         yield "stick-slip", sticks, text, self._severity.span
-
-    def save(self) -> None:
-        """Nothing is kept over operations."""
 
     # -- to be kept over a restart -------------------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ import numpy as np
 from numba.core import types
 from numba.extending import overload
 
-from tautline.integrators.newton import DONE, SINGULAR
+from tautline.integrators.corrector.newton import DONE, SINGULAR
 from tautline.integrators.state import WORST, book_losses, book_work, restore, watch
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add, turned_by

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.integrators.newton import DONE, SAME_STEP, Corrector, correct, corrector
+from tautline.integrators.corrector.newton import DONE, SAME_STEP, Corrector, correct, corrector
 from tautline.integrators.state import WORST, book_losses, book_work, keep, observe_motion, restore, watch
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from tautline.integrators.corrector.newton import DONE
 from tautline.integrators.explicit import BEFORE, Explicit, accelerate, account, end_step, explicit_stepping
-from tautline.integrators.newton import DONE
 from tautline.integrators.state import observe_motion, restore
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand_held, prescribe

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.integrators.corrector.newton import DONE
 from tautline.integrators.explicit import accelerate, account
 from tautline.integrators.linearise import NO_SEARCH, SUMS, evaluate_scene
-from tautline.integrators.newton import DONE
 from tautline.integrators.state import (
     DISSIPATED,
     FACTORISATIONS,

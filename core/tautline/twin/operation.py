@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Protocol
 
 import numpy as np
@@ -35,6 +36,9 @@ class Guidance:
 class Operation(Protocol):
     """What a twin asks of an application's operation.
 
+    A class that derives from this one writes what it knows. All else is answered here, as an operation would that has
+    nothing further to say: every row counts, every sensor tells something, and nothing is kept.
+
     Attributes
     ----------
     outputs, signals : mapping
@@ -50,21 +54,23 @@ class Operation(Protocol):
         Whether positions with ``zero: first`` count from where the machine stands whenever it begins anew.
     """
 
-    outputs: Mapping[str, str]
-    signals: Mapping[str, str]
-    reads: Sequence[str]
-    window: float | None
-    mean: float
-    anywhere: bool
+    outputs: Mapping[str, str] = MappingProxyType({})
+    signals: Mapping[str, str] = MappingProxyType({})
+    reads: Sequence[str] = ()
+    window: float | None = None
+    mean: float = 0.0
+    anywhere: bool = False
 
     def built(self, sim: Any) -> None:
         """Take notice of the simulation that stands for the machine from now on, at its start."""
 
     def before(self, time: float, values: Mapping[str, float]) -> Guidance:
         """Take the values of a row in SI, by names of the map, before the simulation goes on to it."""
+        return Guidance()
 
     def counts(self, read: Mapping[str, np.ndarray], sensors: Sequence[str]) -> np.ndarray:
         """Which sensors (m,) tell something: all simulations (n, ...) do then what the machine does."""
+        return np.ones(len(sensors), bool)
 
     def found(
         self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]],
@@ -81,21 +87,27 @@ class Operation(Protocol):
         sim : Simulation
             The simulation itself, near the estimate.
         """
+        return {}
 
     def simulated(self, sim: Any) -> dict[str, float]:
         """Signals that a simulation knows, for a record of it."""
+        return {}
 
     def told(self) -> dict[str, Any]:
         """Further keys of a line."""
+        return {}
 
     def alarms(self) -> Iterator[tuple[str, bool, str, float]]:
         """Further alarms: name, whether it holds, text, and how long it has to hold, s."""
+        return iter(())
 
     def save(self) -> None:
         """Write what is kept over operations; raises ResultError where that is not possible."""
 
     def memory(self) -> dict[str, Any]:
         """What a later process needs to go on, for JSON."""
+        return {}
 
     def recall(self, memory: Mapping[str, Any]) -> Any:
         """Go on from what an earlier process kept; gives the scene that the machine had become, or None."""
+        return None

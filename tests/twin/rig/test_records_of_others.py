@@ -1,21 +1,13 @@
-"""The twin and the model beside records that others made (benchmarks/records.py writes the whole comparison)."""
+"""The twin and the model beside records that others made; benchmarks/records/comparison.py writes all of it."""
 
-import sys
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import tautline
+from benchmarks.records import comparison, torsional_start_up, ufrj_rig
 from tautline.twin.sources.opening import open_source
-
-ROOT = Path(__file__).parents[3]
-sys.path.insert(0, str(ROOT / "benchmarks"))
-
-import records  # noqa: E402
-import torsional_start_up  # noqa: E402
-import ufrj_rig  # noqa: E402
 
 SHAFT, DISC = (2.4, 0.005), (0.05, 0.3)
 """Length and diameter, m, of a made-up rig."""
@@ -76,7 +68,7 @@ def test_a_record_in_the_format_of_the_rig_of_ufrj_becomes_a_csv_that_the_twin_r
 def test_severity_from_the_top_of_a_record_in_that_format_is_the_measured_one_of_the_disc(tmp_path):
     # Reference: the disc's own speed. 0.03: a tenth of the damping's deviation, and sampling of the extremes.
     file, _, _ = recorded(tmp_path / "rig.mat", noise=0.05)
-    found = records.rig(file, rig_scene(), ("Top_Torque", "Top_Speed"), tmp_path / "rig.csv")
+    found = comparison.rig(file, rig_scene(), ("Top_Torque", "Top_Speed"), tmp_path / "rig.csv")
     assert len(found) >= 3
     for one in found:
         assert one.measured == pytest.approx(0.9, abs=0.01)
@@ -93,8 +85,8 @@ def test_a_file_that_lacks_a_variable_of_the_record_is_refused_with_those_it_has
 
 @pytest.fixture(scope="module")
 def started():
-    scene = torsional_start_up.scene(elements=40, step=4e-3, law=records.WEAKENING)
-    return records.compared(tautline.simulate(tautline.read(scene)), "reduced", *records.published())
+    scene = torsional_start_up.scene(elements=40, step=4e-3, law=comparison.WEAKENING)
+    return comparison.compared(tautline.simulate(tautline.read(scene)), "reduced", *comparison.published())
 
 
 # Published: Aarsnes and Shor 2018, stored output of their program (data/records), times to 0.03 s. 40 lumps and 4 ms
@@ -115,7 +107,7 @@ def test_a_published_start_up_springs_back_after_break_off_as_published(started)
 def test_a_published_start_up_breaks_off_near_its_closed_forms_and_below_the_published_peak(started):
     # Closed forms printed there: all static friction is 19.531 kN m, the twist by it 27.433 rad; inertia adds to both.
     # The published peak of 22.49 kN m is not reached: docs/records.md says why.
-    assert records.BREAK_OFF == pytest.approx(19.531, abs=1e-3)
+    assert comparison.BREAK_OFF == pytest.approx(19.531, abs=1e-3)
     assert started.peak.value == pytest.approx(19.531, rel=0.08)
     assert started.twist == pytest.approx(27.433, rel=0.08)
     assert 0.90 < started.peak.value / 22.49 < 0.94

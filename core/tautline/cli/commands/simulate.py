@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tautline.application.installed import Catalogue
 from tautline.cli.options.changes import as_given, changed
@@ -135,58 +135,91 @@ def simulate(
     from tautline.results.target import check_target
 
     _check_accuracy(overrides, resume, verify)
-
-    application, found = catalogue.read(scene)
-    if overrides.get("accuracy") is None:
-        # An application of somebody else may not know of it.
-        overrides = {key: value for key, value in overrides.items() if key != "accuracy"}
-    read = application.with_overrides(changed(found, changes), **overrides)
+    application, read = _scene_of(catalogue, scene, overrides, changes)
     target = check_target(output or Path(scene.name).with_suffix(".nc"))
     earlier = _earlier(resume)
     read, accuracy = _accuracy(application, read, overrides, earlier, verify)
     warnings = application.warnings(read)
     print_warnings(warnings)
-
     if note := version_note():
         say(f"warning: {note}", "yellow")
     model = application.build(read)
-
-    from tautline.integrators.status import Interrupted, StoppedEarly
-    from tautline.simulation import simulate as run_model
-
-    solver = getattr(model, "solver", None)
-    end = getattr(solver, "end", None)
+    end = getattr(getattr(model, "solver", None), "end", None)
     if not quiet:
-        for note in getattr(model, "notes", ()):
-            say(f"note: {note}")
-        length = f", {quantity(end, 's')}" if end is not None else ""
-        say(f"simulating {scene}{length}")
+        _announce(scene, model, end)
+
+    def run(bar: Bar) -> Result:
+        if accuracy is not None:
+            return _to_accuracy(application, read, accuracy, target, bar, quiet)
+        return _as_it_stands(application, read, model, target, verify, earlier, bar, quiet)
+
+    outcome = _outcome_of(run, end, quiet)
+    _finish(catalogue, _report(scene, outcome.result, end, warnings) | outcome.report, outcome.result, as_json, quiet)
+    if outcome.line:
+        say(*outcome.line)
+    if outcome.code is not None:
+        raise Ended(outcome.code)
+
+
+class Outcome(NamedTuple):
+    """How a run ended.
+
+    Attributes
+    ----------
+    result : Result or None
+        None where nothing was stored.
+    report : dict
+        What the report says of the end.
+    line : (str, str) or None
+        What is printed at the end, and its colour; None for a run that came to its end.
+    code : ExitCode or None
+        None for 0.
+    """
+
+    result: Result | None
+    report: dict[str, Any]
+    line: tuple[str, str] | None = None
+    code: ExitCode | None = None
+
+
+def _outcome_of(run: Callable[[Bar], Result], end: float | None, quiet: bool) -> Outcome:
+    """Run under a progress bar, and see how it ends."""
+    from tautline.integrators.status import Interrupted, StoppedEarly
+
     try:
         with Bar(end, shown=not quiet) as bar:
-            if accuracy is not None:
-                result = _to_accuracy(application, read, accuracy, target, bar, quiet)
-            else:
-                others = _other_runs(application, read, model, verify, earlier, bar, quiet)
-                result = run_model(
-                    model, target, progress=bar, resume=earlier, announce=compiling,
-                    afterwards=others,
-                )  # fmt: skip
+            result = run(bar)
     except StoppedEarly as stop:
-        report = _report(scene, stop.result, end, warnings) | {
+        report = {
             "status": stop.status.name.lower().replace("_", " "),
             "stopped": {"time": stop.time, "part": stop.part, "sentence": stop.sentence},
         }
-        _finish(catalogue, report, stop.result, as_json, quiet)
-        say(f"stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
-        raise Ended(ExitCode.STOPPED_EARLY) from None
+        line = f"stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}"
+        return Outcome(stop.result, report, (line, "red"), ExitCode.STOPPED_EARLY)
     except Interrupted as interruption:
-        report = _report(scene, interruption.result, end, warnings) | {"status": "interrupted"}
-        _finish(catalogue, report, interruption.result, as_json, quiet)
-        say(f"interrupted at t = {report['simulated_time'] or 0.0:.6g} s", "yellow")
-        raise Ended(ExitCode.INTERRUPTED) from None
-    _finish(catalogue, _report(scene, result, end, warnings) | {"status": "done"}, result, as_json, quiet)
-    if result.accuracy is not None and result.accuracy["met"] is False:
-        raise Ended(ExitCode.STOPPED_EARLY)
+        line = f"interrupted at t = {_simulated_time(interruption.result) or 0.0:.6g} s"
+        return Outcome(interruption.result, {"status": "interrupted"}, (line, "yellow"), ExitCode.INTERRUPTED)
+    missed = result.accuracy is not None and result.accuracy["met"] is False
+    return Outcome(result, {"status": "done"}, code=ExitCode.STOPPED_EARLY if missed else None)
+
+
+def _scene_of(
+    catalogue: Catalogue, scene: Path, overrides: dict[str, Any], changes: Sequence[str] | None
+) -> tuple[Application, Any]:
+    """The scene of a file with all that the command line changes in it, and its application."""
+    application, found = catalogue.read(scene)
+    if overrides.get("accuracy") is None:
+        # An application of somebody else may not know of it.
+        overrides = {key: value for key, value in overrides.items() if key != "accuracy"}
+    return application, application.with_overrides(changed(found, changes), **overrides)
+
+
+def _announce(scene: Path, model: Any, end: float | None) -> None:
+    """Print what is about to run."""
+    for note in getattr(model, "notes", ()):
+        say(f"note: {note}")
+    length = f", {quantity(end, 's')}" if end is not None else ""
+    say(f"simulating {scene}{length}")
 
 
 def _check_accuracy(overrides: dict[str, Any], resume: Path | None, verify: bool | None) -> None:
@@ -241,6 +274,17 @@ def _to_accuracy(application: Application, scene: Any, asked: float, target: Pat
     return run_to_accuracy(application, scene, asked, target, progress=bar, announce=compiling, begin=begin)
 
 
+def _as_it_stands(
+    application: Application, scene: Any, model: Any, target: Path, verify: bool | None, earlier: Result | None,
+    bar: Bar, quiet: bool,
+) -> Result:  # fmt: skip
+    """The run of a model by its own method and step, and what it says of its error."""
+    from tautline.simulation import simulate as run_model
+
+    others = _other_runs(application, scene, model, verify, earlier, bar, quiet)
+    return run_model(model, target, progress=bar, resume=earlier, announce=compiling, afterwards=others)
+
+
 def _other_runs(
     application: Application, scene: Any, model: Any, verify: bool | None, earlier: Result | None, bar: Bar, quiet: bool
 ) -> Afterwards | None:
@@ -282,6 +326,12 @@ def _earlier(resume: Path | None) -> Result | None:
     return Result.read(resume)
 
 
+def _simulated_time(result: Result | None) -> float | None:
+    """From the first frame to the last, s; None where there is none."""
+    times: Any = result["time"] if result is not None else []
+    return float(times[-1] - times[0]) if len(times) else None
+
+
 def _report(scene: Path, result: Result | None, end: float | None, warnings: Sequence[SceneWarning]) -> dict[str, Any]:
     """Keys of ``simulate --json``; null where a run that stopped has no number."""
     attributes = result.attributes if result is not None else {}
@@ -298,7 +348,7 @@ def _report(scene: Path, result: Result | None, end: float | None, warnings: Seq
     # The loop's time is not what a person waits for; it is told when all else is known.
     report["total_time"] = None
     report |= {"end": attributes.get("end", end), "frames": len(times)}
-    report["simulated_time"] = float(times[-1] - times[0]) if len(times) else None
+    report["simulated_time"] = _simulated_time(result)
     figures = {name: figure.get("value") for name, figure in (result.headline if result is not None else {}).items()}
     return report | {name: value for name, value in figures.items() if name not in report}
 

@@ -1,0 +1,1 @@
+"""The garden hose of the thesis' Case 3."""

@@ -1,0 +1,1 @@
+"""The same scenes by Tautline and by other programs."""

@@ -1,0 +1,1 @@
+"""Records that others made, beside the program."""

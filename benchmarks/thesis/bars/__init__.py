@@ -1,0 +1,1 @@
+"""Cases 1 and 2 of the thesis: bars."""

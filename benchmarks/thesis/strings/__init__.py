@@ -1,0 +1,1 @@
+"""Section 2.9 of the thesis: drill strings."""

@@ -1,0 +1,263 @@
+"""The corrector of the implicit methods: Newton's method on the residual, eq. 2.87, one step at a time.
+
+An iteration goes over the rows that are not in balance yet. At first these are all. Of a string of a thousand lumps,
+one of which has begun to slip, they are some tens, and the work is theirs and not the string's: rows.py and
+partial_newton.py.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tautline.integrators.corrector.partial_newton import Window
+from tautline.integrators.corrector.rows import (
+    AllRows,
+    aim,
+    balance,
+    close_room,
+    expand_rows,
+    heed_place,
+    renew_factors,
+    room_for_matrix,
+    rows_of,
+    solve_for_increment,
+    take_all,
+    take_changed,
+    worst_row,
+)
+from tautline.integrators.state import FACTORISATIONS, ITERATIONS, ROWS, WORST
+from tautline.integrators.status import Status
+from tautline.kernels import groups as over
+from tautline.kernels.changes import COUNT, EVER, PLACED, new_changed
+from tautline.kernels.factors.band import BOLD, CAREFUL
+from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
+from tautline.kernels.matrix import (
+    Factors,
+    Matrix,
+    clear,
+    copy_matrix,
+    factorise_apart,
+    new_factors,
+    new_matrix,
+)
+from tautline.system.system import System
+
+DONE, NOT_CONVERGED, SINGULAR, NOT_FINITE = (
+    int(s) for s in (Status.DONE, Status.NOT_CONVERGED, Status.SINGULAR, Status.NOT_FINITE)
+)
+HALF_STEPS_FROM = 9
+"""From this iteration on every third increment is halved: two statuses of a law may chase each other."""
+FRESH_SHARE = 0.5
+"""Share of the contraction that old factors must bring which those of the same step must bring."""
+SAME_STEP = 1.0e-9
+"""Relative difference of beta' below which two steps are the same: frame times are rounded."""
+ROUNDED = 8.0 * float(np.finfo(float).eps)
+"""Increments of velocity below so much of the largest are rounding: no iteration can do better."""
+ROUNDING_MOST = 1.0e4
+"""Times the tolerance up to which a residual is put down to rounding. A contact that rolls at speed v, with friction of
+stiffness c, leaves eps c v in the residual, and smaller steps only raise c."""
+
+
+class Corrector(NamedTuple):
+    """Settings and scratch of the iteration.
+
+    Old factors are kept while an iteration shrinks the residual to the part ``contraction``, else the tangent is made
+    anew; where the iteration is ``full`` it is made anew each time, as eq. 2.87 says. ``tolerance``: with the energy
+    criterion the bound of eq. 2.78 with the energy over ``unit``; with the force criterion that of the largest residual
+    over ``scale``. ``smooth`` is the tangent of the groups that do not switch,
+    kept where others do, and ``factors`` those of the whole; ``made_for`` and ``factored_for`` (2,) are the beta' and
+    gamma' that they belong to, zeros where they are out of date. ``rounded`` (1,) is 1 after an increment that rounding
+    has made, and ``fastest`` (1,) the largest velocity when all rows were last solved for. ``rows`` are those of the
+    iteration under way.
+    """
+
+    tolerance: float
+    contraction: float
+    full: int
+    unit: float
+    by_energy: int
+    max_iterations: int
+    scale: np.ndarray
+    smooth: Matrix
+    factors: Factors
+    increment: np.ndarray
+    right_side: np.ndarray
+    made_for: np.ndarray
+    factored_for: np.ndarray
+    changed: np.ndarray
+    rounded: np.ndarray
+    fastest: np.ndarray
+    rows: AllRows | Window
+
+
+def corrector(
+    system: System,
+    tolerance: float,
+    by_energy: bool,
+    max_iterations: int,
+    unit: float | None = None,
+    contraction: float = 0.1,
+    full: bool = False,
+) -> Corrector:
+    """Make the scratch of the iteration for a system; the unit of energy is that of its largest force by default."""
+    n = system.size
+    unit = float(system.scale.max(initial=0.0)) or 1.0 if unit is None else unit
+    rows = rows_of(system, in_parts=not (by_energy or full))
+    return Corrector(
+        float(tolerance), float(contraction), int(full), float(unit), int(by_energy), int(max_iterations),
+        system.scale,
+        new_matrix(n, system.bandwidth, system.border),
+        new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL),
+        np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
+        new_changed(), np.zeros(1, np.int64), np.zeros(1), rows,
+    )  # fmt: skip
+
+
+@kernel(forceinline=True)
+def correct(corrector, groups, dofs, state, t, beta, gamma):
+    """Iterate position, velocity and acceleration at time t until the residual vanishes.
+
+    ``beta`` and ``gamma`` are beta' and gamma' of eqs 2.88-2.89: how acceleration and velocity follow position.
+    Returns a status; ``changed[EVER]`` says whether a law has changed its own.
+    """
+    c = corrector
+    c.changed[EVER] = 0
+    c.rounded[0] = 0
+    if abs(c.factored_for[0] - beta) > SAME_STEP * beta:
+        c.factored_for[0] = 0.0
+    if abs(c.made_for[0] - beta) > SAME_STEP * beta:
+        c.made_for[0] = 0.0
+    take_all(c.rows, state)
+    status = _iterate(c, groups, dofs, state, t, beta, gamma)
+    take_all(c.rows, state)
+    return status
+
+
+@kernel(forceinline=True)
+def _iterate(c, groups, dofs, state, t, beta, gamma):
+    """The iteration itself, which leaves behind the rows of its last one.
+
+    The factors of the tangent are used again, also across steps, while they still contract. A law that changes its
+    status forces new factors, for which the smooth groups' tangent is used again in turn.
+    """
+    changed = c.changed
+    previous = energy = np.inf
+    event = False
+    contraction = c.contraction
+    for iteration in range(c.max_iterations + 1):
+        expand_rows(c.rows, dofs, state)
+        changed[COUNT] = changed[PLACED] = 0
+        if not event:
+            # After an event the forced status is to be solved for before it is tested.
+            over.switch(groups, t, state.full_q, state.full_v, False, changed)
+        event = False
+        if changed[COUNT] > 0:
+            _heed_change(c, dofs)
+            previous = energy = np.inf
+        balance(c.rows, groups, dofs, state, t, c.increment)
+        changed[COUNT] = changed[PLACED] = 0
+        over.kink(groups, changed)
+        if changed[COUNT] > 0:
+            _heed_change(c, dofs)
+            previous = energy = np.inf
+        size = worst_row(c.rows, c.increment, c.scale, state.counters)
+        if not np.isfinite(size):
+            return NOT_FINITE
+        enough = ROUNDING_MOST * c.tolerance if c.rounded[0] == 1 else c.tolerance
+        if size <= enough if not c.by_energy else energy <= c.tolerance:
+            changed[COUNT] = changed[PLACED] = 0
+            take_all(c.rows, state)
+            over.switch(groups, t, state.full_q, state.full_v, True, changed)
+            if changed[COUNT] == 0:
+                return DONE
+            _heed_change(c, dofs)
+            take_changed(c.rows, dofs, state, changed)
+            previous = energy = np.inf
+            event = True
+            continue
+        if iteration == c.max_iterations:
+            break
+        slow = c.full or size > contraction * previous
+        slow = aim(c.rows, dofs, state, c.increment, c.scale, c.tolerance, previous < np.inf, slow)
+        if slow:
+            # Factors of this very step that contract badly tell of a way that bends: they are not worth keeping.
+            contraction = FRESH_SHARE * c.contraction
+        row = _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow)
+        if row != 0:
+            state.counters[WORST] = row - 1
+            return SINGULAR
+        energy = _step(c, state, beta, gamma, 0.5 if iteration >= HALF_STEPS_FROM and iteration % 3 == 0 else 1.0)
+        state.counters[ITERATIONS] += 1
+        if c.by_energy and energy <= c.tolerance and not over.may_switch(groups):
+            # What is left of the residual is below what the criterion cares for: it is not evaluated again.
+            expand_rows(c.rows, dofs, state)
+            return DONE
+        previous = size
+    return NOT_CONVERGED
+
+
+@kernel
+def _heed_change(c, dofs):
+    """A law has changed its status: the factors are out of date, where it is known where, only there."""
+    c.changed[EVER] = 1
+    c.rounded[0] = 0
+    if not heed_place(c.rows, dofs, c.changed):
+        c.factored_for[0] = 0.0
+
+
+@kernel(forceinline=True)
+def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
+    """Make the factors anew, or a part of them, where they are out of date; ``slow`` says that they contract badly.
+
+    Returns 0, or k > 0 where the k-th pivot is zero.
+    """
+    if c.factored_for[0] != 0.0:
+        if renew_factors(c.rows, groups, dofs, state, t, beta, gamma, slow, c.smooth, c.factors):
+            return 0
+        c.factored_for[0] = 0.0
+        if slow:
+            c.made_for[0] = 0.0
+    matrix = room_for_matrix(c.rows, c.factors, state)
+    switches = over.may_switch(groups)
+    smooth = c.smooth if switches else matrix
+    if c.made_for[0] == 0.0 or not switches:
+        clear(smooth)
+        over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, smooth, dofs)
+        c.made_for[0] = beta
+        c.made_for[1] = gamma
+    if switches:
+        copy_matrix(smooth, matrix)
+    over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, matrix, dofs)
+    close_room(c.rows, c.factors, dofs, state)
+    state.counters[FACTORISATIONS] += 1
+    row = factorise_apart(c.factors)
+    if row == 0:
+        c.factored_for[0] = beta
+        c.factored_for[1] = gamma
+    return row
+
+
+@kernel
+def _step(c, state, beta, gamma, fraction):
+    """Solve for the increment and add it; returns the energy error of eq. 2.78."""
+    first, last = solve_for_increment(c.rows, c.factors, c.increment, c.right_side)
+    first = max(0, first)
+    products, steps = spread(0.0), spread(0.0)
+    speeds = spread(c.fastest[0] if last - first < state.q.size else 0.0)
+    for i in range(first, last, LANES):
+        step = -fraction * gather(c.increment, i, last)
+        v = gather(state.v, i, last)
+        products += where(within(i, last), gather(c.right_side, i, last) * step, 0.0)
+        speeds = larger(abs(v), speeds)
+        steps = larger(abs(step), steps)
+        scatter(state.q, i, last, gather(state.q, i, last) + step)
+        scatter(state.v, i, last, v + gamma * step)
+        scatter(state.a, i, last, gather(state.a, i, last) + beta * step)
+    fastest = largest(speeds)
+    state.counters[ROWS] += last - first
+    c.fastest[0] = fastest
+    c.rounded[0] = 1 if gamma * largest(steps) <= ROUNDED * fastest else 0
+    return np.sqrt(abs(total(products)) / (fraction * c.unit))

@@ -1,0 +1,105 @@
+"""The rows that an iteration goes over: all, or a part of them where the system has a window (partial_newton.py).
+
+Which of both is a matter of type, so that the time loop of a scene without a window knows nothing of parts.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from tautline.integrators.corrector import partial_newton as part
+from tautline.integrators.corrector.partial_newton import Window, is_worth_while, new_window
+from tautline.integrators.state import worst_between
+from tautline.kernels import groups as over
+from tautline.kernels.dispatch import by_type
+from tautline.kernels.dofs import expand, reduce
+from tautline.kernels.jit import kernel
+from tautline.kernels.matrix import solve_matrix
+from tautline.kernels.vector import copy
+from tautline.system.system import System
+
+
+class AllRows(NamedTuple):
+    """Every iteration goes over all ``count`` rows."""
+
+    count: int
+
+
+def rows_of(system: System, in_parts: bool) -> AllRows | Window:
+    """All rows, or where ``in_parts`` is allowed and the system has a window, those out of balance."""
+    return new_window(system) if in_parts and is_worth_while(system) else AllRows(system.size)
+
+
+@kernel
+def _take_all(rows, state):
+    return
+
+
+@kernel
+def _take_changed(rows, dofs, state, changed):
+    return
+
+
+@kernel
+def _aim(rows, dofs, state, right_side, scale, tolerance, tried, slow):
+    return slow
+
+
+@kernel(forceinline=True)
+def _expand(rows, dofs, state):
+    expand(dofs, state.q, state.full_q)
+    expand(dofs, state.v, state.full_v)
+    expand(dofs, state.a, state.full_a)
+
+
+@kernel(forceinline=True)
+def _balance(rows, groups, dofs, state, t, right_side):
+    state.residual.fill(0.0)
+    over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
+    reduce(dofs, state.residual, right_side)
+
+
+@kernel
+def _worst(rows, residual, scale, counters):
+    return worst_between(residual, scale, counters, 0, residual.size)
+
+
+@kernel
+def _heed_nothing(rows, dofs, changed):
+    return False
+
+
+@kernel
+def _renew(rows, groups, dofs, state, t, beta, gamma, slow, smooth, factors):
+    return not slow
+
+
+@kernel
+def _room(rows, factors, state):
+    return factors.matrix
+
+
+@kernel
+def _close_room(rows, factors, dofs, state):
+    return
+
+
+@kernel
+def _solve(rows, factors, increment, right_side):
+    copy(increment, right_side)
+    solve_matrix(factors, increment)
+    return 0, increment.size
+
+
+take_all = by_type({AllRows: _take_all, Window: part.take_all})
+take_changed = by_type({AllRows: _take_changed, Window: part.take_changed})
+aim = by_type({AllRows: _aim, Window: part.aim})
+expand_rows = by_type({AllRows: _expand, Window: part.expand_part})
+balance = by_type({AllRows: _balance, Window: part.balance_part})
+worst_row = by_type({AllRows: _worst, Window: part.worst_of_part})
+heed_place = by_type({AllRows: _heed_nothing, Window: part.heed_place})
+renew_factors = by_type({AllRows: _renew, Window: part.renew_part})
+room_for_matrix = by_type({AllRows: _room, Window: part.room_in_window})
+close_room = by_type({AllRows: _close_room, Window: part.close_room})
+solve_for_increment = by_type({AllRows: _solve, Window: part.solve_part})
+"""What an iteration does with its rows; the functions for a window tell what each is for."""
