@@ -107,3 +107,23 @@ def test_a_reduced_race_prints_both_tables_and_writes_none(race, rows, monkeypat
     race.main()
     printed = capsys.readouterr().out
     assert race.brief(rows) in printed and "Measured: " in printed
+
+
+def measured(race):
+    """The rows of which the tables were written, but for those without an error."""
+    kept = json.loads((race.scenes.ROOT / "benchmarks" / "race" / "results.json").read_text())
+    return [row for row in kept["rows"] if row["error"] is not None]
+
+
+@pytest.mark.parametrize("program", ["Tautline", "Exudyn"])
+def test_a_tenth_of_a_tolerance_moves_a_run_by_less_than_a_tenth_of_its_error(race, program):
+    rows = [row for row in measured(race) if row["program"] == program]
+    assert len(rows) >= 17
+    assert all(row["tolerance_leaves"] < 0.1 * row["error"] for row in rows)
+
+
+def test_both_programs_err_by_about_as_much_where_they_compute_the_same(race):
+    rows = measured(race)
+    for case in [row["case"] for row in rows]:
+        both = [one["error"] for one in rows if one["case"] == case]
+        assert max(both) < (3.0 if case["scene"] == "hose" else 1.2) * min(both)
