@@ -13,8 +13,8 @@ from tautline.cable.input.scene import parse
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.results.result import Result
 from tautline.study.accuracy import choice as module
-from tautline.study.accuracy.choice import Choice, Made, Seen, differences, finer, run_to_accuracy
-from tautline.study.trials.history import History
+from tautline.study.accuracy.choice import Choice, Made, Seen, changes, differences, finer, run_to_accuracy
+from tautline.study.trials.history import History, watch
 
 TIMES = np.linspace(0.0, 1.0, 21)
 
@@ -23,13 +23,14 @@ def seen(offset, force=1.0, every=1):
     """A run whose point is off by so much of its motion, and the amplitude of its force by another."""
     path = np.outer(np.sin(3.0 * TIMES) + offset * TIMES, (1.0, 0.0, 0.0))
     history = History(TIMES, path, force * np.cos(7.0 * TIMES))
-    return Seen(History(*(one[::every] for one in history)), None)
+    ends = np.array([history.force.max()]), np.array([history.force.min()])
+    return Seen(History(*(one[::every] for one in history)), None, *ends)
 
 
 def choice_of(offsets, divisors=(1, 2, 4, 8, 16, 32, 64), asked=0.01, friction=False):
     """What is known after runs that are off by so much."""
     made = Choice(asked, 0.05, 1.0, friction)
-    made.watched = SimpleNamespace(moves=True, extent=1.0)
+    made.watched = SimpleNamespace(moves=True, extent=1.0, force=SimpleNamespace(number=0))
     for offset, divisor in zip(offsets, divisors, strict=False):
         made.made.append(Made("generalized-alpha", divisor, 0.05 / divisor, 20 * divisor, 1e-3 * divisor, seen(offset)))
         made.estimates.append(max(made.errors().values(), default=math.inf))
@@ -52,13 +53,63 @@ def test_of_a_second_order_method_the_error_is_stated_from_three_runs_and_is_no_
     assert made.met is False and made.following() is not None
 
 
-def test_two_runs_that_agree_do_not_yet_reach_an_accuracy_where_friction_acts():
-    """Both may have missed the same slip: two estimates have to agree."""
-    assert choice_of([0.0, 1e-5]).met is True
-    assert choice_of([0.0, 1e-5], friction=True).met is False
-    assert choice_of([0.2, 1e-5, 0.0], friction=True).met is False
-    assert choice_of([0.2, 1e-5, 0.0, 0.0], friction=True).met is False
-    assert choice_of([0.2, 1e-5, 0.0, 0.0, 0.0], friction=True).met is True
+def test_two_runs_are_enough_where_twice_what_they_show_is_less_than_was_asked_for():
+    size = np.abs(seen(0.0).history.position[:, 0]).max()
+    assert choice_of([0.04, 0.0], (1, 3)).errors()["position"] == pytest.approx(2.0 * 0.04 / size / 8.0)
+    assert choice_of([0.03, 0.0], (1, 3)).met is True
+    assert choice_of([0.05, 0.0], (1, 3)).met is False
+
+
+def test_where_friction_acts_two_runs_are_enough_only_if_they_agree_far_better_than_was_asked_for():
+    """Both may have missed the same slip."""
+    far, near = 0.007, 0.002
+    assert choice_of([far, 0.0], (1, 3)).met is True
+    assert choice_of([far, 0.0], (1, 3), friction=True).met is False
+    assert choice_of([near, 0.0], (1, 3), friction=True).met is True
+
+
+def test_where_friction_acts_the_estimate_before_has_to_be_near_what_was_asked_for():
+    assert choice_of([0.2, 0.004, 0.0], (1, 8, 16), friction=True).met is False
+    assert choice_of([0.044, 0.004, 0.0], (1, 8, 16), friction=True).met is True
+
+
+def test_a_run_that_has_nothing_in_common_with_the_others_tells_nothing_of_the_order(monkeypatch):
+    """Differences grow no further than the motion itself: the order that such a run shows is too low."""
+    size = np.abs(seen(0.0).history.position[:, 0]).max()
+    made = choice_of([0.9, 0.05, 0.0], (1, 3, 24))
+    assert made.errors()["position"] == pytest.approx(2.0 * 0.05 / size / 63.0)
+    monkeypatch.setattr(module, "UNLIKE", 2.0)
+    assert made.errors()["position"] > 2.0 * 0.05 / size / 63.0
+
+
+def test_the_next_run_takes_as_many_steps_as_the_error_needs_and_at_most_eight_times_as_many():
+    nexts = [choice_of([offset, 0.0], (1, 3)).following()[1] for offset in (0.06, 0.2, 0.9)]
+    assert nexts == sorted(nexts) and nexts[0] == 6 and nexts[-1] == 24
+
+
+def test_where_friction_may_decide_the_next_run_takes_more_steps():
+    """What slips a step too late is an error of first order."""
+    coarse = [0.06, 0.0]
+    assert choice_of(coarse, (1, 3), friction=True).following()[1] > choice_of(coarse, (1, 3)).following()[1]
+
+
+def test_a_force_that_agrees_in_amplitude_by_chance_is_not_taken_to_agree():
+    """Its highest and its lowest value are both off, to the same side."""
+    one, other = seen(0.0), seen(0.0)
+    other = other._replace(highest=one.highest + 0.1, lowest=one.lowest + 0.1)
+    assert changes(one, other, 1.0, 0)["force"] == pytest.approx(0.1, rel=0.05)
+    assert differences(one, other, 1.0)["force"] == 0.0
+
+
+def test_the_force_that_is_looked_at_is_the_one_that_varies_most_in_the_last_run():
+    """Long steps do not show which that is."""
+    result = run_to_accuracy(Cable(), parse(oscillator()), 1e-3)
+    made, tension = Choice(1e-3, 0.05, 5.0, False), np.array(result["axial_force"])
+    assert tension.shape[1] > 0
+    first = SimpleNamespace(number=99)
+    made.watched = watch(result)._replace(force=first)
+    made.take("generalized-alpha", 1.0, result)
+    assert made.watched.force.number == int(np.ptp(tension, axis=0).argmax())
 
 
 def test_what_does_not_converge_is_given_up_and_says_why():
@@ -70,7 +121,7 @@ def test_what_does_not_converge_is_given_up_and_says_why():
 
 def test_a_run_without_all_frames_tells_nothing_of_the_force():
     made = Choice(0.01, 0.05, 1.0, False)
-    made.watched = SimpleNamespace(moves=True, extent=1.0)
+    made.watched = SimpleNamespace(moves=True, extent=1.0, force=SimpleNamespace(number=0))
     for divisor, force in ((0.5, 3.0), (1.0, 1.0)):
         made.made.append(Made("generalized-alpha", divisor, 0.1, 1, 1e-3, seen(0.0, force, 2 if divisor < 1 else 1)))
     assert set(made.errors()) == {"position"}

@@ -1,11 +1,13 @@
 """Choosing the method and the step of a run whose accuracy is asked for, and telling what was reached.
 
-A scene is run with steps that grow shorter, from the interval of its frames on. After two runs the next step follows
-from their difference, as of a method of second order, or of first where dry friction may act; from three runs the error
-of the last is estimated with the order that they show (the grid convergence index of Roache, see
-`tautline.study.trials.step_error`). The run is taken as soon as that error is no more than what was asked for; where
-dry friction may act, as soon as it has been so twice, for steps may miss alike which contact slips first. Where
-the implicit method would need far more steps than an explicit one needs to be stable, that is taken, without friction.
+A scene is run with steps that grow shorter, from the interval of its frames on: with three times as many, and then with
+as many as the estimated error needs, so that the third run should be the last. Two runs show no order: their difference
+is taken as of a method of second order, or of first for a force and where dry friction may act, with a safety factor of
+two. Three runs show one (the grid convergence index of Roache, see `tautline.study.trials.step_error`). The run is
+taken as soon as its error is no more than what was asked for. Where dry friction may act, the runs have to agree in
+position far better than that, or the estimate before has to be near: steps may miss alike which contact slips first.
+Where the implicit method would need far more steps than an explicit one needs to be stable, that is taken, without
+friction.
 
 The error is the largest of what can be seen: of the point and the force that `study` looks at, and of a string's twist.
 """
@@ -31,14 +33,13 @@ from tautline.scene.methods import explicit_like, implicit_like, method_of
 from tautline.simulation import simulate
 from tautline.study.accuracy.grid import critical_at_start
 from tautline.study.trials.errors import apart, motion
-from tautline.study.trials.history import History, Watched, watch
+from tautline.study.trials.history import RESTING, History, Watched, watch
 from tautline.study.trials.step_error import (
     SAFETY,
     StepError,
     at_common_times,
     from_longer,
     name_of,
-    order_of,
 )
 from tautline.study.trials.trial import Setting, Subject
 
@@ -50,21 +51,33 @@ FEWEST_STEPS = 20.0
 """Steps that it takes at least in all."""
 LOWEST, LOWEST_WITH_FRICTION = 1.0, 0.5
 """Lowest orders that count."""
-AIM = 0.8
-"""Share of the error asked for that the next run aims at."""
-LEAST, MOST = 2.0, 4.0
-"""How many times as many steps the next run takes at least, and at most."""
 ORDER, ORDER_WITH_FRICTION, FORCE_ORDER = 2.0, 1.5, 1.0
-"""Highest orders that count: of the implicit methods, where friction may act, and of the amplitude of a force, whose
-errors change sign and then seem to fall too fast."""
+"""Highest orders that count: of the implicit methods, where friction may act, and of a force, whose errors change sign
+and then seem to fall too fast."""
+FIRST = 3.0
+"""How many times as many steps the second run takes: so many tell the first order from none, and cost little."""
+EXPECTED, EXPECTED_WITH_FRICTION = 1.5, 1.2
+"""Orders by which the next run is expected to be better, from the estimate of the last: without friction or where it
+decides nothing, and where it may. They are low ones, for a run that just misses what was asked for costs another."""
+LEAST, MOST = 1.5, 8.0
+"""How many times as many steps the next run takes at least, and at most."""
+SAFETY_OF_TWO = 2.0
+"""Factor of safety of an estimate from two runs; Roache takes three, with the order of the method."""
+UNLIKE = 0.5
+"""Difference of two runs, relative, from which they have nothing in common: it tells of no order."""
+AFTER_STOP = 4.0
+"""How many times as many steps the next run takes after one that stopped early."""
 ASKED_AFTER = 2
 """Runs after which the critical step of the explicit method is looked for."""
-EXPLICIT_GAIN = 4.0
-"""Steps of the implicit method, over those that the explicit one is stable with, from which the latter is tried."""
+EXPLICIT_GAIN = 20.0
+"""Steps of the implicit method, over those that the explicit one is stable with, from which the latter is tried: its
+two runs take 2.5 times those steps, and one of them the time of eight implicit ones."""
 EXPLICIT_SHARE, EXPLICIT_RATIO = 0.8, 1.5
 """Share of the critical step that the first explicit run takes, and steps of the second over those of the first."""
-CLEAR = 0.1
-"""Share of the error asked for below which an estimate from two runs is enough."""
+CALM = 0.3
+"""Share of the error asked for below which errors of position and twist show that friction decides nothing here."""
+NEAR = 3.0
+"""Times the error asked for that the estimate before the last may be, where friction may act."""
 FAILURES, RUNS = 5, 14
 """Runs that may stop early, and runs in all."""
 STALLED = 0.7
@@ -76,14 +89,27 @@ SECONDS, STEPS = 3600.0, 1.0e8
 TWIST = 0.05
 """Twist of a string, rad, from which it is looked at."""
 KINDS = ("position", "force", "twist")
+NONE = np.zeros(0)
+"""The forces of a scene without any."""
 
 
 class Seen(NamedTuple):
-    """What of a run is compared: the path of the point with the force, and the same frames with a string's twist, rad,
-    in place of the force; None where nothing turns."""
+    """What of a run is compared.
+
+    Attributes
+    ----------
+    history : History
+        The path of the point, and the force that varies most.
+    turned : History or None
+        The same frames with a string's twist, rad, in place of the force; None where nothing turns.
+    highest, lowest : ndarray, shape (n,)
+        Of each force during the run, N; empty where a scene has none.
+    """
 
     history: History
     turned: History | None
+    highest: np.ndarray = NONE
+    lowest: np.ndarray = NONE
 
 
 class Made(NamedTuple):
@@ -118,7 +144,8 @@ class Choice:
     made : list of Made
         The runs, and ``estimates`` the largest estimated error of each, infinite where there is none.
     watched : Watched or None
-        What is looked at, known from the first run on.
+        What is looked at, known from the first run on: the point of the first run, and the force of the last, for
+        long steps do not show which force varies most.
     why : str
         Why no more accurate run is made, where that is not because the accuracy is reached.
     """
@@ -133,20 +160,17 @@ class Choice:
     watched: Watched | None = None
     why: str = ""
 
-    def needed(self, method: str) -> int:
-        """Runs of a method that make its error known: three that show the order, or two where it is stable at all."""
-        return 2 if method_of(method).explicit else 3
-
     def rehearsed(self, method: str, divisor: float) -> bool:
         """Whether a run with these steps only serves to find the next: it need not be stored."""
         still = self.watched is not None and not self.watched.moves
-        return divisor < 1.0 or (not still and len(self._like(method)) < self.needed(method) - 1)
+        return divisor < 1.0 or (not still and not self._like(method))
 
     def take(self, method: str, divisor: float, result: Result) -> None:
         """Take note of a run that came to its end."""
         seen = None
         try:
-            self.watched = self.watched or watch(result)
+            latest = watch(result)
+            self.watched = self.watched._replace(force=latest.force) if self.watched else latest
             seen = look_at(result, self.watched)
         except ResultError as error:
             self.why = error.cause
@@ -155,15 +179,16 @@ class Choice:
         self.made.append(Made(method, divisor, step, round(self.end / step), cpu, seen))
         self.estimates.append(max(self.errors().values(), default=math.inf))
 
-    def fail(self, method: str, divisor: float, why: str) -> tuple[str, float] | None:
-        """Take note of a run that stopped early; returns what `following` does, None where too many have."""
+    def fail(self, method: str, divisor: float, why: str, cpu: float = 0.0) -> tuple[str, float] | None:
+        """Take note of a run that stopped early after some processor time, s; returns what `following` does, None where
+        too many have."""
         if self.made and self.made[-1].divisor == divisor and self.made[-1].method == method:
             self.forget()  # It came to its end, and its energy does not balance.
-        self.made.append(Made(method, divisor, self.interval / divisor, 0, 0.0, None, why))
+        self.made.append(Made(method, divisor, self.interval / divisor, 0, cpu, None, why))
         self.estimates.append(math.inf)
         if sum(run.seen is None for run in self.made) >= FAILURES:
             return None
-        return method, finer(MOST * divisor)
+        return method, finer(AFTER_STOP * divisor)
 
     def forget(self) -> None:
         """Let go of the last run, which is made again."""
@@ -176,9 +201,11 @@ class Choice:
         found = {}
         for kind in KINDS:
             pairs = self._pairs(kind)
-            changes = [self._differences(coarse, fine).get(kind) for coarse, fine in pairs]
-            known = [change for change in changes if change is not None]
-            if known and len(known) == len(changes):
+            shown = [self._changes(coarse, fine).get(kind) for coarse, fine in pairs]
+            known = [change for change in shown if change is not None]
+            if known and len(known) == len(pairs):
+                # The first of three may have nothing in common with the others.
+                known = known[:1] if known[-1] > UNLIKE else known
                 found[kind] = self._error(known, [fine.divisor / coarse.divisor for coarse, fine in pairs], kind)
         return found
 
@@ -189,12 +216,15 @@ class Choice:
             return None
         last = self.made[-1]
         runs = len(self._like(last.method))
-        if last.seen is None or runs < 2:
+        if last.seen is None or runs < 2 or self.estimates[-1] > self.asked:
             return False
-        if runs < self.needed(last.method):
-            return not self.friction and self.estimates[-1] <= CLEAR * self.asked
-        # Which contact slips first may be missed by some steps alike: two estimates have to agree then.
-        return all(estimate <= self.asked for estimate in self.estimates[-2 if self.friction else -1 :])
+        # Which contact slips first may be missed by some steps alike: one small estimate may be chance.
+        return not self.friction or self._calm or (runs > 2 and self.estimates[-2] <= NEAR * self.asked)
+
+    @property
+    def _calm(self) -> bool:
+        """Whether the last two runs agree so well in what moves that friction decides nothing there."""
+        return all(error <= CALM * self.asked for kind, error in self.errors().items() if kind != "force")
 
     def following(self) -> tuple[str, float] | None:
         """Method, and steps in an interval, of the next run; None where the last one is to stand."""
@@ -262,15 +292,17 @@ class Choice:
         pairs = list(itertools.pairwise(runs))[::-1]
         return [pair for pair in pairs if kind == "position" or pair[0].divisor >= 1.0]
 
-    def _differences(self, coarse: Made, fine: Made) -> dict[str, float]:
+    def _changes(self, coarse: Made, fine: Made) -> dict[str, float]:
         assert coarse.seen is not None and fine.seen is not None and self.watched is not None
-        return differences(coarse.seen, fine.seen, self.watched.extent)
+        force = self.watched.force
+        return changes(coarse.seen, fine.seen, self.watched.extent, force.number if force is not None else None)
 
-    def _error(self, changes: list[float], ratios: list[float], kind: str) -> float:
-        if len(changes) == 1:
-            # Two runs show no order.
-            return SAFETY * changes[0] / (ratios[0] ** self._order_of_two(kind) - 1.0)
-        return from_longer(changes, ratios, self._highest(kind), self._lowest(kind))
+    def _error(self, shown: list[float], ratios: list[float], kind: str) -> float:
+        if len(shown) == 1:
+            # Two runs show no order. That of the explicit method is higher than the one taken here.
+            safety = SAFETY if method_of(self.made[-1].method).explicit else SAFETY_OF_TWO
+            return safety * shown[0] / (ratios[0] ** self._order_of_two(kind) - 1.0)
+        return from_longer(shown, ratios, self._highest(kind), self._lowest(kind))
 
     def _order_of_two(self, kind: str) -> float:
         return 1.0 if self.friction or kind == "force" else ORDER
@@ -288,20 +320,10 @@ class Choice:
         if method_of(last.method).explicit:
             return math.ceil(EXPLICIT_RATIO * last.divisor)
         if not math.isfinite(self.estimates[-1]):
-            return finer(2.0 * last.divisor)
-        wanted = (self.estimates[-1] / (AIM * self.asked)) ** (1.0 / self._expected_order())
+            return finer(FIRST * last.divisor)
+        order = EXPECTED_WITH_FRICTION if self.friction and not self._calm else EXPECTED
+        wanted = (self.estimates[-1] / self.asked) ** (1.0 / order)
         return finer(last.divisor * min(max(wanted, LEAST), MOST))
-
-    def _expected_order(self) -> float:
-        """The order by which the largest error should fall."""
-        errors = self.errors()
-        kind = max(errors, key=lambda each: errors[each])
-        pairs = self._pairs(kind)
-        if len(pairs) < 2:
-            return self._order_of_two(kind)
-        changes = [self._differences(coarse, fine)[kind] for coarse, fine in pairs]
-        ratios = [fine.divisor / coarse.divisor for coarse, fine in pairs]
-        return max(1.0, order_of(changes, ratios, self._highest(kind), self._lowest(kind)))
 
     def _reason_to_end(self, divisor: float) -> str:
         """Why no run with so many steps in an interval is made; empty where one is."""
@@ -344,13 +366,34 @@ def differences(coarse: Seen, fine: Seen, extent: float) -> dict[str, float]:
     return found
 
 
+def changes(coarse: Seen, fine: Seen, extent: float, force: int | None) -> dict[str, float]:
+    """What an estimate is made from: as `differences`, but of a force the highest and the lowest value for themselves.
+
+    Errors of both may cancel in the amplitude, and two runs then agree in it by chance.
+
+    Parameters
+    ----------
+    force : int or None
+        Number of the force that is compared; None where a scene has none.
+    """
+    found = differences(coarse, fine, extent)
+    if "force" in found and force is not None and fine.highest.size:
+        top, bottom = float(fine.highest[force]), float(fine.lowest[force])
+        size = max(top - bottom, 2.0 * RESTING * max(abs(top), abs(bottom)))
+        apart_by = abs(float(coarse.highest[force]) - top) + abs(float(coarse.lowest[force]) - bottom)
+        found["force"] = apart_by / size if size > 0.0 else found["force"]
+    return found
+
+
 def look_at(result: Result, watched: Watched) -> Seen:
     """What of a run is compared."""
     history = watched.of(result)
+    forces = np.zeros((1, 0)) if watched.force is None else np.asarray(result[watched.force.variable], float)
+    highest, lowest = forces.max(axis=0), forces.min(axis=0)
     if "torque" not in result or "rotation" not in result or result["rotation"].ndim != 2:
-        return Seen(history, None)
+        return Seen(history, None, highest, lowest)
     rotation = np.asarray(result["rotation"], float)
-    return Seen(history, history._replace(force=rotation[:, -1] - rotation[:, 0]))
+    return Seen(history, history._replace(force=rotation[:, -1] - rotation[:, 0]), highest, lowest)
 
 
 def run_to_accuracy(
@@ -417,7 +460,8 @@ def run_to_accuracy(
         except StoppedEarly as stop:
             if stop.status == Status.IMBALANCE and following is None:
                 raise
-            following = choice.fail(method, divisor, stop.sentence)
+            stored = stop.result.attributes if stop.result is not None else {}
+            following = choice.fail(method, divisor, stop.sentence, float(stored.get("cpu_time", 0.0)))
             if following is None:
                 raise
             continue
