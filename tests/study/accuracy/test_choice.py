@@ -53,6 +53,26 @@ def test_of_a_second_order_method_the_error_is_stated_from_three_runs_and_is_no_
     assert made.met is False and made.following() is not None
 
 
+@pytest.mark.parametrize("apart", [0.6, 0.9, 1.3])
+@pytest.mark.parametrize("asked", [0.02, 0.05, 0.1, 0.2])
+def test_runs_that_differ_by_as_much_with_any_step_are_never_taken_for_accurate(apart, asked):
+    """Of a chaotic motion every run has its own end, however much shorter its steps are."""
+    size = np.abs(seen(0.0).history.position[:, 0]).max()
+    for divisors in ((1, 3, 24, 192, 1536), (1, 16, 48, 384), (1, 3, 4.5, 9)):
+        for last in range(2, len(divisors) + 1):
+            made = choice_of([apart * size * (i % 2) for i in range(last)], divisors, asked)
+            assert made.met is False
+            assert max(made.errors().values()) > 0.2
+    made = choice_of([apart * size * (i % 2) for i in range(5)], (1, 3, 12, 48, 192), asked)
+    assert made.following() is None and "chaotic" in made.why
+
+
+def test_an_estimate_that_is_no_number_is_not_taken_for_reached():
+    made = choice_of([0.16, 0.04, 0.01])
+    made.estimates[-2:] = [math.nan, math.nan]
+    assert made.met is False
+
+
 def test_two_runs_are_enough_where_twice_what_they_show_is_less_than_was_asked_for():
     size = np.abs(seen(0.0).history.position[:, 0]).max()
     assert choice_of([0.04, 0.0], (1, 3)).errors()["position"] == pytest.approx(2.0 * 0.04 / size / 8.0)

@@ -336,7 +336,7 @@ def _report(scene: Path, result: Result | None, end: float | None, warnings: Seq
     """Keys of ``simulate --json``; null where a run that stopped has no number."""
     attributes = result.attributes if result is not None else {}
     times: Any = result["time"] if result is not None else []
-    stored = None if result is None else str(result.path)
+    stored = None if result is None or result.path is None else str(result.path)
     report: dict[str, Any] = {"scene": str(scene), "result": stored, "status": None}
     report |= {key: attributes.get(key) for key in COPIED}
     report["step_error"] = result.step_error if result is not None else None
@@ -375,7 +375,9 @@ def _finish(catalogue: Catalogue, report: dict[str, Any], result: Result | None,
         console().print(table(report, result.attributes, result.headline))
         _print_limits(report, str(result.attributes.get("units") or "si"))
         frames = f"{report['frames']} frame" + ("" if report["frames"] == 1 else "s")
-        if seen := result.attributes.get("frames_seen"):
+        if result.path is None:
+            say("nothing was stored: the run only served to find the step", "yellow")
+        elif seen := result.attributes.get("frames_seen"):
             told = f"statistics of {seen} frames, and {frames} round the extremes"
             say(f"wrote {result.path}: {told}. Next: {catalogue.name} export --csv {result.path}", "green")
         else:

@@ -3,11 +3,11 @@
 A scene is run with steps that grow shorter, from the interval of its frames on: with three times as many, and then with
 as many as the estimated error needs, so that the third run should be the last. Two runs show no order: their difference
 is taken as of a method of second order, or of first for a force and where dry friction may act, with a safety factor of
-two. Three runs show one (the grid convergence index of Roache, see `tautline.study.trials.step_error`). The run is
-taken as soon as its error is no more than what was asked for. Where dry friction may act, the runs have to agree in
-position far better than that, or the estimate before has to be near: steps may miss alike which contact slips first.
-Where the implicit method would need far more steps than an explicit one needs to be stable, that is taken, without
-friction.
+two (of RK4 1.25). Three runs show one (the grid convergence index of Roache, see `tautline.study.trials.step_error`).
+The run is taken as soon as its error is no more than what was asked for. Where dry friction may act, the runs have to
+agree in position far better than that, or the estimate before has to be near: steps may miss alike which contact slips
+first. Where the implicit method would need far more steps than an explicit one needs to be stable, that is taken,
+without friction.
 
 The error is the largest of what can be seen: of the point and the force that `study` looks at, and of a string's twist.
 """
@@ -63,8 +63,11 @@ LEAST, MOST = 1.5, 8.0
 """How many times as many steps the next run takes at least, and at most."""
 SAFETY_OF_TWO = 2.0
 """Factor of safety of an estimate from two runs; Roache takes three, with the order of the method."""
-UNLIKE = 0.5
-"""Difference of two runs, relative, from which they have nothing in common: it tells of no order."""
+UNLIKE, ALIKE = 0.5, 0.3
+"""Differences of two runs, relative: from which they have nothing in common, and up to which they tell of an order. The
+error is taken to be no less than a larger one: two runs of a chaotic motion differ by as much with any step."""
+MOST_OF_TWO = 8.0
+"""Ratio of steps that two runs may count on at most: their order is not known."""
 AFTER_STOP = 4.0
 """How many times as many steps the next run takes after one that stopped early."""
 ASKED_AFTER = 2
@@ -177,7 +180,8 @@ class Choice:
         step = self.interval / divisor
         cpu = float(result.attributes.get("cpu_time", 0.0))
         self.made.append(Made(method, divisor, step, round(self.end / step), cpu, seen))
-        self.estimates.append(max(self.errors().values(), default=math.inf))
+        found = [*self.errors().values()]
+        self.estimates.append(max(found) if found and all(map(math.isfinite, found)) else math.inf)
 
     def fail(self, method: str, divisor: float, why: str, cpu: float = 0.0) -> tuple[str, float] | None:
         """Take note of a run that stopped early after some processor time, s; returns what `following` does, None where
@@ -188,7 +192,8 @@ class Choice:
         self.estimates.append(math.inf)
         if sum(run.seen is None for run in self.made) >= FAILURES:
             return None
-        return method, finer(AFTER_STOP * divisor)
+        following = finer(AFTER_STOP * divisor)
+        return None if self._reason_to_end(following) else (method, following)
 
     def forget(self) -> None:
         """Let go of the last run, which is made again."""
@@ -196,17 +201,21 @@ class Choice:
         self.estimates.pop()
         self.why = ""
 
-    def errors(self) -> dict[str, float]:
-        """Estimated errors of the last run by kind, relative; empty where there is none to compare it with."""
+    def errors(self, careful: bool = True) -> dict[str, float]:
+        """Estimated errors of the last run by kind, relative; empty where there is none to compare it with.
+
+        ``careful`` ones are no less than a large difference of the last two runs; the next step follows from others.
+        """
         found = {}
         for kind in KINDS:
             pairs = self._pairs(kind)
             shown = [self._changes(coarse, fine).get(kind) for coarse, fine in pairs]
             known = [change for change in shown if change is not None]
             if known and len(known) == len(pairs):
-                # The first of three may have nothing in common with the others.
-                known = known[:1] if known[-1] > UNLIKE else known
-                found[kind] = self._error(known, [fine.divisor / coarse.divisor for coarse, fine in pairs], kind)
+                # The first of three may have nothing in common with two others that agree.
+                known = known[:1] if known[-1] > UNLIKE and known[0] <= ALIKE else known
+                error = self._error(known, [fine.divisor / coarse.divisor for coarse, fine in pairs], kind)
+                found[kind] = max(error, known[0]) if careful and known[0] > ALIKE else error
         return found
 
     @property
@@ -216,7 +225,7 @@ class Choice:
             return None
         last = self.made[-1]
         runs = len(self._like(last.method))
-        if last.seen is None or runs < 2 or self.estimates[-1] > self.asked:
+        if last.seen is None or runs < 2 or not self.estimates[-1] <= self.asked:
             return False
         # Which contact slips first may be missed by some steps alike: one small estimate may be chance.
         return not self.friction or self._calm or (runs > 2 and self.estimates[-2] <= NEAR * self.asked)
@@ -301,7 +310,7 @@ class Choice:
         if len(shown) == 1:
             # Two runs show no order. That of the explicit method is higher than the one taken here.
             safety = SAFETY if method_of(self.made[-1].method).explicit else SAFETY_OF_TWO
-            return safety * shown[0] / (ratios[0] ** self._order_of_two(kind) - 1.0)
+            return safety * shown[0] / (min(ratios[0], MOST_OF_TWO) ** self._order_of_two(kind) - 1.0)
         return from_longer(shown, ratios, self._highest(kind), self._lowest(kind))
 
     def _order_of_two(self, kind: str) -> float:
@@ -322,14 +331,26 @@ class Choice:
         if not math.isfinite(self.estimates[-1]):
             return finer(FIRST * last.divisor)
         order = EXPECTED_WITH_FRICTION if self.friction and not self._calm else EXPECTED
-        wanted = (self.estimates[-1] / self.asked) ** (1.0 / order)
+        wanted = (max(self.errors(careful=False).values()) / self.asked) ** (1.0 / order)
         return finer(last.divisor * min(max(wanted, LEAST), MOST))
+
+    def _stalls(self, method: str) -> bool:
+        """Whether the last estimates of a method fall no more from run to run; large ones, below all before them."""
+        known = [
+            estimate
+            for run, estimate in zip(self.made, self.estimates, strict=True)
+            if run.method == method and math.isfinite(estimate)
+        ]
+        before, late = known[:-PATIENCE], known[-PATIENCE:]
+        if not before:
+            return False
+        falls = [b <= STALLED * a for a, b in itertools.pairwise([before[-1], *late])]
+        return not any(falls) or min(late) > max(ALIKE, STALLED * min(before))
 
     def _reason_to_end(self, divisor: float) -> str:
         """Why no run with so many steps in an interval is made; empty where one is."""
         last = self.made[-1]
-        falling = [b <= STALLED * a for a, b in itertools.pairwise(self.estimates[-PATIENCE - 1 :])]
-        if len(self.made) > PATIENCE + 2 and last.seen is not None and len(falling) == PATIENCE and not any(falling):
+        if len(self.made) > PATIENCE + 2 and last.seen is not None and self._stalls(last.method):
             return (
                 "shorter steps lessen it no more: the motion is chaotic, or friction decides which contact slips "
                 "first. Look at many runs, and not at one"
