@@ -12,6 +12,7 @@ from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.results.result import Result
+from tautline.simulation import Run
 from tautline.study.accuracy import choice as module
 from tautline.study.accuracy.choice import Choice, Made, Seen, changes, differences, finer, run_to_accuracy
 from tautline.study.trials.history import History, watch
@@ -200,6 +201,19 @@ def command(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mass.yaml").write_text(oscillator())
     return commands_of(Cable(), capsys)
+
+
+def test_of_rehearsals_that_all_stop_nothing_is_said_to_be_written(command, monkeypatch):
+    advance = Run.advance
+
+    def stop_soon(run, store):
+        advance(run, store)
+        raise StoppedEarly(Status.NOT_CONVERGED, run.reached, "somewhere")
+
+    monkeypatch.setattr(Run, "advance", stop_soon)
+    code, out, err = command("simulate", "mass.yaml", "--accuracy", "1 %", "--json")
+    assert code == 3 and only_object(out)["result"] is None
+    assert "None" not in err and "wrote" not in err
 
 
 def test_simulate_says_what_was_reached_in_its_json_its_summary_and_the_result(command):
