@@ -57,6 +57,12 @@ def work() -> None:
         print(json.dumps(answer), flush=True)
 
 
+def _path(checkout: Path) -> str:
+    """Where a worker looks for modules: this checkout's code may come from the path that this process was given."""
+    given = os.environ.get("PYTHONPATH", "") if checkout == ROOT else ""
+    return os.pathsep.join([str(ROOT), *([given] if given else [])])
+
+
 class Worker:
     """A process with the code of a checkout."""
 
@@ -66,7 +72,7 @@ class Worker:
         # benchmarks that are here.
         self.process = subprocess.Popen(
             [str(python), str(Path(__file__).resolve()), "--work"], cwd=checkout,
-            env=os.environ | {"PYTHONPATH": str(ROOT)}, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            env=os.environ | {"PYTHONPATH": _path(checkout)}, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         )  # fmt: skip
 
     def run(self, *task: Any) -> tuple[float, list[float]]:

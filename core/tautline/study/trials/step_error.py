@@ -63,7 +63,8 @@ class StepError(NamedTuple):
     force_place : str
         The force that was looked at; empty where a scene has none.
     force : float or None
-        By how much its amplitude (half of its range) may be off, over that amplitude.
+        By how much its amplitude (half of its range) may be off, over that amplitude; of a run whose accuracy was asked
+        for, by how much its highest and its lowest value may be off together, over its range.
     steps : tuple of float
         Of all other runs, s.
     changes : tuple of float
