@@ -5,8 +5,10 @@ import gc
 import numpy as np
 import pytest
 from numba import config, njit
+from numba.core.compiler import Flags
 
 from tautline.kernels.compiling import storage
+from tautline.kernels.compiling.flags import KernelFlags
 from tautline.kernels.compiling.gc_tuning import RARELY, collected_rarely
 from tautline.kernels.compiling.inlined import PLAIN
 from tautline.kernels.jit import entry, kernel
@@ -41,6 +43,36 @@ def empty_cache(tmp_path, monkeypatch):
 def test_a_kernel_called_with_several_whole_numbers_is_compiled_once(empty_cache):
     assert sum_of_three(2.0) == 2.0 * (1 + 2 + 8)
     assert len(scaled.overloads) == 1
+
+
+@pytest.mark.parametrize(
+    "change", [{}, {"nrt": True}, {"error_model": "python"}, {"release_gil": False}, {"boundscheck": True}]
+)
+def test_flags_of_a_kernel_are_equal_where_those_of_numba_are(change):
+    """Also where one of them says what the other leaves as it is."""
+    one, other = Flags(), Flags()
+    one.release_gil, one.error_model = True, "numpy"
+    other.release_gil, other.error_model, other.nrt = True, "numpy", False
+    for name, value in change.items():
+        setattr(other, name, value)
+    ours = KernelFlags(one), KernelFlags(other)
+    for left, right in ((ours[0], ours[1]), (ours[0], other), (one, ours[1]), (ours[0].copy(), ours[1])):
+        assert (left == right) is (one == other) is (not change)
+        assert (left != right) is bool(change)
+        assert hash(left) == hash(right) == hash(one)
+
+
+@own_steps
+def test_the_compilation_of_a_kernel_seldom_compares_all_options_of_its_flags(empty_cache, monkeypatch):
+    compared, values = [], Flags.values
+    monkeypatch.setattr(Flags, "values", lambda flags: compared.append(1) or values(flags))
+
+    @entry
+    def first_of_each(x):
+        return x[0, 0] + x[1, 0] * x[2, 0] + x[3, 0] * x[4, 0]
+
+    assert first_of_each(np.ones((5, 1))) == 3.0
+    assert len(compared) < 100
 
 
 @compiled

@@ -20,6 +20,7 @@ from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering, NopythonRewrites, NopythonTypeInference
 from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, LiteralUnroll, WithLifting
 
+from tautline.kernels.compiling.flags import KernelFlags
 from tautline.kernels.compiling.indices import TrustedIndices
 
 PLAIN = os.environ.get("TAUTLINE_PLAIN_NUMBA", "") not in ("", "0")
@@ -135,6 +136,10 @@ class KernelCompiler(CompilerBase):
     lowering = NativeLowering
     indices: tuple[Any, ...] = ()
     """Steps after those that find the types."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.state.flags = KernelFlags(self.state.flags)
 
     def define_pipelines(self) -> list[Any]:
         """The steps."""
