@@ -60,6 +60,10 @@ def test_a_run_loads_no_xarray_and_for_plain_units_no_pint(simulated):
     assert simulated[1].isdisjoint({"xarray", "pandas", "pint"})
 
 
+def test_a_run_loads_no_masked_arrays(simulated):
+    assert "numpy.ma" not in simulated[1]
+
+
 def test_a_run_leaves_nothing_of_scipy_loaded_that_it_does_not_need(simulated):
     named = ("linalg", "linalg.cython_lapack", "sparse", "optimize", "interpolate")
     assert simulated[1].isdisjoint({f"scipy.{name}" for name in named})

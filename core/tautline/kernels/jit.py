@@ -9,18 +9,21 @@ to numba.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import inspect
 from collections.abc import Callable
 from typing import Any
 
 from numba import config, types
+from numba.core.errors import TypingError
 from numba.core.registry import CPUDispatcher
 from numba.extending import overload
 
 from tautline.kernels.compiling.caching import KernelCache
 from tautline.kernels.compiling.inlined import PLAIN, UNFUSED, compiler_for
 from tautline.kernels.compiling.sources import is_ours
+from tautline.kernels.memory import ARRAYS, kind_of
 
 OPTIONS = {
     "nopython": True,
@@ -40,7 +43,7 @@ def entry(function: Any = None, *, part: bool = False, **options: Any) -> Any:
     """Decorator of compiled code that Python calls: cached across processes, releases the GIL."""
     if function is None:
         return functools.partial(entry, part=part, **options)
-    return _compiled(CPUDispatcher, function, part, options)
+    return _compiled(Outer, function, part, options)
 
 
 def _compiled(kind: type[CPUDispatcher], function: Any, part: bool, options: dict[str, Any]) -> Any:
@@ -55,6 +58,22 @@ def _compiled(kind: type[CPUDispatcher], function: Any, part: bool, options: dic
     compiled = kind(function, {}, OPTIONS | options, pipeline_class=compiler_for(part, is_ours(function)))
     compiled._cache = KernelCache(function)
     return compiled
+
+
+class Outer(CPUDispatcher):
+    """Compiled code that Python calls."""
+
+    def typeof_pyval(self, val: Any) -> Any:
+        """The type of an argument, where numba's own code for it knows none yet.
+
+        Numba asks of the first arrays whether they are masked, and loads all that masked arrays need.
+        """
+        if type(val) in ARRAYS or isinstance(val, tuple):
+            with contextlib.suppress(TypingError, ValueError):
+                if (kind := kind_of(val)) is not None:
+                    self._types_active_call.add(kind)
+                    return kind
+        return super().typeof_pyval(val)
 
 
 class Inner(CPUDispatcher):
