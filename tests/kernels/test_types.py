@@ -1,5 +1,6 @@
 """Types of values in compiled code: found without numba's own search, and the same."""
 
+import inspect
 from typing import NamedTuple
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from numba import config, typeof
 from numba.core.errors import TypingError
 
-from tautline.kernels.jit import entry
+from tautline.kernels.jit import _signature_of, entry
 from tautline.kernels.memory import kind_of
 
 ROW = np.dtype([("length", np.float64), ("numbers", np.int64, 3), ("inner", [("x", np.float64), ("y", np.int32)])])
@@ -48,6 +49,24 @@ def test_a_value_is_of_the_type_that_numba_says(name):
     expected = typeof(VALUES[name])
     assert kind_of(VALUES[name]) == expected
     assert kind_of(Pair(VALUES[name], 1.0)) == typeof(Pair(VALUES[name], 1.0))
+
+
+def _of_none(): ...
+def _of_two(x, y): ...
+def _with_default(x, y=2.0): ...
+def _annotated(x: float) -> float: ...
+def _by_position(x, /, y): ...
+def _by_name(x, *, y): ...
+def _of_any(x, *more): ...
+def _of_any_name(x, **more): ...
+
+
+SHAPES = [_of_none, _of_two, _with_default, _annotated, _by_position, _by_name, _of_any, _of_any_name]
+
+
+@pytest.mark.parametrize("function", SHAPES)
+def test_the_arguments_of_a_kernel_are_those_that_python_says(function):
+    assert _signature_of(function) == inspect.signature(function)
 
 
 @entry

@@ -55,9 +55,28 @@ def _compiled(kind: type[CPUDispatcher], function: Any, part: bool, options: dic
         return function
     if not inspect.isfunction(function):
         raise TypeError(f"a kernel is made of a plain function, not of {function!r}")
+    function.__signature__ = _signature_of(function)
     compiled = kind(function, {}, OPTIONS | options, pipeline_class=compiler_for(part, is_ours(function)))
     compiled._cache = KernelCache(function)
     return compiled
+
+
+def _signature_of(function: Any) -> inspect.Signature:
+    """What `inspect` says of a function's arguments: numba asks it twice, and that is most of making a kernel."""
+    code = function.__code__
+    plain = not (code.co_posonlyargcount or code.co_kwonlyargcount or code.co_flags & NAMELESS)
+    if plain and not (function.__defaults__ or function.__annotations__):
+        return inspect.Signature([_argument(name) for name in code.co_varnames[: code.co_argcount]])
+    return inspect.signature(function)
+
+
+NAMELESS = inspect.CO_VARARGS | inspect.CO_VARKEYWORDS
+"""Marks of functions that take any number of arguments."""
+
+
+@functools.cache
+def _argument(name: str) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD)
 
 
 class Outer(CPUDispatcher):
