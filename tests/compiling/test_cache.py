@@ -283,6 +283,41 @@ def several(tmp_path_factory):
     return folder / "cache", names, values
 
 
+ASKED = """
+import json, sys
+from numba import float64
+from parts import whole
+from tautline.kernels.compiling.caching import Files
+from tautline.kernels.jit import is_compiled
+
+read, load = [], Files._load_data
+Files._load_data = lambda files, name: read.append(name.split("-")[0]) or load(files, name)
+there = is_compiled(whole, (float64,))
+print(json.dumps([there, whole(6.0), read.count("parts.whole")]))
+"""
+
+
+def test_code_that_was_asked_for_is_read_once_and_damaged_code_is_not_there(tmp_path):
+    """Whether a kernel has to be compiled is known when it has been read, and it is not read again to be used."""
+    (tmp_path / "parts.py").write_text(PARTS.partition("called =")[0])
+    (tmp_path / "asked.py").write_text(ASKED)
+
+    def asked():
+        done = subprocess.run(
+            [sys.executable, str(tmp_path / "asked.py")], capture_output=True, text=True, cwd=tmp_path,
+            env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr[-2000:]
+        return json.loads(done.stdout)
+
+    assert asked() == [False, 6.0, 0]
+    assert asked() == [True, 6.0, 1]
+    for file in tmp_path.rglob("parts.whole*.nbc"):
+        file.write_bytes(DAMAGE["one bit"](file.read_bytes()))
+    assert asked()[:2] == [False, 6.0]
+    assert asked() == [True, 6.0, 1]
+
+
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 def test_a_damaged_file_is_written_anew(tmp_path, kind, several):
     """The results are those of before; the run after it compiles nothing. Each damage is to the files of a module."""

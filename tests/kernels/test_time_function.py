@@ -51,6 +51,15 @@ def test_many_samples_which_are_compiled_equal_single_values_which_are_not(name)
 
 
 @pytest.mark.parametrize("integrate", [False, True])
+@pytest.mark.parametrize("name", sorted(FUNCTIONS.keys() - {"spectrum", "spectrum under an envelope"}))
+def test_few_samples_are_the_single_values_to_the_bit(name, integrate):
+    functions = compiled(FUNCTIONS[name], integrate)
+    # At the breaks too, where one piece ends and the next begins.
+    times = np.sort(np.concatenate([np.linspace(-1.0, 13.0, 57), np.arange(0.0, 12.1, 0.5)]))
+    assert sample(functions, 0, times).tolist() == [list(value_at(functions, 0, t)) for t in times]
+
+
+@pytest.mark.parametrize("integrate", [False, True])
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_rates_equal_central_differences(name, integrate):
     functions = compiled(FUNCTIONS[name], integrate)

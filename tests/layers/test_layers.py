@@ -60,14 +60,52 @@ def test_a_run_loads_no_xarray_and_for_plain_units_no_pint(simulated):
     assert simulated[1].isdisjoint({"xarray", "pandas", "pint"})
 
 
+def test_a_run_loads_no_masked_arrays(simulated):
+    assert "numpy.ma" not in simulated[1]
+
+
 def test_a_run_leaves_nothing_of_scipy_loaded_that_it_does_not_need(simulated):
     named = ("linalg", "linalg.cython_lapack", "sparse", "optimize", "interpolate")
     assert simulated[1].isdisjoint({f"scipy.{name}" for name in named})
 
 
+MAPPED = Path("/proc/self/maps")
+
+
+@pytest.mark.skipif(not MAPPED.exists(), reason="the system does not tell which libraries a process has loaded")
+@pytest.mark.parametrize(("border", "loaded"), [(0, "False"), (1, "True")])
+def test_lapack_is_loaded_for_a_matrix_with_a_border_only(border, loaded):
+    ask = (
+        "import numpy as np\n"
+        "from tautline.kernels.matrix import factorise_matrix, new_factors, solve_matrix\n"
+        f"factors, x = new_factors(3, 1, {border}), np.ones(3)\n"
+        "factors.matrix.band[:, 2] = 2.0\n"
+        "factors.matrix.corner[:] = 4.0\n"
+        "assert factorise_matrix(factors) == 0\n"
+        "solve_matrix(factors, x)\n"
+        f"print(*x, 'cython_lapack' in open({str(MAPPED)!r}).read())"
+    )
+    done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True)
+    assert done.stdout.split() == ["0.5", "0.5", "0.25" if border else "0.5", loaded], done.stderr
+
+
+def test_a_matrix_is_not_taken_for_factorised_where_lapack_cannot_be_loaded():
+    ask = (
+        "import numpy as np\n"
+        "from tautline.kernels.factors import lapack\n"
+        "lapack.ROUTINES = 'scipy.linalg.there_is_none'\n"
+        "matrix, pivots, integers = np.eye(2), np.zeros(2, np.int32), np.zeros(10, np.int32)\n"
+        "print(lapack.factorise_dense(matrix, pivots, 2, integers))"
+    )
+    done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True)
+    assert done.stdout.strip() == "-1" and "there_is_none" in done.stderr
+
+
 def test_lapack_that_was_loaded_alone_leaves_scipy_as_it_is():
     ask = (
-        "import sys, tautline.kernels.factors.lapack, scipy.linalg\n"
+        "import sys, numpy as np, tautline.kernels.factors.lapack as ours\n"
+        "ours.factorise_dense(np.eye(2), np.zeros(2, np.int32), 2, np.zeros(10, np.int32))\n"
+        "import scipy.linalg\n"
         "from scipy.linalg import cython_lapack, solve\n"
         "same = cython_lapack is scipy.linalg.cython_lapack\n"
         "print(same, solve([[2.0]], [3.0])[0], cython_lapack.__pyx_capi__['dgetrf'])"

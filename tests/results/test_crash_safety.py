@@ -120,6 +120,24 @@ def test_a_reader_that_keeps_the_file_open_sees_what_it_opened_and_does_not_stop
     assert_whole(path, 160)
 
 
+@pytest.mark.parametrize("batches", [1, 2, 3])
+def test_what_was_just_stored_is_as_a_reader_finds_it_and_is_nobodys_to_change(tmp_path, batches):
+    path = tmp_path / "run.nc"
+    coordinates = {"node": np.arange(4), "name": ("node", np.array(list("abcd")), "", "names")}
+    with Store(path, variables(), coordinates, {"scene": "a: 1"}) as store:
+        for k in range(batches):
+            store.append(batch(10 * k, 10), {"memory": np.array([True, False])})
+        known, read = store.result, Result.read(path)
+        for name in read.variables:
+            assert (known[name].dtype, known[name].tolist()) == (read[name].dtype, read[name].tolist())
+            known[name][...] = known[name][::-1]
+            assert store.result[name].tolist() == read[name].tolist()
+        store.finish(restart={"memory": np.array([False, True])})
+    assert_whole(path, 10 * batches)
+    assert Result.read(path)["node"].tolist() == [0, 1, 2, 3]
+    assert Result.read(path).restart["memory"].tolist() == [0, 1]
+
+
 def test_leftovers_of_a_killed_run_are_removed_by_the_next(tmp_path):
     path = tmp_path / "run.nc"
     process = start(path)

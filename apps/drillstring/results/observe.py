@@ -191,7 +191,8 @@ def coordinates_of(
     part : str
         What its places are called: lump, or node.
     """
-    stations = np.unique(np.concatenate([well.md, np.linspace(0.0, well.length, 201)]))
+    # Not `np.unique`, which loads all of masked arrays to ask whether these are.
+    stations = np.array(sorted({*well.md.tolist(), *np.linspace(0.0, well.length, 201).tolist()}))
     side, _, direction = well.frame(stations)
     found = {
         "body": ("body", np.arange(lumps.length.size + 1), "", f"{part}, from the top drive down"),

@@ -10,11 +10,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import typeof
 from numba.core import types
 
 from tautline.kernels.jit import kernel, stands_for
 from tautline.kernels.matrix import add_at
+from tautline.kernels.memory import kind_of
 from tautline.kernels.time_function import evaluate
 
 HELD, TIED = -1, -2
@@ -64,7 +64,7 @@ def runs_of(free: np.ndarray) -> np.ndarray:
     return np.column_stack([starts, free[starts], counts]).astype(np.int64).ravel()
 
 
-DOFS = typeof(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
+DOFS = kind_of(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
 """The type of :class:`Dofs` in compiled code."""
 
 

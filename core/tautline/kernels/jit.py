@@ -9,19 +9,25 @@ to numba.
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import inspect
 from collections.abc import Callable
 from typing import Any
 
-from numba import config, njit, types
+from numba import config, types
+from numba.core.errors import TypingError
 from numba.core.registry import CPUDispatcher
-from numba.extending import is_jitted, overload
+from numba.extending import overload
 
 from tautline.kernels.compiling.caching import KernelCache
 from tautline.kernels.compiling.inlined import PLAIN, UNFUSED, compiler_for
 from tautline.kernels.compiling.sources import is_ours
+from tautline.kernels.memory import ARRAYS, kind_of
 
 OPTIONS = {
+    "nopython": True,
+    "boundscheck": None,
     "nogil": True,
     "error_model": "numpy",
     "no_cfunc_wrapper": True,
@@ -37,11 +43,56 @@ def entry(function: Any = None, *, part: bool = False, **options: Any) -> Any:
     """Decorator of compiled code that Python calls: cached across processes, releases the GIL."""
     if function is None:
         return functools.partial(entry, part=part, **options)
-    chosen = {"pipeline_class": compiler_for(part, is_ours(function))}
-    compiled = njit(function, **OPTIONS | chosen | options)
-    if is_jitted(compiled) and not config.DISABLE_JIT:
-        compiled._cache = KernelCache(function)
+    return _compiled(Outer, function, part, options)
+
+
+def _compiled(kind: type[CPUDispatcher], function: Any, part: bool, options: dict[str, Any]) -> Any:
+    """What numba's ``njit`` makes of a function, by itself: for hundreds of kernels its decorator takes as long again.
+
+    The function itself where nothing is compiled.
+    """
+    if config.DISABLE_JIT:
+        return function
+    if not inspect.isfunction(function):
+        raise TypeError(f"a kernel is made of a plain function, not of {function!r}")
+    function.__signature__ = _signature_of(function)
+    compiled = kind(function, {}, OPTIONS | options, pipeline_class=compiler_for(part, is_ours(function)))
+    compiled._cache = KernelCache(function)
     return compiled
+
+
+def _signature_of(function: Any) -> inspect.Signature:
+    """What `inspect` says of a function's arguments: numba asks it twice, and that is most of making a kernel."""
+    code = function.__code__
+    plain = not (code.co_posonlyargcount or code.co_kwonlyargcount or code.co_flags & NAMELESS)
+    if plain and not (function.__defaults__ or function.__annotations__):
+        return inspect.Signature([_argument(name) for name in code.co_varnames[: code.co_argcount]])
+    return inspect.signature(function)
+
+
+NAMELESS = inspect.CO_VARARGS | inspect.CO_VARKEYWORDS
+"""Marks of functions that take any number of arguments."""
+
+
+@functools.cache
+def _argument(name: str) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+
+
+class Outer(CPUDispatcher):
+    """Compiled code that Python calls."""
+
+    def typeof_pyval(self, val: Any) -> Any:
+        """The type of an argument, where numba's own code for it knows none yet.
+
+        Numba asks of the first arrays whether they are masked, and loads all that masked arrays need.
+        """
+        if type(val) in ARRAYS or isinstance(val, tuple):
+            with contextlib.suppress(TypingError, ValueError):
+                if (kind := kind_of(val)) is not None:
+                    self._types_active_call.add(kind)
+                    return kind
+        return super().typeof_pyval(val)
 
 
 class Inner(CPUDispatcher):
@@ -62,17 +113,14 @@ class Inner(CPUDispatcher):
         raise TypeError(f"{self.py_func.__qualname__} can be called by compiled code only; its .py_func by Python")
 
 
-def addressed(function: Any = None, **options: Any) -> Any:
+def addressed(function: Any = None, *, part: bool = False, **options: Any) -> Any:
     """Decorator of compiled code that is called by its address.
 
     It goes without the wrappers that unpack a scene's many arrays, which would take longer to compile than the code.
     """
     if function is None:
-        return functools.partial(addressed, **options)
-    compiled = entry(function, no_cpython_wrapper=True, **options)
-    if isinstance(compiled, CPUDispatcher):
-        compiled.__class__ = Inner
-    return compiled
+        return functools.partial(addressed, part=part, **options)
+    return _compiled(Inner, function, part, {"no_cpython_wrapper": True} | options)
 
 
 kernel = functools.partial(addressed, part=True)
@@ -89,7 +137,10 @@ def stands_for(stub: Any) -> Callable[[Any], Any]:
 
 
 def is_compiled(function: Any, signature: tuple[types.Type, ...]) -> bool:
-    """Whether a kernel is compiled for the types of its arguments, in this process or in the cache."""
+    """Whether a kernel is compiled for the types of its arguments, in this process or in the cache.
+
+    What is in the cache is read for it, and need not be read again when the kernel is compiled.
+    """
     if signature in function.overloads:
         return True
     return bool(function._cache.holds(signature, function.targetctx))

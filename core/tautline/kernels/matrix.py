@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import typeof, types
+from numba import types
 
 from tautline.kernels.factors.band import (
     CAREFUL,
@@ -26,6 +26,7 @@ from tautline.kernels.factors.block_elimination import factorise_in_blocks, goes
 from tautline.kernels.factors.lapack import factorise_dense, solve_dense
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lanes import LANES
+from tautline.kernels.memory import kind_of
 from tautline.kernels.separate import apart
 
 EXCHANGED, PACKED, REACH = 7, 8, 9
@@ -49,9 +50,9 @@ class Matrix(NamedTuple):
     corner: np.ndarray
 
 
-MATRIX = typeof(Matrix(*(np.zeros((0, 0)) for _ in range(4))))
+MATRIX = kind_of(Matrix(*(np.zeros((0, 0)) for _ in range(4))))
 """The type of :class:`Matrix` in compiled code."""
-VECTOR = typeof(np.zeros(0))
+VECTOR = kind_of(np.zeros(0))
 """That of a vector."""
 
 
@@ -301,7 +302,7 @@ def _solve_border(f, n, x):
             x[l] -= f.columns[j, l] * x[n + j]
 
 
-FACTORS = typeof(new_factors(0, 0))
+FACTORS = kind_of(new_factors(0, 0))
 """The type of :class:`Factors` in compiled code."""
 solve_apart = apart(solve_matrix, types.none, FACTORS, VECTOR)
 """The same for what is long and calls it seldom: it does not take it in, which would compile it once more."""

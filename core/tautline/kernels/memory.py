@@ -6,11 +6,14 @@ compiled for its type loads it from there as a value. The words refer to the arr
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 from typing import Any
 
 import numpy as np
 from numba import typeof, types
+from numba.core.errors import NumbaNotImplementedError
+from numba.np.numpy_support import from_dtype, map_layout
 
 PLAIN = (int, float, bool, type(None), np.float64, np.int64)
 """Classes whose values are all of one type to numba."""
@@ -32,8 +35,21 @@ def kind_of(value: Any) -> types.Type:
     """
     form = form_of(value)
     if form not in _kinds:
-        _kinds[form] = typeof(value)
+        _kinds[form] = _new_kind(value)
     return _kinds[form]
+
+
+def _new_kind(value: Any) -> types.Type:
+    """What numba's `typeof` says of a value; it asks of every array whether it is masked, and loads what these need."""
+    kind = type(value)
+    if kind in ARRAYS:
+        with contextlib.suppress(NumbaNotImplementedError):
+            return types.Array(from_dtype(_entries(value)), value.ndim, map_layout(value), not _flags(value).writeable)
+    elif isinstance(value, tuple):
+        parts = [kind_of(part) for part in value]
+        if all(part is not None for part in parts):
+            return types.BaseTuple.from_types(parts, kind)
+    return typeof(value)
 
 
 def form_of(value: Any) -> Any:

@@ -177,30 +177,35 @@ def write_attributes(file: h5py.File, attributes: Mapping[str, Any]) -> None:
 def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
     """Keep arrays as they are in the group ``restart``; their dimensions are named by their sizes.
 
-    Where the group is there, its arrays are replaced: those of one run keep their names and shapes.
+    Where the group is there, its arrays are replaced: those of one run keep their names and shapes. As above, by
+    low-level calls: this is done with each batch, of some seventy arrays.
     """
+    numbers = {name: _as_number(np.asarray(values)) for name, values in arrays.items()}
     if "restart" in file:
         group_id = h5py.h5g.open(file.id, b"restart")
-        for name, values in arrays.items():
-            # As above, by low-level calls: this is done with each batch, of some seventy arrays.
-            _replace(h5py.h5d.open(group_id, name.encode()), np.asarray(values))
+        for name, values in numbers.items():
+            _fill(h5py.h5d.open(group_id, name.encode()), values)
         return
     group, scales = file.create_group("restart"), {}
-    for name, values in arrays.items():
-        values = np.asarray(values)
-        if values.dtype.kind == "b":
-            values = values.astype(np.int8)
-        dataset = group.create_dataset(name, data=values)
+    made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    made.set_obj_track_times(False)
+    for name, values in numbers.items():
+        kind, shape = h5py.h5t.py_create(values.dtype, logical=True), h5py.h5s.create_simple(values.shape)
+        dataset = h5py.h5d.create(group.id, name.encode(), kind, shape, made)
+        _fill(dataset, values)
         for axis, size in enumerate(values.shape):
             dim = f"size_{size}"
             if dim not in scales:
                 scales[dim] = _make_bare_dimension(group, dim, size, 1000 + len(scales))
-            h5py.h5ds.attach_scale(dataset.id, scales[dim].id, axis)
+            h5py.h5ds.attach_scale(dataset, scales[dim].id, axis)
 
 
-def _replace(dataset: h5py.h5d.DatasetID, values: np.ndarray) -> None:
-    """Write all of a dataset anew."""
-    if values.dtype.kind == "b":
-        values = values.astype(np.int8)
+def _as_number(values: np.ndarray) -> np.ndarray:
+    """Values as NetCDF has them, which knows no truth values."""
+    return values.astype(np.int8) if values.dtype.kind == "b" else values
+
+
+def _fill(dataset: h5py.h5d.DatasetID, values: np.ndarray) -> None:
+    """Write all of a dataset."""
     if values.size:
         dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(values))

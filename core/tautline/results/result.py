@@ -44,12 +44,18 @@ class Result:
     """
 
     def __init__(
-        self, path: str | Path | None, contents: Contents | None = None, known: dict[str, Variable] | None = None
-    ) -> None:
-        """Of a run in memory, or of a file; ``known`` are its variables, where whoever makes this has written them."""
+        self, path: str | Path | None, contents: Contents | None = None, known: dict[str, Variable] | None = None,
+        held: Mapping[str, np.ndarray] | None = None,
+    ) -> None:  # fmt: skip
+        """Of a run in memory, or of a file.
+
+        Whoever makes this and has written the file gives ``known``, its variables, and ``held``, what of their values
+        is still in memory and need not be read.
+        """
         self.path = None if path is None else Path(path)
         self._contents = contents
         self._known = known
+        self._held = held or {}
 
     @classmethod
     def read(cls, path: str | Path) -> Result:
@@ -143,6 +149,8 @@ class Result:
                 return coordinates[name][1]
             if name in arrays:
                 return arrays[name]
+        elif name in self._held:
+            return self._held[name].copy()
         else:
             with self._open() as file:
                 if name in file and _is_variable(file[name]):

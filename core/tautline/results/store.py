@@ -167,7 +167,21 @@ class Store:
         """What was stored so far; None before the first batch."""
         if self.frames == 0:
             return None
-        return self._in_memory({}) if self.path is None else Result(self.path, known=self._described)
+        if self.path is None:
+            return self._in_memory({})
+        return Result(self.path, known=self._described, held=self._held)
+
+    @property
+    def _held(self) -> dict[str, np.ndarray]:
+        """What the file holds and is still in memory, as it would be read: each of a file is opened for by itself."""
+        held = {name: values for name, (_, values, *_) in self.coordinates.items() if values.dtype.kind not in "US"}
+        whole = bool(self._batches) and self._batches[0][0] == 0
+        return held | (self._joined() if whole else {})
+
+    def _joined(self) -> dict[str, np.ndarray]:
+        """The frames of the batches that are held, one array a variable."""
+        names = (variable.name for variable in self.variables)
+        return {name: np.concatenate([batch[name] for _, batch in self._batches]) for name in names}
 
     @property
     def _described(self) -> dict[str, Variable]:
@@ -229,11 +243,9 @@ class Store:
         return batch
 
     def _in_memory(self, restart: Mapping[str, np.ndarray]) -> Result:
-        arrays = {
-            variable.name: np.concatenate([batch[variable.name] for _, batch in self._batches])
-            for variable in self.variables
-        }
-        return Result(None, (self.variables, arrays, self.coordinates, self._now | self.attributes, dict(restart)))
+        return Result(
+            None, (self.variables, self._joined(), self.coordinates, self._now | self.attributes, dict(restart))
+        )
 
 
 class _Copies:

@@ -7,6 +7,7 @@ that goes into it and is no part of the core or of an installed application.
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import inspect
 import io
@@ -20,6 +21,7 @@ from typing import Any
 from numba.core import sigutils, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
 from numba.core.compiler import CompileResult
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.serialize import NumbaPickler
 
 from tautline.kernels.compiling import storage
@@ -164,6 +166,7 @@ class KernelCache(FunctionCache):
         self._is_ours = is_ours(function)
         self._files: dict[str, Files] = {}
         self._keys: dict[Any, Any] = {}
+        self._read: dict[Any, CompileResult] = {}
         self._enabled = True
 
     @property
@@ -196,8 +199,15 @@ class KernelCache(FunctionCache):
             self._file(storage.folder_to_write()).flush()
 
     def holds(self, signature: Any, context: Any) -> bool:
-        """Whether there is code for the types of the arguments; whether it can be used is seen when it is read."""
-        return any(key in files._load_index() for files, key in self._places(signature, context.codegen()))
+        """Whether there is code for the types of the arguments that can be used.
+
+        That is seen when it is read; it is kept for `load_overload`, which is mostly next.
+        """
+        with global_compiler_lock:
+            found = self._stored(signature, context)
+        if found is not None:
+            self._read[signature] = found
+        return found is not None
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Load code, None if there is none that can be used.
@@ -207,6 +217,13 @@ class KernelCache(FunctionCache):
         """
         if not self._enabled:
             return None
+        found = self._read.pop(signature, None) or self._stored(signature, context)
+        if found is None:
+            context.refresh()
+        return found
+
+    def _stored(self, signature: Any, context: Any) -> Any:
+        """Code that is kept on disk, None if there is none that can be used."""
         arguments = sigutils.normalize_signature(signature)[0]
         if PLAIN:
             context.refresh()
@@ -216,7 +233,6 @@ class KernelCache(FunctionCache):
                 found = None if data is None else self._impl.rebuild(context, data)
                 if found is not None and tuple(found.signature.args) == tuple(arguments):
                     return found
-        context.refresh()
         return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
@@ -234,7 +250,7 @@ class KernelCache(FunctionCache):
 
     def _index_key(self, signature: Any, codegen: Any) -> Any:
         """The types by what they are, so that a list can be read without them; the function and others' kernels."""
-        known = signature, codegen.magic_tuple()
+        known = signature, _target_of(codegen)
         if known not in self._keys:
             self._keys[known] = self._new_key(signature, codegen)
         return self._keys[known]
@@ -247,7 +263,13 @@ class KernelCache(FunctionCache):
         own = fingerprint_of_ours(self._py_func) if self._is_ours else fingerprint(self._py_func)
         applications = applications_in(self._py_func, *classes, *kernels)
         others = (fingerprint(each) for each in kernels if not is_ours(each))
-        return (str(arguments), *described), codegen.magic_tuple(), (own, *applications, *others)
+        return (str(arguments), *described), _target_of(codegen), (own, *applications, *others)
+
+
+@functools.cache
+def _target_of(codegen: Any) -> tuple[str, ...]:
+    """What numba's code generator compiles for, which stays as it is; numba asks LLVM for the processor each time."""
+    return codegen.magic_tuple()
 
 
 def _classes_in(kind: types.Type) -> Iterator[type]:

@@ -1,21 +1,28 @@
 """LAPACK's dense LU, called from compiled code.
 
-The routines are those that SciPy ships (:data:`ROUTINES`). Their addresses change from process to
-process, so the machine code refers to them by symbol and stays cacheable (a ctypes pointer would not).
+The routines are those that SciPy ships (:data:`ROUTINES`). Their addresses change from process to process, so the
+machine code refers to them by symbol and stays cacheable (a ctypes pointer would not). SciPy's linear algebra is loaded
+when a routine is called first: only a matrix with a border needs it, and it starts threads of its own that keep a
+processor busy for a tenth of a second.
 """
 
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import functools
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from importlib import util
 from importlib.machinery import PathFinder
 from typing import Any
 
 import llvmlite.binding
+from llvmlite import ir
 from numba import config, types
-from numba.extending import get_cython_function_address
+from numba.core import cgutils
+from numba.extending import get_cython_function_address, intrinsic
 
 from tautline.kernels.jit import entry
 
@@ -55,15 +62,55 @@ def _module_alone(name: str) -> Any:
     return None
 
 
-def _routine(name: str, arguments: int) -> types.ExternalFunction:
+_loading = threading.Lock()
+
+
+@functools.cache
+def _address(name: str) -> int:
+    with _loading, _loaded_alone(ROUTINES):
+        return get_cython_function_address(ROUTINES, name)
+
+
+def _routine(name: str, arguments: int) -> Callable[[tuple[int, ...]], None]:
+    """A routine of LAPACK for compiled code, which hands it the addresses of its arguments.
+
+    It is called by an address in memory, as a dynamic loader does for a shared library: what stands there first finds
+    the routine, has its address stand there from then on, and hands over the call.
+    """
+    kind = ctypes.CFUNCTYPE(None, *[ctypes.c_size_t] * arguments)
+
+    def found(*given: int) -> None:
+        held.value = _address(name)
+        kind(held.value)(*given)
+
+    first = kind(found)
+    held = ctypes.c_void_p(ctypes.cast(first, ctypes.c_void_p).value)
+    _kept.append((first, held))
     symbol = f"tautline_{name}"
-    llvmlite.binding.add_symbol(symbol, get_cython_function_address(ROUTINES, name))
-    return types.ExternalFunction(symbol, types.void(*[types.uintp] * arguments))
+    llvmlite.binding.add_symbol(symbol, ctypes.addressof(held))
+
+    @intrinsic
+    def call(typing, given):
+        def code(context, builder, signature, values):
+            words = [
+                context.cast(builder, word, actual, types.uintp)
+                for word, actual in zip(cgutils.unpack_tuple(builder, values[0]), given.types, strict=True)
+            ]
+            function = ir.FunctionType(ir.VoidType(), [word.type for word in words]).as_pointer()
+            place = builder.module.globals.get(symbol) or ir.GlobalVariable(builder.module, function, symbol)
+            builder.call(builder.load(place), words)
+            return context.get_dummy_value()
+
+        return types.void(given), code
+
+    return call
 
 
-with _loaded_alone(ROUTINES):
-    _dgetrf = _routine("dgetrf", 6)
-    _dgetrs = _routine("dgetrs", 9)
+_kept: list[Any] = []
+"""What compiled code refers to, which has to stay in memory."""
+
+_dgetrf = _routine("dgetrf", 6)
+_dgetrs = _routine("dgetrs", 9)
 _NO_TRANSPOSE = ord("N")
 
 
@@ -71,9 +118,9 @@ _NO_TRANSPOSE = ord("N")
 def factorise_dense(matrix, pivots, n, integers):
     """Factorise a small dense matrix (n, n), stored by columns, in place; returns 0 or the pivot that is zero."""
     integers[0] = n
-    integers[4] = 0
+    integers[4] = -1  # which LAPACK overwrites
     base = integers.ctypes.data
-    _dgetrf(base, base, matrix.ctypes.data, base, pivots.ctypes.data, base + 16)
+    _dgetrf((base, base, matrix.ctypes.data, base, pivots.ctypes.data, base + 16))
     return integers[4]
 
 
@@ -85,7 +132,7 @@ def solve_dense(matrix, pivots, n, integers, x):
     integers[5] = 1
     integers[6] = _NO_TRANSPOSE
     base = integers.ctypes.data
-    _dgetrs(base + 24, base, base + 20, matrix.ctypes.data, base, pivots.ctypes.data, x.ctypes.data, base, base + 16)
+    _dgetrs((base + 24, base, base + 20, matrix.ctypes.data, base, pivots.ctypes.data, x.ctypes.data, base, base + 16))
 
 
 if config.DISABLE_JIT:
