@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import config
 
 from tautline.integrators.corrector.newton import DONE
 from tautline.integrators.explicit import accelerate, account
@@ -227,6 +228,8 @@ _ready: set[Any] = set()
 
 def compile_for(method, system, state, announce=None):
     """Compile what a run will need, or load it, with the processors there are; see :func:`compile_all`."""
+    if config.DISABLE_JIT:
+        return
     loop, sums = loop_of(method)
     made_of = sums, form_of((method, system.groups, system.dofs, system.functions, state))
     if made_of in _ready:
