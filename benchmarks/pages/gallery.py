@@ -45,8 +45,8 @@ class Shot(NamedTuple):
 SHOTS = (
     Shot(
         "hoist",
-        "Five tonnes are hoisted at 2 m/s from a vessel that heaves by half a metre. The load swings on its rope for as"
-        " long as nothing damps it; the tension shows each swing.",
+        "Five tonnes are hoisted at 2 m/s from a vessel that heaves by half a metre. The load moves up and down on"
+        " its rope for as long as nothing damps it; the tension shows each swing.",
         (("--image", "last"), ("--image", "t=6", "--camera", "35,12,9@drum winch")),
         ("tension", "payload"),
     ),
@@ -68,7 +68,8 @@ SHOTS = (
     Shot(
         "jwell",
         "A string in slips, following the vessel's heave. In the second picture the well is straightened, and what lies"
-        " across it enlarged: the string rests on the low side of the bend.",
+        " across it enlarged: in the bend its tension pulls the string to the high side of"
+        " the hole, and below it lies on the low side.",
         (("--image", "t=20"), ("--image", "t=20", "--view", "unrolled")),
         ("overview", "waterfall"),
     ),

@@ -137,7 +137,7 @@ def simulate(
     Parameters
     ----------
     scene : scene, path, str or dict
-        What :func:`read` returns, or what it takes.
+        What `tautline.read` returns, or what it takes.
     path : path or None
         Where the result is stored; None keeps it in memory.
     progress : callable or None
@@ -192,7 +192,7 @@ def study_errors(scene: Any, end: float | str | None = None, grid: Any = None, *
     Parameters
     ----------
     scene : scene, path, str or dict
-        What :func:`read` returns, or what it takes.
+        What `tautline.read` returns, or what it takes.
     end : float, str or None
         Simulated time, s or with a unit, in place of the scene's.
     grid : Grid or None
@@ -218,7 +218,7 @@ def study_stability(scene: Any, end: float | str | None = None, **options: Any) 
     Parameters
     ----------
     scene : scene, path, str or dict
-        What :func:`read` returns, or what it takes.
+        What `tautline.read` returns, or what it takes.
     end : float, str or None
         Simulated time, s or with a unit, in place of the scene's.
     **options

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 import sys
 from pathlib import Path
@@ -250,7 +251,13 @@ def _unsplit(row: str) -> str:
     """A bar within a name does not end the cell."""
     if row.count("|") <= 3:
         return row
-    return re.sub(r"`[^`]*`", lambda found: found[0].replace("\\|", "|").replace("|", "\\|"), row)
+    return re.sub(r"`[^`]*`", _code, row)
+
+
+def _code(found: re.Match[str]) -> str:
+    """Code in a table: a bar in it would end the cell, and with a backslash before it both would be shown."""
+    text = found[0].replace("\\|", "|")
+    return f"<code>{html.escape(text.strip('`')).replace('|', '&#124;')}</code>" if "|" in text else text
 
 
 def _markup(text: str) -> str:
@@ -273,7 +280,8 @@ def python_api() -> str:
             groups["Functions"].append(name)
     pieces = [
         "# Python",
-        "Everything that a program needs stands in `tautline`; it is imported when it is asked for. "
+        "What a program needs to read, run, step and vary scenes stands in `tautline`; it is imported when it is "
+        "asked for. "
         "How to use it is in [Change scenes from Python](../python.md) and [Step and drive a simulation]"
         "(../stepping.md). What an application and an extension may name is in [Add a force, a method, an "
         "application](../extending.md).",

@@ -13,6 +13,7 @@ from tautline.cable.view.figures import FIGURES, draw, figures
 from tautline.results.errors import ResultError
 from tautline.results.store import Store
 from tautline.results.variable import Variable
+from tautline.view.figures.spectrum import late_spectrum
 
 SPAN = Cable().templates["span"]
 BARE = (Path(__file__).parents[2] / "data" / "reeled_span.yaml").read_text()
@@ -137,6 +138,16 @@ def test_a_spectrum_names_the_line_of_what_swings():
     assert curve == "cable 1: 40 N at 1.25 Hz"
     assert place.get_lines()[0].get_label() == "node 2, y: 5 m at 0.75 Hz"
     assert force.get_yscale() == "log" and place.get_ylabel() == "amplitude of\nposition [m]"
+
+
+def test_a_small_swing_stands_out_beside_a_drift_that_is_no_straight_line():
+    """A Hann window left lobes of the drift beside it that were seven times as high."""
+    time = np.linspace(0.0, 12.0, 241)
+    frequency, size = late_spectrum(time, 0.05 * time**2 + 0.002 * np.sin(2 * np.pi * 3.1 * time), 0.5)
+    there = frequency > 1.4
+    assert size[there].max() == pytest.approx(0.002, rel=0.01)
+    assert frequency[there][size[there].argmax()] == pytest.approx(3.1, abs=0.05)
+    assert size[(frequency > 1.4) & (frequency < 2.2)].max() < 1e-4
 
 
 def test_figures_are_methods_of_a_result():

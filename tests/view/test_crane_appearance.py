@@ -4,7 +4,6 @@ References: the material coordinates and velocities that the kernels stored, pre
 short and their frames 10 ms apart, so that central differences of poses are good to 1e-3.
 """
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -251,7 +250,8 @@ def test_slack_rope_has_no_tension_and_taut_rope_has():
 
 def test_sag_is_exaggerated_by_the_factor_and_said_so(odd):
     true, large = seen(odd["anchors"]), seen(odd["anchors"], exaggerate=3.0)
-    assert true.remarks == () and re.search("3 times", large.remarks[0])
+    assert not any("times" in one for one in true.remarks)
+    assert "3 times" in large.remarks[0]
     assert np.allclose(large.lines[0].points(0)[:, 2], 3.0 * true.lines[0].points(0)[:, 2], atol=1e-12)
     assert np.allclose(large.lines[0].points(0)[:, 0], true.lines[0].points(0)[:, 0], atol=1e-12)
 

@@ -79,14 +79,18 @@ def appearance(result: Result, look: Look) -> Appearance:
     loads = [_Load(site, k) for k in range(len(scene.bodies))]
     site.loads = [(np.array(load.body.position), 0.5 * float(load.box.size[0])) for load in loads]
     ropes, crane, load = _shown(rope, site, loads, look.view)
-    solids = [*structure(site), *_drums(site)] if crane else []
+    built = structure(site) if crane else []
+    solids = [*built, *_drums(site)] if crane else []
     solids += _sheaves(site, crane, load)
     shown = loads if load else []
     for one in shown:
         solids += one.solids()
     eye = _eye(rope.points, course)
     levels = tuple(_levels(ropes, site))
-    notes = ["the vessel's turns are not shown: the file of its motion is not at hand"] if site.lost else []
+    invented = [word for word, there in (("what carries the rope", built), ("bodies", shown)) if there]
+    notes = [f"symbols: {' and '.join(invented)}; the scene gives no shape of them"] if invented else []
+    if site.lost:
+        notes.append("the vessel's turns are not shown: the file of its motion is not at hand")
     deck = next((solid for solid in solids if solid.name == "deck"), None)
     if deck is not None and scene.water is None and scene.ground is None:
         lowest = [float(rope.points[..., 2].min())] + [one.lowest for one in loads]

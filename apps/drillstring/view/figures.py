@@ -235,7 +235,7 @@ def orbit(results: Sequence[Result], named: str = "") -> Figure:
             wall = 1e3 * room[k] * np.array([-1.0, 1.0])
             across, up = np.r_[east, wall], np.r_[north, wall]
             plot.plot(1e3 * room[k] * np.cos(turn), 1e3 * room[k] * np.sin(turn), color="black", lw=1.0, label="wall")
-        plot.plot(east, north, color=COLOURS[0], lw=0.9, label=f"way of the {part}'s axis")
+        plot.plot(east, north, color=COLOURS[0], lw=0.9, label=f"path of the {part}'s axis")
         plot.plot(east[0], north[0], color=COLOURS[0], marker="o", ms=5, mfc="white", ls="", label="start")
         plot.plot(east[-1], north[-1], color=COLOURS[1], marker="o", ms=5, ls="", label="end")
         equal_scale(plot, across, up, 1e-3)

@@ -299,6 +299,9 @@ function faster(by) {
   state.speed = Number(one.value);
 }
 
+// A button that was clicked would take the space bar, which plays.
+addEventListener("click", (event) => event.detail > 0 && event.target.closest?.("button")?.blur());
+
 addEventListener("keydown", (event) => {
   const act = KEYS[event.key];
   const own = event.target.tagName === "SELECT" || (event.target.tagName === "BUTTON" && event.key === " ");

@@ -410,7 +410,7 @@ function paint(name) {
     for (const [value, text] of shown.ticks) {
       made("span", $("ticks"), text).style.setProperty("--at", `${(100 * (value - shown.low)) / (shown.high - shown.low)}%`);
     }
-    $("range").textContent = `${shown.range[0]} to ${shown.range[1]} ${shown.unit} in all`;
+    $("range").textContent = `${shown.range[0]} to ${shown.range[1]} ${shown.unit} over the whole run`;
   }
   show(state.frame);
 }
@@ -458,7 +458,7 @@ function confess() {
   }
   const list = [...said];
   const more = list.length > 3 ? ` and ${list.length - 3} more` : "";
-  const text = list.length ? `${list.slice(0, 3).join(", ")}${more} as thick, to be seen; true when nearer` : "";
+  const text = list.length ? `${list.slice(0, 3).join(", ")}${more} as thick, so that they can be seen; nearer, true` : "";
   if (thicker.textContent !== text) thicker.textContent = text;
 }
 
