@@ -8,7 +8,8 @@ import xarray
 from sweep.short_hoist import HOIST, MASS, PERIOD, hoist, write_sweep
 
 import tautline
-from tautline.sweeps.cases import Runner, job_of
+from tautline.results.tables.finding import Finding
+from tautline.sweeps.cases import Row, Runner, job_of
 from tautline.sweeps.file import Collected
 from tautline.sweeps.sweep import Outcome
 from tautline.sweeps.workers import Measured, how
@@ -254,6 +255,51 @@ def test_the_summary_of_a_plan_that_samples_tells_its_percentiles_and_their_tabl
     found = capsys.readouterr()
     assert json.loads(found.out)["percentiles"] == "out/percentiles.csv"
     assert "max_tension: P10, P50, P90" in found.err and "wrote out/percentiles.csv" in found.err
+
+
+def test_a_case_that_met_a_fault_of_the_moment_runs_again_when_the_sweep_goes_on(tmp_path, monkeypatch):
+    from crane.application import Crane
+
+    build = Crane.build
+
+    def full(crane, scene):
+        if scene.bodies[0].mass == 4000.0:
+            raise MemoryError("no room")
+        return build(crane, scene)
+
+    def go(**how):
+        vary = {MASS: ["3 t", "4 t", "5 t"]}
+        return tautline.sweep(hoist(0.2), vary, collect=["rise"], folder=tmp_path / "out", jobs=1, **how)
+
+    with monkeypatch.context() as now:
+        now.setattr(Crane, "build", full)
+        assert go()["status"].values.tolist() == ["done", "internal error", "done"]
+    data = go(resume=True)
+    assert data["status"].values.tolist() == ["done", "done", "done"]
+    assert np.isfinite(data["rise"].values).all()
+
+
+def test_curves_go_along_their_axis_and_maps_hold_every_value_also_of_powers_of_ten(tmp_path):
+    from tautline.sweeps.figures import _lines, _map
+    from tautline.sweeps.file import plan_cases, read_sweep
+    from tautline.sweeps.table import dataset
+
+    def drawn(draw, vary, values):
+        scene = hoist(0.2)
+        read = read_sweep({"scene": "s", "vary": vary, "plan": "grid", "collect": ["rise"]})
+        cases = plan_cases(read, tautline._installed().of(scene), scene)
+        rows = [Row(k, "done", values={"rise": value}) for k, value in enumerate(values)]
+        data = dataset(cases, {"rise": Finding(None, "m", "rise")}, rows, {"units": "si"})
+        return draw(data, cases, "rise").axes[0]
+
+    curve = drawn(_lines, {MASS: ["5 t", "2 t", "3 t"]}, [5.0, 2.0, 3.0]).get_lines()[0]
+    assert curve.get_xdata().tolist() == [2000.0, 3000.0, 5000.0] and curve.get_ydata().tolist() == [2.0, 3.0, 5.0]
+    plot = drawn(
+        _map, {MASS: {"logspace": [1e2, 1e5, 4]}, PERIOD: {"linspace": [5, 9, 3]}}, [float(k) for k in range(12)]
+    )
+    mesh = plot.collections[0].get_coordinates()
+    edges = max((mesh[0, :, 0], mesh[:, 0, 1]), key=len)
+    assert np.allclose(edges[1:] / edges[:-1], 10.0)
 
 
 def test_percentiles_of_a_sweep_with_failed_cases_are_said_to_lack_them(tmp_path):

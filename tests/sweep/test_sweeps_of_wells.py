@@ -1,5 +1,7 @@
 """Sweeps of wells: percentiles against a closed form, bars against single runs, where a bit sticks."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.stats import truncnorm
@@ -53,9 +55,30 @@ def test_percentiles_of_the_hook_load_are_those_of_friction_in_closed_form(slant
     assert 1.0 - down / still == pytest.approx(np.tile(quantiles[:, None], 3), abs=0.007)
     assert data["depth"].values.tolist() == [1000.0, 1500.0, 2000.0]
     table = (tmp_path / "out" / "percentiles.csv").read_text().splitlines()
-    assert table[0] == "quantity,unit,along,at,P10,P50,P90"
+    assert table[0] == "quantity,unit,along,at,P10,P50,P90,cases"
     row = next(line for line in table if line.startswith("pick_up,N,depth,2000"))
-    assert [float(cell) for cell in row.split(",")[4:]] == pytest.approx(up[:, 2].tolist())
+    assert [float(cell) for cell in row.split(",")[4:]] == pytest.approx([*up[:, 2].tolist(), 60.0])
+
+
+def test_cases_in_which_the_string_locks_up_are_said_to_be_missing_from_percentiles(tmp_path):
+    from tautline.cli.commands.sweep import _left_out
+    from tautline.sweeps.file import read_sweep
+    from tautline.sweeps.sweep import run_sweep
+
+    scene = tautline.read(Path(__file__).parents[2] / "data" / "iscwsa.yaml")
+    sweep = {"scene": "s", "verb": "torque-drag", "vary": {"well.wall.friction": {"uniform": [0.4, 0.7]}}}
+    sweep |= {"plan": {"latin_hypercube": {"samples": 6, "seed": 1}}, "collect": ["slack_off", "pick_up", "lock_ups"]}
+    read = read_sweep(sweep)
+    outcome = run_sweep(read, tautline._installed().of(scene), scene, jobs=1, folder=tmp_path / "out")
+    loads, locked = outcome.data["slack_off"].values, outcome.data["lock_ups"].values
+    assert outcome.done == 6 and 0 < locked.sum() < 6
+    assert (np.isnan(loads) == (locked == 1.0)).all()
+    left = 6 - int(locked.sum())
+    (text,) = _left_out(outcome)
+    assert text.startswith(f"slack_off: {6 - left} of 6 cases have no number; its percentiles")
+    rows = (tmp_path / "out" / "percentiles.csv").read_text().splitlines()[1:]
+    counted = {row.split(",")[0]: int(row.split(",")[-1]) for row in rows}
+    assert counted == {"slack_off": left, "pick_up": 6, "lock_ups": 6}
 
 
 def test_bars_of_what_matters_are_differences_of_single_runs():

@@ -104,6 +104,9 @@ def operability(
         raise option_error("--hs", "", cause, "give lower waves or longer periods")
     first = {key: values[0] for key, values in vary.items()}
     figures, outputs = _found_by(application, scene.replace(first, origin="--hs, --tp, --heading, --seeds"))
+    if asked.constant is not None and scene.rope.breaking_load is None:
+        cause = "needs the breaking load of the rope, which the scene does not give"
+        raise option_error("--sn-constant", f"{asked.constant:g}", cause, "give rope.breaking_load")
     if not texts and asked.scatter is None:
         raise none_given(scene)
     criteria = read_criteria(texts, figures, outputs)
@@ -131,7 +134,8 @@ def operability(
         NOTHING,
     )  # fmt: skip
     if asked.scatter is not None:
-        found.fatigue = _fatigue(outcome.data, asked, scene, found.table)
+        counted = asked.simulated if storm.output.statistics else asked.lead + asked.simulated
+        found.fatigue = _fatigue(outcome.data, asked, counted, scene, found.table)
         late = not_covered(found.fatigue)
         for note in late:
             (say or (lambda text: None))(f"note: {note}")
@@ -231,7 +235,8 @@ def _storm(scene: Any, asked: Asked, collect: Sequence[Any]) -> dict[str, Any]:
     return {"solver.end": asked.lead + asked.simulated, "output": output}
 
 
-def _fatigue(data: Any, asked: Asked, scene: Any, table: Table) -> Fatigue:
+def _fatigue(data: Any, asked: Asked, counted: float, scene: Any, table: Table) -> Fatigue:
+    """Damage over the scatter diagram, of cycles counted over so long, s: with the lead-in where that is kept."""
     assert asked.scatter is not None
     shape = (len(table.headings), len(table.periods), len(table.heights), len(asked.seeds))
     arrays = {name: np.full(shape, math.nan) for name in COLLECTED}
@@ -248,6 +253,6 @@ def _fatigue(data: Any, asked: Asked, scene: Any, table: Table) -> Fatigue:
         for name, array in arrays.items():
             array[at] = data[name].values[some]
     return fatigue_over(
-        asked.scatter, table.heights, table.periods, *arrays.values(), asked.simulated, scene.rope.breaking_load,
+        asked.scatter, table.heights, table.periods, *arrays.values(), counted, scene.rope.breaking_load,
         asked.constant,
     )  # fmt: skip

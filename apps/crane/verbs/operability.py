@@ -141,6 +141,9 @@ def _asked(
     if sn_constant is not None and diagram is None:
         cause = "is for the fatigue over a scatter diagram, and none is given"
         raise option_error("--sn-constant", f"{sn_constant:g}", cause, "give --scatter, or leave it out")
+    if sn_constant is not None and not 0.0 < sn_constant < math.inf:
+        cause = "is no constant of an S-N curve: N (S / breaking load)^5 is a number above zero"
+        raise option_error("--sn-constant", f"{sn_constant:g}", cause, "give the one of the rope, such as 1e3")
     return Asked(
         conditions_of(heights, periods, headings), range(first_seed, first_seed + seeds), length,
         length if simulated is None else number(simulated, "--simulate", "s"), tuple(limit or ()), share, certain,

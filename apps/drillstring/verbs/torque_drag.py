@@ -333,6 +333,8 @@ def findings(scene: DrillstringScene, asked: Mapping[str, Any]) -> dict[str, Fin
         found[f"soft_string.{way}"] = made(case.soft_hook_loads(way).tolist(), "N", f"{text}, soft string")
     found["soft_string.torque"] = made(case.soft_torques.tolist(), "N m", "surface torque, rotating, soft string")
     found["failures"] = Finding(len(case.failures), "", "motions without an equilibrium")
+    locked = sum(bool(point.locks) for point in case.points)
+    found["lock_ups"] = Finding(locked, "", "depths at which the string locks up")
     if several:
         found["depth"] = Finding(depths, "m", "measured depth of the bit", "depth")
     return found

@@ -22,6 +22,8 @@ from tautline.sweeps.file import ORIGIN, SIMULATE, Collected
 from tautline.sweeps.verbs import Watch, asks_limits, chosen, names_of, of_run, tables_of
 
 DONE, BAD_INPUT, LOST, FAULT = "done", "bad input", "worker lost", "internal error"
+UNFINISHED = (LOST, FAULT)
+"""What may be the matter with the machine or the program and not with the case: it runs again with ``--resume``."""
 
 
 @dataclass

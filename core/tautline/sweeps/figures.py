@@ -100,6 +100,8 @@ def _lines(data: Variables, cases: Cases, name: str) -> Any:
     figure, plots = axes(1, 1, WIDTH, HEIGHT, _title(data, name))
     plot = plots[0, 0]
     places, text_of_places = _places(one, data)
+    order = np.argsort(places)
+    places, values = places[order], values[order]
     for k, column in enumerate(values.T):
         word = _word(cases.parameters[long[1]].values[k]) if len(long) > 1 else None
         plot.plot(places, column, "o-", ms=3.5, color=colour(k, values.shape[1]), label=word)
@@ -169,7 +171,15 @@ def _map(data: Variables, cases: Cases, name: str) -> Any:
     x, y = x[order_x], y[order_y]
     shown = np.ma.masked_invalid(values[np.ix_(order_y, order_x)])
     low, high = float(shown.min()), float(shown.max())
-    plot.pcolormesh(edges_of(x), edges_of(y), shown, cmap=SHADES, vmin=low, vmax=high)
+    if low == high:
+        # One colour for all, at the middle of a bar that is as wide as the number is large.
+        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    # Where an axis is logarithmic, halfway between two values is so by their ratio.
+    x_edges, y_edges = (
+        np.exp(edges_of(np.log(at))) if each.numeric and _logarithmic(np.array(each.numbers)) else edges_of(at)
+        for at, each in ((x, one), (y, two))
+    )
+    plot.pcolormesh(x_edges, y_edges, shown, cmap=SHADES, vmin=low, vmax=high)
     plot.grid(False)
     _ticks(plot, one, text_x)
     _ticks(plot, two, text_y, "y")
@@ -195,9 +205,10 @@ def _tornado(data: Variables, cases: Cases, name: str) -> Any:
     figure, plots = axes(1, 1, WIDTH + 1.0, 1.4 + 0.42 * len(spans), _title(data, name))
     plot = plots[0, 0]
     for place, (_, _, _, moved, numbers) in enumerate(spans):
+        middle = np.mean(numbers) if np.isfinite(numbers).all() else np.inf
         for value, number in zip(moved, numbers, strict=True):
             if np.isfinite(value):
-                above = not number < np.nanmean(numbers)
+                above = not number < middle
                 plot.barh(place, value - values[0], left=values[0], color=COLOURS[1 if above else 0], height=0.6)
     plot.axvline(values[0], color=QUIET, lw=1.0)
     plot.set_yticks(range(len(spans)), [span[0].key for span in spans])

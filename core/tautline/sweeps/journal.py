@@ -18,7 +18,7 @@ from typing import IO, Any
 from tautline.results.disk import Lock
 from tautline.results.errors import ResultError, WriteError
 from tautline.results.tables.finding import Finding
-from tautline.sweeps.cases import LOST, Row
+from tautline.sweeps.cases import UNFINISHED, Row
 
 NAME = "journal.ndjson"
 FORMAT = "tautline sweep 1"
@@ -114,8 +114,8 @@ class Journal:
         self._write({"columns": {name: [one.unit, one.text, one.along] for name, one in columns.items()}})
 
     def add(self, row: Row) -> None:
-        """Write a row; one of a case that was lost with its process is not finished, and is left out."""
-        if row.status == LOST:
+        """Write a row; one of a case that was lost, or met a fault of the program, is not finished, and is left out."""
+        if row.status in UNFINISHED:
             return
         if row.case in self.done:
             raise ValueError(f"case {row.case} is in the journal already")

@@ -18,13 +18,13 @@ from tautline.results.tables.finding import Finding
 from tautline.scene.errors import SHOWN, Problem, SceneError, option_error
 from tautline.scene.identity import model_hash
 from tautline.scene.reading.document import join_key
-from tautline.sweeps.cases import DONE, LOST, Row, Runner, job_of
+from tautline.sweeps.cases import DONE, UNFINISHED, Row, Runner, job_of
 from tautline.sweeps.file import ORIGIN, SIMULATE, SweepFile, plan_cases, read_sweep, refused
 from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import DATASET, RANKED, TABLE, Variables, dataset, write_csv, write_netcdf, write_percentiles
 from tautline.sweeps.verbs import check_figures, check_options, check_outputs, check_verb, of_all, unknown
-from tautline.sweeps.workers import Found, Measured, how, in_cluster, in_this_thread, in_threads
+from tautline.sweeps.workers import Found, Measured, check_scheduler, how, in_cluster, in_this_thread, in_threads
 
 if TYPE_CHECKING:
     import xarray
@@ -259,6 +259,8 @@ class _Sweep:
         except SceneError:
             # A case that cannot be built is a row; a scene that cannot be built at all is bad input.
             model = self.runner.prepare({}, announce)
+        if self.dask is not None:
+            check_scheduler(self.dask)
         if model is not None:
             check_outputs(self.read, model)
             self.named = check_figures(self.read, model, getattr(self.application, "sometimes", ()))
@@ -325,7 +327,7 @@ class _Sweep:
         if row.status == DONE:
             self._check_names(found)
             self._learn(row, found)
-        if row.status == LOST:
+        if row.status in UNFINISHED:
             self.lost.append(row)
         elif self.journal is None or not self.journal.begun:
             self.kept.append(row)

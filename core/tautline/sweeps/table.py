@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 NOT_RUN = "not run"
 RANKS = (10.0, 50.0, 90.0)
 """Percentiles over the cases of a plan that samples."""
-PERCENTILE, PERCENTILES = "percentile", "_percentiles"
+PERCENTILE, PERCENTILES, COUNTED = "percentile", "_percentiles", "_percentiles_of"
 """Their dimension, and the end of their names."""
 TIMES = {
     "case_wall_time": ("wall_time", "run time of the case"),
@@ -168,6 +168,9 @@ def _percentiles(entries: Mapping[str, Any]) -> dict[str, Any]:
             ranked[:, known] = np.nanpercentile(array[:, known], RANKS, axis=0)
             text = f"percentiles of {about['long_name']}"
             found[name + PERCENTILES] = ((PERCENTILE, *dims[1:]), ranked, {**about, "long_name": text})
+            text = f"cases that have a number, of which are the percentiles of {about['long_name']}"
+            counts = np.asarray(np.isfinite(array).sum(axis=0), float)
+            found[name + COUNTED] = (dims[1:], counts, {"units": "", "long_name": text})
     return found
 
 
@@ -176,17 +179,21 @@ def write_percentiles(data: Variables, path: Path) -> Path | None:
 
     A table that another sweep left there is removed then: it would be taken for one of this sweep.
     """
-    heads, rows = ["quantity", "unit", "along", "at", *(f"P{rank:g}" for rank in RANKS)], []
+    heads, rows = ["quantity", "unit", "along", "at", *(f"P{rank:g}" for rank in RANKS), "cases"], []
     for name, one in data.data_vars.items():
         if not str(name).endswith(PERCENTILES):
             continue
         about = [str(name).removesuffix(PERCENTILES), str(one.attrs.get("units") or "")]
+        counts = data[about[0] + COUNTED].values
         if one.dims == (PERCENTILE,):
-            rows.append([*about, "", "", *one.values.tolist()])
+            rows.append([*about, "", "", *one.values.tolist(), int(counts)])
             continue
         along = one.dims[1]
         places = data[along].values if along in data.coords else range(one.shape[1])
-        rows += [[*about, along, float(at), *column] for at, column in zip(places, one.values.T.tolist(), strict=True)]
+        rows += [
+            [*about, along, float(at), *column, int(count)]
+            for at, column, count in zip(places, one.values.T.tolist(), counts, strict=True)
+        ]
     if not rows:
         path.unlink(missing_ok=True)
         return None

@@ -38,6 +38,8 @@ PATIENCE = 10.0
 
 Found = tuple[Row, Mapping[str, Finding]]
 Todo = Iterable[tuple[int, Mapping[str, Any]]]
+Piece = list[tuple[int, Mapping[str, Any]]]
+"""Cases, with what is changed in the scene for each, that a worker is given together."""
 
 
 class Measured(NamedTuple):
@@ -96,8 +98,8 @@ def in_cluster(
 ) -> Iterator[Found]:
     """Run cases in the processes of a Dask cluster.
 
-    A piece of which the worker dies is run by another; one that has ended several workers is given up, and its cases
-    have the status ``worker lost``.
+    A piece of which the worker dies is run by another. One that has ended several workers is cut into its cases; a
+    case that does so by itself is given up, with the status ``worker lost``.
 
     Parameters
     ----------
@@ -109,16 +111,22 @@ def in_cluster(
     SceneError
         Where no scheduler answers, and where its workers cannot run the cases.
     """
-    from distributed import as_completed
+    from distributed import KilledWorker, as_completed
 
     packed = pickle.dumps(job)
     size = max(1, min(MOST, round(PIECE / max(one.wall, 1e-3))))
     remaining = iter(todo)
     with _client(address, jobs) as client:
         if announce is not None:
-            announce(f"{_count(client, jobs)} workers")
+            there = sum(client.nthreads().values())
+            announce(f"{there} workers" if there else "the scheduler has no workers yet: cases wait until one comes")
         pending = as_completed(loop=client.loop)
-        given: dict[str, list[int]] = {}
+        given: dict[str, Piece] = {}
+
+        def hand_over(piece: Piece) -> None:
+            future = client.submit(run_packed, packed, piece, pure=False)
+            given[future.key] = piece
+            pending.add(future)
 
         def submit() -> None:
             room = AHEAD * _count(client, jobs) - len(given)
@@ -126,17 +134,27 @@ def in_cluster(
                 piece = list(islice(remaining, size))
                 if not piece:
                     return
-                future = client.submit(run_packed, packed, piece, pure=False)
-                given[future.key] = [case for case, _ in piece]
-                pending.add(future)
+                hand_over(piece)
 
         submit()
         while given:
             future = next(pending)
-            cases = given.pop(future.key)
-            yield from _of_piece(future, cases, address)
+            piece = given.pop(future.key)
+            if len(piece) > 1 and isinstance(future.exception(), KilledWorker):
+                # One of its cases ends workers, and the others are not to blame.
+                for one in piece:
+                    hand_over([one])
+            else:
+                yield from _of_piece(future, [case for case, _ in piece], address)
             future.release()
             submit()
+
+
+def check_scheduler(address: str) -> None:
+    """Refuse the address of a scheduler that does not answer; raises SceneError."""
+    if address != LOCAL:
+        with _client(address, 1):
+            pass
 
 
 def _count(client: Any, jobs: int) -> int:

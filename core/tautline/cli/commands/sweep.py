@@ -147,14 +147,36 @@ def _rows(outcome: Outcome) -> list[tuple[str, str]]:
 
 
 def _left_out(outcome: Outcome) -> list[str]:
-    """What percentiles and indices do not hold: cases that failed, which are seldom a fair draw of all."""
-    if not outcome.failed:
-        return []
-    if outcome.cases.indices:
+    """What percentiles and indices do not hold: cases that failed or have no number, seldom a fair draw of all."""
+    if outcome.cases.indices and outcome.failed:
         return ["Sobol' indices leave out each sample of which a case failed"]
-    if outcome.percentiles is not None:
-        return [f"percentiles are those of the {outcome.done} cases that came to their end: they may be biased"]
-    return []
+    told = []
+    if outcome.percentiles is not None and outcome.failed:
+        told.append(f"percentiles are those of the {outcome.done} cases that came to their end: they may be biased")
+    return told + _without_number(outcome)
+
+
+def _without_number(outcome: Outcome) -> list[str]:
+    """Quantities that some cases lack, though they came to their end: a string that locks up has no hook load."""
+    from tautline.sweeps.table import COUNTED
+
+    told = []
+    for name, one in outcome.data.data_vars.items():
+        if str(name).endswith(COUNTED) and (least := int(one.values.min())) < outcome.done:
+            where = f" (at {one.dims[0]} {_place(outcome.data, one)}, where most lack it)" if one.dims else ""
+            told.append(
+                f"{str(name).removesuffix(COUNTED)}: {outcome.done - least} of {outcome.done} cases have no number"
+                f"{where}; its percentiles are those of the others, and are biased"
+            )
+    return told
+
+
+def _place(data: Variables, one: Any) -> str:
+    """Where the least number of cases have a number."""
+    k, axis = int(one.values.argmin()), data.coords.get(one.dims[0])
+    if axis is None:
+        return str(k)
+    return shown(float(axis.values[k]), str(axis.attrs.get("units") or ""), str(data.attrs.get("units") or "si"))
 
 
 def _percentiles(data: Variables, system: str) -> list[tuple[str, str]]:
