@@ -93,3 +93,41 @@ def test_an_address_without_a_scheduler_is_refused_with_a_cure(tmp_path, monkeyp
     with pytest.raises(SceneError, match=r"--dask tcp://127.0.0.1:9: no scheduler answers.*dask scheduler"):
         tautline.sweep(hoist(0.05), VARY, collect=["rise"], dask="tcp://127.0.0.1:9", folder=tmp_path / "out")
     assert not (tmp_path / "out").exists(), "the corrected command would be refused"
+
+
+def test_a_scheduler_that_is_lost_on_the_way_keeps_what_was_finished_and_is_told(tmp_path, monkeypatch):
+    from concurrent.futures import CancelledError
+
+    from tautline.cli.commands.sweep import _left_out
+    from tautline.sweeps import sweep as sweeps
+    from tautline.sweeps.file import read_sweep
+    from tautline.sweeps.workers import SchedulerLost, _end_of
+
+    class Gone:
+        """A piece of which the result is on its way when the scheduler ends."""
+
+        def exception(self):
+            return None
+
+        def result(self):
+            raise CancelledError
+
+    def lost(job, todo, *about):
+        case, changes = next(todo)
+        yield runner.run(case, changes)
+        _end_of(Gone(), "tcp://10.0.0.1:8786")
+
+    monkeypatch.setattr(sweeps, "check_scheduler", lambda address: None)
+    monkeypatch.setattr(sweeps, "in_cluster", lost)
+    scene = hoist(0.05)
+    plan = {"latin_hypercube": {"samples": 6, "seed": 1}}
+    read = read_sweep({"scene": "s", "vary": {MASS: {"uniform": ["2 t", "8 t"]}}, "plan": plan, "collect": ["rise"]})
+    one = sweeps._Sweep(read, tautline._installed().of(scene), scene, 1, "tcp://10.0.0.1:8786", tmp_path / "out", False)
+    runner = one.runner
+    one.check(None, lambda text: None)
+    outcome = one.run(lambda done, every: None, lambda text: None)
+    assert outcome.lost == "the scheduler tcp://10.0.0.1:8786 answers no more" and outcome.interrupted
+    assert outcome.done == 2 and outcome.table.exists()
+    assert _left_out(outcome) == ["percentiles are those of the 2 cases so far, of 6"]
+    with pytest.raises(SchedulerLost):
+        _end_of(Gone(), "a")

@@ -24,7 +24,16 @@ from tautline.sweeps.journal import Journal
 from tautline.sweeps.plans import Cases
 from tautline.sweeps.table import DATASET, RANKED, TABLE, Variables, dataset, write_csv, write_netcdf, write_percentiles
 from tautline.sweeps.verbs import check_figures, check_options, check_outputs, check_verb, of_all, unknown
-from tautline.sweeps.workers import Found, Measured, check_scheduler, how, in_cluster, in_this_thread, in_threads
+from tautline.sweeps.workers import (
+    Found,
+    Measured,
+    SchedulerLost,
+    check_scheduler,
+    how,
+    in_cluster,
+    in_this_thread,
+    in_threads,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -51,7 +60,9 @@ class Outcome:
     wall_time, cpu_time, loop_time : float
         Of this run: time, processor time of all that took part, and that of the compiled loops, s.
     interrupted : bool
-        Whether it was ended by Ctrl-C before all cases were run.
+        Whether it was ended before all cases were run, by Ctrl-C or because the scheduler was lost.
+    lost : str
+        The sentence to the latter, empty else.
     result, table, percentiles : Path or None
         Files that were written.
     """
@@ -65,6 +76,7 @@ class Outcome:
     cpu_time: float = 0.0
     loop_time: float = 0.0
     interrupted: bool = False
+    lost: str = ""
     result: Path | None = None
     table: Path | None = None
     percentiles: Path | None = None
@@ -279,7 +291,7 @@ class _Sweep:
         if self.journal is not None and self.journal.columns is not None:
             self.journal.begin(self.resume)
         todo = ((case, self.cases.changes(case)) for case in range(len(self.cases)) if case not in finished)
-        interrupted, done = False, len(finished)
+        interrupted, lost, done = False, "", len(finished)
         rows = self._rows(todo, len(self.cases) - done, say)
         try:
             progress(done, len(self.cases))
@@ -289,12 +301,16 @@ class _Sweep:
                 progress(done, len(self.cases))
         except KeyboardInterrupt:
             interrupted = True
+        except SchedulerLost as error:
+            interrupted, lost = True, str(error)
         except BaseException:
             self._close()
             raise
         finally:
             rows.close()
-        return self._finish(interrupted, len(finished))
+        outcome = self._finish(interrupted, len(finished))
+        outcome.lost = lost
+        return outcome
 
     def _rows(
         self, todo: Iterator[tuple[int, Mapping[str, Any]]], left: int, say: Callable[[str], None]

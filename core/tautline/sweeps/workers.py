@@ -11,11 +11,12 @@ import logging
 import os
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
 from itertools import islice
 from typing import Any, NamedTuple
 
+from tautline.errors import TautlineError
 from tautline.results.tables.finding import Finding
 from tautline.scene.errors import option_error
 from tautline.sweeps.cases import LOST, Job, Row, Runner, run_packed
@@ -40,6 +41,10 @@ Found = tuple[Row, Mapping[str, Finding]]
 Todo = Iterable[tuple[int, Mapping[str, Any]]]
 Piece = list[tuple[int, Mapping[str, Any]]]
 """Cases, with what is changed in the scene for each, that a worker is given together."""
+
+
+class SchedulerLost(TautlineError):
+    """A scheduler that has ended with cases to run."""
 
 
 class Measured(NamedTuple):
@@ -110,6 +115,8 @@ def in_cluster(
     ------
     SceneError
         Where no scheduler answers, and where its workers cannot run the cases.
+    SchedulerLost
+        Where it answers no more.
     """
     from distributed import KilledWorker, as_completed
 
@@ -140,14 +147,24 @@ def in_cluster(
         while given:
             future = next(pending)
             piece = given.pop(future.key)
-            if len(piece) > 1 and isinstance(future.exception(), KilledWorker):
+            error, found = _end_of(future, address)
+            if len(piece) > 1 and isinstance(error, KilledWorker):
                 # One of its cases ends workers, and the others are not to blame.
                 for one in piece:
                     hand_over([one])
             else:
-                yield from _of_piece(future, [case for case, _ in piece], address)
+                yield from found if error is None else _lost(error, [case for case, _ in piece], address)
             future.release()
             submit()
+
+
+def _end_of(future: Any, address: str) -> tuple[Any, list[Found]]:
+    """What went wrong with a piece, None if nothing, and what came of it."""
+    try:
+        error = future.exception()
+        return error, future.result() if error is None else []
+    except (CancelledError, OSError):
+        raise SchedulerLost(f"the scheduler {address} answers no more") from None
 
 
 def check_scheduler(address: str) -> None:
@@ -162,13 +179,11 @@ def _count(client: Any, jobs: int) -> int:
     return sum(client.nthreads().values()) or jobs
 
 
-def _of_piece(future: Any, cases: list[int], address: str) -> Iterator[Found]:
+def _lost(error: Any, cases: list[int], address: str) -> Iterator[Found]:
+    """Rows of cases that have ended their workers; whatever else is the matter is raised."""
     from distributed import KilledWorker
 
-    error = future.exception()
-    if error is None:
-        yield from future.result()
-    elif isinstance(error, KilledWorker):
+    if isinstance(error, KilledWorker):
         text = f"workers that ran it were lost, {error.allowed_failures + 1} in all; give them more memory"
         for case in cases:
             yield Row(case, LOST, text), {}

@@ -95,8 +95,18 @@ def _report(
                 say(f"wrote {path}", "green")
     if outcome.interrupted:
         place = "" if outcome.result is None else f" -o {outcome.result.parent}"
+        if outcome.lost:
+            say(outcome.lost, "red")
         say(f"interrupted; go on: {catalogue.name} sweep {file}{place} --resume{as_given(changes)}", "yellow")
-    status = "interrupted" if outcome.interrupted else "done" if outcome.done else "no case came to its end"
+    status = (
+        "scheduler lost"
+        if outcome.lost
+        else "interrupted"
+        if outcome.interrupted
+        else "done"
+        if outcome.done
+        else "no case came to its end"
+    )
     if as_json:
         print_json(
             {
@@ -116,7 +126,7 @@ def _report(
             }
         )
     if outcome.interrupted:
-        raise Ended(ExitCode.INTERRUPTED)
+        raise Ended(ExitCode.STOPPED_EARLY if outcome.lost else ExitCode.INTERRUPTED)
     if not outcome.done:
         raise Ended(ExitCode.STOPPED_EARLY)
 
@@ -153,6 +163,8 @@ def _left_out(outcome: Outcome) -> list[str]:
     told = []
     if outcome.percentiles is not None and outcome.failed:
         told.append(f"percentiles are those of the {outcome.done} cases that came to their end: they may be biased")
+    if outcome.percentiles is not None and outcome.interrupted:
+        told.append(f"percentiles are those of the {outcome.done} cases so far, of {len(outcome.cases)}")
     return told + _without_number(outcome)
 
 
