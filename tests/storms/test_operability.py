@@ -326,6 +326,24 @@ def test_a_scatter_diagram_gives_the_sea_states(command, scene, tmp_path):
     assert told["fatigue"]["equivalent_tension_range"] > 0.0
     assert told["fatigue"]["share_of_time"] == pytest.approx(1.0)
     assert told["fatigue"]["life_years"] > 0.0
+    rows = [line.split(",") for line in (tmp_path / "f" / "damage.csv").read_text().splitlines()]
+    assert rows[0][1:3] == ["peak_period [s]", "significant_height [m]"] and len(rows) == 1 + told["cases"]
+    assert sum(float(row[-1]) for row in rows[1:]) == pytest.approx(1.0)
+    code, _, said = command("operability", scene.document.path, "--scatter", place, *options[:-1], "-5")
+    assert code == 2 and "--sn-constant -5: is no constant of an S-N curve" in said
+
+
+def test_fatigue_is_that_of_a_year_whether_the_lead_in_is_kept_for_a_limit_or_not(command, scene, tmp_path):
+    """A lead-in as long as the storm doubled the cycles, and the time stayed that of the storm."""
+    place = tmp_path / "scatter.csv"
+    place.write_text("Hs [m],6\n1.0,1\n")
+    options = ("--scatter", place, "--seeds", "3", "--duration", "30 s", "--lead-in", "30 s", "-j", "1", "--json", "-q")
+    cycles = []
+    for k, limit in enumerate([(), ("--limit", "slack_events < 1")]):
+        code, out, _ = command("operability", scene.document.path, *options, *limit, "-o", tmp_path / f"f{k}")
+        assert code == 0
+        cycles.append(only_object(out)["fatigue"]["cycles_per_year"])
+    assert cycles[1] == pytest.approx(cycles[0], rel=0.3)
 
 
 def test_sea_states_that_never_occur_are_not_run_for_fatigue_alone(command, scene, tmp_path):

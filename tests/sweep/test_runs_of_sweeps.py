@@ -257,6 +257,24 @@ def test_the_summary_of_a_plan_that_samples_tells_its_percentiles_and_their_tabl
     assert "max_tension: P10, P50, P90" in found.err and "wrote out/percentiles.csv" in found.err
 
 
+def test_a_key_that_the_sweep_varies_cannot_be_set_as_well(tmp_path, capsys, monkeypatch):
+    from crane.application import Crane
+    from tautline.cli.run import run
+    from tautline.cli.verbs import make_app
+
+    path = write_sweep(tmp_path, f"vary: {{'{MASS}': [2 t, 5 t]}}\ncollect: [rise]", "0.05 s")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        run(make_app(Crane(), ["sweep"]), ["sweep", path.name, "--set", f"{MASS}=9 t", "-o", "out"])
+    assert ended.value.code == 2 and not (tmp_path / "out").exists()
+    assert f"--set {MASS}=9 t: the sweep varies {MASS}" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_single_name_is_collected_as_a_file_would():
+    data = tautline.sweep(hoist(0.05), {MASS: ["2 t"]}, collect="rise", jobs=1)
+    assert np.isfinite(data["rise"].values).all()
+
+
 def test_a_case_that_met_a_fault_of_the_moment_runs_again_when_the_sweep_goes_on(tmp_path, monkeypatch):
     from crane.application import Crane
 

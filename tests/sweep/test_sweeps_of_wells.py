@@ -60,6 +60,18 @@ def test_percentiles_of_the_hook_load_are_those_of_friction_in_closed_form(slant
     assert [float(cell) for cell in row.split(",")[4:]] == pytest.approx([*up[:, 2].tolist(), 60.0])
 
 
+def test_a_tornado_of_numbers_along_depth_is_said_not_to_be_made(slant, tmp_path):
+    from tautline.cli.commands.sweep import _left_out
+    from tautline.sweeps.file import read_sweep
+    from tautline.sweeps.sweep import run_sweep
+
+    sweep = {"scene": "s", "verb": "torque-drag", "vary": {"well.wall.friction": [0.2, 0.4]}, "plan": "one_at_a_time"}
+    read = read_sweep(sweep | {"collect": ["pick_up", "failures"], "options": {"depth": "1000,2000"}})
+    scene = tautline.read(slant)
+    outcome = run_sweep(read, tautline._installed().of(scene), scene, jobs=1, folder=tmp_path / "out")
+    assert _left_out(outcome) == ["pick_up: numbers along depth, of which no tornado is made; give one depth"]
+
+
 def test_cases_in_which_the_string_locks_up_are_said_to_be_missing_from_percentiles(tmp_path):
     from tautline.cli.commands.sweep import _left_out
     from tautline.sweeps.file import read_sweep

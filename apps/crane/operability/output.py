@@ -12,12 +12,13 @@ import numpy as np
 
 from crane.operability.allowable import FITTED, UNKNOWN, Allowable, Table, governing, steepest
 from crane.operability.criteria import Criterion
+from crane.operability.scatter import Fatigue
 from tautline.results.errors import WriteError
 from tautline.results.tables.rows import heads_of, write_rows
 from tautline.sweeps.table import Variables, write_netcdf
 from tautline.view.figures.figure import QUIET, axes, colour, save, styled
 
-DATASET, STATES, HEIGHTS = "operability.nc", "operability.csv", "allowable.csv"
+DATASET, STATES, HEIGHTS, DAMAGE = "operability.nc", "operability.csv", "allowable.csv", "damage.csv"
 NAMED = "allowable_"
 """Begins the names of figures."""
 OWN = "as in the scene"
@@ -68,14 +69,29 @@ def dataset(table: Table, criteria: Sequence[Criterion], attributes: Mapping[str
 
 
 def write_all(
-    table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any], folder: Path
-) -> dict[str, Path]:
+    table: Table, criteria: Sequence[Criterion], attributes: Mapping[str, Any], folder: Path,
+    fatigue: Fatigue | None = None,
+) -> dict[str, Path]:  # fmt: skip
     """Write dataset and tables into a folder; raises WriteError."""
-    return {
+    written = {
         "result": write_netcdf(dataset(table, criteria, attributes), folder / DATASET),
         "table": _write_states(table, criteria, folder / STATES),
         "allowable": _write_heights(table, criteria, folder / HEIGHTS),
     }
+    if fatigue is not None:
+        written["damage"] = _write_damage(table, fatigue, folder / DAMAGE)
+    return written
+
+
+def _write_damage(table: Table, fatigue: Fatigue, path: Path) -> Path:
+    """A row for each sea state: its part of the sum of n S^5 in a year, with the share of time it has."""
+    heads = ["heading [deg]", "peak_period [s]", "significant_height [m]", "damage in a year [N^5]", "share of damage"]
+    whole = float(np.nansum(fatigue.damage)) or 1.0
+    rows = [
+        [*_place(table, i, j), float(table.heights[n]), float(damage), float(damage) / whole]
+        for (i, j, n), damage in np.ndenumerate(fatigue.damage)
+    ]
+    return write_rows(heads, rows, path, "-o", WriteError)
 
 
 def _write_states(table: Table, criteria: Sequence[Criterion], path: Path) -> Path:
@@ -123,9 +139,12 @@ def draw(table: Table, criteria: Sequence[Criterion], title: str, compared: str,
 
     A figure for each limit, and of several limits one of the smallest of all.
     """
-    made = []
+    made: list[Path] = []
     for k, one in enumerate(criteria):
         name = re.sub(r"[^A-Za-z0-9]+", "_", one.text).strip("_")
+        if folder / f"{NAMED}{name}.png" in made:
+            # Limits that differ in their signs only.
+            name = f"{name}_{k + 1}"
         made.append(save(_figure(table, table.allowable[k], one.text, title, compared), folder / f"{NAMED}{name}.png"))
     least = least_of_all(table)
     if least:

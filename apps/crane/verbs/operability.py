@@ -247,7 +247,7 @@ def _report(
             **outcome.data.attrs, "duration": asked.duration, "simulated": asked.simulated, "lead_in": asked.lead,
             "percentile": asked.share, "confidence": asked.confidence, "compared": asked.compared,
         }  # fmt: skip
-        written = write_all(table, found.criteria, attributes, folder)
+        written = write_all(table, found.criteria, attributes, folder, found.fatigue)
         figures = draw(table, found.criteria, read.title or "", _compared_said(asked), folder)
         if not quiet:
             console().print(two_columns(_rows(found, asked)))

@@ -56,7 +56,14 @@ def draw(data: Variables, cases: Cases, folder: Path, ending: str = "png") -> li
         made = [(name, _scatter(data, cases, name)) for name in names]
         bands = [name for name, one in data.data_vars.items() if name.endswith(PERCENTILES) and len(one.dims) == 2]
         made += [(name, _band(data, name)) for name in bands[:MOST_FIGURES]]
-    return [save(figure, folder / f"{_slug(name)}.{ending}") for name, figure in made if figure is not None]
+    written: list[Path] = []
+    for name, figure in made:
+        if figure is not None:
+            path = folder / f"{_slug(name)}.{ending}"
+            if path in written:
+                path = folder / f"{_slug(name)}_{len(written) + 1}.{ending}"
+            written.append(save(figure, path))
+    return written
 
 
 def _drawn(name: str, one: Column, cases: Cases) -> bool:

@@ -156,7 +156,8 @@ def sweep(
     """
     import tautline
 
-    given = {"scene": "scene", "verb": verb, "vary": dict(vary), "plan": plan, "collect": list(collect)}
+    collect = [collect] if isinstance(collect, (str, Mapping)) else list(collect)
+    given = {"scene": "scene", "verb": verb, "vary": dict(vary), "plan": plan, "collect": collect}
     given |= {"options": dict(options)} if options else {}
     given |= {"indices": indices} if indices else {}
     read_scene = tautline._scene(scene)

@@ -53,6 +53,11 @@ def sweep(
     read = read_sweep(file)
     place = scene_path(read)
     application = catalogue.for_scene(place)
+    for change in changes or ():
+        key = change.partition("=")[0].strip()
+        if key in read.vary:
+            cause = f"the sweep varies {key}: its values would take the place of this one"
+            raise option_error("--set", change, cause, "leave it out here, or under vary")
     scene = changed(application.read(place), changes)
     folder = output or Path(file.stem)
     if not quiet:
@@ -158,14 +163,35 @@ def _rows(outcome: Outcome) -> list[tuple[str, str]]:
 
 def _left_out(outcome: Outcome) -> list[str]:
     """What percentiles and indices do not hold: cases that failed or have no number, seldom a fair draw of all."""
-    if outcome.cases.indices and outcome.failed:
-        return ["Sobol' indices leave out each sample of which a case failed"]
     told = []
+    if outcome.cases.indices and outcome.failed:
+        told.append("Sobol' indices leave out each sample of which a case failed")
     if outcome.percentiles is not None and outcome.failed:
         told.append(f"percentiles are those of the {outcome.done} cases that came to their end: they may be biased")
     if outcome.percentiles is not None and outcome.interrupted:
         told.append(f"percentiles are those of the {outcome.done} cases so far, of {len(outcome.cases)}")
-    return told + _without_number(outcome)
+    return told + _without_number(outcome) + _along(outcome)
+
+
+def _along(outcome: Outcome) -> list[str]:
+    """Numbers along an axis, of which indices and a tornado are not made."""
+    from tautline.sweeps.plans import ONE
+
+    cases = outcome.cases
+    if not cases.indices and cases.plan.name != ONE:
+        return []
+    what = "Sobol' indices" if cases.indices else "no tornado"
+    number = len(cases.dims)
+    many = {
+        str(name): one.dims[-1]
+        for name, one in outcome.data.data_vars.items()
+        if one.dims[:number] == cases.dims and len(one.dims) == number + 1
+    }
+    if not many:
+        return []
+    axis = next(iter(many.values()))
+    made = f"no {what} are" if cases.indices else f"{what} is"
+    return [f"{', '.join(many)}: numbers along {axis}, of which {made} made; give one {axis}"]
 
 
 def _without_number(outcome: Outcome) -> list[str]:
