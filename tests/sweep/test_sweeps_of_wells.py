@@ -87,7 +87,7 @@ def test_cases_in_which_the_string_locks_up_are_said_to_be_missing_from_percenti
     assert (np.isnan(loads) == (locked == 1.0)).all()
     left = 6 - int(locked.sum())
     (text,) = _left_out(outcome)
-    assert text.startswith(f"slack_off: {6 - left} of 6 cases have no number; its percentiles")
+    assert text.startswith(f"slack_off: {6 - left} of 6 cases have no number; its percentiles are those of the others")
     rows = (tmp_path / "out" / "percentiles.csv").read_text().splitlines()[1:]
     counted = {row.split(",")[0]: int(row.split(",")[-1]) for row in rows}
     assert counted == {"slack_off": left, "pick_up": 6, "lock_ups": 6}

@@ -202,10 +202,9 @@ def _without_number(outcome: Outcome) -> list[str]:
     for name, one in outcome.data.data_vars.items():
         if str(name).endswith(COUNTED) and (least := int(one.values.min())) < outcome.done:
             where = f" (at {one.dims[0]} {_place(outcome.data, one)}, where most lack it)" if one.dims else ""
-            told.append(
-                f"{str(name).removesuffix(COUNTED)}: {outcome.done - least} of {outcome.done} cases have no number"
-                f"{where}; its percentiles are those of the others, and are biased"
-            )
+            lack = "no case has a" if least == 0 else f"{outcome.done - least} of {outcome.done} cases have no"
+            rest = "percentiles there are none" if least == 0 else "its percentiles are those of the others: biased"
+            told.append(f"{str(name).removesuffix(COUNTED)}: {lack} number{where}; {rest}")
     return told
 
 
