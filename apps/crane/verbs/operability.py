@@ -260,12 +260,13 @@ def _report(
         )
         for text in failures(outcome):
             say(text, "yellow")
-    status = "interrupted" if outcome.interrupted else "done" if outcome.done else "no case came to its end"
+    if outcome.lost:
+        say(outcome.lost, "red")
     if outcome.interrupted:
         say(f"interrupted; give the same command with --resume{f' -o {folder}' if named else ''}", "yellow")
     if as_json:
         print_json({
-            "scene": str(scene), "status": status, "cases": len(outcome.cases), "done": outcome.done,
+            "scene": str(scene), "status": outcome.ended, "cases": len(outcome.cases), "done": outcome.done,
             "failed": outcome.failed, "earlier": outcome.earlier,
             **{name: str(path) for name, path in written.items()}, "figures": [str(path) for path in figures],
             "limits": _allowed(found), "all_limits": _least(found),
@@ -273,7 +274,7 @@ def _report(
             "wall_time": outcome.wall_time, "cpu_time": outcome.cpu_time,
         })  # fmt: skip
     if outcome.interrupted:
-        raise Ended(ExitCode.INTERRUPTED)
+        raise Ended(ExitCode.STOPPED_EARLY if outcome.lost else ExitCode.INTERRUPTED)
     if not outcome.done:
         raise Ended(ExitCode.STOPPED_EARLY)
 

@@ -87,8 +87,8 @@ def appearance(result: Result, look: Look) -> Appearance:
         solids += one.solids()
     eye = _eye(rope.points, course)
     levels = tuple(_levels(ropes, site))
-    invented = [word for word, there in (("what carries the rope", built), ("bodies", shown)) if there]
-    notes = [f"symbols: {' and '.join(invented)}; the scene gives no shape of them"] if invented else []
+    invented = [word for word, there in (("structure", built), ("bodies", shown)) if there]
+    notes = [f"symbols: {' and '.join(invented)}"] if invented else []
     if site.lost:
         notes.append("the vessel's turns are not shown: the file of its motion is not at hand")
     deck = next((solid for solid in solids if solid.name == "deck"), None)

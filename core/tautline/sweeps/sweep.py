@@ -82,6 +82,15 @@ class Outcome:
     percentiles: Path | None = None
 
     @property
+    def ended(self) -> str:
+        """How the sweep ended, as ``status`` of ``--json`` has it."""
+        if self.lost:
+            return "scheduler lost"
+        if self.interrupted:
+            return "interrupted"
+        return "done" if self.done else "no case came to its end"
+
+    @property
     def overhead(self) -> float | None:
         """Processor time beside the compiled loops, as a share of theirs; None of a verb without a loop."""
         return self.cpu_time / self.loop_time - 1.0 if self.loop_time > 0.0 else None

@@ -103,20 +103,11 @@ def _report(
         if outcome.lost:
             say(outcome.lost, "red")
         say(f"interrupted; go on: {catalogue.name} sweep {file}{place} --resume{as_given(changes)}", "yellow")
-    status = (
-        "scheduler lost"
-        if outcome.lost
-        else "interrupted"
-        if outcome.interrupted
-        else "done"
-        if outcome.done
-        else "no case came to its end"
-    )
     if as_json:
         print_json(
             {
                 "sweep": str(file),
-                "status": status,
+                "status": outcome.ended,
                 "cases": len(outcome.cases),
                 "done": outcome.done,
                 "failed": outcome.failed,
@@ -156,7 +147,7 @@ def _rows(outcome: Outcome) -> list[tuple[str, str]]:
     if outcome.earlier:
         rows.append(("finished before", str(outcome.earlier)))
     rows += [("wall time", quantity(outcome.wall_time, "s")), ("processor time", quantity(outcome.cpu_time, "s"))]
-    if outcome.overhead is not None:
+    if outcome.overhead is not None and outcome.loop_time >= 1.0:
         rows.append(("beside the compiled loops", f"{significant(100.0 * outcome.overhead, 2)} %"))
     return rows
 
@@ -203,7 +194,9 @@ def _without_number(outcome: Outcome) -> list[str]:
         if str(name).endswith(COUNTED) and (least := int(one.values.min())) < outcome.done:
             where = f" (at {one.dims[0]} {_place(outcome.data, one)}, where most lack it)" if one.dims else ""
             lack = "no case has a" if least == 0 else f"{outcome.done - least} of {outcome.done} cases have no"
-            rest = "percentiles there are none" if least == 0 else "its percentiles are those of the others: biased"
+            rest = (
+                "there are no percentiles" if least == 0 else "its percentiles are those of the others, and are biased"
+            )
             told.append(f"{str(name).removesuffix(COUNTED)}: {lack} number{where}; {rest}")
     return told
 
