@@ -4,7 +4,7 @@
     python .ci/wheels.py -o dist --scenes jwell hose  # some of them
 
 Run it with the Python, numba and NumPy that the wheel is for, in an environment in which this checkout is installed
-(``pip install -e '.[dev]'``). A level is one of `tautline.kernels.compiling.targets`: on x86-64 kernels are compiled
+(``pip install -e '.[dev]'``). A level is one of `tautline.kernels.machine.targets`: on x86-64 kernels are compiled
 for AVX2 with FMA and for any processor, and a run takes those that its processor can execute.
 """
 
@@ -110,19 +110,14 @@ def compile_all_scenes(names: list[str], level: str, cache: Path, quick: bool) -
 
 
 def machine_code(cache: Path, folder: Path) -> Iterator[int]:
-    """Copy what is machine code, with lists of it alone; parts are LLVM's code, for those who compile. Yields bytes."""
-    from tautline.kernels.compiling.caching import Files
+    """Copy what is machine code; parts are LLVM's code, for those who compile. Yields bytes."""
+    from tautline.kernels.machine.code import SUFFIX
 
-    for index in cache.rglob("*.nbi"):
-        kept = Files(str(index.parent), index.name[:-4], "tautline")
-        goes = Files(str(folder / index.parent.relative_to(cache)), index.name[:-4], "tautline")
-        listed = {key: name for key, name in kept._load_index().items() if kept._load_data(name)[0][1] == "object"}
-        for name in listed.values():
-            Path(goes._cache_path).mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(kept._data_path(name), goes._data_path(name))
-            yield Path(goes._data_path(name)).stat().st_size
-        if listed:
-            goes._save_index(listed)
+    for file in cache.rglob(f"*{SUFFIX}"):
+        copy = folder / file.relative_to(cache)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, copy)
+        yield copy.stat().st_size
 
 
 def pure_wheel(folder: Path) -> Path:
@@ -192,7 +187,7 @@ def main() -> None:
             for name, said in zip(asked.compile, pool.map(compile_scene, asked.compile, quick), strict=True):
                 print(f"  {name}{': ' + said if said else ''}", flush=True)
         return
-    from tautline.kernels.compiling.targets import LEVELS
+    from tautline.kernels.machine.targets import LEVELS
 
     levels = asked.levels or list(LEVELS.get(platform.machine(), ()))
     output = asked.output.absolute()

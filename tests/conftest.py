@@ -13,7 +13,7 @@ import pytest
 # a hose take many times as long. It is asked for before NumPy is loaded.
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ.get("OPENBLAS_NUM_THREADS", "1")
 
-from tautline.kernels.compiling.gc_tuning import RARELY
+from tautline.kernels.machine.gc_tuning import RARELY
 
 TESTS = Path(__file__).parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent)]

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 from benchmarks import ROOT
 from benchmarks.page import between, load, machine, table
-from tautline.kernels.compiling import storage
+from tautline.kernels.machine import storage
 
 PAGE = ROOT / "docs" / "claims.md"
 MARKS = "<!-- mutation: written by benchmarks/pages/mutation.py -->", "<!-- end of mutation -->"
@@ -80,7 +80,7 @@ MUTANTS = (
         ("kernels/test_shared_flow.py", "kernels/test_pipes.py"),
     ),
     Mutant(
-        "core/tautline/kernels/lanes/arithmetic.py", "_turned", "_words(2)", "_words(1)",
+        "core/tautline/kernels/compiling/lanes.py", "_turned", "_words(2)", "_words(1)",
         "quadrant in which a sine in lanes changes its sign", ("kernels/test_lanes.py",), False,
     ),
     Mutant(

@@ -13,7 +13,7 @@ import pytest
 
 import drillstring
 import tautline
-from tautline.kernels.compiling import sources, storage
+from tautline.kernels.machine import sources, storage
 
 HERE = Path(__file__).parent
 RUN = """
@@ -31,8 +31,8 @@ GROUPS
 s = assemble(groups, Degrees(["x"], np.zeros(1), np.ones(1)), compile_functions([]), np.zeros(1), [], [])
 matrix, r = new_matrix(1, 0), np.zeros(1)
 evaluate_full(s.link(SUMS), s.dofs, new_state(s), 0.0, 1.0, 0.0, 0.0, matrix, r)
-count = lambda kind: [sum(getattr(f.stats, kind).values()) for f in (evaluate_full, run_hook)]
-print(json.dumps([r[0], count("cache_hits"), count("cache_misses")]))
+count = lambda kind: [getattr(f, kind) for f in (evaluate_full, run_hook)]
+print(json.dumps([r[0], count("loads"), count("compilations")]))
 """
 OURS = "groups = (Loads(np.array([0]), np.array([2.5])),)"
 FOREIGN = """
@@ -63,7 +63,8 @@ def run(folder, groups=OURS, path=()):
 
 
 def files(folder):
-    return {f.relative_to(folder): f.stat().st_mtime_ns for f in folder.rglob("*.nb[ic]")}
+    kept = (f for f in folder.rglob("*") if f.suffix in (".nbi", ".nbc", ".code"))
+    return {f.relative_to(folder): f.stat().st_mtime_ns for f in kept}
 
 
 @pytest.fixture(scope="module")
@@ -113,16 +114,20 @@ def another(x):
 
 called = {"whole": whole, "another": another}[sys.argv[1]]
 value = called(6.0)
-inner = twice_a_third.overloads.get((next(iter(called.signatures))[0],))
-hit = sum(twice_a_third.stats.cache_hits.values())
-engine = inner.library.codegen._engine if inner else None
-own = bool(inner) and engine.is_symbol_defined(inner.fndesc.llvm_func_name)
-print(json.dumps([value, hit, own]))
+known = vars(twice_a_third).get("compiled")
+hit = sum(known.stats.cache_hits.values()) if known else 0
+own = False
+for inner in known.overloads.values() if known else ():
+    own = own or inner.library.codegen._engine.is_symbol_defined(inner.fndesc.llvm_func_name)
+print(json.dumps([value, hit, own, "numba" in sys.modules]))
 """
 
 
 def test_a_kernel_that_only_kernels_call_is_machine_code_within_its_callers_only_also_from_the_cache(tmp_path):
-    """What it gives is 2 x/3 + x/3 and 1 + 2 x/3; the second program finds it in the cache of the first."""
+    """What it gives is 2 x/3 + x/3 and 1 + 2 x/3; the second program finds it in the cache of the first.
+
+    The third finds the machine code of the first, and loads no compiler.
+    """
     script = tmp_path / "parts.py"
     script.write_text(PARTS)
     seen = []
@@ -133,7 +138,7 @@ def test_a_kernel_that_only_kernels_call_is_machine_code_within_its_callers_only
         )  # fmt: skip
         assert done.returncode == 0, done.stderr[-2000:]
         seen.append(json.loads(done.stdout))
-    assert seen == [[6.0, 0, False], [5.0, 1, False], [6.0, 0, False]]
+    assert seen == [[6.0, 0, False, True], [5.0, 1, False, True], [6.0, 0, False, False]]
 
 
 @pytest.fixture
@@ -203,7 +208,7 @@ def test_every_file_of_core_and_applications_that_compiles_is_watched():
     asked = re.compile(r"^\s*(?:from|import) (?:numba|llvmlite)|jit import|kernels\.lanes", re.M)
     room = Path(tautline.__file__).parent / "study"  # which counts what numba compiles, and compiles nothing
     compiling = {f for f, text in texts.items() if asked.search(text) and room not in f.parents}
-    assert {f.name for f in compiling} >= {"arithmetic.py", "memory.py", "band.py", "friction_of_four.py"}
+    assert {f.name for f in compiling} >= {"lanes.py", "hooks.py", "band.py", "friction_of_four.py"}
     assert compiling - watched == set()
 
 
@@ -257,8 +262,8 @@ DAMAGE = {
 
 
 def of_module(held, name):
-    """Those files of a cache that are of one module, which gave them their names."""
-    return {file: when for file, when in held.items() if file.name.startswith(f"{name}.")}
+    """Those files of a cache that are of one module, which gave their folder its name."""
+    return {file: when for file, when in held.items() if file.parent.name == name}
 
 
 @pytest.fixture(scope="module")
@@ -285,15 +290,19 @@ def several(tmp_path_factory):
 
 ASKED = """
 import json, sys
-from numba import float64
 from parts import whole
-from tautline.kernels.compiling.caching import Files
-from tautline.kernels.jit import is_compiled
+from tautline.kernels import jit
 
-read, load = [], Files._load_data
-Files._load_data = lambda files, name: read.append(name.split("-")[0]) or load(files, name)
-there = is_compiled(whole, (float64,))
-print(json.dumps([there, whole(6.0), read.count("parts.whole")]))
+read, found = [], jit.read
+
+def reading(function, name):
+    for stored in found(function, name):
+        read.append(function.__qualname__)
+        yield stored
+
+jit.read = reading
+there = whole.is_ready((float,))
+print(json.dumps([there, whole(6.0), read.count("whole")]))
 """
 
 
@@ -312,20 +321,26 @@ def test_code_that_was_asked_for_is_read_once_and_damaged_code_is_not_there(tmp_
 
     assert asked() == [False, 6.0, 0]
     assert asked() == [True, 6.0, 1]
-    for file in tmp_path.rglob("parts.whole*.nbc"):
+    for file in tmp_path.rglob("whole-*.code"):
         file.write_bytes(DAMAGE["one bit"](file.read_bytes()))
     assert asked()[:2] == [False, 6.0]
     assert asked() == [True, 6.0, 1]
 
 
-@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize("kind", ["nbi", "nbc", "code"])
 def test_a_damaged_file_is_written_anew(tmp_path, kind, several):
-    """The results are those of before; the run after it compiles nothing. Each damage is to the files of a module."""
+    """The results are those of before; the run after it compiles nothing. Each damage is to the files of a module.
+
+    Parts are read where something is to be compiled: there the machine code is taken away.
+    """
     whole, names, values = several
     cache = tmp_path / "cache"
     shutil.copytree(whole, cache)
+    if kind != "code":
+        for file in [file for name in names.values() for file in cache.rglob(f"{name}/*.code")]:
+            file.unlink()
     for damage, name in names.items():
-        held = list(cache.rglob(f"{name}.*.{kind}"))
+        held = list(cache.rglob(f"{name}/*.{kind}"))
         assert held
         for file in held:
             file.write_bytes(DAMAGE[damage](file.read_bytes()))
@@ -357,10 +372,10 @@ def test_where_nothing_can_be_kept_a_temporary_folder_takes_its_place_which_is_s
 def test_a_disk_that_is_full_is_said_once_and_the_run_goes_on(tmp_path):
     script = tmp_path / "parts.py"
     full = """
-import errno, tautline.kernels.compiling.caching as caching
+import errno, tautline.kernels.compiling.caching as caching, tautline.kernels.machine.code as code
 def full(*_):
     raise OSError(errno.ENOSPC, "No space left on device")
-caching.Files._save_data = full
+caching.Files._save_data = code.save = full
 """
     script.write_text(full + PARTS)
     done = subprocess.run(

@@ -7,11 +7,11 @@ import pytest
 from numba import config, njit
 from numba.core.compiler import Flags
 
-from tautline.kernels.compiling import storage
 from tautline.kernels.compiling.flags import KernelFlags
-from tautline.kernels.compiling.gc_tuning import RARELY, collected_rarely
 from tautline.kernels.compiling.inlined import PLAIN
 from tautline.kernels.jit import entry, kernel
+from tautline.kernels.machine import storage
+from tautline.kernels.machine.gc_tuning import RARELY, collected_rarely
 
 compiled = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="is about what is compiled")
 own_steps = pytest.mark.skipif(bool(config.DISABLE_JIT) or PLAIN, reason="is about our own steps of compiling")
@@ -42,7 +42,7 @@ def empty_cache(tmp_path, monkeypatch):
 @own_steps
 def test_a_kernel_called_with_several_whole_numbers_is_compiled_once(empty_cache):
     assert sum_of_three(2.0) == 2.0 * (1 + 2 + 8)
-    assert len(scaled.overloads) == 1
+    assert len(scaled.compiled.overloads) == 1
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_code_of_others_may_have_closures_and_expressions_of_whole_arrays():
 
 
 @own_steps
-def test_a_kernel_of_others_counts_from_the_end_and_one_of_ours_trusts_its_indices():
+def test_a_kernel_of_others_counts_from_the_end_and_one_of_ours_trusts_its_indices(empty_cache):
     """Only the core and installed applications promise that no index is negative."""
     a = np.array([1.0, 2.0, 4.0])
     theirs = entry(lambda a, i: a[i] + a[i - 1])
@@ -159,5 +159,5 @@ def test_a_kernel_of_others_counts_from_the_end_and_one_of_ours_trusts_its_indic
     read.__module__ = "tautline.kernels.factors.band"
     ours = entry(read)
     assert ours(a, 2) == 4.0
-    code = next(iter(ours.inspect_llvm().values()))
+    code = next(iter(ours.compiled.inspect_llvm().values()))
     assert "icmp slt i64" not in code and "select" not in code.split("define linkonce_odr")[0]

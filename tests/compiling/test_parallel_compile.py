@@ -13,7 +13,7 @@ from tautline.elements.nodal.load import Loads
 from tautline.integrators.method import METHODS
 from tautline.integrators.state import new_state
 from tautline.integrators.time_loop import compile_for
-from tautline.kernels.compiling import storage
+from tautline.kernels.machine import storage
 from tautline.system.model import SolverSettings
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
@@ -64,7 +64,7 @@ state.a[:] = state.auxiliary[:] = 0.5
 told = []
 compile_for(method, system, state, told.append)
 loop = loop_of(method)[0]
-loops = list(loop.overloads)
+loops = list(loop._found)
 from numba.core import event
 late = []
 class Listener(event.Listener):
@@ -73,7 +73,7 @@ class Listener(event.Listener):
 event.register("numba:compile", Listener())
 frames = new_frames(1, 1, 0)
 run_steps(method, system, state, np.array([1.0]), np.array([10]), 0.0, frames)
-print(told, len(late), len(loops), loops == list(loop.overloads), round(float(frames.q[0, 0]), 12))
+print(told, len(late), len(loops), loops == list(loop._found), round(float(frames.q[0, 0]), 12))
 """
 
 
@@ -87,10 +87,10 @@ def cache(tmp_path):
     method = METHODS["generalized-alpha"](system, SolverSettings("generalized-alpha", 0, 1, 1, 0.5, 0.5))
     compile_for(method, system, new_state(system))
     known, cache = storage.folder_to_write(), tmp_path / "cache"
-    alike = ("time_loop.run_implicit*", "linearise.evaluate_scene*", "matrix.*", "time_function.*", "separate.*")
-    loops = [found for name in alike if (found := [*known.rglob(name)])]
-    assert len(loops) >= 4
-    for file in (file for files in loops for file in files if file.suffix != ".lock"):
+    alike = ("run_implicit-*", "evaluate_scene-*", "factorise_matrix-*", "solve_matrix-*", "evaluate_*-*", "_run-*")
+    loops = [found for name in alike if (found := [*known.rglob(f"{name}.code")])]
+    assert len(loops) >= 5
+    for file in (file for files in loops for file in files):
         copy = cache / storage.OWN / known.name / file.relative_to(known)
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(file, copy)

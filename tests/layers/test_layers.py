@@ -52,8 +52,13 @@ def simulated(tmp_path_factory):
 
 def test_a_run_loads_no_symbolic_algebra_and_nothing_that_draws(simulated):
     folder, packages = simulated
-    assert (folder / "short.nc").stat().st_size > 0 and "numba" in packages
+    assert (folder / "short.nc").stat().st_size > 0 and "llvmlite" in packages
     assert packages.isdisjoint(TO_DERIVE_OR_DRAW)
+
+
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
+def test_a_run_that_finds_its_kernels_loads_no_compiler(simulated):
+    assert simulated[1].isdisjoint({"numba", "tautline.kernels.compiling"})
 
 
 def test_a_run_loads_no_xarray_and_for_plain_units_no_pint(simulated):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 from tautline.cli.output import duration
 from tautline.cli.output.console import abandon_output, print_json, say
 from tautline.interruption import ended_by_signal
-from tautline.kernels.compiling.gc_tuning import collected_rarely, left_at_exit
+from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
 from tautline.scene.errors import Problem, SceneError
 
 if TYPE_CHECKING:

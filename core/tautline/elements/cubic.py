@@ -17,6 +17,7 @@ from tautline.kernels.lanes import (
     collect,
     collect_fours,
     collect_pairs,
+    laid_flat,
     load,
     pack,
     store,
@@ -216,7 +217,7 @@ def _add_in_a_row(matrix, dofs, four, at, counts, a, b):
     What works on r2 - r1 stands in r2's rows, and with the other sign in r1's. The rows of a node are added by four and
     two, for it is its node's other element that adds to them next.
     """
-    flat, width, step = matrix.band.reshape(-1), matrix.band.shape[1], SHAPE * LANES
+    flat, width, step = laid_flat(matrix.band), matrix.band.shape[1], SHAPE * LANES
     in_first, below_it, above_it, in_second = corners_of(dofs.number, width, a, b)
     for vector in range(AXES):
         # Columns of r1 and r2, of r1', of r2'.

@@ -24,7 +24,7 @@ from tautline.elements.cubic import (
 )
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import LANES, pack, spread
+from tautline.kernels.lanes import LANES, laid_flat, pack, spread
 
 INERTIA = np.dtype([("a", "i8"), ("b", "i8"), ("mass", "f8"), ("damping", "f8"), ("load", "f8", (3,))])
 """An element: its nodes' places, mass kg/m, mass-proportional damping 1/s (eq. 2.168), load with the weight N/m."""
@@ -129,7 +129,7 @@ def _mass(g, q, matrix, dofs):
 
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    number, flat, width = dofs.number, matrix.band.reshape(-1), matrix.band.shape[1]
+    number, flat, width = dofs.number, laid_flat(matrix.band), matrix.band.shape[1]
     for n in range(0, g.rows.size, LANES):
         each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)

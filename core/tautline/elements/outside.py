@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from llvmlite import ir
-from numba.core import types
-from numba.extending import intrinsic
 
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
+from tautline.kernels.teaching import taught
 
 STEP = 1.0e-6
 """Change of a position, m or rad, or of a velocity, by which derivatives of the force are found."""
@@ -34,22 +32,11 @@ class OutsideForces(NamedTuple):
     g: np.ndarray
 
 
-@intrinsic
-def _call(typing, address, t, q, v, f, k):
+def _call(address, t, q, v, f, k):
     """Call a C function that is known by its address."""
 
-    def code(context, builder, signature, given):
-        double, word = ir.DoubleType(), ir.IntType(64)
-        pointer = double.as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [double, pointer, pointer, pointer, word])
-        arrays = [
-            context.make_array(array)(context, builder, x).data
-            for array, x in zip(signature.args[2:5], given[2:5], strict=True)
-        ]
-        builder.call(builder.inttoptr(given[0], kind.as_pointer()), [given[1], *arrays, given[5]])
-        return context.get_dummy_value()
 
-    return types.void(address, t, q, v, f, k), code
+taught("calls", "called_at", _call)
 
 
 @kernel

@@ -9,8 +9,6 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.core import types
-from numba.extending import overload
 
 from tautline.integrators.corrector.newton import DONE, SINGULAR
 from tautline.integrators.state import WORST, book_losses, book_work, restore, watch
@@ -22,6 +20,7 @@ from tautline.kernels.factors.band import NARROW
 from tautline.kernels.groups import has_constant_mass
 from tautline.kernels.jit import entry, kernel, stands_for
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix
+from tautline.kernels.teaching import is_array
 from tautline.system.model import SolverSettings
 from tautline.system.system import System, number_by_mass
 
@@ -122,9 +121,9 @@ def solve_with(mass, x):
     (_divide if isinstance(mass, np.ndarray) else solve_matrix)(mass, x)
 
 
-@overload(solve_with, inline="always")
+@stands_for(solve_with, inline="always")
 def _solve_with(mass, x):
-    chosen = _divide if isinstance(mass, types.Array) else solve_inside
+    chosen = _divide if is_array(mass) else solve_inside
 
     def solve(mass, x):
         chosen(mass, x)
@@ -147,7 +146,7 @@ def make_mass(mass, groups, dofs, q):
 
 @stands_for(make_mass)
 def _make_mass(mass, groups, dofs, q):
-    chosen = _make_diagonal if isinstance(mass, types.Array) else _make_factors
+    chosen = _make_diagonal if is_array(mass) else _make_factors
     return lambda mass, groups, dofs, q: chosen(mass, groups, dofs, q)
 
 

@@ -33,7 +33,7 @@ def evaluate(system, state, t, h, at_rest, cm, cc, ck, matrix, residual, sums=SU
 def evaluate_groups(groups, system, state, t, h, at_rest, cm, cc, ck, matrix, residual):
     """The same of groups that are linked already, which need not be all of the system's."""
     scene = groups, system.dofs, system.functions, state
-    evaluate_scene(*scene, t, h, at_rest, cm, cc, ck, matrix, residual, NO_SEARCH)
+    system.lasting.call(evaluate_scene, scene, t, h, at_rest, cm, cc, ck, matrix, residual, NO_SEARCH)
 
 
 def evaluate_damping(system, state, t, matrix):
@@ -47,7 +47,8 @@ def search_on(system: System, state: State, search: Search) -> int:
     """Let a search for rest make the iterations that are left to it; returns how it stands then."""
     scene = system.link(SUMS), system.dofs, system.functions, state
     none = np.zeros(system.size)
-    return int(evaluate_scene(*scene, 0.0, 1.0, True, 0.0, 0.0, 1.0, search.factors.matrix, none, search))
+    more = 0.0, 1.0, True, 0.0, 0.0, 1.0, search.factors.matrix, none, search
+    return int(system.lasting.call(evaluate_scene, scene, *more))
 
 
 NO_SEARCH = no_search()

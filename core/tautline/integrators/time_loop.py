@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import config
 
 from tautline.integrators.corrector.newton import DONE
 from tautline.integrators.explicit import accelerate, account
@@ -24,8 +23,9 @@ from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, expand_held
 from tautline.kernels.groups import hook_jobs
 from tautline.kernels.jit import entry, kernel
+from tautline.kernels.machine.settings import UNCOMPILED
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix
-from tautline.kernels.memory import form_of, kind_of
+from tautline.kernels.memory import form_of
 from tautline.kernels.parallel_compile import compile_all
 from tautline.kernels.separate import code_of
 from tautline.kernels.time_function import evaluate_any, evaluate_written
@@ -228,7 +228,7 @@ _ready: set[Any] = set()
 
 def compile_for(method, system, state, announce=None):
     """Compile what a run will need, or load it, with the processors there are; see :func:`compile_all`."""
-    if config.DISABLE_JIT:
+    if UNCOMPILED:
         return
     loop, sums = loop_of(method)
     made_of = sums, form_of((method, system.groups, system.dofs, system.functions, state))
@@ -243,7 +243,7 @@ def compile_for(method, system, state, announce=None):
         (solve_matrix, (factors, none)),
         (factorise_matrix, (factors,)),
     ]
-    heavy, common, *parts = ((function, tuple(kind_of(x) for x in given)) for function, given in calls)
+    heavy, common, *parts = ((function, tuple(map(form_of, given))) for function, given in calls)
     hooks = hook_jobs(system.groups, *dict.fromkeys((*sums, *SUMS)))
     # The loop, which is heaviest, takes in the last two: it is begun when others have made them. Functions of time are
     # called by it, and have to be there before it can be.
@@ -281,4 +281,5 @@ def run_steps(method, system, state, ends, steps, begin, frames, pause=None):
     """
     loop, sums = loop_of(method)
     groups, pause = system.link(sums), new_pause() if pause is None else pause
-    return loop(method, groups, system.dofs, system.functions, state, ends, steps, begin, frames.rows, pause)
+    scene = method, groups, system.dofs, system.functions, state
+    return system.lasting.call(loop, scene, ends, steps, begin, frames.rows, pause)

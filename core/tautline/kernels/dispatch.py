@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from numba import types
-from numba.core.typing.templates import AbstractTemplate, infer_global
-
-from tautline.kernels.compiling.caching import KERNELS_OF
+from tautline.kernels.machine.code import KERNELS_OF
+from tautline.kernels.teaching import taught
 
 TABLES: list[dict[type, Callable[..., Any]]] = []
 """All that kernels are chosen from."""
@@ -35,21 +33,7 @@ def by_type(table: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
     def chosen(first, *args):
         return table[type(first)](first, *args)
 
-    class Choice(AbstractTemplate):
-        """What numba takes the call for: one of the kernel."""
-
-        key = chosen
-
-        def generic(self, args: tuple[types.Type, ...], kws: dict[str, types.Type]) -> Any:
-            """Signature of the kernel for these arguments."""
-            self._kernel = types.Dispatcher(table[args[0].instance_class])
-            return self._kernel.get_call_type(self.context, args, kws)
-
-        def get_impl_key(self, sig: Any) -> Any:
-            """Where numba finds the kernel's code."""
-            return self._kernel.get_impl_key(sig)
-
-    infer_global(chosen, types.Function(Choice))
+    taught("kernels", "chosen_by_type", chosen, table)
     return chosen
 
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba.core import types
 
 from tautline.kernels.jit import kernel, stands_for
 from tautline.kernels.matrix import add_at
-from tautline.kernels.memory import kind_of
+from tautline.kernels.memory import form_of
+from tautline.kernels.teaching import is_array
 from tautline.kernels.time_function import evaluate
 
 HELD, TIED = -1, -2
@@ -64,7 +64,7 @@ def runs_of(free: np.ndarray) -> np.ndarray:
     return np.column_stack([starts, free[starts], counts]).astype(np.int64).ravel()
 
 
-DOFS = kind_of(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
+DOFS = form_of(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
 """The type of :class:`Dofs` in compiled code."""
 
 
@@ -152,7 +152,7 @@ def add_entry(matrix, dofs, i, j, x):
 
 @stands_for(add_entry)
 def _add_entry(matrix, dofs, i, j, x):
-    if isinstance(matrix, types.Array):
+    if is_array(matrix):
 
         def diagonal(matrix, dofs, i, j, x):
             number = dofs.number[i]
@@ -187,7 +187,7 @@ def add_block(matrix, dofs, first, stride, width, block):
 
 @stands_for(add_block)
 def _add_block(matrix, dofs, first, stride, width, block):
-    if isinstance(matrix, types.Array):
+    if is_array(matrix):
         return lambda matrix, dofs, first, stride, width, block: _add_block_to_diagonal(
             matrix, dofs, first, stride, width, block
         )

@@ -48,25 +48,22 @@ from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
-from llvmlite import ir
-from numba import config
-from numba.core import cgutils, types
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array, populate_array
 
-from tautline.kernels.compiling.caching import KERNELS_OF
 from tautline.kernels.dofs import DOFS
-from tautline.kernels.jit import address_of, addressed, stands_for
+from tautline.kernels.jit import addressed, stands_for
+from tautline.kernels.machine.code import KERNELS_OF
+from tautline.kernels.machine.settings import UNCOMPILED
 from tautline.kernels.matrix import MATRIX
-from tautline.kernels.memory import kind_of, laid
+from tautline.kernels.memory import Form, form_of, laid
 from tautline.kernels.parallel_compile import Job
+from tautline.kernels.teaching import taught
 
 Kernel = Callable[..., None]
 
-NUMBER, VECTOR, COUNTS = types.float64, types.float64[::1], types.int64[::1]
+NUMBER, VECTOR, COUNTS = float, form_of(np.zeros(0)), form_of(np.zeros(0, np.int64))
 HOOKS = {
     "begin": {"t": NUMBER, "h": NUMBER, "beta": NUMBER, "gamma": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
-    "switch": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "converged": types.boolean, "changed": COUNTS},
+    "switch": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "converged": bool, "changed": COUNTS},
     "residual": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "r": VECTOR},
     "kink": {"changed": COUNTS},
     "force": {"t": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR, "r": VECTOR},
@@ -81,9 +78,9 @@ HOOKS = {
     "commit": {"t": NUMBER, "h": NUMBER, "q": VECTOR, "v": VECTOR, "a": VECTOR},
     "record": {"out": VECTOR, "at": COUNTS},
     "alarm": {"t": NUMBER, "q": VECTOR, "alarm": COUNTS},
-    "violation": {"order": types.int64, "q": VECTOR, "v": VECTOR, "r": VECTOR},
+    "violation": {"order": int, "q": VECTOR, "v": VECTOR, "r": VECTOR},
 }  # fmt: skip
-"""Names and types of each hook's arguments after the group."""
+"""Names and forms of each hook's arguments after the group."""
 
 EMPTY, LOOSE, OFF_WHEEL, RUN_OUT, TWO_BLOCKED, DRUM_FULL, SLACK_ON_WHEEL = 1, 2, 3, 4, 5, 6, 7
 """Alarms: an element has lost its length; a node may slide along its rope without moving any of it; a rope has left a
@@ -99,10 +96,10 @@ FRICTION: set[type] = set()
 
 
 class Sum(NamedTuple):
-    """A sum of a hook over the groups: over all that offer it or some of them, and the types of its arguments."""
+    """A sum of a hook over the groups: over all that offer it or some of them, and the forms of its arguments."""
 
     hook: str
-    arguments: dict[str, types.Type]
+    arguments: dict[str, Form]
     among: Callable[[dict[str, Kernel]], bool]
 
 
@@ -172,8 +169,8 @@ def _forget(kind: type) -> None:
     """Forget what is compiled with the kernels that a kind had before: it may be registered anew, as in a notebook."""
     _addresses.clear()
     _drafts.clear()
-    for signature in [s for s in getattr(run_hook, "overloads", ()) if s[1].instance_type.instance_class is kind]:
-        del run_hook.overloads[signature]
+    if not UNCOMPILED:
+        run_hook.forget(lambda forms: forms[1][1][0] is kind)
 
 
 def _kernels_of(kind: type) -> Any:
@@ -210,18 +207,13 @@ def _code_for(name: str, kind: type) -> str | None:
 
 def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
     """The kernels that :func:`link` needs for some sums, for `parallel_compile`; heavy sums belong at the end."""
-    kinds = _kinds_of(groups)
-    used = [(_code_for(name, type(g)), kind) for name in sums for g, kind in zip(groups, kinds, strict=True)]
-    return list(dict.fromkeys((run_hook, _signature(ROWS[name], kind)) for name, kind in used if name is not None))
+    forms = [form_of(g) for g in groups]
+    used = [(_code_for(name, type(g)), form) for name in sums for g, form in zip(groups, forms, strict=True)]
+    return list(dict.fromkeys((run_hook, _signature(ROWS[name], form)) for name, form in used if name is not None))
 
 
-def _kinds_of(groups: tuple[Any, ...]) -> list[types.TypeRef]:
-    """Types of the groups."""
-    return [types.TypeRef(kind_of(g)) for g in groups]
-
-
-def _signature(row: int, kind: types.TypeRef) -> tuple[types.Type, ...]:
-    return types.literal(row), kind, types.intp, types.intp
+def _signature(row: int, form: Form) -> tuple[Form, ...]:
+    return ("literal", row), ("type", form), int, int
 
 
 Laid = tuple[list[list[int]], list[Any]]
@@ -248,7 +240,7 @@ def link(groups: tuple[Any, ...], *sums: str, as_laid: Laid | None = None) -> An
     TypeError
         For a group that holds what compiled code cannot, and for one whose kind is not registered.
     """
-    if config.DISABLE_JIT:
+    if UNCOMPILED:
         return groups
     words, forms = as_laid or laid_out(groups)
     known = next((one for one in tuple(_drafts) if one.sums == sums and one.forms == forms), None)
@@ -284,7 +276,7 @@ def _draft(groups: tuple[Any, ...], sums: tuple[str, ...], words: list[list[int]
         for i, g in enumerate(groups):
             code = _code_for(name, type(g))
             if code is not None:
-                calls[ROWS[name]].append((_address_for(code, g, known[i]), i))
+                calls[ROWS[name]].append((_address_for(code, forms[i], known[i]), i))
     table = np.zeros(len(SUMS) + sum(1 + 2 * len(c) for c in calls) + sum(map(len, words)), dtype=np.int64)
     places = table.size - np.cumsum([len(w) for w in reversed(words)], dtype=np.int64)[::-1]
     at, members = len(SUMS), []
@@ -297,109 +289,34 @@ def _draft(groups: tuple[Any, ...], sums: tuple[str, ...], words: list[list[int]
     return _Draft(sums, forms, table, np.array(members, np.int64), at)
 
 
-def _address_for(code: str, group: Any, of_form: dict[str, int]) -> int:
+def _address_for(code: str, form: Form, of_form: dict[str, int]) -> int:
     """Where the code of a sum is for groups of a form, compiled or loaded now if it was not yet."""
     if code not in of_form:
-        (kind,) = _kinds_of((group,))
-        of_form[code] = address_of(run_hook, _signature(ROWS[code], kind))
+        of_form[code] = run_hook.at(_signature(ROWS[code], form)).address
     return of_form[code]
 
 
-@intrinsic(prefer_literal=True)
-def _apply(typing, row, kind, group, arguments):
+def apply(row, kind, group, arguments):
     """Call the kernel of a kind of group for the sum in a row; group and arguments are taken from their addresses."""
-    if not isinstance(row, types.IntegerLiteral):
-        return None  # numba tries again so after an error, which it then reports
-    hook, expected, _ = list(SUMS.values())[row.literal_value]
-    member, given_types = kind.instance_type, tuple(expected.values())
-    function = KINDS[member.instance_class][hook]
-    signature = (member, *given_types)
-    if signature not in function.overloads:
-        function.compile(signature)
-    compiled = function.overloads[signature]
-
-    def code(context, builder, _, given):
-        g = builder.load(builder.inttoptr(given[2], context.get_value_type(member).as_pointer()))
-        packet = builder.load(builder.inttoptr(given[3], _packet(context, given_types).as_pointer()))
-        rest = [_unpacked(context, builder, builder.extract_value(packet, i), t) for i, t in enumerate(given_types)]
-        context.add_linking_libs([compiled.library])
-        # Written out here: arrays of a group that are handed over one by one are half of the work of a small one.
-        callee = context.declare_function(builder.module, compiled.fndesc)
-        status, _ = context.call_conv.call_function(
-            builder, callee, types.none, compiled.signature.args, [g, *rest], attrs=("alwaysinline",)
-        )
-        with cgutils.if_unlikely(builder, status.is_error):
-            context.call_conv.return_status_propagate(builder, status)
-        return context.get_dummy_value()
-
-    return types.void(row, kind, group, arguments), code
 
 
 @addressed
 def run_hook(row, kind, group, arguments):
     """The function whose address stands in the list: the same signature for every hook and every kind of group."""
-    _apply(row, kind, group, arguments)
+    apply(row, kind, group, arguments)
 
 
-def _is_vector(t: types.Type) -> bool:
-    return isinstance(t, types.Array) and t.ndim == 1
+CALLS: dict[str, Callable[..., None]] = {}
+"""What compiled code calls, with an address, a group and the arguments of a sum, for the code at that address."""
 
 
-def _packet(context: Any, given: tuple[types.Type, ...]) -> ir.Type:
-    """How the arguments of a hook lie in memory: vectors as pointer and size, all else as numba holds it."""
-    size = context.get_value_type(types.intp)
-    return ir.LiteralStructType(
-        [
-            ir.LiteralStructType([context.get_data_type(t.dtype).as_pointer(), size])
-            if _is_vector(t)
-            else context.get_value_type(t)
-            for t in given
-        ]
-    )
+def call_of(name: str) -> Callable[..., None]:
+    """Make what stands in :data:`CALLS` for a sum."""
 
+    def call(address, group, arguments):
+        """Call the code at an address."""
 
-def _packed(context: Any, builder: Any, x: Any, t: types.Type) -> Any:
-    if not _is_vector(t):
-        return x
-    array = make_array(t)(context, builder, x)
-    packed = cgutils.get_null_value(_packet(context, (t,)).elements[0])
-    packed = builder.insert_value(packed, array.data, 0)
-    return builder.insert_value(packed, array.nitems, 1)
-
-
-def _unpacked(context: Any, builder: Any, x: Any, t: types.Type) -> Any:
-    if not _is_vector(t):
-        return x
-    array = make_array(t)(context, builder)
-    size, step = builder.extract_value(x, 1), context.get_constant(types.intp, t.dtype.bitwidth // 8)
-    populate_array(array, builder.extract_value(x, 0), [size], [step], step, None)
-    return array._getvalue()
-
-
-def _caller(row: int, expected: tuple[types.Type, ...]) -> Any:
-    """A function for compiled code that calls the code at an address with a group and the arguments of a sum."""
-
-    @intrinsic
-    def call(typing, address, group, arguments):
-        def code(context, builder, signature, values):
-            given = cgutils.unpack_tuple(builder, values[2])
-            cast = [
-                context.cast(builder, x, actual, wanted)
-                for x, actual, wanted in zip(given, arguments.types, expected, strict=True)
-            ]
-            place = cgutils.alloca_once(builder, _packet(context, expected))
-            for i, (x, wanted) in enumerate(zip(cast, expected, strict=True)):
-                builder.store(_packed(context, builder, x, wanted), cgutils.gep_inbounds(builder, place, 0, i))
-            at = builder.ptrtoint(place, context.get_value_type(types.intp))
-            signature = (types.literal(row), types.TypeRef(types.none), types.intp, types.intp)
-            function = context.call_conv.get_function_type(types.none, signature)
-            result, error = (cgutils.alloca_once(builder, t.pointee) for t in function.args[:2])
-            constant = [context.get_constant(types.intp, row), cgutils.get_null_value(function.args[3])]
-            builder.call(builder.inttoptr(values[0], function.as_pointer()), [result, error, *constant, values[1], at])
-            return context.get_dummy_value()
-
-        return types.void(address, group, arguments), code
-
+    CALLS[name] = call
     return call
 
 
@@ -420,7 +337,7 @@ def _over_groups(name: str) -> Kernel:
         f"    for k in range(groups[first]):\n"
         f"        call(groups[first + 1 + 2 * k], groups[first + 2 + 2 * k], ({names},))"
     )
-    compiled = _define(loop, {"call": _caller(ROWS[name], tuple(arguments.values()))}, name)
+    compiled = _define(loop, {"call": call_of(name)}, name)
     stub = _define(f"def {name}(groups, {names}):\n    total(groups, {names})", {"total": total}, name)
     chosen = _define(f"def choose(groups, {names}):\n    return compiled", {"compiled": compiled}, "choose")
     stands_for(stub)(chosen)
@@ -462,3 +379,5 @@ commit = _over_groups("commit")
 record = _over_groups("record")
 alarm = _over_groups("alarm")
 violation = _over_groups("violation")
+
+taught("hooks")

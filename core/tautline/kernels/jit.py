@@ -1,29 +1,27 @@
-"""The one decorator of compiled code.
+"""The decorators of compiled code.
 
-It acts on the functions that it decorates alone: numba's compiler, its cache and its settings are what they were for
-all other code of the process. What is done otherwise than numba does it is in :mod:`tautline.kernels.compiling.inlined`
-(how inner kernels are compiled), :mod:`tautline.kernels.compiling.indices` (what a subscript means) and
-:mod:`tautline.kernels.compiling.caching` (where compiled code is kept). ``TAUTLINE_PLAIN_NUMBA=1`` leaves the first two
-to numba.
+They act on the functions that they decorate alone: numba's compiler, its cache and its settings are what they were for
+all other code of the process. A kernel that is called from Python or by its address is machine code in a file
+(:mod:`tautline.kernels.machine`); a process loads it from there without numba, which it imports when there is something
+to compile (:mod:`tautline.kernels.compiling`). ``TAUTLINE_PLAIN_NUMBA=1`` leaves each step of that to numba.
 """
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import inspect
-from collections.abc import Callable
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from numba import config, types
-from numba.core.errors import TypingError
-from numba.core.registry import CPUDispatcher
-from numba.extending import overload
+from tautline.kernels.machine.code import ROUTINES, load, name_of, read, write
+from tautline.kernels.machine.settings import UNCOMPILED, UNFUSED
+from tautline.kernels.memory import Form, Known, laid
+from tautline.kernels.packet import LAUNCHER, RESULTS, Launcher, Machine, Packet, fits
+from tautline.kernels.teaching import compiler, stands_for, taught
 
-from tautline.kernels.compiling.caching import KernelCache
-from tautline.kernels.compiling.inlined import PLAIN, UNFUSED, compiler_for
-from tautline.kernels.compiling.sources import is_ours
-from tautline.kernels.memory import ARRAYS, kind_of
+__all__ = ["Kernel", "addressed", "entry", "kernel", "stands_for"]
 
 OPTIONS = {
     "nopython": True,
@@ -31,127 +29,166 @@ OPTIONS = {
     "nogil": True,
     "error_model": "numpy",
     "no_cfunc_wrapper": True,
+    "no_cpython_wrapper": True,
     "_nrt": False,
     "fastmath": False if UNFUSED else {"contract"},
 }
 """``_nrt=False`` takes numba's reference counts away: they are half of the time of a small kernel, and without them
 code that would allocate an array does not compile. The time loop allocates nothing, by construction. ``contract`` lets
-a product and a sum be one instruction with one rounding; no sum is reordered, and what is no number stays so."""
+a product and a sum be one instruction with one rounding; no sum is reordered, and what is no number stays so. There are
+no wrappers that unpack Python's objects: what is called by Python takes its arguments from memory
+(:mod:`tautline.kernels.packet`)."""
 
 
-def entry(function: Any = None, *, part: bool = False, **options: Any) -> Any:
-    """Decorator of compiled code that Python calls: cached across processes, releases the GIL."""
-    if function is None:
-        return functools.partial(entry, part=part, **options)
-    return _compiled(Outer, function, part, options)
+ROUTINES.append(lambda: compiler().make_ready())
+_making = threading.RLock()
+"""Held while code is read or compiled."""
 
 
-def _compiled(kind: type[CPUDispatcher], function: Any, part: bool, options: dict[str, Any]) -> Any:
-    """What numba's ``njit`` makes of a function, by itself: for hundreds of kernels its decorator takes as long again.
+class Kernel:
+    """A function that is compiled for each form of arguments that it is called with.
 
-    The function itself where nothing is compiled.
+    Attributes
+    ----------
+    py_func : function
+        As it was written.
     """
-    if config.DISABLE_JIT:
+
+    def __init__(self, function: Any, part: bool, called: bool, options: dict[str, Any]) -> None:
+        functools.update_wrapper(self, function)
+        self.py_func, self.part, self._called = function, part, called
+        self.targetoptions = OPTIONS | options
+        self._found: dict[tuple[Form, ...], Machine] = {}
+        self._recent: deque[tuple[tuple[Form, ...], tuple[Machine, Launcher]]] = deque(maxlen=4)
+        self.loads = self.compilations = 0
+
+    @functools.cached_property
+    def compiled(self) -> Any:
+        """Numba's own object for the function: what compiles it, and what other compiled code takes in."""
+        return compiler().dispatcher_of(self)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba takes the function for where compiled code calls it."""
+        return self.compiled._numba_type_
+
+    def at(self, forms: tuple[Form, ...]) -> Machine:
+        """Machine code for the forms of the arguments, loaded or compiled now if it was not yet."""
+        found = self._found.get(forms)
+        if found is None:
+            with _making:
+                found = self._found.get(forms) or self._loaded(forms) or self._made(forms)
+        return found
+
+    def is_ready(self, forms: tuple[Form, ...]) -> bool:
+        """Whether there is machine code for the forms, in this process or in a file; it is loaded then."""
+        with _making:
+            return forms in self._found or self._loaded(forms) is not None
+
+    def forget(self, which: Callable[[tuple[Form, ...]], bool]) -> None:
+        """Forget the machine code for forms of arguments of which a function says yes."""
+        self._recent.clear()
+        for forms in [forms for forms in self._found if which(forms)]:
+            del self._found[forms]
+            if "compiled" in vars(self):
+                compiler().forget(self.compiled, forms)
+
+    def _loaded(self, forms: tuple[Form, ...]) -> Machine | None:
+        name = name_of(self.py_func, forms)
+        for stored in read(self.py_func, name):
+            address = load(stored)
+            if address is not None:
+                self.loads += 1
+                return self._found.setdefault(forms, Machine(address, stored.returned))
+        return None
+
+    def _made(self, forms: tuple[Form, ...]) -> Machine:
+        address, stored = compiler().compile_whole(self.compiled, forms)
+        self.compilations += 1
+        write(self.py_func, name_of(self.py_func, forms), stored)
+        return self._found.setdefault(forms, Machine(address, stored.returned))
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run it; a kernel that only kernels call refuses, for it would be compiled for this call alone."""
+        if not self._called:
+            name = self.py_func.__qualname__
+            raise TypeError(f"{name} can be called by compiled code only; its .py_func by Python")
+        packet = self.packet(arguments)
+        packet.run()
+        return packet.result()
+
+    def packet(self, arguments: Sequence[Any], known: Known | None = None) -> Packet:
+        """The kernel with its arguments in memory; ``known`` are words and forms of some of them.
+
+        Raises
+        ------
+        TypeError
+            For arguments that compiled code cannot take, and for what gives back more than numbers.
+        """
+        words, given, found = [], [], {} if known is None else known
+        for x in arguments:
+            # A yes or no has a word of its own, and None one that nobody reads.
+            plain = x is None or type(x) is bool
+            more, form = ([int(x or 0)], type(x)) if plain else laid(x, found, True)
+            words += more
+            given.append(form)
+        forms = tuple(given)
+        machine, launcher = next((code for kept, code in self._recent if kept == forms), None) or self._launched(forms)
+        return Packet(machine, launcher, words)
+
+    def _launched(self, forms: tuple[Form, ...]) -> tuple[Machine, Launcher]:
+        """Machine code for the forms, and what takes a packet for it."""
+        machine = self.at(forms)
+        if not fits(machine.returned):
+            name = self.py_func.__qualname__
+            raise TypeError(f"{name} gives back what Python cannot take: at most {RESULTS} numbers")
+        given = ("type", (tuple, (tuple, *forms), machine.returned))
+        code = machine, LAUNCHER(_run.at((given, int)).address)
+        self._recent.appendleft((forms, code))
+        return code
+
+    def __repr__(self) -> str:
+        return f"<kernel {self.py_func.__module__}.{self.py_func.__qualname__}>"
+
+
+def _kernel_of(function: Any, part: bool, called: bool, options: dict[str, Any]) -> Any:
+    """The function itself where nothing is compiled."""
+    if UNCOMPILED:
         return function
     if not inspect.isfunction(function):
         raise TypeError(f"a kernel is made of a plain function, not of {function!r}")
-    function.__signature__ = _signature_of(function)
-    compiled = kind(function, {}, OPTIONS | options, pipeline_class=compiler_for(part, is_ours(function)))
-    compiled._cache = KernelCache(function)
-    return compiled
+    return Kernel(function, part, called, options)
 
 
-def _signature_of(function: Any) -> inspect.Signature:
-    """What `inspect` says of a function's arguments: numba asks it twice, and that is most of making a kernel."""
-    code = function.__code__
-    plain = not (code.co_posonlyargcount or code.co_kwonlyargcount or code.co_flags & NAMELESS)
-    if plain and not (function.__defaults__ or function.__annotations__):
-        return inspect.Signature([_argument(name) for name in code.co_varnames[: code.co_argcount]])
-    return inspect.signature(function)
-
-
-NAMELESS = inspect.CO_VARARGS | inspect.CO_VARKEYWORDS
-"""Marks of functions that take any number of arguments."""
-
-
-@functools.cache
-def _argument(name: str) -> inspect.Parameter:
-    return inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-
-
-class Outer(CPUDispatcher):
-    """Compiled code that Python calls."""
-
-    def typeof_pyval(self, val: Any) -> Any:
-        """The type of an argument, where numba's own code for it knows none yet.
-
-        Numba asks of the first arrays whether they are masked, and loads all that masked arrays need.
-        """
-        if type(val) in ARRAYS or isinstance(val, tuple):
-            with contextlib.suppress(TypingError, ValueError):
-                if (kind := kind_of(val)) is not None:
-                    self._types_active_call.add(kind)
-                    return kind
-        return super().typeof_pyval(val)
-
-
-class Inner(CPUDispatcher):
-    """Compiled code that only compiled code can call."""
-
-    def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Compile for a call; once for all whole numbers, not once more for each that stands in a call.
-
-        Where the code is inlined the number is still known, and what depends on it is left out there.
-        """
-        if PLAIN:
-            return super().get_call_template(args, kws)
-        kinds = tuple(types.unliteral(kind) if isinstance(kind, types.IntegerLiteral) else kind for kind in args)
-        return super().get_call_template(kinds, kws)
-
-    def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        """Refuse; without this the process would end, for there is nothing that could take Python's objects."""
-        raise TypeError(f"{self.py_func.__qualname__} can be called by compiled code only; its .py_func by Python")
-
-
-def addressed(function: Any = None, *, part: bool = False, **options: Any) -> Any:
-    """Decorator of compiled code that is called by its address.
-
-    It goes without the wrappers that unpack a scene's many arrays, which would take longer to compile than the code.
-    """
+def entry(function: Any = None, **options: Any) -> Any:
+    """Decorator of compiled code that Python calls: kept across processes, releases the interpreter's lock."""
     if function is None:
-        return functools.partial(addressed, part=part, **options)
-    return _compiled(Inner, function, part, {"no_cpython_wrapper": True} | options)
+        return functools.partial(entry, **options)
+    return _kernel_of(function, False, True, options)
 
 
-kernel = functools.partial(addressed, part=True)
-"""Decorator of compiled code that only compiled code calls, as a part of it."""
+def addressed(function: Any = None, **options: Any) -> Any:
+    """Decorator of compiled code that is called by its address."""
+    if function is None:
+        return functools.partial(addressed, **options)
+    return _kernel_of(function, False, False, options)
 
 
-def stands_for(stub: Any) -> Callable[[Any], Any]:
-    """Decorator of a function of types that returns what compiled code calls for them: ``@stands_for(stub)``."""
-
-    def registered(choose: Any) -> Any:
-        return overload(stub, jit_options={"pipeline_class": compiler_for(True, is_ours(choose))})(choose)
-
-    return registered
+def kernel(function: Any = None, **options: Any) -> Any:
+    """Decorator of compiled code that only compiled code calls, as a part of it."""
+    if function is None:
+        return functools.partial(kernel, **options)
+    return _kernel_of(function, True, False, options)
 
 
-def is_compiled(function: Any, signature: tuple[types.Type, ...]) -> bool:
-    """Whether a kernel is compiled for the types of its arguments, in this process or in the cache.
-
-    What is in the cache is read for it, and need not be read again when the kernel is compiled.
-    """
-    if signature in function.overloads:
-        return True
-    return bool(function._cache.holds(signature, function.targetctx))
+def run_at(kind, packet):
+    """Call the function in a packet with the arguments there, and write down there what it gives back."""
 
 
-def address_of(function: Any, signature: tuple[types.Type, ...]) -> int:
-    """Address of a kernel's machine code for the types of its arguments, compiled or loaded now if it was not yet.
+@addressed
+def _run(kind, packet):
+    """What takes a packet, for each form of arguments: Python calls it by its address."""
+    run_at(kind, packet)
 
-    It follows numba's own calling convention and stays where it is for the life of the process.
-    """
-    if signature not in function.overloads:
-        function.compile(signature)
-    compiled = function.overloads[signature]
-    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
+
+taught("packets")

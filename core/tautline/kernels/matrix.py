@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from tautline.kernels.factors.band import (
     CAREFUL,
@@ -23,10 +22,10 @@ from tautline.kernels.factors.band import (
 )
 from tautline.kernels.factors.band_blocks import pack, room_for_blocks, solve_by_blocks
 from tautline.kernels.factors.block_elimination import factorise_in_blocks, goes_in_blocks, room_for_window
-from tautline.kernels.factors.lapack import factorise_dense, solve_dense
+from tautline.kernels.factors.lapack import factorise_dense_inside, solve_dense_inside
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lanes import LANES
-from tautline.kernels.memory import kind_of
+from tautline.kernels.memory import form_of
 from tautline.kernels.separate import apart
 
 EXCHANGED, PACKED, REACH = 7, 8, 9
@@ -50,9 +49,9 @@ class Matrix(NamedTuple):
     corner: np.ndarray
 
 
-MATRIX = kind_of(Matrix(*(np.zeros((0, 0)) for _ in range(4))))
-"""The type of :class:`Matrix` in compiled code."""
-VECTOR = kind_of(np.zeros(0))
+MATRIX = form_of(Matrix(*(np.zeros((0, 0)) for _ in range(4))))
+"""The form of :class:`Matrix`."""
+VECTOR = form_of(np.zeros(0))
 """That of a vector."""
 
 
@@ -296,15 +295,15 @@ def _solve_border(f, n, x):
         for l in range(n):
             y += f.matrix.lower[i, l] * x[l]
         x[n + i] -= y
-    solve_dense(f.matrix.corner, f.corner_pivots, m, f.integers, x[n:])
+    solve_dense_inside(f.matrix.corner, f.corner_pivots, m, f.integers, x[n:])
     for j in range(m):
         for l in range(n):
             x[l] -= f.columns[j, l] * x[n + j]
 
 
-FACTORS = kind_of(new_factors(0, 0))
-"""The type of :class:`Factors` in compiled code."""
-solve_apart = apart(solve_matrix, types.none, FACTORS, VECTOR)
+FACTORS = form_of(new_factors(0, 0))
+"""The form of :class:`Factors`."""
+solve_apart = apart(solve_matrix, type(None), FACTORS, VECTOR)
 """The same for what is long and calls it seldom: it does not take it in, which would compile it once more."""
 
 
@@ -339,11 +338,11 @@ def factorise_matrix(factors):
             for l in range(n):
                 x += f.matrix.lower[i, l] * y[l]
             f.matrix.corner[j, i] -= x
-    row = factorise_dense(f.matrix.corner, f.corner_pivots, m, f.integers)
+    row = factorise_dense_inside(f.matrix.corner, f.corner_pivots, m, f.integers)
     return row + n if row != 0 else 0
 
 
-factorise_apart = apart(factorise_matrix, types.intp, FACTORS)
+factorise_apart = apart(factorise_matrix, int, FACTORS)
 """The same for what calls it seldom; see `solve_apart`."""
 
 

@@ -19,16 +19,15 @@ from collections import deque
 from collections.abc import Callable
 from typing import IO, Any
 
-from numba import config
-from numba.core import types
-
-from tautline.kernels.compiling import storage
-from tautline.kernels.compiling.gc_tuning import collected_rarely, left_at_exit
-from tautline.kernels.jit import is_compiled
+from tautline.kernels.jit import Kernel
+from tautline.kernels.machine import storage
+from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
+from tautline.kernels.machine.settings import UNCOMPILED
+from tautline.kernels.memory import Form
 from tautline.kernels.separate import compile_for_others
 
-Job = tuple[Any, tuple[types.Type, ...]]
-"""A compiled function and the types of its arguments."""
+Job = tuple[Kernel, tuple[Form, ...]]
+"""A kernel and the forms of its arguments."""
 
 HELPERS = 3
 """Processes beside this one, at most."""
@@ -45,15 +44,15 @@ def compile_all(jobs: list[Job], announce: Announce | None = None) -> None:
 
     Parameters
     ----------
-    jobs : list of (function, types)
+    jobs : list of (kernel, forms)
         Taken from both ends: heavy ones belong there, light ones in the middle.
     announce : callable or None
         Called with the number of kernels to be compiled, if there are any, before they are; it may give back what is
         called when they are.
     """
-    if config.DISABLE_JIT:
+    if UNCOMPILED:
         return
-    waiting = deque(job for job in jobs if not is_compiled(*job))
+    waiting = deque((kernel, forms) for kernel, forms in jobs if not kernel.is_ready(forms))
     done = announce(len(waiting)) if waiting and announce is not None else None
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     helpers = min(HELPERS, processors - 1, len(waiting) // WORTH)
@@ -64,13 +63,12 @@ def compile_all(jobs: list[Job], announce: Announce | None = None) -> None:
         thread.start()
     while waiting:
         with contextlib.suppress(IndexError):
-            function, signature = waiting.popleft()
-            function.compile(signature)
+            kernel, forms = waiting.popleft()
+            kernel.at(forms)
     for thread in threads:
         thread.join()
-    for function, signature in jobs:
-        if signature not in function.overloads:
-            function.compile(signature)
+    for kernel, forms in jobs:
+        kernel.at(forms)
     if done is not None:
         done()
 
@@ -85,8 +83,8 @@ def _employ(waiting: deque[Job]) -> None:
     with contextlib.suppress(OSError, IndexError), subprocess.Popen(command, env=environment, **pipes) as helper:
         assert helper.stdin and helper.stdout
         while helper.stdout.read(1):
-            function, signature = waiting.pop()
-            _send(helper.stdin, (function.__module__, function.__name__, signature))
+            kernel, forms = waiting.pop()
+            _send(helper.stdin, (kernel.__module__, kernel.__name__, forms))
 
 
 BEGIN = """
@@ -130,5 +128,5 @@ def help_out() -> None:
             if size == 0:
                 return
             with contextlib.suppress(Exception):
-                module, name, signature = pickle.loads(sys.stdin.buffer.read(size))
-                getattr(importlib.import_module(module), name).compile(signature)
+                module, name, forms = pickle.loads(sys.stdin.buffer.read(size))
+                getattr(importlib.import_module(module), name).at(forms)

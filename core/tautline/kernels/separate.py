@@ -11,20 +11,22 @@ from __future__ import annotations
 import ctypes
 import importlib
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import llvmlite.binding
-from numba import config
-from numba.core import cgutils, types
-from numba.core.typing import signature
-from numba.extending import intrinsic
 
-from tautline.kernels.compiling.sources import is_ours
-from tautline.kernels.jit import address_of, addressed
+from tautline.kernels.jit import Kernel, addressed
+from tautline.kernels.machine.code import FINDERS
+from tautline.kernels.machine.settings import UNCOMPILED
+from tautline.kernels.machine.sources import is_ours
+from tautline.kernels.memory import Form
+from tautline.kernels.teaching import taught
 
-Code = tuple[Any, tuple[types.Type, ...]]
-"""A compiled function and the types of its arguments."""
+Code = tuple[Kernel, tuple[Form, ...]]
+"""A kernel and the forms of its arguments."""
 
+BEGINNING = "tautline:"
+"""How names of separate code begin, among the symbols that machine code refers to."""
 _known: dict[str, Code] = {}
 """Separate code by its name."""
 _found: set[str] = set()
@@ -33,34 +35,33 @@ _for_others: list[bool] = []
 """Not empty where code is compiled into the cache alone and is never called."""
 
 
-class Needed(NamedTuple):
-    """Separate code that a caller needs, by name; numba calls it before it loads the caller from its cache."""
-
-    name: str
-
-    def __call__(self) -> None:
-        """Have LLVM know the address of the code, which is compiled or loaded now if it was not yet."""
-        if self.name in _found:
-            return
-        _found.add(self.name)
-        if _for_others:
-            # A call would end the process, with words.
-            llvmlite.binding.add_symbol(self.name, ctypes.cast(ctypes.pythonapi.Py_FatalError, ctypes.c_void_p).value)
-            return
-        if self.name not in _known:
-            importlib.import_module(self.name.split(":")[1])
-        llvmlite.binding.add_symbol(self.name, address_of(*_known[self.name]))
+def find(name: str) -> None:
+    """Have LLVM know the address of separate code, which is compiled or loaded now if it was not yet."""
+    if name in _found:
+        return
+    _found.add(name)
+    if _for_others:
+        # A call would end the process, with words.
+        llvmlite.binding.add_symbol(name, ctypes.cast(ctypes.pythonapi.Py_FatalError, ctypes.c_void_p).value)
+        return
+    if name not in _known:
+        importlib.import_module(name.split(":")[1])
+    kernel, forms = _known[name]
+    llvmlite.binding.add_symbol(name, kernel.at(forms).address)
 
 
-def separate(returned: types.Type, *arguments: types.Type) -> Callable[[Any], Any]:
+FINDERS[BEGINNING] = find
+
+
+def separate(returned: Form, *arguments: Form) -> Callable[[Any], Any]:
     """Decorator of compiled code that compiled code calls, and that is compiled apart from it.
 
     Parameters
     ----------
-    returned : numba type
-        What it gives back.
-    *arguments : numba types
-        What it is given.
+    returned : form
+        Of what it gives back (:mod:`tautline.kernels.memory`).
+    *arguments : forms
+        Of what it is given.
 
     Raises
     ------
@@ -70,19 +71,19 @@ def separate(returned: types.Type, *arguments: types.Type) -> Callable[[Any], An
     """
 
     def made(function: Any) -> Any:
-        return function if config.DISABLE_JIT else _stand_in(function, addressed(function), returned, arguments)
+        return function if UNCOMPILED else _stand_in(function, addressed(function), returned, arguments)
 
     return made
 
 
-def apart(compiled: Any, returned: types.Type, *arguments: types.Type) -> Any:
+def apart(compiled: Any, returned: Form, *arguments: Form) -> Any:
     """An entry for compiled code that calls its one copy, and does not take it in.
 
     Parameters
     ----------
     compiled : kernel
         Made by :func:`tautline.kernels.jit.entry`, in the module that asks for this.
-    returned, *arguments : numba types
+    returned, *arguments : forms
         As of :func:`separate`.
 
     Raises
@@ -90,42 +91,30 @@ def apart(compiled: Any, returned: types.Type, *arguments: types.Type) -> Any:
     TypeError
         As :func:`separate`.
     """
-    return compiled if config.DISABLE_JIT else _stand_in(compiled.py_func, compiled, returned, arguments)
+    return compiled if UNCOMPILED else _stand_in(compiled.py_func, compiled, returned, arguments)
 
 
-def _stand_in(function: Any, compiled: Any, returned: types.Type, arguments: tuple[types.Type, ...]) -> Any:
+class StandIn:
     """What compiled code calls in place of a function that stands apart."""
+
+    def __init__(self, function: Any, name: str) -> None:
+        self.__name__, self.py_func, self.symbol = function.__name__, function, name
+
+
+def _stand_in(function: Any, compiled: Kernel, returned: Form, arguments: tuple[Form, ...]) -> StandIn:
     if not is_ours(function):
         raise TypeError(f"{function.__qualname__} is of no installed application: @kernel compiles it as well")
-    needed = Needed(f"tautline:{function.__module__}:{function.__qualname__}")
-    _known[needed.name] = compiled, arguments
+    name = f"{BEGINNING}{function.__module__}:{function.__qualname__}"
+    _known[name] = compiled, arguments
+    made = StandIn(function, name)
 
-    def call(typing, *given):
-        def code(context, builder, _, values):
-            needed()
-            context.active_code_library._reload_init.add(needed)
-            kind = context.call_conv.get_function_type(returned, arguments)
-            callee = cgutils.get_or_insert_function(builder.module, kind, needed.name)
-            status, found = context.call_conv.call_function(builder, callee, returned, arguments, values)
-            with cgutils.if_unlikely(builder, status.is_error):
-                context.call_conv.return_status_propagate(builder, status)
-            return found
-
-        return signature(returned, *arguments), code
-
-    # Numba asks for names of arguments, one by one.
-    names = ", ".join(function.__code__.co_varnames[: function.__code__.co_argcount])
-    space = {"call": call, "__name__": function.__module__}
-    exec(f"def {function.__name__}(typing, {names}):\n    return call(typing, {names})", space)
-    chosen = intrinsic(space[function.__name__])
-    chosen.py_func = function
-    return chosen
+    taught("calls", "called_by_name", made, returned, arguments)
+    return made
 
 
-def code_of(function: Any) -> Code:
-    """A separate function as compiled, and the types of its arguments, for `parallel_compile`."""
-    plain = function.py_func
-    return _known[f"tautline:{plain.__module__}:{plain.__qualname__}"]
+def code_of(function: StandIn) -> Code:
+    """A separate function as compiled, and the forms of its arguments, for `parallel_compile`."""
+    return _known[function.symbol]
 
 
 def compile_for_others() -> None:

@@ -12,10 +12,9 @@ from types import FunctionType
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from tautline.kernels.jit import entry, kernel
-from tautline.kernels.memory import kind_of
+from tautline.kernels.memory import form_of
 from tautline.kernels.moving_frame import (
     ENTRIES,
     MOTIONS,
@@ -145,10 +144,10 @@ class Written(NamedTuple):
     waves: np.ndarray
 
 
-FUNCTIONS = kind_of(no_functions())
-"""The type of :class:`TimeFunctions` in compiled code."""
-WRITTEN = kind_of(Written(*(getattr(no_functions(), name) for name in Written._fields)))
-THREE = types.UniTuple(types.float64, 3)
+FUNCTIONS = form_of(no_functions())
+"""The form of :class:`TimeFunctions`."""
+WRITTEN = form_of(Written(*(getattr(no_functions(), name) for name in Written._fields)))
+THREE = (tuple, float, float, float)
 
 
 @kernel
@@ -166,13 +165,13 @@ def evaluate(functions, i, t):
     return evaluate_written(few, i, t)
 
 
-@separate(THREE, WRITTEN, types.intp, types.float64)
+@separate(THREE, WRITTEN, int, float)
 def evaluate_written(written, i, t):
     """The same of a function that is tracks and a few waves."""
     return _written(written, i, t)
 
 
-@separate(THREE, FUNCTIONS, types.intp, types.float64)
+@separate(THREE, FUNCTIONS, int, float)
 def evaluate_any(functions, i, t):
     """The same of any function."""
     number = functions.entry[i]

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import ctypes
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numba import carray, cfunc, types
-from numba.extending import is_jitted
 
 from tautline.elements.outside import OutsideForces
 from tautline.kernels.groups import KINDS
+from tautline.kernels.jit import Kernel
 from tautline.live.errors import SimulationError
 from tautline.system.system import System
 
 DOUBLES = ctypes.POINTER(ctypes.c_double)
 C_KIND = ctypes.CFUNCTYPE(None, ctypes.c_double, DOUBLES, DOUBLES, DOUBLES, ctypes.c_int64)
-SIGNATURE = types.void(
-    types.float64, types.CPointer(types.float64), types.CPointer(types.float64), types.CPointer(types.float64),
-    types.int64,
-)  # fmt: skip
 
 
 class Force:
@@ -36,7 +32,7 @@ class Force:
     def __init__(self, function: Any, places: np.ndarray, known: np.ndarray) -> None:
         self.failed: BaseException | None = None
         n = places.size
-        if is_jitted(function):
+        if _is_compiled(function):
             self._code = compiled(function)
             address = int(self._code.address)
         else:
@@ -74,10 +70,21 @@ class Group:
 def compiled(function: Any) -> Any:
     """A compiled function (t, q, v, force) as one for C."""
 
+    from numba import carray, cfunc, types
+
+    vector = types.CPointer(types.float64)
+
     def outer(t, q, v, f, n):
         function(t, carray(q, (n,)), carray(v, (n,)), carray(f, (n,)))
 
-    return cfunc(SIGNATURE)(outer)
+    return cfunc(types.void(types.float64, vector, vector, vector, types.int64))(outer)
+
+
+def _is_compiled(function: Any) -> bool:
+    """Whether numba, or our own decorators, compile a function; without numba there is none of its own."""
+    if isinstance(function, Kernel):
+        return True
+    return "numba" in sys.modules and sys.modules["numba"].extending.is_jitted(function)
 
 
 def force_of(function: Any, places: np.ndarray | None, system: System) -> Force | Group:

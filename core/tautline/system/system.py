@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tautline.kernels.bound import Lasting
 from tautline.kernels.dofs import Dofs, runs_of
 from tautline.kernels.groups import laid_out, link, without_friction
 from tautline.kernels.matrix import Factors, new_factors
@@ -131,6 +132,8 @@ class System:
         the unknowns are not numbered as the degrees of freedom are.
     linked : dict
         What :meth:`link` made.
+    lasting : Lasting
+        What calls compiled code with the parts of the system.
     """
 
     groups: tuple[Any, ...]
@@ -152,6 +155,7 @@ class System:
     force: float = 0.0
     window: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
+    lasting: Lasting = field(default_factory=Lasting, repr=False, compare=False)
     _spare: Factors | None = field(default=None, init=False, repr=False, compare=False)
 
     def spare_factors(self) -> Factors:

@@ -19,7 +19,7 @@ def compiling(kernels: int) -> Callable[[], None]:
     kernels : int
         How many there are to compile.
     """
-    from tautline.kernels.compiling.storage import shipped_for
+    from tautline.kernels.machine.storage import shipped_for
 
     made_for = shipped_for()
     if made_for is not None:

@@ -1,1 +1,1 @@
-"""How kernels are compiled and kept: on our own functions alone, in numba's file format, and off with one variable."""
+"""How kernels are compiled: by numba, with steps of our own on our own functions alone, off with one variable."""

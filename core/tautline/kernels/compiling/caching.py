@@ -1,4 +1,6 @@
-"""Numba's cache for our own kernels: in our folder, in numba's file format, and never a reason for a run to fail.
+"""Numba's cache for parts: in our folder, in numba's file format, and never a reason for a run to fail.
+
+Only a compiler asks for it. What is machine code is kept in files of our own (:mod:`tautline.kernels.machine.code`).
 
 What cannot be read is as good as absent: it is compiled and written anew. The key of a kernel holds the contents of all
 that goes into it and is no part of the core or of an installed application.
@@ -14,23 +16,21 @@ import io
 import os
 import pickle
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from numba.core import sigutils, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
 from numba.core.compiler import CompileResult
-from numba.core.compiler_lock import global_compiler_lock
 from numba.core.serialize import NumbaPickler
 
-from tautline.kernels.compiling import storage
-from tautline.kernels.compiling.inlined import PLAIN, Reader
-from tautline.kernels.compiling.sources import applications_in, fingerprint, fingerprint_of_ours, is_ours
-from tautline.kernels.compiling.targets import shipped_target
+from tautline.kernels.compiling.inlined import Reader
+from tautline.kernels.machine import storage
+from tautline.kernels.machine.code import KERNELS_OF
+from tautline.kernels.machine.settings import PLAIN
+from tautline.kernels.machine.sources import applications_in, fingerprint, fingerprint_of_ours, is_ours
 
-KERNELS_OF: list[Callable[[type], Iterator[Any]]] = []
-"""Each gives the kernels that compiled code calls for a class of named tuples among its arguments."""
 WAIT = 10.0
 """Seconds to wait for another process that writes the same index; then this one writes all the same."""
 
@@ -146,27 +146,23 @@ class Code(CompileResultCacheImpl):
         if PLAIN:
             found = super().rebuild(context, payload)
         else:
-            described = payload[1]
-            names = described.llvm_func_name, described.llvm_cpython_wrapper_name, described.llvm_cfunc_wrapper_name
-            found = CompileResult._rebuild(Reader(context, names), *payload)._replace(target_context=context)
+            found = CompileResult._rebuild(Reader(context), *payload)._replace(target_context=context)
         # What compiles this one in needs the same (numba forgets it).
         found.library._reload_init.update(found.reload_init)
         return found
 
 
-class KernelCache(FunctionCache):
-    """The cache of one of our functions. What it cannot do is not done: the function is compiled."""
+class PartCache(FunctionCache):
+    """The cache of one of our parts. What it cannot do is not done: the function is compiled."""
 
     _impl_class = Code
 
     def __init__(self, function: Any) -> None:
         self._name, self._py_func = repr(function), function
-        file = inspect.getfile(function)
-        self._impl = Code(function, file)
+        self._impl = Code(function, inspect.getfile(function))
         self._is_ours = is_ours(function)
         self._files: dict[str, Files] = {}
         self._keys: dict[Any, Any] = {}
-        self._read: dict[Any, CompileResult] = {}
         self._enabled = True
 
     @property
@@ -180,34 +176,17 @@ class KernelCache(FunctionCache):
             self._files[path] = Files(path, self._impl.filename_base, self._impl.locator.get_source_stamp())
         return self._files[path]
 
-    def _places(self, signature: Any, codegen: Any) -> Iterator[tuple[Files, Any]]:
-        """Where code may be, and its key there: what is installed, the folder that is kept, and its stand-in."""
-        key = self._index_key(signature, codegen)
-        shipped = storage.shipped_folder()
-        target = shipped_target() if shipped else None
-        if target is not None:
-            types_, (triple, *_), contents = key
-            yield self._file(shipped), (types_, (triple, target, ""), contents)
+    def _places(self) -> Iterator[Files]:
+        """Where code may be: in the folder that is kept, and in its stand-in."""
         folders = [storage.kept_folder()]
         if storage.folder_to_write.cache_info().currsize:
             folders.append(storage.folder_to_write())
-        yield from ((self._file(folder), key) for folder in dict.fromkeys(folders) if folder is not None)
+        yield from (self._file(folder) for folder in dict.fromkeys(folders) if folder is not None)
 
     def flush(self) -> None:
         """Forget what is kept."""
         with contextlib.suppress(Exception):
             self._file(storage.folder_to_write()).flush()
-
-    def holds(self, signature: Any, context: Any) -> bool:
-        """Whether there is code for the types of the arguments that can be used.
-
-        That is seen when it is read; it is kept for `load_overload`, which is mostly next.
-        """
-        with global_compiler_lock:
-            found = self._stored(signature, context)
-        if found is not None:
-            self._read[signature] = found
-        return found is not None
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Load code, None if there is none that can be used.
@@ -217,22 +196,16 @@ class KernelCache(FunctionCache):
         """
         if not self._enabled:
             return None
-        found = self._read.pop(signature, None) or self._stored(signature, context)
-        if found is None:
-            context.refresh()
-        return found
-
-    def _stored(self, signature: Any, context: Any) -> Any:
-        """Code that is kept on disk, None if there is none that can be used."""
         arguments = sigutils.normalize_signature(signature)[0]
         if PLAIN:
             context.refresh()
-        for files, key in self._places(signature, context.codegen()):
+        for files in self._places():
             with contextlib.suppress(Exception):  # whatever a damaged file raises
-                data = files.load(key)
+                data = files.load(self._index_key(signature, context.codegen()))
                 found = None if data is None else self._impl.rebuild(context, data)
                 if found is not None and tuple(found.signature.args) == tuple(arguments):
                     return found
+        context.refresh()
         return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:

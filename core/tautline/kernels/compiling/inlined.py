@@ -10,7 +10,6 @@ All of it is in classes of our own, which only our decorators name: functions of
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -22,15 +21,7 @@ from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, Lite
 
 from tautline.kernels.compiling.flags import KernelFlags
 from tautline.kernels.compiling.indices import TrustedIndices
-
-PLAIN = os.environ.get("TAUTLINE_PLAIN_NUMBA", "") not in ("", "0")
-"""Whether kernels are compiled by numba's own steps, with nothing of ours; results are the same to rounding.
-
-The operations are. Which products and sums become one instruction is LLVM's choice, and it may choose otherwise in code
-that it has optimised twice.
-"""
-UNFUSED = os.environ.get("TAUTLINE_UNFUSED", "") not in ("", "0")
-"""Whether no product and sum become one instruction: then both ways give the same to the bit."""
+from tautline.kernels.machine.settings import PLAIN
 
 
 class PartLibrary(JITCodeLibrary):
@@ -67,23 +58,12 @@ class _NoEnvironment:
         """Do nothing."""
 
 
-class CachedLibrary(JITCodeLibrary):
-    """Machine code from the cache, whose LLVM code is read when a caller is compiled: most runs compile none."""
-
-    unread: bytes | None = None
-
-    def _get_module_for_linking(self) -> Any:
-        if self.unread is not None:
-            self._shared_module, self.unread = llvm.parse_bitcode(self.unread), None
-        return super()._get_module_for_linking()
-
-
 class Reader:
-    """Numba's target for what is read from the cache: its own, but for the class of the library."""
+    """Numba's target for parts that are read from the cache: its own, but for the class of the library."""
 
-    def __init__(self, context: Any, names: tuple[str, ...]) -> None:
-        """Take numba's target, and the names by which the function may be asked for in this process."""
-        self._context, self._names = context, names
+    def __init__(self, context: Any) -> None:
+        """Take numba's target."""
+        self._context = context
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._context, name)
@@ -92,24 +72,13 @@ class Reader:
         """What reads a library."""
         return self
 
-    def unserialize_library(self, stored: tuple[str, str, Any]) -> JITCodeLibrary:
+    def unserialize_library(self, stored: tuple[str, str, bytes]) -> JITCodeLibrary:
         """Make a library of what numba's own wrote."""
-        name, kind, data = stored
-        codegen = self._context.codegen()
-        if kind == "bitcode":
-            part = PartLibrary(codegen, name)
-            part._final_module = llvm.parse_bitcode(data)
-            part._finalize_final_module()
-            return part
-        code, bitcode = data
-        whole = CachedLibrary(codegen, name)
-        whole.unread = bitcode
-        whole.enable_object_caching()
-        whole._set_compiled_object(code)
-        whole._finalize_final_module()
-        # The table of symbols of the LLVM code holds names as they are.
-        codegen._engine._defined_symbols.update(each for each in self._names if each.encode() in bitcode)
-        return whole
+        name, _, data = stored
+        part = PartLibrary(self._context.codegen(), name)
+        part._final_module = llvm.parse_bitcode(data)
+        part._finalize_final_module()
+        return part
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)

@@ -14,6 +14,7 @@ from __future__ import annotations
 from math import sqrt
 
 from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import laid_flat
 
 CAREFUL, BOLD = 0.1, 1.0e-4
 """Share of the largest entry of its column that a pivot on the diagonal must have, the matrix being scaled: in general,
@@ -79,7 +80,7 @@ def eliminate(band, pivots, above, below, right, inverse, threshold, n, k):
     row, exchanged : int
         0, or j > 0 where the j-th pivot is exactly zero; and how many rows were exchanged.
     """
-    flat, width, centre = band.reshape(-1), band.shape[1], 2 * k
+    flat, width, centre = laid_flat(band), band.shape[1], 2 * k
     bottom, reach, exchanged = 0, -1, 0
     for j in range(n):
         column = band[j]

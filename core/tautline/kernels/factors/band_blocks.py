@@ -15,7 +15,7 @@ Packing them costs about as much as one substitution row by row.
 from __future__ import annotations
 
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import LANES, gather, lane, load, negated, scatter, spread, store, where, within
+from tautline.kernels.lanes import LANES, gather, laid_flat, lane, load, negated, scatter, spread, store, where, within
 
 BLOCK = LANES * LANES
 """Numbers of a block, column by column."""
@@ -99,7 +99,7 @@ def pack(band, above, below, inverse, scale, blocks, n, k, first, last, reach):
     """Make blocks ``first`` to ``last`` - 1 of factors without exchanged rows; returns how far blocks reach, at least
     ``reach``.
     """
-    flat, width, centre = band.reshape(-1), band.shape[1], 2 * k
+    flat, width, centre = laid_flat(band), band.shape[1], 2 * k
     most = reach_of_band(k)
     forward, backward = halves(blocks, n, most)
     for b in range(first, last):

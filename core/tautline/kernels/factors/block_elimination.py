@@ -21,6 +21,7 @@ from tautline.kernels.lanes import (
     LANES,
     any_of,
     gather,
+    laid_flat,
     lane,
     larger,
     largest,
@@ -103,7 +104,7 @@ def _write_columns(x, at, columns):
 @kernel(forceinline=True)
 def _read_reach(band, scale, head, span, p, n, k, window):
     """Read the blocks of the last row and column that the pivots of block p reach; those before were read earlier."""
-    flat, width, most = band.reshape(-1), band.shape[1], span - 1
+    flat, width, most = laid_flat(band), band.shape[1], span - 1
     e = p + most
     _write_scale(band, scale, LANES * e, n, k)
     for j in range(max(0, -p), most):

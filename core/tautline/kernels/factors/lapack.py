@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import functools
+import importlib
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -19,12 +20,10 @@ from importlib.machinery import PathFinder
 from typing import Any
 
 import llvmlite.binding
-from llvmlite import ir
-from numba import config, types
-from numba.core import cgutils
-from numba.extending import get_cython_function_address, intrinsic
 
-from tautline.kernels.jit import entry
+from tautline.kernels.jit import entry, kernel
+from tautline.kernels.machine.settings import UNCOMPILED
+from tautline.kernels.teaching import taught
 
 ROUTINES = "scipy.linalg.cython_lapack"
 
@@ -63,12 +62,17 @@ def _module_alone(name: str) -> Any:
 
 
 _loading = threading.Lock()
+_name = ctypes.pythonapi.PyCapsule_GetName
+_name.restype, _name.argtypes = ctypes.c_char_p, [ctypes.py_object]
+_pointer = ctypes.pythonapi.PyCapsule_GetPointer
+_pointer.restype, _pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
 
 
 @functools.cache
 def _address(name: str) -> int:
     with _loading, _loaded_alone(ROUTINES):
-        return get_cython_function_address(ROUTINES, name)
+        held = importlib.import_module(ROUTINES).__pyx_capi__[name]
+        return int(_pointer(held, _name(held)))
 
 
 def _routine(name: str, arguments: int) -> Callable[[tuple[int, ...]], None]:
@@ -89,20 +93,10 @@ def _routine(name: str, arguments: int) -> Callable[[tuple[int, ...]], None]:
     symbol = f"tautline_{name}"
     llvmlite.binding.add_symbol(symbol, ctypes.addressof(held))
 
-    @intrinsic
-    def call(typing, given):
-        def code(context, builder, signature, values):
-            words = [
-                context.cast(builder, word, actual, types.uintp)
-                for word, actual in zip(cgutils.unpack_tuple(builder, values[0]), given.types, strict=True)
-            ]
-            function = ir.FunctionType(ir.VoidType(), [word.type for word in words]).as_pointer()
-            place = builder.module.globals.get(symbol) or ir.GlobalVariable(builder.module, function, symbol)
-            builder.call(builder.load(place), words)
-            return context.get_dummy_value()
+    def call(given):
+        """Call the routine with the addresses of its arguments."""
 
-        return types.void(given), code
-
+    taught("calls", "called_by_place", call, symbol)
     return call
 
 
@@ -114,8 +108,8 @@ _dgetrs = _routine("dgetrs", 9)
 _NO_TRANSPOSE = ord("N")
 
 
-@entry
-def factorise_dense(matrix, pivots, n, integers):
+@kernel
+def factorise_dense_inside(matrix, pivots, n, integers):
     """Factorise a small dense matrix (n, n), stored by columns, in place; returns 0 or the pivot that is zero."""
     integers[0] = n
     integers[4] = -1  # which LAPACK overwrites
@@ -124,9 +118,9 @@ def factorise_dense(matrix, pivots, n, integers):
     return integers[4]
 
 
-@entry
-def solve_dense(matrix, pivots, n, integers, x):
-    """Solve A x = b with the factors of :func:`factorise_dense`, in place."""
+@kernel
+def solve_dense_inside(matrix, pivots, n, integers, x):
+    """Solve A x = b with the factors of :func:`factorise_dense_inside`, in place."""
     integers[0] = n
     integers[4] = 0
     integers[5] = 1
@@ -135,7 +129,19 @@ def solve_dense(matrix, pivots, n, integers, x):
     _dgetrs((base + 24, base, base + 20, matrix.ctypes.data, base, pivots.ctypes.data, x.ctypes.data, base, base + 16))
 
 
-if config.DISABLE_JIT:
+@entry
+def factorise_dense(matrix, pivots, n, integers):
+    """The same as :func:`factorise_dense_inside`, for Python."""
+    return factorise_dense_inside(matrix, pivots, n, integers)
+
+
+@entry
+def solve_dense(matrix, pivots, n, integers, x):
+    """The same as :func:`solve_dense_inside`, for Python."""
+    solve_dense_inside(matrix, pivots, n, integers, x)
+
+
+if UNCOMPILED:
     # Uncompiled, an external function does nothing: the same routines by SciPy's own wrapper.
     from scipy.linalg.lapack import dgetrf, dgetrs
 
@@ -152,3 +158,5 @@ if config.DISABLE_JIT:
     def solve_dense(matrix, pivots, n, integers, x):
         """Solve by :func:`scipy.linalg.lapack.dgetrs`."""
         x[:] = dgetrs(matrix.T, pivots - 1, x)[0]
+
+    factorise_dense_inside, solve_dense_inside = factorise_dense, solve_dense

@@ -8,12 +8,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numba import typeof
 
 from tautline.integrators.state import State
 from tautline.integrators.status import Interrupted, StoppedEarly
 from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.integrators.vibration.tangent import tangent_error
+from tautline.kernels.memory import form_of
 from tautline.scene.errors import SceneError, option_error
 from tautline.scene.methods import method_of
 from tautline.simulation import simulate
@@ -166,7 +166,7 @@ def _same_laws(subject: Subject, model: Model) -> bool:
         other = subject.model(Setting(subject.explicit))
     except SceneError:
         return False
-    return [typeof(g) for g in other.system.groups] == [typeof(g) for g in model.system.groups]
+    return form_of(other.system.groups) == form_of(model.system.groups)
 
 
 class TangentLook:

@@ -17,8 +17,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tautline.kernels.compiling import sources
-from tautline.kernels.compiling.inlined import PLAIN, UNFUSED
+from tautline.kernels.machine import sources
+from tautline.kernels.machine.settings import PLAIN, UNFUSED
 
 FOLDERS_KEPT = 6
 """Cache folders kept beside the one in use: other checkouts and versions that a user may go back to."""

@@ -11,7 +11,8 @@ import platform
 from collections.abc import Mapping
 
 import llvmlite.binding
-from numba import config
+
+from tautline.kernels.machine.settings import setting
 
 LEVELS: dict[str, dict[str, tuple[str, ...]]] = {
     "x86_64": {
@@ -36,10 +37,28 @@ def level_of(machine: str, features: Mapping[str, bool]) -> str | None:
 @functools.cache
 def shipped_target() -> str | None:
     """The level that installed code is taken of; None where numba is told which processor to compile for."""
-    if config.CPU_NAME is not None or config.CPU_FEATURES is not None or not config.ENABLE_AVX:
+    if setting("CPU_NAME") is not None or setting("CPU_FEATURES") is not None or not setting("ENABLE_AVX", 1):
         return None
+    return level_of(platform.machine(), _features())
+
+
+@functools.cache
+def target() -> tuple[str, str, str]:
+    """What is compiled for: the system, the processor, and its instructions, as they are or as numba is told."""
+    name, told = setting("CPU_NAME"), setting("CPU_FEATURES")
+    without = "" if setting("ENABLE_AVX", 1) else " without AVX"
+    features = instructions() if told is None else str(told)
+    return llvmlite.binding.get_process_triple(), str(name or llvmlite.binding.get_host_cpu_name()), features + without
+
+
+def instructions() -> str:
+    """Instructions that this processor has and has not, as LLVM takes them."""
+    features = _features()
+    return str(features.flatten()) if hasattr(features, "flatten") else ""
+
+
+def _features() -> Mapping[str, bool]:
     try:
-        features = llvmlite.binding.get_host_cpu_features()
+        return llvmlite.binding.get_host_cpu_features()
     except RuntimeError:
-        features = {}
-    return level_of(platform.machine(), features)
+        return {}

@@ -1,7 +1,7 @@
 """What goes into compiled code: the files of the core and of installed applications, and all that others' kernels use.
 
 Files are hashed by their contents and their place in their package, not by where that is installed. The core's name the
-folder of the cache (:mod:`tautline.kernels.compiling.storage`); an application's are part of the key of all code that
+folder of the cache (:mod:`tautline.kernels.machine.storage`); an application's are part of the key of all code that
 takes in a kernel or a group of it. A kernel of a user's own script is hashed with every function that it calls and
 every constant that it takes in, wherever these stand; that hash is part of the key under which its code is kept. So a
 folder of compiled code may be moved, copied to another machine, or come with an installation.
@@ -22,8 +22,9 @@ from pathlib import Path
 from typing import Any
 
 import llvmlite
-import numba
 import numpy as np
+
+from tautline.kernels.machine.settings import settings
 
 UNCOMPILED = (("study",), ("cli",), ("view",), ("results",))
 """Rooms of the core in which nothing is compiled, though they speak of kernels."""
@@ -74,8 +75,13 @@ def is_ours(thing: Any) -> bool:
 
 
 IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
-SETTINGS = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "USING_SVML")
-"""Numba's settings that compiled code depends on."""
+
+
+def version_of_numba() -> str:
+    """The number of the numba that is installed, which is not loaded for it."""
+    if "numba" in sys.modules:
+        return str(sys.modules["numba"].__version__)
+    return metadata.version("numba")
 
 
 def hash_of_sources(*more: Any) -> str:
@@ -84,8 +90,8 @@ def hash_of_sources(*more: Any) -> str:
     A release of Python or NumPy that only mends faults compiles the same; numba's and llvmlite's numbers count in full.
     """
     versions = (
-        numba.__version__, llvmlite.__version__, *np.__version__.split(".")[:2], sys.implementation.cache_tag,
-        util.MAGIC_NUMBER.hex(), *(f"{name}={getattr(numba.config, name, None)}" for name in SETTINGS), *more,
+        version_of_numba(), llvmlite.__version__, *np.__version__.split(".")[:2], sys.implementation.cache_tag,
+        util.MAGIC_NUMBER.hex(), *settings(), *more,
     )  # fmt: skip
     digest = hashlib.sha256(" ".join(map(str, versions)).encode())
     digest.update(hash_of_package("tautline").encode())
@@ -170,7 +176,7 @@ def _contents(thing: Any, seen: set[int]) -> Iterator[str]:
         yield f"class {thing.__module__}.{thing.__qualname__} {getattr(thing, '_fields', '')}"
         for each in (value for value in vars(thing).values() if isinstance(value, python_types.FunctionType)):
             yield from _contents(each, seen)
-    elif isinstance(thing, numba.types.Type):
+    elif _is_type(thing):
         yield f"type {thing}"
     else:
         yield uuid.uuid4().hex
@@ -178,7 +184,12 @@ def _contents(thing: Any, seen: set[int]) -> Iterator[str]:
 
 def _is_known(thing: Any) -> bool:
     module = getattr(thing, "__module__", None) or getattr(type(thing), "__module__", "")
-    return isinstance(module, str) and module.split(".")[0] in KNOWN and not isinstance(thing, numba.types.Type)
+    return isinstance(module, str) and module.split(".")[0] in KNOWN and not _is_type(thing)
+
+
+def _is_type(thing: Any) -> bool:
+    """Whether this is a type of numba's; there is none as long as numba is not loaded."""
+    return "numba" in sys.modules and isinstance(thing, sys.modules["numba"].types.Type)
 
 
 def _contents_of_function(function: python_types.FunctionType, seen: set[int]) -> Iterator[str]:
