@@ -75,6 +75,7 @@ def build(scene: CraneScene) -> Model:
         figures=told,
         figure_units=layout.once("figure units", lambda: figure_units(scene)),
         nothing=NOTHING,
+        longer_steps_tell=True,
         start="static" if scene.start == "static" else "as given",
         step_limit=0.3 * float(layout.path.chords.min()),
         own=observer.own,

@@ -44,7 +44,7 @@ Verify = Annotated[
     typer.Option(
         "--verify/--no-verify",
         help="Estimate the error from two more runs with shorter steps, for any scene. "
-        "[dim]\\[default: with friction; without, from longer steps][/]",
+        "[dim]\\[default: with friction between fixed steps; else from longer steps][/]",
     ),
 ]
 Changes = Annotated[

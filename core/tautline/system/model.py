@@ -96,6 +96,10 @@ class Model:
         Limits that the scene gives itself.
     keep : tautline.statistics.store.Keep or None
         What is kept in place of every frame; None for every frame.
+    longer_steps_tell : bool
+        Whether one run with longer steps tells how wrong a run is whose steps are controlled by their errors
+        (`tautline.study.trials.step_error`). It was measured for the application, and no friction decides what comes
+        of the run.
     statistics : mapping
         Fields of `Keep` that are the application's: variables that are watched where the scene names none, and so on.
     """
@@ -120,5 +124,6 @@ class Model:
     nothing: Collection[str] = ()
     bounds: Sequence[Any] = ()
     keep: Any = None
+    longer_steps_tell: bool = False
     statistics: Mapping[str, Any] = field(default_factory=dict)
     on_demand: Callable[[Any], Mapping[str, np.ndarray]] | None = None

@@ -34,7 +34,7 @@ SHARES = {
     1.0 / 3.0: "runs with a half and a third of the step",
     4.0: "runs with twice and four times the step", 0.5: "a run with half the step",
 }  # fmt: skip
-"""Other runs by the step of the last of them, over the run's own."""
+"""Other runs by the step of the last of them, over the run's own; of any other last there is one run."""
 
 
 def check(
@@ -120,7 +120,7 @@ def simulate(
         An earlier result to go on from.
     verify : bool or None
         Whether to estimate the error from runs with shorter steps; None does so where friction acts between fixed
-        steps of an implicit method, and from longer steps without friction.
+        steps of an implicit method, and from longer steps without friction and where steps are controlled.
     changes : sequence of str or None
         Values in place of the scene's, ``key=value`` each.
 
@@ -306,7 +306,8 @@ def _other_runs(
 
     def begin() -> None:
         if not quiet:
-            say(f"estimating the error from {SHARES[parts[-1]]}; --no-verify leaves it out")
+            runs = SHARES.get(parts[-1], f"a run with {parts[-1]:.3g} times the step")
+            say(f"estimating the error from {runs}; --no-verify leaves it out")
         bar.again(len(parts) * float(model.solver.end), "estimating the error")
 
     def compared(result: Result) -> tuple[dict[str, Any], list[str]]:

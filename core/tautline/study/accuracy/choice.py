@@ -32,8 +32,8 @@ from tautline.scene.limits import without_limits
 from tautline.scene.methods import explicit_like, implicit_like, method_of
 from tautline.simulation import simulate
 from tautline.study.accuracy.grid import critical_at_start
-from tautline.study.trials.errors import apart, motion
-from tautline.study.trials.history import RESTING, History, Watched, watch
+from tautline.study.trials.errors import apart, ends_apart, motion
+from tautline.study.trials.history import History, Watched, watch
 from tautline.study.trials.step_error import (
     SAFETY,
     StepError,
@@ -399,10 +399,8 @@ def changes(coarse: Seen, fine: Seen, extent: float, force: int | None) -> dict[
     """
     found = differences(coarse, fine, extent)
     if "force" in found and force is not None and fine.highest.size:
-        top, bottom = float(fine.highest[force]), float(fine.lowest[force])
-        size = max(top - bottom, 2.0 * RESTING * max(abs(top), abs(bottom)))
-        apart_by = abs(float(coarse.highest[force]) - top) + abs(float(coarse.lowest[force]) - bottom)
-        found["force"] = apart_by / size if size > 0.0 else found["force"]
+        ends = [np.array([seen.lowest[force], seen.highest[force]]) for seen in (coarse, fine)]
+        found["force"] = ends_apart(*ends)
     return found
 
 

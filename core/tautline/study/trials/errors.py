@@ -63,6 +63,19 @@ def apart(run: History, exact: History, extent: float) -> tuple[float, float, fl
     return distance, distance / motion(exact, extent), _force(run.force, exact.force)
 
 
+def ends_apart(run: np.ndarray, exact: np.ndarray) -> float:
+    """By how much the highest and the lowest value of a force are off together, over its range.
+
+    It is no less than the error of the amplitude, in which both may cancel.
+    """
+    top, bottom = float(exact.max()), float(exact.min())
+    size = max(top - bottom, 2.0 * RESTING * max(abs(top), abs(bottom)))
+    apart_by = abs(float(run.max()) - top) + abs(float(run.min()) - bottom)
+    if size == 0.0:
+        return 0.0 if apart_by == 0.0 else float("inf")
+    return apart_by / size
+
+
 def motion(history: History, extent: float) -> float:
     """The largest distance that a point moves, m, and no less than what counts as rest in a scene of that extent."""
     moved = np.linalg.norm(history.position - history.position[0], axis=1).max()

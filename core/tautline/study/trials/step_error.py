@@ -9,6 +9,11 @@ as it is.
 Longer steps, for all else: twice and four times, which take three quarters of the time of the run itself. The order is
 observed in the two differences, no more than the method's and no less than a half, and the error that follows is
 multiplied by 1.25. This is the grid convergence index of Roache (J. Fluids Eng. 116, 1994, 405-413), applied to time.
+
+A longer step, for steps that are controlled by their errors where the application says that it tells (cranes do): about
+one and a half times, with errors of each step that go with its third power. Much longer steps do not follow the rope's
+vibration, and tell nothing of its force. First order is assumed and multiplied by 1.25: a smooth motion is then said to
+be three times as wrong as it is. Of the force the highest and the lowest value count, each for itself.
 """
 
 from __future__ import annotations
@@ -25,14 +30,17 @@ from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.scene.methods import method_of
-from tautline.study.trials.errors import apart
+from tautline.study.trials.errors import apart, ends_apart
 from tautline.study.trials.history import History, Place, Watched, watch
 from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
 from tautline.system.model import Model
 
 SHORTER, LONGER, HALF = (0.5, 1.0 / 3.0), (2.0, 4.0), (0.5,)
 """Steps of the other runs over those of the first: with dry friction or where it is asked for, without, and for an
-explicit method, which longer steps make unstable."""
+explicit method, which longer steps make unstable, and for steps that are as long as the frames are apart."""
+NEAR = 1.5
+"""The longer step of the other run where steps are controlled, at most, rounded so that a frame holds a whole number of
+it; twice the step where a frame holds two."""
 SAFETY = 1.25
 """Roache's factor of safety for an order that was observed in three runs."""
 ORDER, LOWEST = 2.0, 0.5
@@ -64,11 +72,14 @@ class StepError(NamedTuple):
         The force that was looked at; empty where a scene has none.
     force : float or None
         By how much its amplitude (half of its range) may be off, over that amplitude; of a run whose accuracy was asked
-        for, by how much its highest and its lowest value may be off together, over its range.
+        for or whose steps are controlled, by how much its highest and its lowest value may be off together, over its
+        range, which is no less.
     steps : tuple of float
         Of all other runs, s.
     changes : tuple of float
         Largest distances, m, between one run and the next: the first and the others, or in the order of longer steps.
+    bound : float or None
+        The error of each step, m, by which the run's steps are controlled; None where they are fixed.
     """
 
     step: float
@@ -79,6 +90,7 @@ class StepError(NamedTuple):
     force: float | None
     steps: tuple[float, ...] = ()
     changes: tuple[float, ...] = ()
+    bound: float | None = None
 
     @property
     def warning(self) -> str | None:
@@ -88,13 +100,17 @@ class StepError(NamedTuple):
         told = f"the {self.place} may be off by {self.distance:.2g} m, {100.0 * self.position:.2g} % of its motion"
         if self.force is not None:
             told += f", and the amplitude of the {self.force_place} by {100.0 * self.force:.2g} %"
-        text = f"{told}. This is estimated from runs with steps of {_listed(self.steps or (self.step,))}. "
+        steps = self.steps or (self.step,)
+        runs = "runs" if len(steps) > 1 else "a run"
+        text = f"{told}. This is estimated from {runs} with steps of {_listed(steps)}. "
+        shorter = "Take a shorter step"
+        if self.bound is not None:
+            shorter += f" and an error of each below {self.bound:.2g} m"
         if len(self.steps) > 1 and self.steps[1] < self.steps[0]:
             return text + (
-                "Take a shorter step and compare. Where friction decides what slips first, a shorter step need not do "
-                "better"
+                f"{shorter} and compare. Where friction decides what slips first, a shorter step need not do better"
             )
-        return text + "Take a shorter step, or --verify, which estimates it more closely from shorter steps"
+        return text + f"{shorter}, or --verify, which estimates it more closely from shorter steps"
 
 
 def tells_nothing_itself(model: Model) -> bool:
@@ -108,13 +124,22 @@ def runs_for(model: Model, asked: bool | None = None) -> tuple[float, ...]:
     Parameters
     ----------
     asked : bool or None
-        Whether an estimate was asked for; None takes one where steps are fixed.
+        Whether an estimate was asked for; None takes one where steps are fixed, or controlled and a longer one tells.
     """
-    if asked is False or (asked is None and (model.solver.automatic or model.solver.step_error > 0.0)):
+    controlled = model.solver.step_error > 0.0
+    if asked is None and controlled and model.longer_steps_tell:
+        return _near(model)
+    if asked is False or (asked is None and (model.solver.automatic or controlled)):
         return ()
     if asked is None and not _fixed(model):
         return HALF
     return SHORTER if asked or model.system.has_friction else LONGER
+
+
+def _near(model: Model) -> tuple[float, ...]:
+    """A step that is a little longer; half of one where a frame holds only one, or half of the frames were lost."""
+    count = round(float(model.solver.interval) / _step_taken(model))
+    return HALF if count == 1 else (count / min(math.ceil(count / NEAR), count - 1),)
 
 
 def _fixed(model: Model) -> bool:
@@ -142,7 +167,7 @@ def step_error(
     progress : callable or None
         Called with simulated and wall time, s; both go on from one of the other runs to the next.
     parts : sequence of float
-        Steps of the other runs over those of the first: ``SHORTER`` or ``LONGER``.
+        Steps of the other runs over those of the first, see `runs_for`.
 
     Returns
     -------
@@ -176,7 +201,8 @@ def estimate(
     if begin is not None:
         begin()
     given = setting or Setting()
-    own = _step_taken(subject.model(given))
+    model = subject.model(given)
+    own, bound = _step_taken(model), model.solver.step_error or None
     histories, steps, spent = [watched.of(result)], [own], 0.0
     for number, part in enumerate(parts):
         onward = _onward(progress, number * float(result.time[-1]), spent)
@@ -188,7 +214,7 @@ def estimate(
         spent += trial.wall_time or 0.0
         histories.append(watched.of(trial.result))
         steps.append(float(trial.result.attributes["step"]))
-    return _stated(result, watched, histories, steps)
+    return _stated(result, watched, histories, steps, bound)
 
 
 def _step_taken(model: Model) -> float:
@@ -229,7 +255,9 @@ def _onward(
     return None if progress is None else lambda simulated, wall: progress(since + simulated, spent + wall)
 
 
-def _stated(result: Result, watched: Watched, histories: list[History], steps: list[float]) -> StepError | str:
+def _stated(
+    result: Result, watched: Watched, histories: list[History], steps: list[float], bound: float | None
+) -> StepError | str:
     """The error of the first of some runs."""
     shorter = steps[1] < steps[0]
     pairs = [(0, i) for i in range(1, len(steps))] if shorter else [(i, i - 1) for i in range(1, len(steps))]
@@ -238,7 +266,11 @@ def _stated(result: Result, watched: Watched, histories: list[History], steps: l
         common = at_common_times(histories[coarse], histories[fine])
         if common is None:
             return "the runs with other steps have no frames at the same times"
-        changes.append(apart(*common, watched.extent))
+        distance, position, force = apart(*common, watched.extent)
+        if bound is not None and force is not None:
+            # Errors of the highest and the lowest value may cancel in the amplitude.
+            force = ends_apart(*(x.force for x in common))
+        changes.append((distance, position, force))
     distances, positions, forces = (tuple(x) for x in zip(*changes, strict=True))
     known = None if any(f is None for f in forces) else forces
     ratios = [steps[i] / steps[i - 1] for i in range(1, len(steps))]
@@ -254,7 +286,7 @@ def _stated(result: Result, watched: Watched, histories: list[History], steps: l
     place, force_place = name_of(result, watched.point), name_of(result, watched.force)
     distance, position, force = found
     assert distance is not None and position is not None
-    return StepError(min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]), distances)
+    return StepError(min(steps[1:]), place, distance, position, force_place, force, tuple(steps[1:]), distances, bound)
 
 
 def from_shorter(changes: Sequence[float], shares: Sequence[float]) -> float:

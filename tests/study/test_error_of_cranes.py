@@ -1,0 +1,149 @@
+"""What a crane states of the error of its whole run, unasked, from one run with longer steps."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_study_verbs import only_object
+
+import tautline
+from crane.application import Crane
+from drillstring.application import Drillstring
+from tautline.cli.main import make_app
+from tautline.cli.run import run as command_line
+from tautline.results.result import Result
+from tautline.study.trials.errors import apart, ends_apart
+from tautline.study.trials.history import watch
+from tautline.study.trials.step_error import HALF, LONGER, SHORTER, at_common_times, estimate, runs_for
+from tautline.study.trials.trial import Setting, Subject
+
+DATA = Path(__file__).parents[2] / "data"
+STOP = {"table": {"time": [0, 1, 3, 3.2], "value": [0, -2, -2, 0]}}
+SCENES = {
+    "a payload of 20 t": ("hoist", {"bodies[0].mass": "20 t", "solver.end": "8 s"}),
+    "a winch that stops within 0.2 s, and rope that goes slack": (
+        "hoist", {"path[0].drum.pay_out": STOP, "solver.end": "5 s"},
+    ),
+    "a boom that slews": ("slewing", {}),
+    "a hook block with capstan friction": ("hookblock", {"solver.end": "6 s"}),
+    "a step as long as the frames are apart": ("hoist", {"solver.step": "auto", "solver.end": "8 s"}),
+}  # fmt: skip
+
+
+def scene_of(name, **keys):
+    return Crane().read(DATA / f"{name}.yaml").replace(keys)
+
+
+def model_of(name, **keys):
+    return Subject(Crane(), scene_of(name, **keys)).model(Setting())
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_crane_states_at_least_half_of_its_error_and_no_more_than_ten_times_it(name):
+    """The error is that against a tenth of the step, with a thousandth of the error of each."""
+    shipped, keys = SCENES[name]
+    subject = Subject(Crane(), scene_of(shipped, **keys))
+    model, run = subject.model(Setting()), subject.run(Setting())
+    told = estimate(subject, run.result, parts=runs_for(model))
+    exact = subject.run(Setting(step=model.solver.step / 10.0, step_error=model.solver.step_error / 1000.0))
+    watched = watch(run.result)
+    ours, true = at_common_times(watched.of(run.result), watched.of(exact.result))
+    distance, position, amplitude = apart(ours, true, watched.extent)
+    assert 0.5 * distance <= told.distance <= 10.0 * distance and 0.5 * position <= told.position
+    assert 0.5 * amplitude <= told.force <= 10.0 * ends_apart(ours.force, true.force)
+
+
+@given(
+    a=st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=8), b=st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=8)
+)
+def test_ends_of_a_force_are_apart_by_no_less_than_its_amplitude(a, b):
+    a, b = np.array(a), np.array(b)
+    if np.ptp(b) > 1.0:
+        assert ends_apart(a, b) >= abs(np.ptp(a) - np.ptp(b)) / np.ptp(b) * (1.0 - 1e-9)
+
+
+def test_errors_of_the_highest_and_the_lowest_force_do_not_cancel():
+    assert ends_apart(np.array([1.0, 3.0]), np.array([0.0, 2.0])) == 1.0
+    assert ends_apart(np.zeros(2), np.zeros(2)) == 0.0 and ends_apart(np.ones(2), np.zeros(2)) == np.inf
+
+
+@pytest.mark.parametrize(("step", "part"), [("2 ms", 25 / 17), ("5 ms", 10 / 7), ("20 ms", 1.5), ("25 ms", 2.0)])
+def test_the_longer_step_of_a_crane_divides_its_frames_evenly(step, part):
+    model = model_of("hoist", **{"solver.step": step})
+    assert (
+        runs_for(model) == (pytest.approx(part),) and runs_for(model, True) == SHORTER and runs_for(model, False) == ()
+    )
+
+
+def test_a_crane_whose_steps_are_as_long_as_its_frames_are_apart_takes_half_the_step():
+    """Twice the step would leave half of the frames to compare, which miss the peaks of the force."""
+    assert runs_for(model_of("hoist", **{"solver.step": "auto"})) == HALF
+    assert runs_for(model_of("hoist", **{"solver.step": "50 ms"})) == HALF
+
+
+def test_a_crane_with_fixed_steps_is_looked_at_as_anything_else_with_fixed_steps():
+    fixed = {"solver.control": "fixed"}
+    assert runs_for(model_of("hoist", **fixed)) == SHORTER and runs_for(model_of("sixteen_falls", **fixed)) == LONGER
+    assert runs_for(model_of("hoist", **{"solver.method": "rk4", "solver.step": "1 ms"})) == HALF
+
+
+def test_controlled_steps_of_a_drill_string_state_nothing_unasked():
+    """Friction on its wall decides what slips first: a longer step stated a third of the error."""
+    string = Drillstring().with_overrides(Drillstring().read(DATA / "jwell.yaml"), control="error", step_error=1e-5)
+    assert runs_for(Drillstring().build(string)) == ()
+
+
+@pytest.mark.parametrize("name", ["hoist", "slewing", "landing"])
+def test_the_other_run_of_a_crane_takes_fewer_steps_than_the_run_itself(name):
+    subject = Subject(Crane(), scene_of(name, **{"solver.end": "5 s"}))
+    model = subject.model(Setting())
+    (part,) = runs_for(model)
+    longer = Setting(step=model.solver.step * part, step_error=model.solver.step_error * part**3)
+    run, other = subject.run(Setting()), subject.run(longer)
+    assert other.attribute("steps") <= 0.75 * run.attribute("steps")
+    assert other.attribute("newton_iterations") <= run.attribute("newton_iterations")
+
+
+def test_a_run_from_python_does_not_pay_for_an_estimate():
+    """It is the verb `simulate` that states the error, as it is for a drill string."""
+    assert tautline.simulate(scene_of("hoist", **{"solver.end": "0.2 s"})).step_error is None
+
+
+# on the command line
+@pytest.fixture
+def crane(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+
+    def command(*arguments):
+        monkeypatch.setattr(sys, "argv", ["crane", *arguments])
+        with pytest.raises(SystemExit) as left:
+            command_line(make_app(Crane(), arguments))
+        captured = capsys.readouterr()
+        return left.value.code or 0, captured.out, captured.err
+
+    return command
+
+
+def test_a_crane_states_its_error_unasked_and_the_result_keeps_it(crane):
+    code, out, err = crane("simulate", str(DATA / "slewing.yaml"), "--end", "4", "--json")
+    report = only_object(out)
+    told = report["step_error"]
+    assert code == 0 and told["steps"] == pytest.approx([0.05 / 7]) and told["bound"] == pytest.approx(3e-5)
+    assert "estimated error due to the step" in err and "a run with 1.43 times the step; --no-verify leaves" in err
+    assert Result.read("slewing.nc").step_error == told
+
+
+def test_no_verify_leaves_the_error_of_a_crane_out(crane):
+    code, out, err = crane("simulate", str(DATA / "slewing.yaml"), "--end", "1", "--json", "--no-verify")
+    assert code == 0 and only_object(out)["step_error"] is None and "estimat" not in err
+
+
+def test_a_large_error_of_a_crane_is_warned_of_with_what_bounds_its_steps(crane):
+    stop = "path[0].drum.pay_out={table: {time: [0, 1, 3, 3.2], value: [0, -2, -2, 0]}}"
+    code, out, _ = crane("simulate", str(DATA / "hoist.yaml"), "--end", "5", "--json", "--set", stop)
+    (warning,) = [text for text in only_object(out)["warnings"] if "may be off" in text]
+    assert code == 0 and "estimated from a run with steps of 0.00714 s" in warning
+    assert "Take a shorter step and an error of each below 3e-05 m, or --verify" in warning
