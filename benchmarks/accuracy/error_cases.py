@@ -10,15 +10,19 @@ LUMPS, RHO, SPEED = "model.elements", "solver.rho_inf", "water.speed.ramp.to"
 
 
 class Case(NamedTuple):
-    """A shipped scene with some keys changed, its step and its end, s; None keeps the scene's."""
+    """A shipped scene with some keys changed, its step and its end, s; None keeps the scene's.
+
+    ``name`` says in words what is changed; empty names the keys.
+    """
 
     scene: str
     keys: dict[str, Any]
     step: float | None = None
     end: float | None = None
+    name: str = ""
 
     def __str__(self) -> str:
-        told = ", ".join(f"{key.split('.')[-1]} {value}" for key, value in self.keys.items())
+        told = self.name or ", ".join(f"{key.split('.')[-1]} {value}" for key, value in self.keys.items())
         return f"{self.scene}: {told}" if told else self.scene
 
 

@@ -37,10 +37,9 @@ from tautline.system.model import Model
 
 SHORTER, LONGER, HALF = (0.5, 1.0 / 3.0), (2.0, 4.0), (0.5,)
 """Steps of the other runs over those of the first: with dry friction or where it is asked for, without, and for an
-explicit method, which longer steps make unstable, and for steps that are as long as the frames are apart."""
+explicit method, which longer steps make unstable, and for controlled steps of which a frame holds one or two."""
 NEAR = 1.5
-"""The longer step of the other run where steps are controlled, at most, rounded so that a frame holds a whole number of
-it; twice the step where a frame holds two."""
+"""The longer step of the other run where steps are controlled, at most: a frame holds a whole number of it."""
 SAFETY = 1.25
 """Roache's factor of safety for an order that was observed in three runs."""
 ORDER, LOWEST = 2.0, 0.5
@@ -137,9 +136,9 @@ def runs_for(model: Model, asked: bool | None = None) -> tuple[float, ...]:
 
 
 def _near(model: Model) -> tuple[float, ...]:
-    """A step that is a little longer; half of one where a frame holds only one, or half of the frames were lost."""
+    """A step that is a little longer; half of one where a frame holds no more than two, and none is a little longer."""
     count = round(float(model.solver.interval) / _step_taken(model))
-    return HALF if count == 1 else (count / min(math.ceil(count / NEAR), count - 1),)
+    return HALF if count < 3 else (count / math.ceil(count / NEAR),)
 
 
 def _fixed(model: Model) -> bool:
