@@ -1,0 +1,116 @@
+"""How Python calls compiled code: arguments in memory, and what comes back."""
+
+import os
+import pickle
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from tautline.kernels.bound import Lasting
+from tautline.kernels.jit import entry, kernel
+from tautline.kernels.machine import code
+
+compiled = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is about what is compiled")
+
+
+class Load(NamedTuple):
+    place: int
+    force: np.ndarray
+
+
+@entry
+def _small(numbers):
+    numbers[0] = -1
+    return numbers[0]
+
+
+@entry
+def _several(x, n, yes, nothing, load):
+    return (x, -n), not yes, load.force[load.place], nothing is None
+
+
+@entry
+def _nothing(values):
+    values[0] = 7.0
+
+
+@entry
+def _too_many(x):
+    return (x, x, x, x), (x, x, x, x), (x, x, x, x), (x, x, x, x), x
+
+
+@entry
+def _array(values):
+    return values
+
+
+@entry
+def _sum_of(values):
+    total = 0.0
+    for i in range(values.shape[0]):
+        for j in range(values.shape[1]):
+            total += (1 + i) * (10 + j) * values[i, j]
+    return total
+
+
+def test_numbers_of_fewer_bits_keep_their_sign_on_the_way_to_python():
+    assert _small(np.zeros(2, np.int32)) == -1 and _small(np.zeros(2, np.int8)) == -1
+    assert _small(np.zeros(2, np.float32)) == -1.0
+
+
+def test_tuples_truth_values_and_nothing_go_both_ways():
+    given = 1.5, 3, True, None, Load(1, np.array([2.0, 4.0]))
+    assert _several(*given) == ((1.5, -3), False, 4.0, True)
+    assert _several(1.5, 3, False, None, given[-1])[1] is True
+    values = np.zeros(1)
+    assert _nothing(values) is None and values[0] == 7.0
+
+
+@pytest.mark.parametrize("made", [lambda a: a, np.asfortranarray, lambda a: np.repeat(a, 2, axis=1)[:, ::2]])
+def test_an_array_is_read_as_it_lies_in_memory(made):
+    """Sum over (1 + i) (10 + j) a_ij, by NumPy."""
+    values = np.arange(6.0).reshape(2, 3)
+    expected = float(np.sum((1 + np.arange(2))[:, None] * (10 + np.arange(3)) * values))
+    assert _sum_of(made(values)) == expected
+
+
+@compiled
+def test_what_python_cannot_take_from_memory_is_refused():
+    for function, given in ((_too_many, 1.0), (_array, np.zeros(2))):
+        with pytest.raises(TypeError, match="gives back what Python cannot take"):
+            function(given)
+
+
+def test_arguments_that_last_are_found_once_and_an_equal_one_in_their_place_is_found_anew():
+    calls, load = Lasting(), Load(0, np.array([2.0, 4.0]))
+    assert calls.call(_several, (1.0, 1, True, None, load)) == ((1.0, -1), False, 2.0, True)
+    load.force[0] = 3.0
+    assert calls.call(_several, (1.0, 1, True, None, load))[2] == 3.0
+    for place in (0, 1):
+        other = Load(place, np.array([5.0, 6.0]))
+        assert calls.call(_several, (1.0, 1, True, None, other))[2] == 5.0 + place
+
+
+@kernel
+def _third(x):
+    return x / 3.0
+
+
+@compiled
+def test_code_that_refers_to_what_is_nowhere_counts_as_absent_and_ends_no_process():
+    @entry
+    def whole(x):
+        return 3.0 * _third(x)
+
+    assert whole(2.0) == 2.0
+    name = code.name_of(whole.py_func, (float,))
+    (stored,) = code.read(whole.py_func, name)
+    assert code.load(stored) is not None
+    assert code.load(stored._replace(needed=("there_is_none_of_this_name",))) is None
+
+
+@compiled
+def test_forms_go_to_another_process_as_they_are():
+    found = next(iter(_several._found), None) or (float, int)
+    assert pickle.loads(pickle.dumps(found)) == found
