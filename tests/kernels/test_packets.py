@@ -2,6 +2,9 @@
 
 import os
 import pickle
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -114,3 +117,49 @@ def test_code_that_refers_to_what_is_nowhere_counts_as_absent_and_ends_no_proces
 def test_forms_go_to_another_process_as_they_are():
     found = next(iter(_several._found), None) or (float, int)
     assert pickle.loads(pickle.dumps(found)) == found
+
+
+@compiled
+def test_threads_that_ask_for_the_same_code_at_once_get_the_same():
+    @entry
+    def whole(x):
+        return 6.0 * _third(x)
+
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(whole, np.arange(1.0, 9.0))) == [2.0 * x for x in range(1, 9)]
+        fresh = entry(whole.py_func)
+        assert len({pool.submit(fresh.at, (float,)).result().address for _ in range(4)}) == 1
+
+
+CHANGED = """
+import sys
+from tautline.kernels.jit import entry
+
+def made(factor):
+    space = {}
+    exec(f"def whole(x):\\n    return {factor} * x\\n", space)
+    space["whole"].__module__ = "changed"
+    return entry(space["whole"])
+
+import types
+sys.modules["changed"] = types.ModuleType("changed")
+print(*(made(float(factor))(1.0) for factor in sys.argv[1:]))
+"""
+
+
+@compiled
+def test_changed_code_of_one_name_does_not_run_as_what_it_was_before(tmp_path):
+    """Each of two processes has given its code the same symbol; the third loads both."""
+
+    def run(*factors):
+        done = subprocess.run(
+            [sys.executable, "-c", CHANGED, *factors], capture_output=True, text=True, cwd=tmp_path,
+            env={**os.environ, "TAUTLINE_CACHE": str(tmp_path)},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr[-2000:]
+        return done.stdout.split()
+
+    assert run("2") + run("3") == ["2.0", "3.0"]
+    symbols = {code._from_bytes(file.read_bytes()).symbol for file in tmp_path.rglob("whole-*.code")}
+    assert len(symbols) == 1
+    assert run("2", "3", "2") == ["2.0", "3.0", "2.0"]

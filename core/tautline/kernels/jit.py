@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import functools
 import inspect
-import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -41,8 +40,6 @@ no wrappers that unpack Python's objects: what is called by Python takes its arg
 
 
 ROUTINES.append(lambda: compiler().make_ready())
-_making = threading.RLock()
-"""Held while code is read or compiled."""
 
 
 class Kernel:
@@ -73,17 +70,16 @@ class Kernel:
         return self.compiled._numba_type_
 
     def at(self, forms: tuple[Form, ...]) -> Machine:
-        """Machine code for the forms of the arguments, loaded or compiled now if it was not yet."""
-        found = self._found.get(forms)
-        if found is None:
-            with _making:
-                found = self._found.get(forms) or self._loaded(forms) or self._made(forms)
-        return found
+        """Machine code for the forms of the arguments, loaded or compiled now if it was not yet.
+
+        There is no lock of our own around it: compiling takes numba's, and what is compiled may ask for this in turn.
+        Two threads that do it at once get the same.
+        """
+        return self._found.get(forms) or self._loaded(forms) or self._made(forms)
 
     def is_ready(self, forms: tuple[Form, ...]) -> bool:
         """Whether there is machine code for the forms, in this process or in a file; it is loaded then."""
-        with _making:
-            return forms in self._found or self._loaded(forms) is not None
+        return forms in self._found or self._loaded(forms) is not None
 
     def forget(self, which: Callable[[tuple[Form, ...]], bool]) -> None:
         """Forget the machine code for forms of arguments of which a function says yes."""

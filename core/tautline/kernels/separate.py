@@ -39,15 +39,16 @@ def find(name: str) -> None:
     """Have LLVM know the address of separate code, which is compiled or loaded now if it was not yet."""
     if name in _found:
         return
-    _found.add(name)
     if _for_others:
         # A call would end the process, with words.
-        llvmlite.binding.add_symbol(name, ctypes.cast(ctypes.pythonapi.Py_FatalError, ctypes.c_void_p).value)
-        return
-    if name not in _known:
-        importlib.import_module(name.split(":")[1])
-    kernel, forms = _known[name]
-    llvmlite.binding.add_symbol(name, kernel.at(forms).address)
+        address = ctypes.cast(ctypes.pythonapi.Py_FatalError, ctypes.c_void_p).value
+    else:
+        if name not in _known:
+            importlib.import_module(name.split(":")[1])
+        kernel, forms = _known[name]
+        address = kernel.at(forms).address
+    llvmlite.binding.add_symbol(name, address)
+    _found.add(name)
 
 
 FINDERS[BEGINNING] = find

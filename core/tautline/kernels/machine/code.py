@@ -8,11 +8,11 @@ be read is as good as absent.
 from __future__ import annotations
 
 import contextlib
-import functools
 import hashlib
 import json
 import os
 import tempfile
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -159,8 +159,16 @@ def _form(told: Any) -> Form:
 # -- into a process ----------------------------------------------------------------------------------------------------
 
 
-@functools.cache
-def _engine() -> Any:
+_linking = threading.Lock()
+_linked: dict[tuple[str, int], int] = {}
+"""Addresses of what was brought into the process, by symbol and a hash of the code."""
+
+
+_engines: list[Any] = []
+"""What has brought code into the process. It stays as long as that, and finds a symbol that it has twice only once."""
+
+
+def _new_engine() -> Any:
     """What brings object files into memory and links them: LLVM's own, of which numba has another."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
@@ -169,7 +177,8 @@ def _engine() -> Any:
         cpu=llvm.get_host_cpu_name(), features=instructions(), opt=3, codemodel="jitdefault", jit=True,
         reloc="static" if described.name.startswith("x86") else "default",  # as numba compiles
     )  # fmt: skip
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    _engines.append(llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine))
+    return _engines[-1]
 
 
 def load(stored: Stored) -> int | None:
@@ -180,11 +189,16 @@ def load(stored: Stored) -> int | None:
     for symbol in stored.needed:
         if not _is_known(symbol):
             return None
-    engine = _engine()
-    engine.add_object_file(llvm.ObjectFileRef.from_data(stored.code))
-    engine.finalize_object()
-    address = engine.get_function_address(stored.symbol)
-    return int(address) or None
+    known = stored.symbol, hash(stored.code)
+    with _linking:
+        if known not in _linked:
+            # A changed kernel may have the symbol of what it was before.
+            is_new = all(symbol != stored.symbol for symbol, _ in _linked)
+            engine = _engines[0] if _engines and is_new else _new_engine()
+            engine.add_object_file(llvm.ObjectFileRef.from_data(stored.code))
+            engine.finalize_object()
+            _linked[known] = int(engine.get_function_address(stored.symbol))
+        return _linked[known] or None
 
 
 def _is_known(symbol: str) -> bool:
