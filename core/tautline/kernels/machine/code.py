@@ -8,6 +8,7 @@ be read is as good as absent.
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import json
 import os
@@ -164,12 +165,12 @@ _linked: dict[tuple[str, int], int] = {}
 """Addresses of what was brought into the process, by symbol and a hash of the code."""
 
 
-_engines: list[Any] = []
-"""What has brought code into the process. It stays as long as that, and finds a symbol that it has twice only once."""
+@functools.cache
+def _engine() -> Any:
+    """What brings object files into memory and links them: LLVM's own, of which numba has another.
 
-
-def _new_engine() -> Any:
-    """What brings object files into memory and links them: LLVM's own, of which numba has another."""
+    Of a symbol that comes twice, in code that was changed, it knows the address of the last.
+    """
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     described = llvm.Target.from_triple(llvm.get_process_triple())
@@ -177,8 +178,7 @@ def _new_engine() -> Any:
         cpu=llvm.get_host_cpu_name(), features=instructions(), opt=3, codemodel="jitdefault", jit=True,
         reloc="static" if described.name.startswith("x86") else "default",  # as numba compiles
     )  # fmt: skip
-    _engines.append(llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine))
-    return _engines[-1]
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
 
 
 def load(stored: Stored) -> int | None:
@@ -192,9 +192,7 @@ def load(stored: Stored) -> int | None:
     known = stored.symbol, hash(stored.code)
     with _linking:
         if known not in _linked:
-            # A changed kernel may have the symbol of what it was before.
-            is_new = all(symbol != stored.symbol for symbol, _ in _linked)
-            engine = _engines[0] if _engines and is_new else _new_engine()
+            engine = _engine()
             engine.add_object_file(llvm.ObjectFileRef.from_data(stored.code))
             engine.finalize_object()
             _linked[known] = int(engine.get_function_address(stored.symbol))
