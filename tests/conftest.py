@@ -35,10 +35,10 @@ def _no_helpers_beside_workers():
         parallel_compile.HELPERS = 0
 
 
-NOT_RUN = ("references", "figures", "results", "input", "view", "wellbore", "layers")
-"""Folders of tests that read, draw or integrate apart, and have next to nothing compiled; the last runs a scene."""
-FIRST = Path("physics") / "test_relaxation.py"
-"""Has the loops over steps of ropes compiled, which the second worker is the first to need, for a scene that is read.
+NOT_RUN = ("references", "input", "figures", "wellbore", "view", "results", "layers")
+"""Folders of tests that read, draw or integrate apart, and have next to nothing compiled; the last ones run a scene."""
+FIRST = (Path("physics") / "test_relaxation.py", Path("cli") / "test_set.py")
+"""Have the loops over steps of ropes compiled, and a crane, which the second worker is the first to need.
 
 They take ten seconds each. Strings have their own, and both workers would come to those of ropes at one time."""
 
@@ -54,13 +54,18 @@ def pytest_collection_modifyitems(items):
     apart = [item for item in items if _folder(item) in NOT_RUN]
     apart.sort(key=lambda item: NOT_RUN.index(_folder(item)))
     run = [item for item in items if _folder(item) not in NOT_RUN]
-    run.sort(key=lambda item: (item.path != TESTS / FIRST, not _is_of_strings(item.path)))
+    run.sort(key=lambda item: (_place(item.path), not _is_of_strings(item.path)))
     middle = len(items) // 2
     items[:] = [*run[:middle], *apart, *run[middle:]]
 
 
 def _folder(item):
     return item.path.relative_to(TESTS).parts[0]
+
+
+def _place(path):
+    place = path.relative_to(TESTS)
+    return FIRST.index(place) if place in FIRST else len(FIRST)
 
 
 @cache

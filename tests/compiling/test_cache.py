@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from of_the_suite import studies
 
 import drillstring
 import tautline
@@ -352,7 +353,7 @@ def test_a_damaged_file_is_written_anew(tmp_path, kind, several):
     assert values(cache) == [6.0] * len(DAMAGE) and files(cache) == mended
 
 
-@pytest.mark.parametrize("named", ["file", "file/below", "link", "~nobody-of-this-name/x", "/proc/cache"])
+@pytest.mark.parametrize("named", ["~nobody-of-this-name/x", "/proc/cache", *studies("file", "file/below", "link")])
 def test_where_nothing_can_be_kept_a_temporary_folder_takes_its_place_which_is_said_once(tmp_path, named):
     (tmp_path / "file").write_text("not a folder")
     (tmp_path / "link").symlink_to("/proc/nowhere")

@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 
 from tautline.elements.nodal.load import Loads
 from tautline.integrators.method import METHODS
@@ -97,7 +98,7 @@ def cache(tmp_path):
     return cache
 
 
-@pytest.mark.parametrize("helpers", ["0, 1", "2, 1"], ids=["alone", "two helpers"])
+@pytest.mark.parametrize("helpers", ["2, 1", *studies("0, 1")], ids=["two helpers", "alone"])
 def test_a_scene_with_a_group_that_no_helper_can_import_is_compiled_once_and_runs(tmp_path, cache, helpers):
     """x = F t^2 / (2 m) = 0.25 at 1 s; `Ball` lives in a script that only its own process knows."""
     answers, script = [], tmp_path / "ball.py"

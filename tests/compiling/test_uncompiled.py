@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 
 import tautline
 from tautline.results.result import Result
@@ -43,7 +44,7 @@ def test_kernels_run_uncompiled(tmp_path):
     [
         ("drillstring", "jwell", 0.02, ("tension", "bit_speed")),
         ("crane", "hoist", 0.05, ("tension", "body_position")),
-        ("gardenhose", "hose", 0.01, ("position",)),
+        *studies(("gardenhose", "hose", 0.01, ("position",))),
     ],
 )
 def test_a_command_run_uncompiled_finds_what_it_finds_compiled(command, scene, end, of_interest, tmp_path):

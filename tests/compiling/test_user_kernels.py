@@ -76,7 +76,6 @@ def run(tmp_path):
 def test_an_edited_script_runs_what_it_says_now(run):
     """The kernel itself, a constant of the script, and back: that one is still in the cache."""
     assert run() == [6.0, 0]
-    assert run() == [6.0, 1]
     assert run(body="x * FACTOR + 1.0") == [7.0, 0]
     assert run(factor="5.0") == [10.0, 0]
     assert run() == [6.0, 1]

@@ -11,6 +11,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from of_the_suite import studies
 
 import crane
 import drillstring
@@ -50,12 +51,17 @@ def copy(tmp_path_factory):
     return folder
 
 
-def test_the_same_sources_elsewhere_and_at_another_time_have_the_same_key(copy, tmp_path):
-    assert script(NAMES, tmp_path, PYTHONPATH=str(copy)) == script(NAMES, tmp_path)
+@pytest.fixture(scope="module")
+def before(copy, tmp_path_factory):
+    """The names of the copy as it is."""
+    return script(NAMES, tmp_path_factory.mktemp("before"), PYTHONPATH=str(copy))
 
 
-def test_a_changed_application_changes_the_key_of_its_own_kernels_alone(copy, tmp_path):
-    before = script(NAMES, tmp_path, PYTHONPATH=str(copy))
+def test_the_same_sources_elsewhere_and_at_another_time_have_the_same_key(before, tmp_path):
+    assert before == script(NAMES, tmp_path)
+
+
+def test_a_changed_application_changes_the_key_of_its_own_kernels_alone(copy, before, tmp_path):
     file = copy / "crane" / "geometry" / "line.py"
     text = file.read_text()
     file.write_text(text + "\nX = 1\n")
@@ -64,8 +70,7 @@ def test_a_changed_application_changes_the_key_of_its_own_kernels_alone(copy, tm
     assert [a == b for a, b in zip(after, before, strict=True)] == [True, False, True]
 
 
-def test_a_changed_core_changes_the_folder(copy, tmp_path):
-    before = script(NAMES, tmp_path, PYTHONPATH=str(copy))
+def test_a_changed_core_changes_the_folder(copy, before, tmp_path):
     file = copy / "tautline" / "kernels" / "factors" / "band.py"
     text = file.read_text()
     file.write_text(text + "\nX = 1\n")
@@ -74,10 +79,10 @@ def test_a_changed_core_changes_the_folder(copy, tmp_path):
     assert after[0] != before[0]
 
 
-@pytest.mark.parametrize("setting", ["NUMBA_BOUNDSCHECK=1", "NUMBA_OPT=1"])
-def test_code_that_numba_is_told_to_compile_otherwise_is_kept_apart(setting, tmp_path):
+@pytest.mark.parametrize("setting", ["NUMBA_BOUNDSCHECK=1", *studies("NUMBA_OPT=1")])
+def test_code_that_numba_is_told_to_compile_otherwise_is_kept_apart(setting, copy, before, tmp_path):
     name, _, value = setting.partition("=")
-    assert script(NAMES, tmp_path, **{name: value})[0] != script(NAMES, tmp_path)[0]
+    assert script(NAMES, tmp_path, PYTHONPATH=str(copy), **{name: value})[0] != before[0]
 
 
 @pytest.mark.parametrize("missing", V3)

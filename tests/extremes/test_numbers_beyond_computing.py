@@ -8,6 +8,7 @@ import pytest
 import yaml
 from extremes.fuzzing import outcome
 from extremes.mutations import Case, scenes
+from of_the_suite import studies
 
 from tautline.kernels.time_function import sample
 from tautline.scene.functions import Table
@@ -94,7 +95,7 @@ DIVISORS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("value", [1e308, 1e-308, 5e-324, 1e155])
+@pytest.mark.parametrize("value", [1e308, 1e-308, *studies(5e-324, 1e155)])
 @pytest.mark.parametrize(
     ("application", "name", "place"), [(a, *place) for a, places in DIVISORS.items() for place in places],
     ids=lambda value: ".".join(map(str, value)) if isinstance(value, tuple) else None,

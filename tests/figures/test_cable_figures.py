@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from figures.pages import check
+from of_the_suite import studies
 
 from tautline.application.pictures import Plots
 from tautline.cable.application import Cable
@@ -89,7 +90,7 @@ def test_the_overview_shows_the_node_that_moves_most():
     np.testing.assert_allclose(place["y"], 12 + (0.1 + 9 / 49) * np.arange(50))
 
 
-@pytest.mark.parametrize("kind", [{}, {"frames": 1}, {"frames": 2}, {"scale": 0.0}, {"scale": 1e7}], ids=str)
+@pytest.mark.parametrize("kind", [{}, {"frames": 1}, {"scale": 0.0}, *studies({"frames": 2}, {"scale": 1e7})], ids=str)
 def test_every_figure_is_drawn_without_a_warning(tmp_path, kind):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from figures.pages import check, leave_out_pixels
 from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, result
+from of_the_suite import studies
 
 from crane.geometry.drawing import outline
 from crane.results.course import course_of, laid_out
@@ -35,14 +36,17 @@ KINDS = [
     (one_fall(rope=NEAR), {"slack": True, "across": 3.0}, EACH),
     (one_fall(), {"frames": 1}, ["overview", "path", "tension", "rainflow", "bending"]),
     (one_fall(), {"bounce": 0.0, "rise": 0.0, "sway": 0.0}, ["overview", "payload", "bending"]),
-    (deep(), {}, ["path"]),
     (falls(2, mesh={"elements_per_span": 1}), {"frames": 2}, ["path", "sheaves"]),
-    (falls(8), {"frames": 21}, ["path", "tension", "bending"]),
 ]
 """Scenes, kinds of results, and which figures differ in them from those of the first: they are laid out."""
+MORE_KINDS = [(deep(), {}, ["path"]), (falls(8), {"frames": 21}, ["path", "tension", "bending"])]
 
 
-@pytest.mark.parametrize(("of", "kind", "other"), KINDS, ids=[f"{of.title}{kind}" for of, kind, _ in KINDS])
+@pytest.mark.parametrize(
+    ("of", "kind", "other"),
+    [*KINDS, *studies(*MORE_KINDS)],
+    ids=[f"{of.title}{kind}" for of, kind, _ in KINDS + MORE_KINDS],
+)
 def test_every_figure_is_drawn_without_a_warning(tmp_path, of, kind, other):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -9,6 +9,7 @@ import pytest
 from figures.pages import check, leave_out_pixels
 from figures.synthetic_hose import result as hose
 from figures.synthetic_string import result
+from of_the_suite import studies
 
 from drillstring.view.figures import FIGURES, draw, figures
 from tautline.results.errors import ResultError
@@ -23,15 +24,12 @@ BIT = ("drilling", "phase")
     "kind",
     [
         {},
-        {"turning": True},
         {"turning": True, "frames": 200},
         {"frames": 1},
-        {"frames": 2},
-        {"bodies": 1},
         {"vertical": True},
-        {"frames": 1, "bodies": 1},
         {"drilling": True},
-        {"drilling": True, "frames": 1},
+        *studies({"turning": True}, {"frames": 2}, {"bodies": 1}, {"frames": 1, "bodies": 1}),
+        *studies({"drilling": True, "frames": 1}),
     ],
     ids=str,
 )

@@ -1,7 +1,6 @@
 """Any stored variable is drawn by its name: against time, against another, down a profile, of several results."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from figures.synthetic_crane import result as crane
 from figures.synthetic_hose import result as hose
 from figures.synthetic_string import result as string
 
-import tautline
 from crane.view.figures import draw as draw_crane
 from drillstring.view.figures import draw
 from gardenhose.view.figures import draw as draw_hose
@@ -247,18 +245,3 @@ def test_the_verb_draws_a_variable_against_another_into_the_file_that_it_is_give
     verb(Single(Drillstring()), [tmp_path / "well.nc"], file, ["hook_load"], "block_position", None, True)
     assert json.loads(capsys.readouterr().out)["figures"] == [str(file)]
     assert "hook load [kN]" in file.read_text() and "block position [m]" in file.read_text()
-
-
-def test_limits_of_the_scene_are_drawn_with_their_variable_where_they_are_near():
-    scene = (Path(__file__).parents[2] / "data" / "hoist.yaml").read_text(encoding="utf8")
-    near = "{output: winch.tension, above: 60 kN, name: overload}"
-    far = "{output: winch.tension, above: 9 MN, name: far}"
-    largest = "{output: max_tension, above: 65 kN, name: largest}"
-    text = scene.replace("end: 12 s", "end: 1 s") + f"limits: [{near}, {far}, {largest}]\n"
-    result = tautline.simulate(tautline.read(text))
-    (plot,) = result.plot("drum_tension").axes
-    lines = {line.get_label(): line.get_ydata() for line in plot.lines}
-    assert list(lines["overload"]) == [60.0, 60.0] and not {"far", "largest"} & set(lines)
-    (plot,) = result.plot("tension:winch to boom tip:first").axes
-    assert "largest" in [line.get_label() for line in plot.lines]
-    assert len(result.plot("body_position").axes) == 3

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from figures.pages import check, lay_out, leave_out_pixels
 from figures.synthetic_hose import LENGTH, result
+from of_the_suite import studies
 
 from gardenhose.motion.curves import name_of, plane_of, shape_of, snapped, spread
 from gardenhose.motion.limit_cycle import limit_cycle
@@ -31,15 +32,11 @@ def lines(plot):
         {},
         {"frames": 1},
         {"frames": 2},
-        {"frames": 3},
-        {"frames": 30},
         {"elements": 1, "tilt": 0.6},
-        {"swing": 0.0},
-        {"swing": 0.0, "start": 1.0, "growth": 9.0},
         {"swing": 0.0, "sag": 0.0},
-        {"speed": 0.0},
-        {"speed": -20.0},
         RAMP,
+        *studies({"frames": 3}, {"frames": 30}, {"swing": 0.0}, {"swing": 0.0, "start": 1.0, "growth": 9.0}),
+        *studies({"speed": 0.0}, {"speed": -20.0}),
     ],
     ids=str,
 )

@@ -7,10 +7,19 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture
-def architecture():
+@pytest.fixture(scope="module")
+def imports():
+    """What the files import, read once."""
     from benchmarks.pages import architecture
 
+    return architecture.panels()
+
+
+@pytest.fixture
+def architecture(imports, monkeypatch):
+    from benchmarks.pages import architecture
+
+    monkeypatch.setattr(architecture, "panels", lambda: imports)
     return architecture
 
 

@@ -1,14 +1,20 @@
 """Each test says in its name what it claims."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 TESTS = Path(__file__).parents[1]
 MERE = {"basic", "basics", "simple", "misc", "smoke", "stuff", "various"}
 
 
+@cache
 def functions():
     """File and node of every test."""
+    return list(_functions())
+
+
+def _functions():
     for path in sorted(TESTS.rglob("test_*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf8"))):
             if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):

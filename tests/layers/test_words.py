@@ -1,6 +1,7 @@
 """The field's words: home-made ones that were replaced do not come back, and the glossary holds each term once."""
 
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,13 @@ REPLACED = {
 OWN = {"test_words.py"}
 
 
+@cache
 def texts():
+    """Every file that is read by people, and its text."""
+    return [(path, path.read_text(encoding="utf8")) for path in _files() if path.name not in OWN]
+
+
+def _files():
     for folder, kinds in (
         ("core", ("py",)),
         ("apps", ("py", "yaml")),
@@ -40,8 +47,8 @@ def test_a_word_that_was_replaced_stands_nowhere(word):
     pattern = re.compile(word, flags=re.IGNORECASE)
     found = [
         f"{path.relative_to(ROOT)}: {match.group()}: {REPLACED[word]}"
-        for path in texts()
-        if path.name not in OWN and (match := pattern.search(path.read_text(encoding="utf8")))
+        for path, text in texts()
+        if (match := pattern.search(text))
     ]
     assert found == []
 

@@ -340,8 +340,8 @@ def test_what_stops_without_frames_says_so_all_the_same():
         sim.result  # noqa: B018
 
 
-@pytest.mark.parametrize("count", [1000, pytest.param(10_000, marks=pytest.mark.study)])
-def test_thousands_of_advances_leak_nothing(count):
+@pytest.mark.parametrize("count", [300, pytest.param(10_000, marks=pytest.mark.study)])
+def test_hundreds_of_advances_leak_nothing(count):
     sim = tautline.Simulation(scene_of("hoist"), inputs=["winch.pay_out"], keep=1.0)
     out = sim["winch.pay_out"]
 
@@ -351,7 +351,7 @@ def test_thousands_of_advances_leak_nothing(count):
             sim.advance(0.01)
             sim["winch.tension"]
 
-    some(500)
+    some(200)
     gc.collect()
     tracemalloc.start()
     some(10)
@@ -360,7 +360,7 @@ def test_thousands_of_advances_leak_nothing(count):
     gc.collect()
     grown = tracemalloc.get_traced_memory()[0] - before
     tracemalloc.stop()
-    assert grown < 100_000
+    assert grown < min(100_000, 100 * count)
 
 
 def test_copies_roll_out_on_threads_to_what_each_alone_comes_to():

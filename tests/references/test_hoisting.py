@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
+from of_the_suite import studies
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
@@ -92,7 +93,7 @@ def waves(hoist, end, step):
 @pytest.mark.parametrize(
     ("hoist", "end"),
     [
-        (Hoist(damping=0.0, green=0.0, length=100.0, speed=-30.0, nodes=12), 3.0),  # to 25 m
+        *studies((Hoist(damping=0.0, green=0.0, length=100.0, speed=-30.0, nodes=12), 3.0)),  # to 25 m
         (replace(LOWERING, damping=0.0, green=0.0, nodes=32), 6.0),
     ],
 )
@@ -109,7 +110,7 @@ def test_linear_fall_is_the_sum_of_its_waves(hoist, end):
 
 
 # balances
-@pytest.mark.parametrize(("hoist", "end"), [(Hoist(nodes=12), 2.0), (replace(LOWERING, nodes=16), 4.0)])
+@pytest.mark.parametrize(("hoist", "end"), [(replace(LOWERING, nodes=16), 4.0), *studies((Hoist(nodes=12), 2.0))])
 def test_energy_is_what_the_drum_gives_less_what_damping_takes(hoist, end):
     solution = hoist.solve(end, 1e-8)
     X, W = leggauss(6)
@@ -147,7 +148,7 @@ def elements(hoist, count, times):
     return N[:, -1] + hoist.mass_per_length * hoist.gravity * h / 2  # from the middle of the last element
 
 
-@pytest.mark.parametrize("remaining", [0.0, 50.0])
+@pytest.mark.parametrize("remaining", [0.0, *studies(50.0)])
 def test_load_loss_is_that_of_fine_linear_elements(remaining):
     hoist = Hoist(speed=0.0, remaining=remaining, nodes=48)
     times = np.linspace(0.002, 0.04, 20)
@@ -164,7 +165,8 @@ def stored():
 
 
 @pytest.mark.parametrize(
-    ("name", "until"), [("hoist", 1.5), ("lowering", 6.0), ("load_loss_to_0", 0.03), ("load_loss_to_1000", 0.1)]
+    ("name", "until"),
+    [("hoist", 1.5), ("lowering", 6.0), ("load_loss_to_1000", 0.1), *studies(("load_loss_to_0", 0.03))],
 )
 def test_histories_in_the_file_are_what_a_coarser_mesh_gives(stored, name, until):
     case = stored[name]

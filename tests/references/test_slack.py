@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -54,7 +55,7 @@ def test_damped_linear_snap_is_the_closed_form():
     assert motion.peaks[0] == (pytest.approx(v / g + top, rel=1e-7), pytest.approx(3.2e6 * force(top)[0], rel=1e-10))
 
 
-@pytest.mark.parametrize("case", [HEAVING, BOUNCING])
+@pytest.mark.parametrize("case", [HEAVING, *studies(BOUNCING)])
 def test_energy_is_the_tips_work_less_the_heat(case):
     motion = case.simulate(8.0, case.rest(), tolerance=1e-11)
     times = np.linspace(0, 8, 81)
@@ -75,7 +76,9 @@ def test_events_do_not_matter_to_small_steps():
     assert HEAVING.at(motion, [5.0])[:2, 0] == pytest.approx(done.y[:, -1], abs=1e-6)
 
 
-@pytest.mark.parametrize(("case", "end", "slacks", "peak"), [(HEAVING, 20.0, 1, 549167), (BOUNCING, 36.0, 2, 312567)])
+@pytest.mark.parametrize(
+    ("case", "end", "slacks", "peak"), [(HEAVING, 20.0, 1, 549167), *studies((BOUNCING, 36.0, 2, 312567))]
+)
 def test_motion_becomes_periodic_with_a_slack_rope_in_every_period(case, end, slacks, peak):
     motion = case.simulate(end, case.rest(), tolerance=1e-9)
     last = motion.changes[motion.changes > end - 4]

@@ -432,3 +432,17 @@ def test_a_simulation_that_is_stepped_judges_what_it_has_kept():
     sim.advance_to(0.5)
     found = given(sim.result)["overload"]
     assert found["passed"] is False and found["until"] == pytest.approx(0.5)
+
+
+def test_limits_of_the_scene_are_drawn_with_their_variable_where_they_are_near():
+    near = "{output: winch.tension, above: 60 kN, name: overload}"
+    far = "{output: winch.tension, above: 9 MN, name: far}"
+    largest = "{output: max_tension, above: 65 kN, name: largest}"
+    text = HOIST.replace("end: 12 s", "end: 1 s") + f"limits: [{near}, {far}, {largest}]\n"
+    result = tautline.simulate(tautline.read(text))
+    (plot,) = result.plot("drum_tension").axes
+    lines = {line.get_label(): line.get_ydata() for line in plot.lines}
+    assert list(lines["overload"]) == [60.0, 60.0] and not {"far", "largest"} & set(lines)
+    (plot,) = result.plot("tension:winch to boom tip:first").axes
+    assert "largest" in [line.get_label() for line in plot.lines]
+    assert len(result.plot("body_position").axes) == 3

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from scipy.stats import binom, genpareto, gumbel_r
 
 from tautline.statistics.gaussian import (
@@ -33,7 +34,7 @@ def test_the_fit_is_that_of_scipy():
     assert (found.location, found.scale) == pytest.approx(gumbel_r.fit(sample), rel=1e-5)
 
 
-@pytest.mark.parametrize("count", [5, 10, 40])
+@pytest.mark.parametrize("count", [5, 40, *studies(10)])
 @pytest.mark.parametrize("share", [None, 0.9])
 def test_ninety_percent_of_the_intervals_hold_for_samples_of_gumbels_distribution(count, share):
     trials, location, scale, ratio = 1500, 52.0, 4.0, 6.0

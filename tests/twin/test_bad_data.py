@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from twin.rehearsal import at, finite, lines_of, weight_twin
 
 from tautline.twin.storage import load, save
@@ -49,7 +50,7 @@ def test_bad_data_leave_the_estimate_as_it_is(kind, settled):
     assert times == sorted(times)
 
 
-@pytest.mark.parametrize("gap", [1.0, 5.0])
+@pytest.mark.parametrize("gap", [5.0, *studies(1.0)])
 def test_after_a_gap_the_twin_goes_on_and_says_that_it_was_degraded(gap, settled):
     twin, rest = settled(end=14.0 + gap)
     lines = lines_of(twin, [row for row in rest if not 9.0 <= row[0] < 9.0 + gap - 0.05])

@@ -4,6 +4,7 @@ import copy
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from twin.rehearsal import HOIST, NOT_AHEAD, SENSORS, alarms, at, hoist, lines_of, rows_of, weight_twin
 
 import tautline
@@ -12,7 +13,7 @@ from tautline.twin.twin import Twin
 TRIALS = 4
 
 
-@pytest.mark.parametrize("start", [0.5, 2.0])
+@pytest.mark.parametrize("start", [2.0, *studies(0.5)])
 def test_the_weight_is_within_one_per_cent_after_ten_seconds_from_a_start_off_by_two(start):
     within = 0
     for seed in range(TRIALS // 2):

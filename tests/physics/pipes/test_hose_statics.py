@@ -9,6 +9,7 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from physics.pipes import hoses
 from physics.pipes.hoses import COUPLINGS, TIED, at_rest, orders, scene, tip_of
 from references.hose import Parameters, static_shape
@@ -141,7 +142,7 @@ def test_turning_hose_and_gravity_together_turns_the_shape():
 @pytest.mark.parametrize(
     ("tip_mass", "outlet"), [(5e-4, 1.0), (0.0, 1.5), (5e-4, 1.5), (2e-3, 2.0)], ids=["mass", "nozzle", "both", "much"]
 )
-@pytest.mark.parametrize("U", [0, 9])
+@pytest.mark.parametrize("U", [9, *studies(0)])
 def test_hose_with_a_mass_and_a_nozzle_at_its_end_is_the_references(tip_mass, outlet, U):
     # measured at 20 elements 1.6e-6 (much), else at most 6.1e-7; at 40 elements 9.8e-8 and 3.8e-8
     for n, limit in ((20, 4e-6), (40, 2.5e-7)):

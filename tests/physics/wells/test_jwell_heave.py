@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from physics.wells.strings import run, shipped
 from references import planar_well_dynamics as planar
 
@@ -64,7 +65,7 @@ def test_bit_converges_to_the_independent_history_as_the_step_is_refined(heave, 
     assert np.polyfit(np.log(steps), np.log(sizes), 1)[0] > 1.0
 
 
-@pytest.mark.parametrize("static, step, bound", [(0.3, 1e-3, 1.0), (0.3, 5e-5, 0.15), (0.25, 5e-4, 0.02)])
+@pytest.mark.parametrize("static, step, bound", [(0.3, 1e-3, 1.0), (0.25, 5e-4, 0.02), *studies((0.3, 5e-5, 0.15))])
 def test_with_a_larger_static_factor_the_bit_follows_the_independent_history_too(heave, static, step, bound):
     """In % of its motion. Measured 0.83, 0.08, 0.006; and 1.31, 0.54, 1.68 while what came to rest swung on."""
     exact = planar.history(planar.TWO_FACTORS)[f"static_{static:g}"]
