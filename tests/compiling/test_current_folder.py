@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from of_the_suite import studies
 
 ROOT = Path(__file__).parents[2]
 NAMES = ("signal", "numba", "tautline", "json", "numpy", "sitecustomize", "drillstring", "pickle", "multiprocessing")
@@ -35,7 +36,7 @@ def was_run(folder):
     return sorted(f.name for f in folder.glob("*.was_run"))
 
 
-@pytest.mark.parametrize("path", [None, "", os.curdir], ids=["no path", "empty path", "dot"])
+@pytest.mark.parametrize("path", [None, *studies("", os.curdir)], ids=["no path", "empty path", "dot"])
 def test_a_process_that_compiles_runs_nothing_of_the_current_folder(case, path, tmp_path):
     """It takes its job, so it has loaded us, from where we are installed."""
     (tmp_path / "help.py").write_text(HELP)
@@ -54,7 +55,7 @@ def test_a_process_that_compiles_runs_nothing_of_the_current_folder(case, path, 
     assert (done.stdout.split()[-1], was_run(case)) == ("0", [])
 
 
-@pytest.mark.parametrize("verb", [("simulate", "--quiet"), ("check",)], ids=lambda v: v[0])
+@pytest.mark.parametrize("verb", [("simulate", "--quiet"), *studies((("check",),))], ids=["simulate", "check"])
 def test_a_command_runs_nothing_of_the_current_folder(case, verb):
     command = Path(sys.executable).with_name("drillstring")
     if not command.exists():

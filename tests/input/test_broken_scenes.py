@@ -541,7 +541,7 @@ def mutations(draw):
     return "\n".join(lines)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(mutations())
 def test_a_mutated_scene_is_read_or_refused_and_nothing_else(text):
     try:
@@ -587,7 +587,7 @@ KEYS = [
 KEYS += [("top", "rotation"), ("solver",), ("solver", "method"), ("model", "elements"), ("well", "wall", "friction")]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.sampled_from(KEYS), VALUES)
 def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(key, value):
     document = Document.parse(TEXT, "jwell.yaml")

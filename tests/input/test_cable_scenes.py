@@ -838,7 +838,7 @@ KEYS += [("CableModel", 5, "CableALEelement", key) for key in ("id", "nodes7", "
 KEYS += [("CableModel", 12, "Function_VelocityDefined", "pos0"), ("CableModel", 8, "LagMultipl7", "constr")]
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.sampled_from(KEYS), VALUES)
 def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(key, value):
     scene = parse(TEXT)
@@ -859,7 +859,7 @@ PLACES += [("CableModel", 12, "Function_VelocityDefined", "pos0"), ("CableModel"
 PLACES += [("GeneralizedAlpha", key) for key in ("time_step", "time_end", "plotpoints", "massDamp", "rho_inf")]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.dictionaries(st.sampled_from(PLACES), NUMBERS, min_size=1, max_size=4))
 @pytest.mark.filterwarnings("error")
 def test_any_numbers_are_read_or_refused_and_nothing_else(numbers):

@@ -99,8 +99,8 @@ def by_spans(folder, spans):
 @pytest.mark.parametrize(
     ("application", "make", "size"),
     [
-        (Drillstring, by_survey, 2000), (Drillstring, by_sections, 1000), (Drillstring, by_elements, 4000),
-        (Cable, by_spans, 200),
+        (Drillstring, by_survey, 1000), (Drillstring, by_sections, 500), (Drillstring, by_elements, 2000),
+        (Cable, by_spans, 100),
     ],
 )  # fmt: skip
 def test_reading_checking_and_building_takes_at_most_in_proportion_to(application, make, size, tmp_path):

@@ -46,12 +46,12 @@ def assert_whole(path, at_least):
 
 def test_a_killed_run_keeps_every_batch_that_was_appended(tmp_path):
     chance = random.Random(7)
-    writers = {tmp_path / f"run{i}.nc": None for i in range(12)}
+    writers = {tmp_path / f"run{i}.nc": None for i in range(6)}
     for i, path in enumerate(writers):
         process = start(path)
         assert process.stdout.readline().strip() == "ready"
         # some batches are waited for, so that a slow machine kills in the middle of the writing too
-        lines = [process.stdout.readline() for _ in range(i)]
+        lines = [process.stdout.readline() for _ in range(2 * i)]
         time.sleep(chance.uniform(0.0, 0.03))
         process.send_signal(signal.SIGKILL)
         promised = frames_promised(lines + process.stdout.read().splitlines())
@@ -60,7 +60,7 @@ def test_a_killed_run_keeps_every_batch_that_was_appended(tmp_path):
             continue  # killed before the first batch: then there is no file, and no broken one either
         assert_whole(path, promised)
         writers[path] = promised
-    assert sum(bool(promised) for promised in writers.values()) > 8, "the test killed too early to mean anything"
+    assert sum(bool(promised) for promised in writers.values()) > 4, "the test killed too early to mean anything"
 
 
 def test_a_run_killed_at_its_end_leaves_a_whole_file(tmp_path):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from of_the_suite import studies
 from references import planar_well_dynamics as planar
 from study.oscillators import OMEGA, START, lag_constant, oscillator, rk4, run, subject
 from test_study_verbs import only_object
@@ -140,7 +141,7 @@ def test_an_event_that_a_step_and_its_half_both_miss_is_in_the_stated_error(thre
     assert step_error(jumping, jump(h, 0.0)).distance < 0.01 * JUMP
 
 
-@pytest.mark.parametrize(("static", "least"), [(0.3, 0.007), (0.25, 0.015)])
+@pytest.mark.parametrize(("static", "least"), [(0.3, 0.007), *studies((0.25, 0.015))])
 def test_the_j_well_with_two_factors_of_friction_states_at_least_its_error(static, least):
     """Errors of 0.83 and 1.7 % at 1 ms, against the event-located run of other code."""
     from drillstring.application import Drillstring

@@ -80,6 +80,7 @@ def test_cases_in_which_the_string_locks_up_are_said_to_be_missing_from_percenti
     scene = tautline.read(Path(__file__).parents[2] / "data" / "iscwsa.yaml")
     sweep = {"scene": "s", "verb": "torque-drag", "vary": {"well.wall.friction": {"uniform": [0.4, 0.7]}}}
     sweep |= {"plan": {"latin_hypercube": {"samples": 6, "seed": 1}}, "collect": ["slack_off", "pick_up", "lock_ups"]}
+    sweep |= {"options": {"elements": 12}}
     read = read_sweep(sweep)
     outcome = run_sweep(read, tautline._installed().of(scene), scene, jobs=1, folder=tmp_path / "out")
     loads, locked = outcome.data["slack_off"].values, outcome.data["lock_ups"].values

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from cli.in_process import commands_of
+from of_the_suite import studies
 
 import tautline
 from crane.application import Crane
@@ -65,7 +66,7 @@ def test_a_record_has_the_columns_of_the_map_and_the_noise_that_was_asked_for(re
     assert abs(noise.mean()) < 0.004
 
 
-@pytest.mark.parametrize("way", ["file", "table", "objects"])
+@pytest.mark.parametrize("way", ["file", "objects", *studies("table")])
 def test_the_twin_answers_every_row_from_a_file_and_from_standard_input(rehearsal, here, way):
     text = (rehearsal / "r.csv").read_text()
     arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--json"]

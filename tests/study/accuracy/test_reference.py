@@ -178,7 +178,7 @@ def test_a_scene_that_sticks_and_slips_is_not_proved():
     friction = {"static": 0.4, "kinetic": 0.2, "law": "karnopp"}
     scene = straight_hole(
         1.4, 1000.0, 3, friction=friction, top__block={"harmonic": {"amplitude": 0.6, "period": 1.0}},
-        solver__step=0.01, output__interval=0.02, solver__end=2.0,
+        solver__step=0.01, output__interval=0.02, solver__end=1.0,
     )  # fmt: skip
     found = study(Subject(Drillstring(), scene), Grid(("generalized-alpha",), (0.02, 0.01)), 0.01, 1, budget=2.0)
     assert not found.reference.converged and "observed order" in found.reference.why

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from scipy.linalg import eigh
 from study.oscillators import (
     LIMIT,
@@ -247,7 +248,7 @@ def test_a_scene_without_springs_has_no_table_of_them():
 
 
 # by bisection on real runs
-@pytest.mark.parametrize(("omega", "zeta"), [(37.0, 0.0), (10.0, 0.1), (10.0, 0.5), (10.0, 3.0)])
+@pytest.mark.parametrize(("omega", "zeta"), [(37.0, 0.0), (10.0, 3.0), *studies((10.0, 0.1), (10.0, 0.5))])
 def test_bisection_encloses_the_true_limit_of_an_oscillator_within_two_per_cent(omega, zeta):
     """Where |R| = 1 on the ray of its roots: at 2 sqrt 2 without damping."""
     study, why = subject(oscillator(omega=omega, zeta=zeta, **rk4(time_end=5.0))), []

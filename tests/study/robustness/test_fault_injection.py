@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from study.oscillators import OMEGA, bar, node, oscillator, rk4, spring, subject
 from study.robustness.wrong_tangents import TOO_LARGE, faulty_subject, mounted
 
@@ -87,10 +88,14 @@ def test_a_wrong_tangent_makes_the_eigenvalues_wrong_by_its_root_and_bisection_s
     assert found.bisection[1] == pytest.approx(2.0 * 2.0**0.5 / OMEGA, rel=0.02)
 
 
-def test_a_tangent_of_a_kind_of_ours_that_is_a_tenth_too_large_is_told_by_both_verbs(quick):
-    for text, kind in ((oscillator(time_end=1.0), LinearTension), (bar(2, start=1e-3, time_end=1.0), Tension)):
-        for error, warnings in looked_at(faulty_subject(text, kind)):
-            assert error == pytest.approx(TOO_LARGE - 1.0, rel=0.2) and len(warnings) == 1
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [(oscillator(time_end=0.3), LinearTension), *studies((bar(2, start=1e-3, time_end=0.3), Tension))],
+    ids=["straight elements", "curved ones"],
+)
+def test_a_tangent_of_a_kind_of_ours_that_is_a_tenth_too_large_is_told_by_both_verbs(quick, text, kind):
+    for error, warnings in looked_at(faulty_subject(text, kind)):
+        assert error == pytest.approx(TOO_LARGE - 1.0, rel=0.2) and len(warnings) == 1
 
 
 # a reference that is not converged
