@@ -135,7 +135,7 @@ def measure(quick: bool) -> Section:
     fixed = _measured({"chosen by": QUICK if quick else CHOSEN_BY, "proved with": () if quick else PROVED_WITH}, told)
     shipped = [] if quick else list(_shipped())
     parts = [_text(), *fixed, CRANES_TEXT, *_cranes(quick), SHIPPED, table(EACH[1:], shipped)]
-    return Section(TITLE, "\n\n".join(part.strip() for part in parts), [])
+    return Section(TITLE, "\n\n".join(part.strip() for part in parts) + "\n", [])
 
 
 def _cranes(quick: bool) -> tuple[str, str]:
