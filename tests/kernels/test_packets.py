@@ -1,5 +1,6 @@
 """How Python calls compiled code: arguments in memory, and what comes back."""
 
+import copy
 import os
 import pickle
 import subprocess
@@ -95,9 +96,30 @@ def test_arguments_that_last_are_found_once_and_an_equal_one_in_their_place_is_f
         assert calls.call(_several, (1.0, 1, True, None, other))[2] == 5.0 + place
 
 
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))], ids=["copied", "sent"])
+def test_a_copy_of_what_lasts_is_found_where_its_own_arrays_are(copied):
+    calls, load = Lasting(), Load(0, np.array([2.0, 4.0]))
+    assert calls.call(_several, (1.0, 1, True, None, load))[2] == 2.0
+    other_calls, other = copied((calls, load))
+    other.force[0] = 9.0
+    assert other_calls.call(_several, (1.0, 1, True, None, other))[2] == 9.0
+    assert calls.call(_several, (1.0, 1, True, None, load))[2] == 2.0
+
+
 @kernel
 def _third(x):
     return x / 3.0
+
+
+@compiled
+@pytest.mark.skipif(os.name != "posix", reason="others have no such rights")
+def test_code_that_is_kept_may_be_read_by_whom_the_user_lets_read_his_files(tmp_path):
+    mask = os.umask(0o022)
+    try:
+        code.save(tmp_path / "whole.code", b"123")
+    finally:
+        os.umask(mask)
+    assert (tmp_path / "whole.code").stat().st_mode & 0o777 == 0o644 and len(list(tmp_path.iterdir())) == 1
 
 
 @compiled

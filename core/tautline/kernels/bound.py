@@ -63,6 +63,10 @@ class Lasting:
     def __init__(self) -> None:
         self._last: deque[tuple[Any, tuple[list[int], Any]]] = deque(maxlen=8)
 
+    def __reduce__(self) -> Any:
+        """A copy, here or in another process, knows nothing: words tell where the arrays of the original are."""
+        return Lasting, ()
+
     def call(self, function: Any, lasting: tuple[Any, ...], *more: Any) -> Any:
         """Call a kernel with arguments that last and with some for this call alone: what it gives back."""
         if UNCOMPILED:
