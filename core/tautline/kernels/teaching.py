@@ -8,6 +8,7 @@ and nowhere else.
 from __future__ import annotations
 
 import importlib
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -16,8 +17,8 @@ from tautline.kernels.machine.settings import UNCOMPILED
 ROOM = "tautline.kernels.compiling"
 _waiting: list[Callable[[], Any]] = []
 """What is to be told, in its order."""
-_loaded: list[bool] = []
-"""Not empty once the compiler is loaded."""
+_teaching = threading.RLock()
+"""Held until all of it is told: another thread has to wait with what it compiles."""
 
 
 def taught(module: str, function: str | None = None, *arguments: Any, **more: Any) -> None:
@@ -40,17 +41,14 @@ def taught(module: str, function: str | None = None, *arguments: Any, **more: An
 
     if not UNCOMPILED:
         _waiting.append(lesson)
-        if _loaded:
-            compiler()
 
 
 def compiler() -> Any:
     """What compiles (:mod:`tautline.kernels.compiling.kernels`), loaded now and told what it does not know yet."""
-    if not _loaded:
-        _loaded.append(True)
-    made = importlib.import_module(f"{ROOM}.kernels")
-    while _waiting:
-        _waiting.pop(0)()
+    with _teaching:
+        made = importlib.import_module(f"{ROOM}.kernels")
+        while _waiting:
+            _waiting.pop(0)()
     return made
 
 
