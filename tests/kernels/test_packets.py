@@ -185,3 +185,42 @@ def test_changed_code_of_one_name_does_not_run_as_what_it_was_before(tmp_path):
     symbols = {code._from_bytes(file.read_bytes()).symbol for file in tmp_path.rglob("whole-*.code")}
     assert len(symbols) == 1
     assert run("2", "3", "2") == ["2.0", "3.0", "2.0"]
+
+
+TOGETHER = """
+import sys, threading
+import numpy as np
+from tautline.kernels.jit import entry
+
+@entry
+def first(x, n):
+    return x[0] * n
+
+arrays = [np.ones(3), np.ones(3, np.int64), np.ones(6)[::2]]
+failed = []
+
+def call(k):
+    try:
+        for i in range(60):
+            assert first(arrays[(i + k) % 3], (2, 2.0)[i % 2]) == 2
+    except Exception as error:
+        failed.append(repr(error))
+
+sys.setswitchinterval(1e-6)
+threads = [threading.Thread(target=call, args=(k,)) for k in range(6)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+print(failed)
+"""
+
+
+@compiled
+def test_threads_that_compile_and_call_at_once_do_not_disturb_each_other(tmp_path):
+    """Six forms of arguments, more than are remembered, with an empty cache."""
+    done = subprocess.run(
+        [sys.executable, "-c", TOGETHER], capture_output=True, text=True, cwd=tmp_path,
+        env={**os.environ, "TAUTLINE_CACHE": str(tmp_path)},
+    )  # fmt: skip
+    assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr[-2000:]

@@ -129,7 +129,8 @@ class Kernel:
             words += more
             given.append(form)
         forms = tuple(given)
-        machine, launcher = next((code for kept, code in tuple(self._recent) if kept == forms), None) or self._launched(forms)
+        recent = tuple(self._recent)
+        machine, launcher = next((code for kept, code in recent if kept == forms), None) or self._launched(forms)
         return Packet(machine, launcher, words)
 
     def _launched(self, forms: tuple[Form, ...]) -> tuple[Machine, Launcher]:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from numba.core import types
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.typing.templates import AbstractTemplate, infer, infer_global, make_intrinsic_template
 from numba.extending import overload
@@ -47,9 +48,14 @@ def dispatcher_of(kernel: Any) -> Inner:
 def compile_whole(compiled: Inner, forms: tuple[Form, ...]) -> tuple[int, Stored]:
     """Compile a function for the forms of its arguments: its address in this process, and what is kept of it."""
     signature = tuple(map(kind_of, forms))
-    make_ready()
-    compiled.compile(signature)
-    found = compiled.overloads[signature]
+    with global_compiler_lock:
+        make_ready()
+        compiled.compile(signature)
+        return _compiled(compiled.overloads[signature])
+
+
+def _compiled(found: Any) -> tuple[int, Stored]:
+    """Address and contents of what numba has compiled."""
     library, symbol = found.library, found.fndesc.llvm_func_name
     address = int(library.get_pointer_to_function(symbol))
     module = library._final_module
@@ -66,7 +72,8 @@ def forget(compiled: Inner, forms: tuple[Form, ...]) -> None:
 
 def make_ready() -> None:
     """Have numba name the routines of its own that machine code may call."""
-    cpu_target.target_context.refresh()
+    with global_compiler_lock:
+        cpu_target.target_context.refresh()
 
 
 def is_array(kind: types.Type) -> bool:
