@@ -9,8 +9,6 @@ import pytest
 ROOT = Path(__file__).parents[2]
 QUICK = "lift_in_waves"
 """Stands for all where a kernel of Jupyter is started."""
-LONG = ("friction_from_hook_loads", "operability_of_a_lift")
-"""Whose verbs have tests of their own; their cells take as long as those of all others together."""
 NAMES = sorted(path.stem for path in (ROOT / "docs" / "tutorials").glob("*.ipynb"))
 
 
@@ -25,7 +23,7 @@ def test_there_are_six_notebooks():
     assert len(NAMES) == 6
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.study if n in LONG else ()) for n in NAMES])
+@pytest.mark.parametrize("name", NAMES)
 def test_the_cells_of_a_notebook_run_one_after_another_and_its_own_checks_hold(name, tutorials, monkeypatch, tmp_path):
     """In this process, which has loaded what the notebook needs."""
     stored = nbformat.read(tutorials.FOLDER / f"{name}.ipynb", as_version=4)

@@ -533,7 +533,6 @@ def test_settled_motion_in_space_is_a_rotation_as_the_planar_cycle_is_unstable(s
     assert np.hypot(*space["planar_cycle"]["lateral_multipliers"][0]) > 1.05
 
 
-@pytest.mark.study
 def test_growth_out_of_the_planar_cycle_in_the_file_is_what_fewer_modes_give(space):
     multipliers, period = hose.lateral_multipliers(SCENE, 15.0, 9, 3.0, 10, 5, 1e-4, 1e-2)
     assert np.log(np.abs(multipliers).max()) / period == pytest.approx(space["planar_cycle"]["growth_rate"], rel=0.02)

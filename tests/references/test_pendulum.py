@@ -94,7 +94,6 @@ def test_slewing_tip_moves_as_its_derivatives_say():
             assert (after[order] - before[order]) / (2 * h) == pytest.approx(now[order + 1], abs=1e-7)
 
 
-@pytest.mark.study
 def test_small_swing_keeps_its_action_while_the_rope_is_hauled_in_slowly():
     """(energy of the swing)/frequency: amplitude as l^(-3/4)."""
     times = np.linspace(0, 900, 36001)
