@@ -1,19 +1,17 @@
 """What a crane states of the error of its whole run, unasked, from one run with longer steps."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from study.commands import command_of
 from test_study_verbs import only_object
 
 import tautline
 from crane.application import Crane
 from drillstring.application import Drillstring
-from tautline.cli.main import make_app
-from tautline.cli.run import run as command_line
 from tautline.results.result import Result
 from tautline.study.trials.errors import apart, ends_apart
 from tautline.study.trials.history import watch
@@ -119,15 +117,7 @@ def test_a_run_from_python_does_not_pay_for_an_estimate():
 @pytest.fixture
 def crane(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-
-    def command(*arguments):
-        monkeypatch.setattr(sys, "argv", ["crane", *arguments])
-        with pytest.raises(SystemExit) as left:
-            command_line(make_app(Crane(), arguments))
-        captured = capsys.readouterr()
-        return left.value.code or 0, captured.out, captured.err
-
-    return command
+    return command_of(Crane(), monkeypatch, capsys)
 
 
 def test_a_crane_states_its_error_unasked_and_the_result_keeps_it(crane):
@@ -136,6 +126,7 @@ def test_a_crane_states_its_error_unasked_and_the_result_keeps_it(crane):
     told = report["step_error"]
     assert code == 0 and told["steps"] == pytest.approx([0.05 / 7]) and told["bound"] == pytest.approx(3e-5)
     assert "estimated error due to the step" in err and "a run with 1.43 times the step; --no-verify leaves" in err
+    assert told["place"] == "position of payload" and told["force_place"] == "axial force of element 1"
     assert Result.read("slewing.nc").step_error == told
 
 

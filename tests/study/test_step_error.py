@@ -1,6 +1,5 @@
 """The error that a run states of itself, against what the methods are known to do to an oscillation and to events."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from of_the_suite import studies
 from references import planar_well_dynamics as planar
+from study.commands import command_of
 from study.oscillators import OMEGA, START, lag_constant, oscillator, rk4, run, subject
 from test_study_verbs import only_object
 
 import drillstring.model.build
 import drillstring.scene.scene
 from tautline.cable.application import Cable
-from tautline.cli.main import make_app
-from tautline.cli.run import run as command_line
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.results.result import Result
 from tautline.results.variable import Variable
@@ -225,15 +223,7 @@ def test_progress_goes_on_from_one_run_to_the_next():
 def cable(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("bar.yaml").write_text(oscillator(time_step=0.02), encoding="utf8")
-
-    def command(*arguments):
-        monkeypatch.setattr(sys, "argv", ["cable", *arguments])
-        with pytest.raises(SystemExit) as left:
-            command_line(make_app(Cable(), arguments))
-        captured = capsys.readouterr()
-        return left.value.code or 0, captured.out, captured.err
-
-    return command
+    return command_of(Cable(), monkeypatch, capsys)
 
 
 def test_simulate_states_the_error_and_the_result_keeps_it(cable):

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from tautline.kernels.machine.packet import HEAD
 from tautline.kernels.machine.settings import UNCOMPILED
 from tautline.kernels.memory import words_of
-from tautline.kernels.packet import HEAD
 
 
 class Bound:

@@ -15,9 +15,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from tautline.kernels.machine.code import ROUTINES, load, name_of, read, write
+from tautline.kernels.machine.packet import LAUNCHER, RESULTS, Launcher, Machine, Packet, fits
 from tautline.kernels.machine.settings import UNCOMPILED, UNFUSED
 from tautline.kernels.memory import Form, Known, laid
-from tautline.kernels.packet import LAUNCHER, RESULTS, Launcher, Machine, Packet, fits
 from tautline.kernels.teaching import compiler, stands_for, taught
 
 __all__ = ["Kernel", "addressed", "entry", "kernel", "stands_for"]
@@ -36,7 +36,7 @@ OPTIONS = {
 code that would allocate an array does not compile. The time loop allocates nothing, by construction. ``contract`` lets
 a product and a sum be one instruction with one rounding; no sum is reordered, and what is no number stays so. There are
 no wrappers that unpack Python's objects: what is called by Python takes its arguments from memory
-(:mod:`tautline.kernels.packet`)."""
+(:mod:`tautline.kernels.machine.packet`)."""
 
 
 ROUTINES.append(lambda: compiler().make_ready())

@@ -16,23 +16,8 @@ from numba.core.datamodel import models
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import lower_builtin, register_model
 
-from tautline.kernels.lanes.arithmetic import (
-    LANES,
-    any_of,
-    cos,
-    exp,
-    lane,
-    larger,
-    largest,
-    negated,
-    pack,
-    sin,
-    spread,
-    sqrt,
-    total,
-    where,
-    within,
-)
+from tautline.kernels.lanes import arithmetic
+from tautline.kernels.lanes.arithmetic import LANES
 
 NUMBERS = ir.VectorType(ir.DoubleType(), LANES)
 BITS = ir.VectorType(ir.IntType(64), LANES)
@@ -208,12 +193,12 @@ _two_masks(operator.and_, "and_")
 _two_masks(operator.or_, "or_")
 
 
-@lowered(negated, lambda args: MASK if args == (MASK,) else None)
+@lowered(arithmetic.negated, lambda args: MASK if args == (MASK,) else None)
 def _negated(context, builder, sig, args):
     return builder.xor(args[0], _words(-1))
 
 
-@lowered(any_of, lambda args: types.boolean if args == (MASK,) else None)
+@lowered(arithmetic.any_of, lambda args: types.boolean if args == (MASK,) else None)
 def _any_of(context, builder, sig, args):
     answers = builder.bitcast(choice_of(builder, args[0]), ir.IntType(LANES))
     return builder.icmp_unsigned("!=", answers, ir.IntType(LANES)(0))
@@ -230,7 +215,7 @@ def _chosen(args: tuple[types.Type, ...]) -> types.Type | None:
     return types.float64 if args[0] is types.boolean and all(map(is_number, args[1:])) else None
 
 
-@lowered(where, _chosen)
+@lowered(arithmetic.where, _chosen)
 def _where(context, builder, sig, args):
     mask, x, y = args
     if sig.args[0] is MASK:
@@ -246,7 +231,7 @@ def _of_numbers(args: tuple[types.Type, ...]) -> types.Type | None:
     return None
 
 
-@lowered(larger, _of_numbers)
+@lowered(arithmetic.larger, _of_numbers)
 def _larger(context, builder, sig, args):
     if sig.return_type is LANE:
         x, y = (as_lanes(context, builder, v, t) for v, t in zip(args, sig.args, strict=True))
@@ -255,14 +240,14 @@ def _larger(context, builder, sig, args):
     return builder.select(builder.fcmp_ordered(">", x, y), x, y)
 
 
-@lowered(sqrt, _of_numbers)
+@lowered(arithmetic.sqrt, _of_numbers)
 def _sqrt(context, builder, sig, args):
     if sig.return_type is LANE:
         return _intrinsic(builder, "sqrt", NUMBERS, args[0])
     return _intrinsic(builder, "sqrt", ir.DoubleType(), context.cast(builder, args[0], sig.args[0], types.float64))
 
 
-@lowered(exp, _of_numbers)
+@lowered(arithmetic.exp, _of_numbers)
 def _exp(context, builder, sig, args):
     if sig.return_type is LANE:
         return _intrinsic(builder, "exp", NUMBERS, args[0])
@@ -318,33 +303,33 @@ def _angle_function(name: str, quarters: int) -> Callable[..., Any]:
     return code
 
 
-lowered(sin, _of_numbers)(_angle_function("sin", 0))
-lowered(cos, _of_numbers)(_angle_function("cos", 1))
+lowered(arithmetic.sin, _of_numbers)(_angle_function("sin", 0))
+lowered(arithmetic.cos, _of_numbers)(_angle_function("cos", 1))
 
 
-@lowered(lane, lambda args: types.float64 if args[0] is LANE else None)
+@lowered(arithmetic.lane, lambda args: types.float64 if args[0] is LANE else None)
 def _lane(context, builder, sig, args):
     return builder.extract_element(args[0], builder.trunc(args[1], INDEX))
 
 
-@lowered(spread, lambda args: LANE if is_number(args[0]) else None)
+@lowered(arithmetic.spread, lambda args: LANE if is_number(args[0]) else None)
 def _spread(context, builder, sig, args):
     return as_lanes(context, builder, args[0], sig.args[0])
 
 
-@lowered(within, lambda args: MASK)
+@lowered(arithmetic.within, lambda args: MASK)
 def _within(context, builder, sig, args):
     places = builder.add(splat(builder, args[0], BITS), ir.Constant(BITS, list(range(LANES))))
     return mask_of(builder, builder.icmp_signed("<", places, splat(builder, args[1], BITS)))
 
 
-@lowered(total, lambda args: types.float64 if args[0] is LANE else None)
+@lowered(arithmetic.total, lambda args: types.float64 if args[0] is LANE else None)
 def _total(context, builder, sig, args):
     parts = [builder.extract_element(args[0], INDEX(k)) for k in range(LANES)]
     return builder.fadd(builder.fadd(parts[0], parts[2]), builder.fadd(parts[1], parts[3]))
 
 
-@lowered(largest, lambda args: types.float64 if args[0] is LANE else None)
+@lowered(arithmetic.largest, lambda args: types.float64 if args[0] is LANE else None)
 def _largest(context, builder, sig, args):
     most = builder.extract_element(args[0], INDEX(0))
     for k in range(1, LANES):
@@ -353,7 +338,7 @@ def _largest(context, builder, sig, args):
     return most
 
 
-@lowered(pack, lambda args: LANE if len(args) == LANES and all(map(is_number, args)) else None)
+@lowered(arithmetic.pack, lambda args: LANE if len(args) == LANES and all(map(is_number, args)) else None)
 def _pack(context, builder, sig, args):
     x = ir.Constant(NUMBERS, ir.Undefined)
     for k, (number, kind) in enumerate(zip(args, sig.args, strict=True)):

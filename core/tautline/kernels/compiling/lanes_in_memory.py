@@ -24,27 +24,8 @@ from tautline.kernels.compiling.lanes import (
     mask_of,
     splat,
 )
+from tautline.kernels.lanes import memory
 from tautline.kernels.lanes.arithmetic import LANES
-from tautline.kernels.lanes.memory import (
-    add_at_places,
-    add_pairs_at_places,
-    add_rows,
-    add_to,
-    collect,
-    collect_fours,
-    collect_pairs,
-    equals,
-    gather,
-    keep_rows,
-    laid_flat,
-    load,
-    load_fields,
-    load_rows,
-    same_rows,
-    scatter,
-    store,
-    transposed,
-)
 
 
 def _is_vector(kind: types.Type) -> bool:
@@ -67,20 +48,20 @@ def _clamped(builder: Any, i: Any, k: int, last: Any) -> Any:
     return builder.select(builder.icmp_signed("<", place, end), place, end)
 
 
-@lowered(load, lambda args: LANE if _is_vector(args[0]) and args[0].layout == "C" else None)
+@lowered(memory.load, lambda args: LANE if _is_vector(args[0]) and args[0].layout == "C" else None)
 def _load(context, builder, sig, args):
     at = builder.bitcast(_pointer(context, builder, sig.args[0], args[0], args[1]), NUMBERS.as_pointer())
     return builder.load(at, align=8)
 
 
-@lowered(store, lambda args: types.none if _is_vector(args[0]) and args[0].layout == "C" else None)
+@lowered(memory.store, lambda args: types.none if _is_vector(args[0]) and args[0].layout == "C" else None)
 def _store(context, builder, sig, args):
     at = builder.bitcast(_pointer(context, builder, sig.args[0], args[0], args[1]), NUMBERS.as_pointer())
     builder.store(as_lanes(context, builder, args[2], sig.args[2]), at, align=8)
     return context.get_dummy_value()
 
 
-@lowered(gather, lambda args: LANE if _is_vector(args[0]) else None)
+@lowered(memory.gather, lambda args: LANE if _is_vector(args[0]) else None)
 def _gather(context, builder, sig, args):
     array, i, last = args
     kind = sig.args[0]
@@ -105,7 +86,7 @@ def _gather(context, builder, sig, args):
     return builder.load(found)
 
 
-@lowered(equals, lambda args: MASK if _is_vector(args[0]) and isinstance(args[0].dtype, types.Integer) else None)
+@lowered(memory.equals, lambda args: MASK if _is_vector(args[0]) and isinstance(args[0].dtype, types.Integer) else None)
 def _equals(context, builder, sig, args):
     array, i, last, value = args
     x = ir.Constant(BITS, ir.Undefined)
@@ -115,7 +96,7 @@ def _equals(context, builder, sig, args):
     return mask_of(builder, builder.icmp_signed("==", x, splat(builder, value, BITS)))
 
 
-@lowered(scatter, lambda args: types.none if _is_vector(args[0]) else None)
+@lowered(memory.scatter, lambda args: types.none if _is_vector(args[0]) else None)
 def _scatter(context, builder, sig, args):
     array, i, last, x = args
     kind = sig.args[0]
@@ -158,7 +139,7 @@ def _transposed(builder: Any, rows: Sequence[Any]) -> list[Any]:
 _ROWS = types.UniTuple(LANE, LANES)
 
 
-@lowered(load_rows, lambda args: _ROWS if _is_vector(args[0]) and args[0].layout == "C" else None)
+@lowered(memory.load_rows, lambda args: _ROWS if _is_vector(args[0]) and args[0].layout == "C" else None)
 def _load_rows(context, builder, sig, args):
     array, i, last = args
     rows = []
@@ -169,7 +150,7 @@ def _load_rows(context, builder, sig, args):
     return context.make_tuple(builder, sig.return_type, _transposed(builder, rows))
 
 
-@lowered(load_fields, lambda args: _ROWS if _is_vector(args[0]) else None)
+@lowered(memory.load_fields, lambda args: _ROWS if _is_vector(args[0]) else None)
 def _load_fields(context, builder, sig, args):
     array, i, last = args
     rows = []
@@ -179,7 +160,7 @@ def _load_fields(context, builder, sig, args):
     return context.make_tuple(builder, sig.return_type, _transposed(builder, rows))
 
 
-@lowered(add_rows, lambda args: types.none if _is_vector(args[0]) and args[0].layout == "C" else None)
+@lowered(memory.add_rows, lambda args: types.none if _is_vector(args[0]) and args[0].layout == "C" else None)
 def _add_rows(context, builder, sig, args):
     array, i, last = args[:3]
     columns = [as_lanes(context, builder, x, t) for x, t in zip(args[3:], sig.args[3:], strict=True)]
@@ -209,7 +190,7 @@ def _two_vectors(args: tuple[types.Type, ...]) -> bool:
     return all(_is_vector(kind) and kind.layout == "C" for kind in (args[0], args[3]))
 
 
-@lowered(same_rows, lambda args: types.boolean if _two_vectors(args) else None)
+@lowered(memory.same_rows, lambda args: types.boolean if _two_vectors(args) else None)
 def _same_rows(context, builder, sig, args):
     rows, places = _raw_rows(context, builder, sig, args)
     same = None
@@ -221,7 +202,7 @@ def _same_rows(context, builder, sig, args):
     )
 
 
-@lowered(keep_rows, lambda args: types.none if _two_vectors(args) else None)
+@lowered(memory.keep_rows, lambda args: types.none if _two_vectors(args) else None)
 def _keep_rows(context, builder, sig, args):
     for row, place in zip(*_raw_rows(context, builder, sig, args), strict=True):
         builder.store(row, place, align=8)
@@ -241,7 +222,7 @@ def _places(context: Any, builder: Any, sig: Any, args: Sequence[Any]) -> list[A
     return [builder.gep(data, [builder.extract_value(args[1], k)]) for k in range(LANES)]
 
 
-@lowered(collect, lambda args: LANE if _at_places(args) else None)
+@lowered(memory.collect, lambda args: LANE if _at_places(args) else None)
 def _collect(context, builder, sig, args):
     x = ir.Constant(NUMBERS, ir.Undefined)
     for k, at in enumerate(_places(context, builder, sig, args)):
@@ -249,14 +230,14 @@ def _collect(context, builder, sig, args):
     return x
 
 
-@lowered(collect_fours, lambda args: _ROWS if _at_places(args) else None)
+@lowered(memory.collect_fours, lambda args: _ROWS if _at_places(args) else None)
 def _collect_fours(context, builder, sig, args):
     places = (builder.bitcast(at, NUMBERS.as_pointer()) for at in _places(context, builder, sig, args))
     rows = [builder.load(at, align=8) for at in places]
     return context.make_tuple(builder, sig.return_type, _transposed(builder, rows))
 
 
-@lowered(collect_pairs, lambda args: types.UniTuple(LANE, 2) if _at_places(args) else None)
+@lowered(memory.collect_pairs, lambda args: types.UniTuple(LANE, 2) if _at_places(args) else None)
 def _collect_pairs(context, builder, sig, args):
     pair = ir.VectorType(ir.DoubleType(), 2)
     places = (builder.bitcast(at, pair.as_pointer()) for at in _places(context, builder, sig, args))
@@ -267,7 +248,7 @@ def _collect_pairs(context, builder, sig, args):
     return context.make_tuple(builder, sig.return_type, columns)
 
 
-@lowered(add_to, lambda args: types.none if _at_places(args) and args[3] is LANE else None)
+@lowered(memory.add_to, lambda args: types.none if _at_places(args) and args[3] is LANE else None)
 def _add_to(context, builder, sig, args):
     for k, at in enumerate(_places(context, builder, sig, args)):
         one = builder.extract_element(args[3], INDEX(k))
@@ -275,7 +256,7 @@ def _add_to(context, builder, sig, args):
     return context.get_dummy_value()
 
 
-@lowered(transposed, lambda args: _ROWS if args == (LANE,) * LANES else None)
+@lowered(memory.transposed, lambda args: _ROWS if args == (LANE,) * LANES else None)
 def _transpose(context, builder, sig, args):
     return context.make_tuple(builder, sig.return_type, _transposed(builder, args))
 
@@ -287,12 +268,12 @@ def _add_at(context: Any, builder: Any, sig: Any, args: Sequence[Any], rows: Seq
     return context.get_dummy_value()
 
 
-@lowered(add_at_places, lambda args: types.none if _at_places(args) and args[3] == _ROWS else None)
+@lowered(memory.add_at_places, lambda args: types.none if _at_places(args) and args[3] == _ROWS else None)
 def _add_at_places(context, builder, sig, args):
     return _add_at(context, builder, sig, args, cgutils.unpack_tuple(builder, args[3]))
 
 
-@lowered(add_pairs_at_places, lambda args: types.none if _at_places(args) and args[3:] == (LANE, LANE) else None)
+@lowered(memory.add_pairs_at_places, lambda args: types.none if _at_places(args) and args[3:] == (LANE, LANE) else None)
 def _add_pairs_at_places(context, builder, sig, args):
     order = (ir.Constant(ir.VectorType(INDEX, 2), [k, LANES + k]) for k in range(LANES))
     return _add_at(
@@ -307,7 +288,7 @@ def _in_one_row(args: tuple[types.Type, ...]) -> types.Type | None:
     return types.Array(array.dtype, 1, "C", not array.mutable)
 
 
-@lowered(laid_flat, _in_one_row)
+@lowered(memory.laid_flat, _in_one_row)
 def _laid_flat(context, builder, sig, args):
     held = make_array(sig.args[0])(context, builder, args[0])
     laid = make_array(sig.return_type)(context, builder)

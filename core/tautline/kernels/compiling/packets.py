@@ -1,4 +1,4 @@
-"""How compiled code takes its arguments from a packet (:mod:`tautline.kernels.packet`), in LLVM's code."""
+"""How compiled code takes its arguments from a packet (:mod:`tautline.kernels.machine.packet`), in LLVM's code."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numba.core import cgutils, types
 
 from tautline.kernels.compiling.kernels import intrinsic_for
 from tautline.kernels.jit import run_at
-from tautline.kernels.packet import HEAD
+from tautline.kernels.machine.packet import HEAD
 
 
 @intrinsic_for(run_at, prefer_literal=True)

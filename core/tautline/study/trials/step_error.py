@@ -336,13 +336,18 @@ def _listed(steps: Sequence[float]) -> str:
 
 
 def name_of(result: Result, place: Place | None) -> str:
-    """A place as a sentence has it: ``position of body 12``, or by the name that the result has for it."""
+    """A place as a sentence has it: ``position of payload``, ``axial force of element 1``, or by the result's name."""
     if place is None:
         return ""
     dims, what = result.variables[place.variable].dims, place.variable.replace("_", " ")
     if len(dims) > 1 and f"{dims[1]}_name" in result:
         return f"{what} of {result[f'{dims[1]}_name'][place.number]}"
-    return f"{what} of {dims[1].replace('_', ' ')} {place.label}" if place.label else what
+    if not place.label:
+        return what
+    kind = dims[1].replace("_", " ")
+    # A number tells nothing without what it counts; a name of the scene needs no more.
+    of = f"{kind} {place.label}" if place.label[0].isdigit() else place.label
+    return f"{what.removeprefix(f'{kind} ')} of {of}"
 
 
 def at_common_times(first: History, second: History) -> tuple[History, History] | None:
