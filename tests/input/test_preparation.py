@@ -7,6 +7,7 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
+from numba_types import in_numba
 
 import tautline
 from crane.application import Crane
@@ -170,7 +171,7 @@ def test_the_types_that_follow_from_forms_are_those_that_numba_finds(name):
     still = np.zeros(3)
     still.flags.writeable = False
     for thing in [*things, still, 2**63, (1, 2.0), (), np.zeros(3)]:
-        assert kind_of(memory.form_of(thing)) == numba.typeof(thing)
+        assert in_numba(kind_of(memory.form_of(thing))) == numba.typeof(thing)
 
 
 def test_groups_are_laid_out_with_the_words_and_the_form_that_each_has_alone_and_where_numpy_says_they_are():

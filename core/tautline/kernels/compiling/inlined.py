@@ -21,6 +21,8 @@ from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, Lite
 
 from tautline.kernels.compiling.flags import KernelFlags
 from tautline.kernels.compiling.indices import TrustedIndices
+from tautline.kernels.compiling.lowering import KernelLower
+from tautline.kernels.compiling.operators import Typing
 from tautline.kernels.machine.settings import PLAIN
 
 
@@ -82,8 +84,20 @@ class Reader:
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
-class PartLowering(NativeLowering):
-    """Numba's last step, into a library that is a part."""
+class KernelLowering(NativeLowering):
+    """Numba's last step."""
+
+    _name = "kernel_lowering"
+
+    @property
+    def lowering_class(self) -> type[KernelLower]:
+        """What translates a function."""
+        return KernelLower
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class PartLowering(KernelLowering):
+    """The same, into a library that is a part."""
 
     _name = "part_lowering"
 
@@ -102,13 +116,14 @@ NEEDLESS = {WithLifting, InlineClosureLikes, InlineInlinables, LiteralUnroll, No
 class KernelCompiler(CompilerBase):
     """Numba's own steps for compiled code, without those that find nothing to do in a kernel."""
 
-    lowering = NativeLowering
+    lowering: Any = KernelLowering
     indices: tuple[Any, ...] = ()
     """Steps after those that find the types."""
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.state.flags = KernelFlags(self.state.flags)
+        self.state.typingctx = Typing(self.state.typingctx)
 
     def define_pipelines(self) -> list[Any]:
         """The steps."""

@@ -8,6 +8,7 @@ import numpy as np
 from numba.core import types
 from numba.np.numpy_support import from_dtype
 
+from tautline.kernels.compiling.records import Record
 from tautline.kernels.memory import Form
 
 NUMBERS = {float: types.float64, int: types.int64, bool: types.boolean, type(None): types.none}
@@ -37,7 +38,8 @@ def kind_of(form: Form) -> types.Type:
         return types.Array(from_dtype(first), dimensions, layout, not writeable)
     if isinstance(first, str):
         return types.literal(rest[0]) if first == "literal" else types.TypeRef(kind_of(rest[0]))
-    return types.BaseTuple.from_types([kind_of(part) for part in rest], first)
+    kinds = [kind_of(part) for part in rest]
+    return types.BaseTuple.from_types(kinds, first) if first is tuple else Record(kinds, first)
 
 
 def form_of_returned(kind: types.Type) -> Form:

@@ -1,0 +1,74 @@
+"""Values that are assigned once need no place in memory.
+
+Numba gives each variable that two blocks of a function know a place on the stack, writes it there, and reads it again
+at each use. A record of a scene has some two hundred parts, and LLVM takes every such reading apart before it finds
+that nothing has happened in between.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from typing import Any
+
+from numba.core import ir, types
+from numba.core.analysis import compute_cfg_from_blocks, compute_use_defs, must_use_alloca
+from numba.core.lowering import Lower
+
+from tautline.kernels.compiling.operators import signature_of_operation
+
+
+def values_of(blocks: dict[int, ir.Block]) -> set[str]:
+    """Variables whose only assignment comes before all that uses them, on every way and in the text."""
+    assigned: Counter[str] = Counter()
+    where: dict[str, int] = {}
+    users = defaultdict(set)
+    # What a block reads before it writes it, if it does; a deletion counts as a use.
+    for label, names in compute_use_defs(blocks).usemap.items():
+        for name in names:
+            users[name].add(label)
+    for label, block in blocks.items():
+        for statement in block.find_insts(ir.Assign):
+            name = statement.target.name
+            assigned[name] += 1
+            where[name] = label
+            if label in users[name]:
+                assigned[name] += 1  # read there before it is written
+        for statement in block.find_insts(ir.Del):
+            users[statement.value].add(label)
+    dominators = compute_cfg_from_blocks(blocks).dominators()
+    in_memory = must_use_alloca(blocks)
+    return {
+        name
+        for name, label in where.items()
+        if assigned[name] == 1
+        and name not in in_memory
+        and all(user == label or (user > label and label in dominators.get(user, ())) for user in users[name])
+    }
+
+
+class KernelLower(Lower):
+    """Numba's translation of a function to LLVM's code."""
+
+    def _find_singly_assigned_variable(self) -> None:
+        """Find the variables that numba leaves without a place in memory."""
+        if self.func_ir.func_id.is_generator:
+            super()._find_singly_assigned_variable()
+            return
+        self._singly_assigned_vars: set[str] = values_of(self.func_ir.blocks)
+        self._blk_local_varmap: dict[str, Any] = {}
+
+    def lower_binop(self, kind: types.Type, expression: ir.Expr, operation: Any) -> Any:
+        """Write an operation of two operands."""
+        if expression.static_lhs is not ir.UNDEFINED or expression.static_rhs is not ir.UNDEFINED:
+            return super().lower_binop(kind, expression, operation)
+        context, builder, typing = self.context, self.builder, self.context.typing_context
+        operation = typing.resolve_value_type(operation)
+        wanted = self.fndesc.calltypes[expression]
+        operands = [
+            self._cast_var(var, part) for var, part in zip((expression.lhs, expression.rhs), wanted.args, strict=True)
+        ]
+        called = signature_of_operation(
+            operation, wanted.args, lambda: operation.get_call_type(typing, wanted.args, {})
+        )
+        found = context.get_function(operation, called)(builder, operands)
+        return context.cast(builder, found, wanted.return_type, kind)
