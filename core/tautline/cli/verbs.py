@@ -283,11 +283,12 @@ def simulate(
     An earlier result of the same name is replaced once the run has begun. Ctrl-C keeps what there is.
     """
     from tautline.cli.commands import simulate as verb
-    from tautline.cli.options.lists import number, seconds
+    from tautline.cli.options.lists import as_in_a_file, number, seconds
 
     times = {"step": seconds(step, "--step", ("auto",)), "end": seconds(end, "--end")}
-    wanted = None if accuracy is None else number(accuracy, "--accuracy", "")
-    overrides: dict[str, Any] = {"method": method, **times, "rho_inf": rho_inf, "accuracy": wanted}
+    if accuracy is not None:
+        number(accuracy, "--accuracy", "", 1.0, "give a share such as 0.01, or 1 %")
+    overrides: dict[str, Any] = {"method": method, **times, "rho_inf": rho_inf, "accuracy": as_in_a_file(accuracy)}
     verb.simulate(context.obj, scene, output, overrides, resume, verify, as_json, quiet, changes)
 
 

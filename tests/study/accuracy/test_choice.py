@@ -227,7 +227,8 @@ def test_simulate_says_what_was_reached_in_its_json_its_summary_and_the_result(c
 @pytest.mark.parametrize(
     "given, cause",
     [
-        (["0"], "must be greater than zero"), (["-1"], "must be greater than zero"), (["200 %"], "must be less than 1"),
+        (["0"], "must be greater than zero"), (["-1"], "must be greater than zero"), (["200 %"], "give a share such as 0.01"),
+        (["100 %"], "must be less than 1"),
         (["good"], "is not a number"), (["1 %", "--step", "1 ms"], "beside --step"),
         (["1 %", "--method", "rk4"], "beside --method"), (["1 %", "--verify"], "beside --verify"),
     ],
@@ -237,6 +238,14 @@ def test_what_cannot_be_asked_for_ends_with_code_2_and_writes_nothing(command, t
     code, _, err = command("simulate", "mass.yaml", f"--accuracy={given[0]}", *given[1:])
     assert code == 2 and "--accuracy" in err and cause in err
     assert files(tmp_path) == before
+
+
+@pytest.mark.parametrize("given, asked", [("60 %", False), ("0.6", True)])
+def test_a_unit_is_asked_for_only_where_none_was_typed(command, given, asked):
+    code, _, err = command("simulate", "mass.yaml", "--accuracy", given)
+    told = " ".join(err.split())
+    assert code == 0 and "is unusual for a relative error" in told
+    assert ("Then write the unit" in told) is asked
 
 
 def test_an_accuracy_that_is_not_reached_ends_with_code_3_and_keeps_the_result(command, monkeypatch):

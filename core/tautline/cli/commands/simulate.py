@@ -234,7 +234,7 @@ def _check_accuracy(overrides: dict[str, Any], resume: Path | None, verify: bool
     for option, there in beside.items():
         if there:
             raise option_error(
-                "--accuracy", f"{100.0 * given:.3g} %",
+                "--accuracy", given if isinstance(given, str) else f"{100.0 * given:.3g} %",
                 f"stands beside {option}: it chooses method and step of a whole run itself, and estimates the error",
                 f"leave --accuracy or {option} out",
             )  # fmt: skip

@@ -70,6 +70,14 @@ def number(text: str, option: str, unit: str, most: float | None = None, cure: s
     return value
 
 
+def as_in_a_file(text: str | None) -> float | str | None:
+    """A number as a scene's file would give it: with its unit as it was typed, or a plain one; None for None."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return text
+
+
 def three_of(text: str, option: str, example: str) -> list[str]:
     """The words of ``FROM:TO:STEP``.
 
