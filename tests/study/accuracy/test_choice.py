@@ -227,8 +227,8 @@ def test_simulate_says_what_was_reached_in_its_json_its_summary_and_the_result(c
 @pytest.mark.parametrize(
     "given, cause",
     [
-        (["0"], "must be greater than zero"), (["-1"], "must be greater than zero"), (["200 %"], "give a share such as 0.01"),
-        (["100 %"], "must be less than 1"),
+        (["0"], "must be greater than zero"), (["-1"], "must be greater than zero"),
+        (["200 %"], "give a share such as 0.01"), (["100 %"], "must be less than 1"),
         (["good"], "is not a number"), (["1 %", "--step", "1 ms"], "beside --step"),
         (["1 %", "--method", "rk4"], "beside --method"), (["1 %", "--verify"], "beside --verify"),
     ],
