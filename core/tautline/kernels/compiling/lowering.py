@@ -7,12 +7,15 @@ that nothing has happened in between.
 
 from __future__ import annotations
 
+import operator
 from collections import Counter, defaultdict
+from collections.abc import Iterable
 from typing import Any
 
 from numba.core import ir, types
 from numba.core.analysis import compute_cfg_from_blocks, compute_use_defs, must_use_alloca
 from numba.core.lowering import Lower
+from numba.core.typing.templates import Signature
 
 from tautline.kernels.compiling.operators import signature_of_operation
 
@@ -61,14 +64,33 @@ class KernelLower(Lower):
         """Write an operation of two operands."""
         if expression.static_lhs is not ir.UNDEFINED or expression.static_rhs is not ir.UNDEFINED:
             return super().lower_binop(kind, expression, operation)
-        context, builder, typing = self.context, self.builder, self.context.typing_context
-        operation = typing.resolve_value_type(operation)
         wanted = self.fndesc.calltypes[expression]
-        operands = [
-            self._cast_var(var, part) for var, part in zip((expression.lhs, expression.rhs), wanted.args, strict=True)
-        ]
-        called = signature_of_operation(
-            operation, wanted.args, lambda: operation.get_call_type(typing, wanted.args, {})
-        )
-        found = context.get_function(operation, called)(builder, operands)
-        return context.cast(builder, found, wanted.return_type, kind)
+        given = self._cast_vars((expression.lhs, expression.rhs), wanted.args)
+        found = self._code_of(operation, wanted.args)(self.builder, given)
+        return self.context.cast(self.builder, found, wanted.return_type, kind)
+
+    def lower_getitem(
+        self, kind: types.Type, expression: ir.Expr, array: ir.Var, index: ir.Var, wanted: Signature
+    ) -> Any:
+        """Write what reads an element."""
+        given = self._cast_vars((array, index), wanted.args)
+        found = self._code_of(operator.getitem, wanted.args)(self.builder, given)
+        return self.context.cast(self.builder, found, wanted.return_type, kind)
+
+    def lower_setitem(self, array: ir.Var, index: ir.Var, value: ir.Var, wanted: Signature) -> Any:
+        """Write what changes an element."""
+        if isinstance(self.typeof(array.name), types.Optional):
+            return super().lower_setitem(array, index, value, wanted)
+        given = [self.loadvar(array.name), *self._cast_vars((index, value), wanted.args[1:])]
+        return self._code_of(operator.setitem, wanted.args)(self.builder, given)
+
+    def _cast_vars(self, variables: Iterable[ir.Var], kinds: Iterable[types.Type]) -> list[Any]:
+        """Values of variables as those types."""
+        return [self._cast_var(variable, kind) for variable, kind in zip(variables, kinds, strict=True)]
+
+    def _code_of(self, operation: Any, given: tuple[types.Type, ...]) -> Any:
+        """What writes an operation for operands of those types."""
+        typing = self.context.typing_context
+        function = typing.resolve_value_type(operation)
+        called = signature_of_operation(function, given, lambda: function.get_call_type(typing, given, {}))
+        return self.context.get_function(function, called)

@@ -1,7 +1,7 @@
-"""What operators of numbers give, remembered from function to function.
+"""What operators of numbers and arrays give, remembered from function to function.
 
 Numba looks for each operation among all of its templates, those of strings and lists too, and once more when it writes
-LLVM's code. What numbers give does not change while a process runs.
+LLVM's code. What they give for numbers, arrays and tuples does not change while a process runs.
 """
 
 from __future__ import annotations
@@ -12,14 +12,16 @@ from numba.core import types
 
 from tautline.kernels.compiling.lanes import LanesType, MaskType
 
-NUMBERS = types.Number, types.Boolean, LanesType, MaskType
+PLAIN = types.Number, types.Boolean, LanesType, MaskType, types.Array, types.BaseTuple, types.SliceType, types.NoneType
 _known: dict[Any, Any] = {}
 
 
 def signature_of_operation(operation: Any, given: tuple[types.Type, ...], look: Any) -> Any:
-    """Signature of an operation, if it is one of numbers; ``look`` finds it where it is not known."""
-    of_numbers = isinstance(operation, types.Function) and operation.typing_key.__module__ == "_operator"
-    if not of_numbers or not all(isinstance(kind, NUMBERS) for kind in given):
+    """Signature of an operation of plain operands; ``look`` finds it where it is not known, and of any others."""
+    is_operator = (
+        isinstance(operation, types.Function) and getattr(operation.typing_key, "__module__", "") == "_operator"
+    )
+    if not is_operator or not all(isinstance(kind, PLAIN) for kind in given):
         return look()
     if (operation, given) not in _known:
         _known[operation, given] = look()
