@@ -22,20 +22,16 @@ from tautline.kernels.compiling.operators import signature_of_operation
 
 def values_of(blocks: dict[int, ir.Block]) -> set[str]:
     """Variables whose only assignment comes before all that uses them, on every way and in the text."""
+    read_first = compute_use_defs(blocks).usemap  # by block, what it reads before it writes it, if it does
     assigned: Counter[str] = Counter()
     where: dict[str, int] = {}
     users = defaultdict(set)
-    # What a block reads before it writes it, if it does; a deletion counts as a use.
-    for label, names in compute_use_defs(blocks).usemap.items():
-        for name in names:
-            users[name].add(label)
     for label, block in blocks.items():
+        for name in read_first[label]:
+            users[name].add(label)
         for statement in block.find_insts(ir.Assign):
-            name = statement.target.name
-            assigned[name] += 1
-            where[name] = label
-            if label in users[name]:
-                assigned[name] += 1  # read there before it is written
+            assigned[statement.target.name] += 1
+            where[statement.target.name] = label
         for statement in block.find_insts(ir.Del):
             users[statement.value].add(label)
     dominators = compute_cfg_from_blocks(blocks).dominators()
@@ -45,6 +41,7 @@ def values_of(blocks: dict[int, ir.Block]) -> set[str]:
         for name, label in where.items()
         if assigned[name] == 1
         and name not in in_memory
+        and name not in read_first[label]
         and all(user == label or (user > label and label in dominators.get(user, ())) for user in users[name])
     }
 

@@ -6,26 +6,32 @@ LLVM's code. What they give for numbers, arrays and tuples does not change while
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from numba.core import types
 
 from tautline.kernels.compiling.lanes import LanesType, MaskType
 
-PLAIN = types.Number, types.Boolean, LanesType, MaskType, types.Array, types.BaseTuple, types.SliceType, types.NoneType
-_known: dict[Any, Any] = {}
+OPERANDS = (
+    types.Number, types.Boolean, LanesType, MaskType, types.Array, types.BaseTuple, types.SliceType, types.NoneType,
+)  # fmt: skip
+"""Types of operands whose operations are remembered."""
+_known: dict[tuple[types.Function, tuple[types.Type, ...]], Any] = {}
 
 
-def signature_of_operation(operation: Any, given: tuple[types.Type, ...], look: Any) -> Any:
-    """Signature of an operation of plain operands; ``look`` finds it where it is not known, and of any others."""
-    is_operator = (
-        isinstance(operation, types.Function) and getattr(operation.typing_key, "__module__", "") == "_operator"
-    )
-    if not is_operator or not all(isinstance(kind, PLAIN) for kind in given):
+def signature_of_operation(function: Any, given: tuple[types.Type, ...], look: Callable[[], Any]) -> Any:
+    """Signature of a call that ``look`` finds: once where it is of an operator with such operands.
+
+    What is not found is not remembered: somebody may still tell numba of it.
+    """
+    is_operator = isinstance(function, types.Function) and getattr(function.typing_key, "__module__", "") == "_operator"
+    if not is_operator or not all(isinstance(kind, OPERANDS) for kind in given):
         return look()
-    if (operation, given) not in _known:
-        _known[operation, given] = look()
-    return _known[operation, given]
+    found = _known.get((function, given)) or look()
+    if found is not None:
+        _known[function, given] = found
+    return found
 
 
 class Typing:
