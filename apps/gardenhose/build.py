@@ -16,7 +16,6 @@ from gardenhose.summary import FIGURES, headline
 from tautline.application.limits import with_limits
 from tautline.application.modelling import attributes_of, settings_of
 from tautline.cable.model.build import Assembly, assemble_cables
-from tautline.cable.model.elements import records
 from tautline.cable.model.handles import stiffnesses
 from tautline.cable.model.layout import Layout
 from tautline.elements.nodal.jet import JET, Jets
@@ -24,6 +23,7 @@ from tautline.integrators.statics.attainable import within_rounding
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.handles import Handles, inputs_of, outputs_of, same_as
 from tautline.system.model import Model
+from tautline.system.records import records_of
 
 TOLERANCE = 1.0e-4
 """Error of eq. 2.78 that counts as solved, in the root of energy over `energy_of`: it moves the tip of the hose of
@@ -148,7 +148,7 @@ def _jets(scene: HoseScene, layout: Layout) -> list[Any]:
         rows.append(_jet(layout, here, k, here.mass / after.mass - 1.0))
     if found and scene.water is not None and scene.water.outlet != 1.0:
         rows.append(_jet(layout, found[-1], len(found) - 1, scene.water.outlet - 1.0))
-    return [Jets(records(JET, rows))] if rows else []
+    return [Jets(records_of(JET, rows))] if rows else []
 
 
 def place_of_flow(layout: Layout, stream: Stream, number: int) -> int:

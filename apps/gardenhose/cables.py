@@ -7,8 +7,8 @@ changes a chain of water ends and the next begins.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from itertools import pairwise
+from collections.abc import Sequence
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from tautline.scene.reading.document import Document
 
 METHODS = {"lagrange": "multiplier", "penalty": "penalty", "augmented": "augmented"}
 FREE, HELD = False, True
+FOLLOWS_NOTHING = (0,) * 7
 SPEED: Place = ("water", "speed")
 BORES_DIFFER = 1.0e-9
 """Relative difference of the water's mass per length above which two pieces have two bores."""
@@ -48,25 +49,17 @@ def arc_lengths(scene: HoseScene) -> np.ndarray:
     return np.array(s)
 
 
-def pieces_of_elements(scene: HoseScene) -> list[tuple[int, Segment]]:
-    """The piece of the hose, with its number, that each element belongs to."""
-    return [(k, piece) for k, piece in enumerate(scene.hose.pieces) for _ in range(piece.elements)]
-
-
 def streams(scene: HoseScene) -> list[Stream]:
     """The water from the root to the tip; empty where there is none."""
     if scene.water is None:
         return []
-    masses = [float(piece.water_mass_per_length or 0.0) for _, piece in pieces_of_elements(scene)]
-    cuts = [0]
-    for k in range(1, len(masses)):
-        if abs(masses[k] - masses[k - 1]) > BORES_DIFFER * masses[k]:
-            cuts.append(k)
-    cuts.append(len(masses))
-    found, node = [], len(masses) + 2
-    for start, stop in pairwise(cuts):
-        found.append(Stream(masses[start], masses[0] / masses[start], start, stop, node))
-        node += stop - start + 1
+    masses = [float(piece.water_mass_per_length or 0.0) for piece in scene.hose.pieces]
+    begin = [0, *accumulate(piece.elements for piece in scene.hose.pieces)]
+    cuts = [k for k in range(1, len(masses)) if abs(masses[k] - masses[k - 1]) > BORES_DIFFER * masses[k]]
+    found, node = [], begin[-1] + 2
+    for here, after in pairwise([0, *cuts, len(masses)]):
+        found.append(Stream(masses[here], masses[0] / masses[here], begin[here], begin[after], node))
+        node += begin[after] - begin[here] + 1
     return found
 
 
@@ -78,16 +71,16 @@ def cables_of(scene: HoseScene, fused: bool = True) -> CableScene:
     s = arc_lengths(scene)
     document = scene.document or Document.parse("{}", "scene.yaml")
     nodes, couplings = _hose_nodes(scene, s)
-    elements = [_hose_element(scene, i, k, piece) for i, (k, piece) in enumerate(pieces_of_elements(scene))]
+    water, is_fused = streams(scene), fused and scene.coupling == "linear"
+    motions = [_motion(scene, stream, k, float(s[stream.start])) for k, stream in enumerate(water, 1)]
+    elements: list[Element] = []
+    for k, piece in enumerate(scene.hose.pieces):
+        flow = next(((of.mass, m.id) for of, m in zip(water, motions, strict=True) if of.stop > len(elements)), None)
+        elements += _hose_elements(scene, len(elements), k, piece, flow if is_fused else None)
     ties: list[Tie] = []
-    motions: list[Motion] = []
-    for stream in streams(scene):
-        motions.append(_motion(scene, stream, len(motions) + 1, float(s[stream.start])))
-        if fused and scene.coupling == "linear":
-            for i in range(stream.start, stream.stop):
-                elements[i] = replace(elements[i], conveyed=(stream.mass, motions[-1].id))
-        else:
-            _add_water(scene, s, stream, motions[-1].id, nodes, elements, couplings, ties)
+    if not is_fused:
+        for stream, motion in zip(water, motions, strict=True):
+            _add_water(scene, s, stream, motion.id, nodes, elements, couplings, ties)
     masses = []
     if scene.hose.tip_mass > 0.0:
         mass = PointMass(id=1, nodes7=(len(s),), mass=scene.hose.tip_mass)
@@ -100,25 +93,27 @@ def cables_of(scene: HoseScene, fused: bool = True) -> CableScene:
     )  # fmt: skip
 
 
-def _position(scene: HoseScene, s: float) -> tuple[float, float, float]:
+def positions(scene: HoseScene, s: np.ndarray) -> list[tuple[float, float, float]]:
+    """Places of the nodes at unstretched distances s (n,), m, from the root of the straight hose, m."""
     x, y, z = (r + s * d for r, d in zip(scene.hose.root, scene.hose.unit_direction, strict=True))
-    return x, y, z
+    return list(zip(x.tolist(), y.tolist(), z.tolist(), strict=True))
 
 
 def _hose_nodes(scene: HoseScene, s: np.ndarray) -> tuple[list[Node], list[Coupling]]:
     """Nodes of the hose, its ends held as the scene says; couplings where a clamp leaves the strain free."""
     hose, last = scene.hose, len(s)
     supports = {1: hose.root_support, last: hose.end}
-    nodes, couplings = [], []
-    for i in range(1, last + 1):
-        support = supports.get(i, "free")
+    places, direction = positions(scene, s), hose.unit_direction
+    free, place = (FREE,) * 6 + (HELD,), ("hose", "end")
+    nodes = [_node(i, places[i - 1], direction, s[i - 1], free, 0, place) for i in range(1, last + 1)]
+    couplings: list[Coupling] = []
+    for i, support in supports.items():
         held = [support != "free"] * 3 + [FREE] * 3 + [HELD]
         if support == "clamped":
-            clamp, slaves = _clamp(scene, i)
-            held[3:6] = clamp
+            held[3:6], slaves = _clamp(scene, i)
             couplings += slaves
         key = "root_support" if i == 1 else "end"
-        nodes.append(_node(i, _position(scene, s[i - 1]), hose.unit_direction, s[i - 1], held, 0, ("hose", key)))
+        nodes[i - 1] = _node(i, places[i - 1], direction, s[i - 1], held, 0, ("hose", key))
     return nodes, couplings
 
 
@@ -139,17 +134,23 @@ def _clamp(scene: HoseScene, node: int) -> tuple[list[bool], list[Coupling]]:
 
 
 def _node(
-    i: int, position: Any, slope: Any, p: float, held: list[bool], function: int, place: Place
+    i: int, position: Any, slope: Any, p: float, held: Sequence[bool], function: int, place: Place
 ) -> Node:  # fmt: skip
-    return Node(i, 7, position, slope, float(p), tuple(held), (0,) * 6 + (function,), 0, place)
+    functions = (0,) * 6 + (function,) if function else FOLLOWS_NOTHING
+    return Node(i, 7, position, slope, float(p), tuple(held), functions, 0, place)
 
 
-def _hose_element(scene: HoseScene, i: int, k: int, piece: Segment) -> Element:
+def _hose_elements(
+    scene: HoseScene, first: int, k: int, piece: Segment, conveyed: tuple[float, int] | None
+) -> list[Element]:  # fmt: skip
+    """Elements of piece k, of which ``first`` stand before it."""
     place: Place = ("hose",) if scene.hose.segments is None else ("hose", "segments", k)
-    return Element(
-        i + 1, "cubic", (i + 1, i + 2), piece.axial_stiffness, piece.bending_stiffness, piece.mass_per_length,
-        float(piece.damping or 0.0), scene.hose.strain, True, None, (0.0, 0.0, 0.0), 0, place, spinless=True,
-    )  # fmt: skip
+    damping, strain, load = float(piece.damping or 0.0), scene.hose.strain, (0.0, 0.0, 0.0)
+    section = piece.axial_stiffness, piece.bending_stiffness, piece.mass_per_length
+    return [
+        Element(i, "cubic", (i, i + 1), *section, damping, strain, True, None, load, 0, place, True, conveyed)
+        for i in range(first + 1, first + piece.elements + 1)
+    ]
 
 
 def _motion(scene: HoseScene, stream: Stream, id: int, begins: float) -> Motion:
@@ -170,10 +171,11 @@ def _add_water(
 ) -> None:
     """Nodes and elements of one stream, and what ties it to the hose."""
     place, direction, begins = SPEED, scene.hose.unit_direction, float(s[stream.start])
+    places = positions(scene, s)
     for k, i in enumerate(range(stream.start, stream.stop + 1)):
         node, hose = stream.first + k, i + 1
         held = [FREE] * 6 + [k == 0]
-        nodes.append(_node(node, _position(scene, s[i]), direction, s[i], held, motion if k == 0 else 0, place))
+        nodes.append(_node(node, places[i], direction, s[i], held, motion if k == 0 else 0, place))
         if k > 0:
             # All of it flows at the rate of the first node.
             master = (stream.first, 7, 1.0)

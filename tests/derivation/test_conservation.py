@@ -15,10 +15,11 @@ from tautline.integrators.status import Status
 from tautline.integrators.time_loop import new_frames, run_steps
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, EccentricBodies
-from tautline.lumped.curve import PER_BODY, records
+from tautline.lumped.curve import PER_BODY
 from tautline.lumped.link import SPRING, Links, link_slopes
 from tautline.scene.functions import Constant, Harmonic, Ramp
 from tautline.system.model import SolverSettings
+from tautline.system.records import records
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import FunctionRequest, compile_functions
 

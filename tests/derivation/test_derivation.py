@@ -11,8 +11,9 @@ from tautline.kernels.matrix import dense, new_matrix
 from tautline.lumped import derive
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, EccentricBodies
-from tautline.lumped.curve import PER_BODY, records
+from tautline.lumped.curve import PER_BODY
 from tautline.lumped.link import SPRING, Links, link_slopes
+from tautline.system.records import records
 from tautline.system.system import Degrees, assemble
 from tautline.system.time_functions import compile_functions
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tautline.application.installed import Installed
 from tautline.cable.application import Cable
-from tautline.cable.input.geometry import arc_length, element_length
+from tautline.cable.input.geometry import Drawn, arc_lengths, unstretched_lengths
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.scene import json_schema, parse, read, with_values
 from tautline.cli.run import run
@@ -686,13 +686,14 @@ def arch(radius, angle):
 def test_a_curved_element_is_as_long_as_its_own_arc(angle):
     scene = parse(arch(2.0, angle))
     first, second = scene.nodes
-    length = element_length(scene.elements[0], first, second)
+    drawn = Drawn.of(scene.elements, {0: first, 1: second})
+    (length,) = unstretched_lengths(drawn)
     # the arc by chords of the cubic, evaluated here by itself
     x = np.linspace(0.0, 1.0, 20001)[:, None]
     r = (1 - 3 * x**2 + 2 * x**3) * np.array(first.position) + (3 * x**2 - 2 * x**3) * np.array(second.position)
     r = r + length * ((x - 2 * x**2 + x**3) * np.array(first.slope) + (x**3 - x**2) * np.array(second.slope))
     assert np.linalg.norm(np.diff(r, axis=0), axis=1).sum() == pytest.approx(length, rel=1e-8)
-    assert arc_length(first, second, length) == pytest.approx(length, rel=1e-14)
+    assert arc_lengths(drawn, np.array([length])) == pytest.approx(length, rel=1e-14)
     # and near the circle's: short of it by angle^4/720, and a little more for large angles
     assert 1.0 - length / (2.0 * angle) == pytest.approx(angle**4 / 720.0, rel=0.06)
     assert material_coordinates(scene) == {0: 0.0, 1: length}

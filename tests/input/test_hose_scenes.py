@@ -48,7 +48,7 @@ EDITS = {
     "no mass": ("0.0031316   # kg", "0   # kg", 8, "hose.mass_per_length = 0", "a mass per length such as"),
     "a mass in kilogrammes": ("0.0031316   # kg", "3 kg   # kg", 8, "hose.mass_per_length = 3 kg", "not the unit"),
     "no elements": ("elements: 10", "elements: 0", 5, "hose.elements = 0", "must be at least 1"),
-    "a milliard elements": ("elements: 10", "elements: 1000000000", 5, "hose.elements", "must be at most 2000"),
+    "a milliard elements": ("elements: 10", "elements: 1000000000", 5, "hose.elements", "must be at most 100000"),
     "elements by halves": ("elements: 10", "elements: 10.5", 5, "hose.elements = 10.5", "a whole number"),
     "elements as text": ("elements: 10", "elements: ten", 5, "hose.elements = ten", "a whole number"),
     "a missing number of elements": ("  elements: 10\n", "", 3, "hose.elements", "add `elements:`, such as 10"),
@@ -105,10 +105,10 @@ EDITS = {
     ),
     "segments of too many elements": (
         SECTION,
-        SEGMENTS.replace("elements: 5", "elements: 1001"),
+        SEGMENTS.replace("elements: 5", "elements: 50001"),
         6,
-        "hose.segments[1].elements = 1001",
-        "2002 elements, more than 2000",
+        "hose.segments[1].elements = 50001",
+        "100002 elements, more than 100000",
     ),
     "a segment far too long": (
         SECTION,

@@ -15,6 +15,7 @@ import pytest
 from drillstring.application import Drillstring
 from drillstring.scene.hole import Build, Well
 from drillstring.string.lumps import Tube, cut, share_elements
+from gardenhose.application import Gardenhose
 from tautline.application.installed import Installed
 from tautline.cable.application import Cable
 from tautline.cable.input import material
@@ -80,6 +81,18 @@ def by_elements(folder, elements):
     return path
 
 
+def by_length(folder, elements):
+    path = folder / f"{elements}.yaml"
+    path.write_text(f"""hose:
+  {{length: 1000, elements: {elements}, axial_stiffness: 1.0e6, bending_stiffness: 100, mass_per_length: 2}}
+water: {{mass_per_length: 1.0, speed: 1.0}}
+gravity: [0, 0, 0]
+solver: {{method: generalized-alpha, step: 1 ms, end: 10 ms}}
+output: {{interval: 10 ms}}
+""")
+    return path
+
+
 def by_spans(folder, spans):
     """Spans of rope, each of one element, tied end to end: their coordinates follow from one another."""
     items = []
@@ -100,7 +113,7 @@ def by_spans(folder, spans):
     ("application", "make", "size"),
     [
         (Drillstring, by_survey, 1000), (Drillstring, by_sections, 500), (Drillstring, by_elements, 2000),
-        (Cable, by_spans, 100),
+        (Gardenhose, by_length, 4000), (Cable, by_spans, 100),
     ],
 )  # fmt: skip
 def test_reading_checking_and_building_takes_at_most_in_proportion_to(application, make, size, tmp_path):

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from references import ale_ancf as reference
 
-from tautline.cable.model.elements import records
 from tautline.elements.bending import BENDING, FlowingBending, new_bending
 from tautline.elements.flow import Flow
 from tautline.elements.inertia import INERTIA, Inertia
@@ -24,6 +23,7 @@ from tautline.kernels.dofs import Dofs
 from tautline.kernels.hermite import gauss, lobatto, table
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import dense, new_matrix
+from tautline.system.records import records_of
 
 CUBIC, LINEAR = 7, 4
 STARTS = {CUBIC: (10, 3, 17), LINEAR: (7, 3, 11)}
@@ -117,7 +117,7 @@ def _inertias(kind, damped, record=INERTIA, more=({}, {})):
         ends | {"mass": MASS[e], "damping": FRICTION[e] if damped else 0.0, "load": LOAD[e]} | more[e]
         for e, ends in enumerate(_ends(kind))
     ]
-    return records(record, rows)
+    return records_of(record, rows)
 
 
 def _tensions(kind, damped):
@@ -127,7 +127,7 @@ def _tensions(kind, damped):
         | {"engineering": int(STRAIN[e] == "engineering"), "slack": int(not COMPRESSION[e])}
         for e, ends in enumerate(_ends(kind))
     ]
-    return records(TENSION, rows)
+    return records_of(TENSION, rows)
 
 
 def _bendings(damped):
@@ -135,7 +135,7 @@ def _bendings(damped):
         ends | {"stiffness": EJ[e], "damping": DAMPING[e] if damped else 0.0, "smoothing": SMOOTHING[e]}
         for e, ends in enumerate(_ends(CUBIC))
     ]
-    return records(BENDING, rows)
+    return records_of(BENDING, rows)
 
 
 GAUSS, LOBATTO, FINE = table(*gauss(3)), table(*lobatto()), table(*gauss(4))
@@ -189,7 +189,7 @@ def outlets():
         | {"engineering": int(STRAIN[e] == "engineering"), "slack": int(not COMPRESSION[e])}
         for e, ends in enumerate(_ends(CUBIC))
     ]
-    return Outlets(records(OUTLET, rows), np.zeros((4, 4)), np.zeros((3, 6)))
+    return Outlets(records_of(OUTLET, rows), np.zeros((4, 4)), np.zeros((3, 6)))
 
 
 # -- references: element, q, v, a of that element -> its force ---------------------------------------------------------

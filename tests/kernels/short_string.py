@@ -15,8 +15,9 @@ from tautline.kernels.jit import entry, kernel
 from tautline.kernels.matrix import Matrix, dense, new_matrix
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, Bodies, EccentricBodies
-from tautline.lumped.curve import PER_BODY, downward, hold_arcs, records, vertical_depth
+from tautline.lumped.curve import PER_BODY, downward, hold_arcs, vertical_depth
 from tautline.lumped.link import SPRING, Links, link_slopes
+from tautline.system.records import records
 
 BODIES = 4
 PLACES = np.array([0.1, 1.3, 2.9, 4.2])

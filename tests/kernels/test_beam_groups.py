@@ -16,7 +16,7 @@ from drillstring.well.in_hole import hold_points, spot, write_frame
 from tautline.elements.twist import TWISTED, Twist
 from tautline.elements.weld import Welds
 from tautline.kernels.jit import entry
-from tautline.lumped.curve import records
+from tautline.system.records import records
 
 LENGTH, COUNT = 4.5, 3
 """One element of a beam, m: its points are three, one of them its lower node."""

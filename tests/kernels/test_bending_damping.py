@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from cable_groups import CUBIC, SHAPES, ask, close, new_state, parts
 
-from tautline.cable.model.elements import records
 from tautline.elements.bending_damping import VISCOUS, BendingDamping
 from tautline.kernels.hermite import gauss, table
+from tautline.system.records import records_of
 
 STEP = 1e-40
 VISCOSITY = (0.28, 0.06)
@@ -17,7 +17,7 @@ POINTS = gauss(3)
 def group():
     rows = [ends | {"viscosity": c} for ends, c in zip(rope._ends(CUBIC), VISCOSITY, strict=True)]
     scratch = np.zeros((2, 4)), np.zeros((4, 6)), np.zeros((2, 3, 6)), np.zeros((6, 6)), np.zeros((12, 12))
-    return BendingDamping(records(VISCOUS, rows), table(*POINTS), *scratch)
+    return BendingDamping(records_of(VISCOUS, rows), table(*POINTS), *scratch)
 
 
 def curvature(z):

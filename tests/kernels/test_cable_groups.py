@@ -341,7 +341,7 @@ def node_groups():
     return {
         "masses": PointMasses(PLACE, np.array([2.0, 0.3]), 0.4, np.array([0.0, 1.0, -9.0])),
         "anchors": Anchors(PLACE, np.array([3.0, 5.0]), np.array([0.2, 0.0]), values),
-        "springs": Springs(rope.records(SPRING, rows), np.zeros((6, 6))),
+        "springs": Springs(rope.records_of(SPRING, rows), np.zeros((6, 6))),
         "forces": TimedForces(PLACE, values, np.array([[0.0, 1.0], [-1.0, 0.02]]), np.zeros(2), np.zeros(2)),
         "loads": Loads(PLACE, np.array([1.0, -2.0])),
         "penalties": Penalties(table, np.array([20.0, 7.0])),

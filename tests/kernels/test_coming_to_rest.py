@@ -6,7 +6,7 @@ import pytest
 from drillstring.groups.contact import Touch
 from drillstring.groups.friction import PROJECTED, SLIP, STICK, Projection, status
 from tautline.kernels.jit import entry
-from tautline.lumped.curve import records
+from tautline.system.records import records
 
 STATIC, KINETIC, NORMAL = 0.5, 0.3, 20.0
 

@@ -14,8 +14,8 @@ from tautline.kernels import changes
 from tautline.kernels import groups as over
 from tautline.kernels.jit import entry
 from tautline.kernels.lanes import LANES
-from tautline.lumped.curve import records
 from tautline.scene.functions import Ramp
+from tautline.system.records import records
 from tautline.system.time_functions import FunctionRequest, compile_functions
 
 CLEARANCE, RADIUS = 0.15, 0.08

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from tautline.cable.model.elements import records
 from tautline.elements.bending import BENDING, new_bending
 from tautline.elements.cubic import members
 from tautline.elements.inertia import INERTIA, Inertia
@@ -15,6 +14,7 @@ from tautline.kernels.groups import link
 from tautline.kernels.hermite import gauss, table
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import dense, new_matrix
+from tautline.system.records import records_of
 
 NODE = 7
 
@@ -96,7 +96,7 @@ def _rope(count, rng):
 
     def groups(some):
         def of(kind, more):
-            return records(kind, [rows[k] | more[k] for k in some])
+            return records_of(kind, [rows[k] | more[k] for k in some])
 
         return (
             new_tension(of(TENSION, tension), points),

@@ -40,7 +40,7 @@ from tautline.kernels.lanes import (
     where,
     within,
 )
-from tautline.lumped.curve import records
+from tautline.system.records import records
 
 COUNTS = (1, 3, 4, 5, 8, 11)
 RECORD = np.dtype([("kind", "i8"), ("a", "f8"), ("b", "f8"), ("c", "f8"), ("d", "f8"), ("e", "f8")])

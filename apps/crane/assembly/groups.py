@@ -27,6 +27,7 @@ from crane.groups.winch import DRUM, Drums, Supplies
 from crane.scene.scene import Drum, End, Sheave
 from tautline.kernels.time_function import TimeFunctions
 from tautline.scene.functions import Constant
+from tautline.system.records import records_of
 from tautline.system.time_functions import FunctionRequest, Steering
 
 SMOOTHING = 0.01
@@ -81,11 +82,6 @@ def _bending(layout: Layout, spans: Spans) -> tuple[Bends, Arcs]:
     )
 
 
-def _records(kind: np.dtype, rows: list[dict[str, Any]]) -> np.recarray:
-    names = kind.names or ()
-    return np.array([tuple([row[name] for name in names]) for row in rows], kind).view(np.recarray)
-
-
 def _spans(layout: Layout) -> Spans:
     rope = layout.scene.rope
     rows = np.zeros(len(layout.station) - 1, SPAN)
@@ -116,7 +112,7 @@ def _between(layout: Layout) -> np.recarray:
         {"a": layout.station[first], "b": layout.station[last], "wheel1": on[i], "wheel2": on[i + 1]}
         for i, (first, last) in enumerate(layout.spans)
     ]
-    return _records(BETWEEN, [row for row in rows if (row["wheel1"], row["wheel2"]) != (POINT, POINT)])
+    return records_of(BETWEEN, [row for row in rows if (row["wheel1"], row["wheel2"]) != (POINT, POINT)])
 
 
 def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunctions) -> Slips:
@@ -124,7 +120,7 @@ def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunction
     ends = np.ascontiguousarray(np.column_stack((spans.rows["a"], spans.rows["b"])))
     none = {"by_s": 0.0, "by_p": 0.0}
     return Slips(
-        _records(SLIP, [none | row for row in contacts]), spans.found, spans.start, ends, np.zeros(n), np.zeros(n),
+        records_of(SLIP, [none | row for row in contacts]), spans.found, spans.start, ends, np.zeros(n), np.zeros(n),
         np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(1), np.ones(1), functions,
     )  # fmt: skip
 
@@ -158,7 +154,7 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
     if not rows:
         return None
     n = len(rows)
-    return lambda functions: Drums(_records(DRUM, rows), spans.found, np.zeros(n), np.zeros(n), functions)
+    return lambda functions: Drums(records_of(DRUM, rows), spans.found, np.zeros(n), np.zeros(n), functions)
 
 
 def _of_drum(drum: Drum) -> tuple[Steering, ...]:
@@ -196,7 +192,7 @@ def _bodies(layout: Layout) -> Maker | None:
     floor = np.array([ground.level, ground.stiffness, ground.damping, ground.friction] if ground else [0.0] * 4)
     mass = np.array([row["mass"] for row in rows], dtype=float)
     return lambda functions: Bodies(
-        _records(BODY, rows), gravity, floor, mass, mass.copy(), np.zeros(len(mass)), functions
+        records_of(BODY, rows), gravity, floor, mass, mass.copy(), np.zeros(len(mass)), functions
     )  # fmt: skip
 
 
@@ -257,7 +253,7 @@ def _wet(layout: Layout, spans: Spans) -> Wet | None:
         "diameter": rope.diameter, "density": water.density, "drag": water.rope_drag, "added": water.added_mass
     }  # fmt: skip
     rows = [{"a": a, "b": b, **common} for a, b in pairwise(layout.station)]
-    return new_wet(_records(WET, rows), water.surface, np.array(layout.scene.gravity, dtype=float), spans)
+    return new_wet(records_of(WET, rows), water.surface, np.array(layout.scene.gravity, dtype=float), spans)
 
 
 def _rigids(layout: Layout) -> Rigids | None:
@@ -266,7 +262,7 @@ def _rigids(layout: Layout) -> Rigids | None:
         {"place": layout.body[name], "turn": turn, "inertia": scene.body(name).inertia, "frequency": FREQUENCY}
         for name, turn in layout.turn.items()
     ]
-    return new_rigids(_records(RIGID, rows)) if rows else None
+    return new_rigids(records_of(RIGID, rows)) if rows else None
 
 
 def _socketed(layout: Layout) -> list[tuple[int, End]]:
@@ -290,7 +286,7 @@ def _sockets(layout: Layout) -> Sockets | None:
         }
         for i, item in _socketed(layout)
     ]
-    return new_sockets(_records(SOCKET, rows)) if rows else None
+    return new_sockets(records_of(SOCKET, rows)) if rows else None
 
 
 def _couplings(layout: Layout) -> list[np.ndarray]:

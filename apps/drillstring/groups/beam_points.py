@@ -18,7 +18,7 @@ from drillstring.well.in_hole import MOST, PIECE, POINT, Hole
 from drillstring.well.wellbore import Wellbore
 from tautline.elements.cubic import MATERIAL
 from tautline.kernels.hermite import SHAPE, table
-from tautline.lumped.curve import records
+from tautline.system.records import records
 
 NODE = 8
 """Degrees of freedom of a node: r, r', p, theta."""

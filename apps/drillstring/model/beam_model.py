@@ -31,7 +31,7 @@ from tautline.elements.twist import TWISTED, Twist
 from tautline.elements.weld import Welds
 from tautline.kernels.hermite import gauss, lobatto, table
 from tautline.kernels.time_function import TimeFunctions, value_at
-from tautline.lumped.curve import records
+from tautline.system.records import records
 from tautline.system.system import Degrees, assemble
 
 NAMES = ("north", "east", "down", "slope north", "slope east", "slope down", "material coordinate", "rotation")

@@ -15,9 +15,10 @@ from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
 from tautline.lumped.bend import Bends, bend_slopes
 from tautline.lumped.body import LUMP, Bodies, EccentricBodies
-from tautline.lumped.curve import ARC, PER_BODY, SEAT, Curve, records
+from tautline.lumped.curve import ARC, PER_BODY, SEAT, Curve
 from tautline.lumped.link import SPRING as STRING_SPRING
 from tautline.lumped.link import Links, link_slopes
+from tautline.system.records import records
 
 
 def curve_of(well: Wellbore, measured_depth: np.ndarray) -> Curve:

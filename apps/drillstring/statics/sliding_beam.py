@@ -23,7 +23,7 @@ from drillstring.well.wellbore import Wellbore
 from tautline.elements.bending import Bending
 from tautline.elements.nodal.load import Loads
 from tautline.integrators.state import State
-from tautline.lumped.curve import records
+from tautline.system.records import records
 from tautline.system.system import System
 
 BRACED = 1.3

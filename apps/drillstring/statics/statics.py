@@ -32,8 +32,8 @@ from tautline.integrators.state import State, new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.time_loop import new_frames
-from tautline.lumped.curve import records
 from tautline.scene.errors import SceneError
+from tautline.system.records import records
 
 AT_DEPTH = 1.0e-7
 """Distance of the bit from its depth, m, that is left."""

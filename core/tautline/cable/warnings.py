@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tautline.cable.input.couplings import APART, coupling_gap, value_of
-from tautline.cable.input.geometry import arc_length, chord
+from tautline.cable.input.geometry import Drawn, arc_lengths, chord
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
 from tautline.cable.input.syntax.nodal import item_of
@@ -158,7 +158,9 @@ def _lengths(scene: CableScene) -> Sentences:
     p, nodes = material_coordinates(scene), {node.id: node for node in scene.nodes}
     heavy = set(scene.heavy_nodes)
     heavy |= {node for element in scene.elements if element.rhoA > 0.0 for node in element.nodes}
-    for element in scene.elements:
+    lengths = np.array([_length(element, p) for element in scene.elements])
+    arcs = arc_lengths(Drawn.of(scene.elements, nodes), lengths).tolist()
+    for element, length, arc in zip(scene.elements, lengths.tolist(), arcs, strict=True):
         first, second = (nodes[node] for node in element.nodes)
         line = chord(first.position, second.position)
         if element.kind == "cubic":
@@ -169,13 +171,11 @@ def _lengths(scene: CableScene) -> Sentences:
                         "element's nodes, or turn xyz_d round"
                     )
                     yield (*element.place, "nodes7"), text
-        length = _length(element, p)
         for node in (first, second) if element.kind == "cubic" else ():
             size = math.hypot(*(node.slope or ()))
             if abs(size - 1.0) > PRESTRETCHED:
                 text = f"is {size:.3g} long: it is dr/dp, and 1 where the cable is not stretched; give a unit vector"
                 yield (*node.place, "xyz_d"), text
-        arc = arc_length(first, second, length) if element.kind == "cubic" else math.hypot(*line)
         if abs(arc / length - 1.0) > PRESTRETCHED:
             word = "stretched" if arc > length else "shortened"
             text = (

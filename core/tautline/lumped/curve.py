@@ -131,11 +131,3 @@ def vertical_depth(curve, i, x):
     # 1 - cos loses every digit on a slight curve: 2 sin^2(angle / 2).
     half = sin(0.5 * angle)
     return arc.depth + (seat.g3 * sin(angle) + along * 2.0 * half * half) / seat.bend
-
-
-def records(count: int, dtype: np.dtype, **columns: np.ndarray | float) -> np.recarray:
-    """Record array of ``count`` rows with the named columns filled in, the others zero."""
-    rows = np.zeros(count, dtype).view(np.recarray)
-    for name, values in columns.items():
-        rows[name] = values
-    return rows

@@ -16,6 +16,8 @@ MOST_MARKS = 200_000_000
 """Places of a band, a byte each, up to which entries are marked in it."""
 PAIRS = 100_000
 """Entries that are looked at together."""
+ROWS = 4096
+"""Rows of a band whose marks are gathered together."""
 NEAR = 0.25
 """Share of the least possible width by which a band may be wider before a better order is looked for."""
 
@@ -35,14 +37,23 @@ class Pattern:
 
     def renumbered(self, rank: np.ndarray) -> Pattern:
         """The pattern with unknown i as number rank[i]; those of negative rank are left out."""
+        if np.array_equal(rank, np.arange(self.size)):
+            return self
         row, column = rank[self.row], rank[self.column]
         kept = (row >= 0) & (column >= 0)
         return Pattern(np.count_nonzero(rank >= 0), row[kept], column[kept])
 
     def width(self, border: int = 0) -> int:
         """Entries of a row on either side of the diagonal, at most, the last `border` rows and columns left out."""
-        inner = np.maximum(self.row, self.column) < self.size - border
-        return int(np.abs(self.row - self.column)[inner].max(initial=0))
+        beside = np.abs(self.row - self.column)
+        if border > 0:
+            beside = beside[np.maximum(self.row, self.column) < self.size - border]
+        return int(beside.max(initial=0))
+
+    @functools.cached_property
+    def narrowest(self) -> tuple[np.ndarray, int]:
+        """What `narrow` gives, found once: systems of one structure share their patterns."""
+        return _narrow(self)
 
     def toarray(self) -> np.ndarray:
         """In full (size, size): 1 where an entry may differ from zero."""
@@ -108,8 +119,15 @@ def _marked(size: int, width: int, coupled: Sequence[np.ndarray]) -> Pattern:
     marks[np.arange(size) * across + width] = True
     for i, j in _pairs(coupled):
         marks[i * (across - 1) + j + width] = True
-    row, beside = np.divmod(np.flatnonzero(marks), across)
-    return Pattern(size, row, row + beside - width)
+    row, column = (np.empty(np.count_nonzero(marks), dtype=np.int32) for _ in range(2))
+    end = 0
+    for begin in range(0, size, ROWS):
+        # Part by part: the places of all marks as numpy gives them take twice what the pattern does.
+        some, beside = np.nonzero(marks[begin * across : (begin + ROWS) * across].reshape(-1, across))
+        start, end = end, end + some.size
+        row[start:end] = some + begin
+        column[start:end] = row[start:end] + beside - width
+    return Pattern(size, row, column)
 
 
 def _distinct(places: np.ndarray) -> np.ndarray:
@@ -127,13 +145,11 @@ def narrow(pattern: Pattern) -> tuple[np.ndarray, int]:
     reverse Cuthill-McKee, whichever gives the narrower band. The latter is not asked where it cannot gain much: half of
     a row's entries beside the diagonal lie on one side of it in any order.
     """
-    order, border = _narrow(pattern.size, pattern.row.tobytes(), pattern.column.tobytes())
+    order, border = pattern.narrowest
     return order.copy(), border
 
 
-@functools.lru_cache(maxsize=8)
-def _narrow(size: int, row: bytes, column: bytes) -> tuple[np.ndarray, int]:
-    pattern = Pattern(size, np.frombuffer(row, np.int64), np.frombuffer(column, np.int64))
+def _narrow(pattern: Pattern) -> tuple[np.ndarray, int]:
     natural = np.arange(pattern.size)
     if natural.size == 0:
         return natural, 0

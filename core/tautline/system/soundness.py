@@ -66,14 +66,16 @@ def null_motions(
         The node that slides farthest in each independent null motion, ascending; empty for a sound scene. Nodes come
         twice where two motions have the same one.
     """
+    # A node that is held along the rope does not slide, whatever else is said of it: most nodes are.
+    places = np.column_stack([material, np.asarray(nodes)[:, None] + np.arange(3)]).astype(np.int64)
+    factors = np.column_stack([np.ones(len(places)), tangents])
+    is_held = (np.isin(places, list(fixed)) & (np.abs(factors) > ALONG)).any(axis=1)
     slide: dict[int, tuple[int, float]] = {}
-    for i in np.flatnonzero(np.asarray(material) >= 0).tolist():
-        slide[int(material[i])] = (i, 1.0)
-        for axis in range(3):
-            slide[int(nodes[i]) + axis] = (i, float(tangents[i][axis]))
+    for i in np.flatnonzero((places[:, 0] >= 0) & ~is_held).tolist():
+        slide.update((j, (i, factor)) for j, factor in zip(places[i].tolist(), factors[i].tolist(), strict=True))
 
     elimination = _Elimination(ALONG)
-    for row in _equations(fixed, couplings, rows):
+    for row in _equations((), couplings, rows):
         largest = max((abs(factor) for _, factor in row), default=0.0)
         entries = [(slide[j][0], factor * slide[j][1]) for j, factor in row if j in slide]
         elimination.add([(i, x) for i, x in entries if abs(x) > ALONG * largest])
@@ -118,6 +120,8 @@ def redundant(
         once the others are met. Zero is a repetition that can be left out, anything above rounding a contradiction.
         It speaks of the start only: rows over prescribed degrees of freedom may come to contradict each other later.
     """
+    if not rows:
+        return {}
     elimination = _Elimination(DEPENDENT)
     for row in _equations(fixed, couplings or {}, ()):
         elimination.add(row)

@@ -14,7 +14,7 @@ from drillstring.statics.statics import Statics
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.integrators.time_loop import new_frames
-from tautline.lumped.curve import records
+from tautline.system.records import records
 
 BEAM = "ale-ancf"
 

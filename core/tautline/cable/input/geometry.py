@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from tautline.cable.input.parts import Element, Node, Vector
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(32)
-POINTS, WEIGHTS = 0.5 * (POINTS + 1.0), 0.5 * WEIGHTS
+POINTS, WEIGHTS = 0.5 * (POINTS[:, None] + 1.0), 0.5 * WEIGHTS
 COINCIDENT = 1.0e-12
 """Distance, m, below which two nodes stand at one point."""
 FARTHEST = 1.0e9
@@ -19,6 +20,42 @@ MONOTONE = 3.0
 """Slopes up to which a straight cubic does not run back on itself (the usual bound of monotone interpolation)."""
 LONGEST = 100.0
 """Chords among which the length of an element is looked for."""
+WIDER, MOST_STEPS = 1.1, 100
+"""Factor by which an interval grows until it holds a length; Newton steps within it, of which ten are many."""
+BLOCK = 2048
+"""Elements that are looked at together: their points fit the cache."""
+
+
+class Drawn(NamedTuple):
+    """Elements as a scene draws them: whether they are linear (m,), their chords (m, 3) m, slopes at their ends (m, 3).
+
+    The slopes of a linear element are zero.
+    """
+
+    linear: np.ndarray
+    chord: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+
+    @classmethod
+    def of(cls, elements: Sequence[Element], nodes: Mapping[int, Node]) -> Drawn:
+        """Of some elements; nodes by their ids."""
+        ends = [(nodes[element.nodes[0]], nodes[element.nodes[1]]) for element in elements]
+        none = (0.0, 0.0, 0.0)
+        return cls(
+            np.array([element.kind == "linear" for element in elements], dtype=bool),
+            np.array([chord(first.position, second.position) for first, second in ends]).reshape(-1, 3),
+            *(np.array([pair[i].slope or none for pair in ends]).reshape(-1, 3) for i in (0, 1)),
+        )
+
+    @property
+    def distance(self) -> np.ndarray:
+        """Between the nodes of each element (m,), m."""
+        return np.array([math.hypot(*line) for line in self.chord.tolist()])
+
+    def part(self, which: np.ndarray | slice) -> Drawn:
+        """Some of the elements."""
+        return Drawn(*(values[which] for values in self))
 
 
 def chord(first: Vector, second: Vector) -> Vector:
@@ -27,59 +64,80 @@ def chord(first: Vector, second: Vector) -> Vector:
     return x2 - x1, y2 - y1, z2 - z1
 
 
-def arc_length(first: Node, second: Node, length: float) -> float:
-    """Arc, m, of the cubic between two nodes whose slopes are dr/dp and whose material length is `length`, m.
+def arc_lengths(drawn: Drawn, length: np.ndarray) -> np.ndarray:
+    """Arcs (m,), m, of elements whose slopes are dr/dp and whose material lengths are ``length`` (m,), m.
 
     Gauss quadrature with 32 points: to rounding where the cubic has no cusp. Infinite where slopes are beyond numbers.
     """
-    assert first.slope is not None and second.slope is not None
-    x = POINTS[:, None]
-    with np.errstate(over="ignore", invalid="ignore"):
-        rate = 6.0 * x * (1.0 - x) * np.array(chord(first.position, second.position))
-        rate = rate + length * (1.0 - 4.0 * x + 3.0 * x * x) * np.array(first.slope)
-        rate = rate + length * (3.0 * x * x - 2.0 * x) * np.array(second.slope)
-        arc = float(WEIGHTS @ np.sqrt((rate * rate).sum(axis=1)))
-    return arc if math.isfinite(arc) else math.inf
+    arcs = np.where(drawn.linear, drawn.distance, 0.0)
+    cubic = np.flatnonzero(~drawn.linear)
+    for begin in range(0, cubic.size, BLOCK):
+        some = cubic[begin : begin + BLOCK]
+        arcs[some] = _arcs(drawn.part(some), length[some])[0]
+    return arcs
 
 
-def element_length(element: Element, first: Node, second: Node) -> float | None:
-    """Unstretched length, m, of an element that lies unstretched: its chord, or L where the arc of the cubic is L.
+def _arcs(drawn: Drawn, length: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Arcs of cubics (m,), m, and how they grow with the material length (m,)."""
+    x = POINTS
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        turning = (1.0 - 4.0 * x + 3.0 * x * x) * drawn.first[:, None] + (3.0 * x * x - 2.0 * x) * drawn.second[:, None]
+        rate = 6.0 * x * (1.0 - x) * drawn.chord[:, None] + length[:, None, None] * turning
+        size = np.sqrt((rate * rate).sum(axis=-1))
+        arc, growth = size @ WEIGHTS, ((rate * turning).sum(axis=-1) / size) @ WEIGHTS
+    return np.where(np.isfinite(arc), arc, math.inf), growth
 
-    None if there is none: the nodes coincide, or are astronomically far apart, or the slopes are so long that the arc
-    always exceeds it.
+
+def unstretched_lengths(drawn: Drawn) -> np.ndarray:
+    """Unstretched lengths (m,), m, of elements that lie unstretched: a chord, or the L with which the cubic's arc is L.
+
+    Not a number where there is none: the nodes coincide, or are astronomically far apart, or the slopes are so long
+    that the arc always exceeds it.
     """
-    straight = math.hypot(*chord(first.position, second.position))
-    if not COINCIDENT < straight < FARTHEST:
-        return None
-    if element.kind == "linear" or _is_straight(first, second):
-        return straight
-
-    def excess(length: float) -> float:
-        return arc_length(first, second, length) - length
-
-    low, high = straight, 1.1 * straight
-    if excess(low) <= 1e-15 * straight:
-        return straight
-    while excess(high) > 0.0:
-        low, high = high, 1.1 * high
-        if high > LONGEST * straight:
-            return None
-    from scipy.optimize import brentq
-
-    return float(brentq(excess, low, high, xtol=1e-15 * straight, rtol=1e-15))
+    distance = drawn.distance
+    good = (distance > COINCIDENT) & (distance < FARTHEST)
+    lengths = np.where(good, distance, math.nan)
+    curved = np.flatnonzero(good & ~drawn.linear)
+    curved = curved[~_is_straight(drawn.part(curved), distance[curved])]
+    for begin in range(0, curved.size, BLOCK):
+        some = curved[begin : begin + BLOCK]
+        lengths[some] = _own_arcs(drawn.part(some), distance[some])
+    return lengths
 
 
-def _is_straight(first: Node, second: Node) -> bool:
-    """Whether both slopes point along the chord, and are short enough for the cubic to run one way."""
-    line = chord(first.position, second.position)
-    whole = math.hypot(*line)
-    for slope in (first.slope, second.slope):
-        assert slope is not None
-        size = math.hypot(*slope)
-        along = sum(a * b for a, b in zip(slope, line, strict=True)) / whole
-        if not 0.0 < along <= MONOTONE or math.sqrt(max(0.0, (size - along) * (size + along))) > 1e-14 * size:
-            return False
-    return True
+def _own_arcs(drawn: Drawn, distance: np.ndarray) -> np.ndarray:
+    """The shortest lengths (m,), m, with which the arcs of cubics are as long; not a number if none is found."""
+
+    def excess(length: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        arc, growth = _arcs(drawn, length)
+        return arc - length, growth - 1.0
+
+    low, high = distance, WIDER * distance
+    is_chord = excess(low)[0] <= 1e-15 * distance
+    while (beyond := ~is_chord & (high <= LONGEST * distance) & (excess(high)[0] > 0.0)).any():
+        low, high = np.where(beyond, high, low), np.where(beyond, WIDER * high, high)
+    x = 0.5 * (low + high)
+    for _ in range(MOST_STEPS):
+        error, growth = excess(x)
+        low, high = np.where(error > 0.0, x, low), np.where(error > 0.0, high, x)
+        with np.errstate(all="ignore"):
+            newton = x - error / growth
+        following = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        moved, x = np.abs(following - x), np.where(error == 0.0, x, following)
+        if not (moved > 1e-15 * distance)[~is_chord].any():
+            break
+    return np.where(is_chord, distance, np.where(high <= LONGEST * distance, x, math.nan))
+
+
+def _is_straight(drawn: Drawn, distance: np.ndarray) -> np.ndarray:
+    """Whether both slopes point along the chord, and are short enough for the cubic to run one way (m,)."""
+    straight = np.ones(distance.size, dtype=bool)
+    for slope in (drawn.first, drawn.second):
+        size = np.sqrt((slope * slope).sum(axis=1))
+        along = (slope * drawn.chord).sum(axis=1) / distance
+        across = np.sqrt(np.maximum(0.0, (size - along) * (size + along)))
+        straight &= (along > 0.0) & (along <= MONOTONE) & ~(across > 1e-14 * size)
+    return straight
 
 
 def mean_direction(chords: Iterable[Vector]) -> Vector | None:

@@ -7,7 +7,7 @@ import math
 from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator
 
-from tautline.cable.input.geometry import COINCIDENT, FARTHEST, chord, element_length
+from tautline.cable.input.geometry import COINCIDENT, FARTHEST, Drawn, chord, unstretched_lengths
 from tautline.cable.input.parts import CableScene, Element
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.model import MADE
@@ -22,9 +22,9 @@ def material_coordinates(scene: CableScene) -> dict[int, float]:
     """Material coordinates of all nodes at the start.
 
     Known are those that nodes give, and of nodes whose p follows a function, its first value. The rest follow along
-    the elements, each as long as it lies (`element_length`). Between two known nodes the lengths are stretched alike,
-    so that the strain is the same in all elements between them. A chain with no known node begins where it is tied to
-    one that has: by p = p, else by r = r; if it is tied to none, its first node has p = 0.
+    the elements, each as long as it lies (`unstretched_lengths`). Between two known nodes the lengths are stretched
+    alike, so that the strain is the same in all elements between them. A chain with no known node begins where it is
+    tied to one that has: by p = p, else by r = r; if it is tied to none, its first node has p = 0.
 
     Returns
     -------
@@ -47,17 +47,23 @@ def _found(scene: CableScene) -> dict[int, float]:
     """Material coordinates of all nodes, by node id, m; raises SceneError."""
     fixed = known_coordinates(scene)
     nodes = {node.id: node for node in scene.nodes}
-    lengths: dict[int, float] = {}
-    problems: list[Problem] = []
-    for element in scene.elements:
-        first, second = element.nodes
-        length = element_length(element, nodes[first], nodes[second])
-        if length is not None:
-            lengths[element.id] = length
-        elif not {first, second} <= fixed.keys():
-            problems.append(_unknown(scene, element))
+    # Of an element between known nodes the length does not matter.
+    asked = [element for element in scene.elements if not fixed.keys() >= {*element.nodes}]
+    drawn = unstretched_lengths(Drawn.of(asked, nodes)).tolist()
+    problems = [_unknown(scene, element) for element, length in zip(asked, drawn, strict=True) if math.isnan(length)]
     if problems:
         raise SceneError(problems)
+    p = dict(fixed)
+    if len(p) < len(nodes):
+        p |= _along_elements(scene, fixed, {e.id: length for e, length in zip(asked, drawn, strict=True)})
+    problems = [problem for element in scene.elements if (problem := _backwards(scene, element, p))]
+    if problems:
+        raise SceneError(problems)
+    return {node.id: p[node.id] for node in scene.nodes}
+
+
+def _along_elements(scene: CableScene, fixed: dict[int, float], lengths: dict[int, float]) -> dict[int, float]:
+    """Coordinates of all nodes from those that are fixed and from the lengths of elements, m, by their ids."""
     chains = _Chains(scene, lengths)
     p = dict(fixed)
     waiting = []
@@ -67,10 +73,7 @@ def _found(scene: CableScene) -> dict[int, float]:
         else:
             waiting.append(chain)
     _fill_from_ties(chains, waiting, _Links(scene), p)
-    problems = [problem for element in scene.elements if (problem := _backwards(scene, element, p))]
-    if problems:
-        raise SceneError(problems)
-    return {node.id: p[node.id] for node in scene.nodes}
+    return p
 
 
 def known_coordinates(scene: CableScene) -> dict[int, float]:

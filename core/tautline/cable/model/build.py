@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -139,7 +140,7 @@ def _largest_force(scene: CableScene, material: dict[int, float]) -> float:
     """Force that counts as large, N: all weight, loads and forces, and a little of the stiffness."""
     gravity = float(np.linalg.norm(scene.gravity))
     loads = sum(
-        float(np.linalg.norm(e.load)) * abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements
+        math.hypot(*e.load) * abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements if any(e.load)
     )
     forces = sum(item_of(part).force(part) * len(part.nodes) for part in scene.nodal)
     stiff = max((max(e.EA, 1e-3 * e.EJ) for e in scene.elements), default=0.0)

@@ -21,6 +21,7 @@ from tautline.elements.pipe import PIPE, Pipes
 from tautline.elements.shared_flow import SharedFlow, unit_matrices
 from tautline.elements.tension import TENSION, FlowingTension, new_tension
 from tautline.kernels.hermite import gauss, lobatto, table
+from tautline.system.records import records
 
 SMOOTHING = 0.01
 """Curvature from which bending is damped in full, over that of an element bent to a radius of its own length."""
@@ -30,25 +31,15 @@ TOGETHER = 1.0e-9
 """Distance, m, below which two ends of ropes are one corner."""
 
 
-def records(kind: np.dtype, rows: Sequence[dict[str, Any]]) -> np.recarray:
-    """A record array with a row for each dict; what a dict leaves out is zero."""
-    made = np.zeros(len(rows), kind).view(np.recarray)
-    for i, row in enumerate(rows):
-        for name, value in row.items():
-            made[name][i] = value
-    return made
-
-
 STILL, SHARED, MOVING = "still", "shared", "moving"
 """How material moves through an element: not at all, through both nodes at one rate, or anyhow."""
 
 
 def flow_of(layout: Layout, element: Element) -> str:
     """How material moves through an element, or may."""
-    places = [layout.material(node) for node in element.nodes]
-    if all(layout.is_still(place) for place in places):
+    if layout.still_nodes.issuperset(element.nodes):
         return STILL
-    first, second = (layout.rate_of(place) for place in places)
+    first, second = (layout.rate_of(layout.material(node)) for node in element.nodes)
     return SHARED if element.kind == "cubic" and first == second else MOVING
 
 
@@ -56,9 +47,9 @@ def steady_flow(layout: Layout) -> list[int]:
     """Places of the p of material that is driven through elements of constant length: it flows on while they rest."""
     places: set[int] = set()
     for element in layout.scene.elements:
-        ends = [layout.material(node) for node in element.nodes]
-        if flow_of(layout, element) == SHARED and all(layout.is_held(place) for place in ends):
-            places.update(ends)
+        if flow_of(layout, element) == SHARED:
+            ends = [layout.material(node) for node in element.nodes]
+            places.update(ends if all(layout.is_held(place) for place in ends) else ())
     return sorted({*places, *layout.flow.values()})
 
 
@@ -92,7 +83,10 @@ def element_groups(layout: Layout) -> list[Any]:
                 groups.append(_bending_damping(layout, spinless))
     open_ends = _outlets(layout)
     if open_ends:
-        groups.append(Outlets(records(OUTLET, open_ends), np.zeros((4, 4)), np.zeros((3, 6))))
+        last = [element for element, _ in open_ends]
+        columns = _ends(layout, last) | _strain(last) | {"bending": [element.EJ for element in last]}
+        rows = records(len(last), OUTLET, **columns, end=[end for _, end in open_ends])
+        groups.append(Outlets(rows, np.zeros((4, 4)), np.zeros((3, 6))))
     return groups
 
 
@@ -106,46 +100,45 @@ def _quadrature(element: Element) -> str:
     return element.quadrature or ("lobatto" if element.EJ > 0.0 else "gauss")
 
 
-def _ends(layout: Layout, element: Element) -> dict[str, int]:
-    return {"a": layout.start[element.nodes[0]], "b": layout.start[element.nodes[1]]}
+def _ends(layout: Layout, elements: Sequence[Element]) -> dict[str, list[int]]:
+    """Where both nodes of each element stand."""
+    start = layout.start
+    return {"a": [start[e.nodes[0]] for e in elements], "b": [start[e.nodes[1]] for e in elements]}
 
 
 def _inertia(layout: Layout, kind: str, flow: str, elements: list[Element]) -> Any:
-    scene = layout.scene
-    rows = [
-        _ends(layout, e)
-        | {
-            "mass": e.rhoA,
-            "damping": scene.solver.mass_damping,
-            "load": [e.rhoA * g + f for g, f in zip(scene.gravity, e.load, strict=True)],
-        }
-        for e in elements
-    ]
+    scene, mass = layout.scene, np.array([e.rhoA for e in elements])
+    columns: dict[str, Any] = _ends(layout, elements) | {
+        "mass": mass,
+        "damping": scene.solver.mass_damping,
+        "load": mass[:, None] * np.array(scene.gravity) + np.array([e.load for e in elements]),
+    }
     if kind == "linear" and flow != STILL:
         goes_on = Counter(node for e in scene.elements if e.kind == "linear" for node in e.nodes)
-        for row, element in zip(rows, elements, strict=True):
-            row["kinks"] = [float(goes_on[node] > 1) for node in element.nodes]
-        return LinearFlow(records(LINEAR_FLOW, rows), np.zeros((3, 3)), np.zeros((8, 8)))
+        columns["kinks"] = [[float(goes_on[node] > 1) for node in e.nodes] for e in elements]
+        return LinearFlow(records(len(elements), LINEAR_FLOW, **columns), np.zeros((3, 3)), np.zeros((8, 8)))
+    rows = records(len(elements), INERTIA, **columns)
     if kind == "linear":
-        return LinearInertia(records(INERTIA, rows))
+        return LinearInertia(rows)
     if flow == SHARED:
-        return SharedFlow(records(INERTIA, rows), unit_matrices(), np.zeros((4, 3, 4)), np.zeros((14, 14)))
+        return SharedFlow(rows, unit_matrices(), np.zeros((4, 3, 4)), np.zeros((14, 14)))
     if flow == MOVING:
-        shapes = np.zeros((6, 4)), np.zeros((10, 3)), np.zeros((14, 14))
-        return Flow(records(INERTIA, rows), table(*gauss(4)), *shapes)
-    return Inertia(records(INERTIA, rows), np.zeros((4, 4)))
+        return Flow(rows, table(*gauss(4)), np.zeros((6, 4)), np.zeros((10, 3)), np.zeros((14, 14)))
+    return Inertia(rows, np.zeros((4, 4)))
 
 
-def _strain(element: Element) -> dict[str, Any]:
+def _strain(elements: Sequence[Element]) -> dict[str, list[float]]:
+    """Axial stiffness, and by which strain it counts."""
     return {
-        "stiffness": element.EA,
-        "engineering": int(element.strain == "engineering"),
-        "slack": int(not element.compression),
+        "stiffness": [e.EA for e in elements],
+        "engineering": [e.strain == "engineering" for e in elements],
+        "slack": [not e.compression for e in elements],
     }
 
 
 def _tension(layout: Layout, kind: str, moving: bool, elements: list[Element], quadrature: str) -> Any:
-    rows = records(TENSION, [_ends(layout, e) | _strain(e) | {"damping": e.damping} for e in elements])
+    columns = _ends(layout, elements) | _strain(elements)
+    rows = records(len(elements), TENSION, **columns, damping=[e.damping for e in elements])
     points = table(*(gauss(3) if quadrature == "gauss" else lobatto()))
     if kind == "linear":
         return LinearTension(rows, np.zeros((4, 3)), np.zeros((8, 8)))
@@ -155,13 +148,15 @@ def _tension(layout: Layout, kind: str, moving: bool, elements: list[Element], q
 
 
 def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
-    rows = [
-        _ends(layout, e)
-        | {"stiffness": e.EJ, "damping": 0.0 if e.spinless and not moving else e.damping}
-        | {"smoothing": SMOOTHING / length_of(layout, e)}
-        for e in elements
-    ]
-    common = records(BENDING, rows), table(*gauss(3))
+    rows = records(
+        len(elements),
+        BENDING,
+        **_ends(layout, elements),
+        stiffness=[e.EJ for e in elements],
+        damping=[0.0 if e.spinless and not moving else e.damping for e in elements],
+        smoothing=SMOOTHING / lengths_of(layout, elements),
+    )
+    common = rows, table(*gauss(3))
     if moving:
         return FlowingBending(
             *common, np.zeros((5, 4)), np.zeros((14, 6)), np.zeros((2, 6, 6)), np.zeros((14, 14))
@@ -170,33 +165,41 @@ def _bending(layout: Layout, moving: bool, elements: list[Element]) -> Any:
 
 
 def _pipes(layout: Layout, elements: list[Element]) -> Pipes:
-    rows = [
-        _ends(layout, e)
-        | _strain(e)
-        | {"flow": layout.flow[e.conveyed[1]], "length": length_of(layout, e), "gravity": layout.scene.gravity}
-        | {"mass": e.rhoA, "fluid": e.conveyed[0], "bending": e.EJ, "damping": e.damping}
-        for e in elements
-        if e.conveyed is not None
-    ]
+    fluids = [e.conveyed for e in elements if e.conveyed is not None]
+    rows = records(
+        len(elements),
+        PIPE,
+        **_ends(layout, elements),
+        **_strain(elements),
+        flow=[layout.flow[motion] for _, motion in fluids],
+        length=lengths_of(layout, elements),
+        gravity=layout.scene.gravity,
+        mass=[e.rhoA for e in elements],
+        fluid=[mass for mass, _ in fluids],
+        bending=[e.EJ for e in elements],
+        damping=[e.damping for e in elements],
+    )
     axial = table(*(gauss(3) if _quadrature(elements[0]) == "gauss" else lobatto()))
     scratch = np.zeros((1, 6)), np.zeros((6, 6)), np.zeros((9, 9)), np.zeros((12, 12))
-    return Pipes(records(PIPE, rows), axial, table(*gauss(3)), unit_matrices(), *scratch)
+    return Pipes(rows, axial, table(*gauss(3)), unit_matrices(), *scratch)
 
 
 def _bending_damping(layout: Layout, elements: list[Element]) -> BendingDamping:
-    rows = records(VISCOUS, [_ends(layout, e) | {"viscosity": e.EJ * e.damping} for e in elements])
+    viscosity = [e.EJ * e.damping for e in elements]
+    rows = records(len(elements), VISCOUS, **_ends(layout, elements), viscosity=viscosity)
     scratch = np.zeros((2, 4)), np.zeros((4, 6)), np.zeros((2, 3, 6)), np.zeros((6, 6)), np.zeros((12, 12))
     return BendingDamping(rows, table(*gauss(3)), *scratch)
 
 
-def length_of(layout: Layout, element: Element) -> float:
-    """Material length of an element at t = 0, m."""
-    first, second = (layout.initial[layout.material(node)] for node in element.nodes)
-    return float(second - first)
+def lengths_of(layout: Layout, elements: Sequence[Element]) -> np.ndarray:
+    """Material lengths of elements at t = 0 (m,), m."""
+    last = layout.last
+    first, second = (layout.initial[[last[e.nodes[end]] for e in elements]] for end in (0, 1))
+    return second - first
 
 
-def _outlets(layout: Layout) -> list[dict[str, Any]]:
-    """Open ends: where a rope stops at a node that lets material through without prescribing how much."""
+def _outlets(layout: Layout) -> list[tuple[Element, int]]:
+    """Open ends, element and 0 or 1: where a rope stops at a node that lets material through, however much."""
     uses = Counter(node for e in layout.scene.elements for node in e.nodes)
     joined = {node for tie in layout.scene.ties if tie.what == 1 for node in tie.nodes}
     joined |= {node for c in layout.scene.couplings for node in _coupled_in_place(layout, c)}
@@ -206,7 +209,7 @@ def _outlets(layout: Layout) -> list[dict[str, Any]]:
         for end, node in enumerate(element.nodes):
             lets_through = uses[node] == 1 and not layout.is_held(layout.material(node)) and node not in joined
             if element.kind == "cubic" and lets_through and not any(_goes_on(layout, node, other) for other in last):
-                ends.append(_ends(layout, element) | _strain(element) | {"end": end, "bending": element.EJ})
+                ends.append((element, end))
     return ends
 
 
@@ -234,10 +237,9 @@ def stencils(layout: Layout, groups: Sequence[Any]) -> tuple[list[Stencil], list
     whole: list[Stencil] = []
     massive: list[Stencil] = []
     for kind, size in (("cubic", 7), ("linear", 4)):
-        pairs = [_ends(layout, e) for e in layout.scene.elements if e.kind == kind]
-        if pairs:
-            ends = np.array([[pair["a"], pair["b"]] for pair in pairs])
-            whole.append((ends[:, :, None] + np.arange(size)).reshape(len(pairs), -1))
+        if some := [e for e in layout.scene.elements if e.kind == kind]:
+            ends = np.column_stack(list(_ends(layout, some).values()))
+            whole.append((ends[:, :, None] + np.arange(size)).reshape(len(some), -1))
     shapes: dict[type, Callable[[np.ndarray], np.ndarray]] = {
         Inertia: lambda ends: _axes(ends, (0, 3)),
         LinearInertia: lambda ends: _axes(ends, (0,)),

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
-from tautline.cable.input.parts import CableScene, Node
+from tautline.cable.input.parts import CableScene
 from tautline.kernels.time_function import TimeFunctions, value_at
 from tautline.scene.functions import Table
 from tautline.scene.reading.document import join_key
@@ -24,6 +26,8 @@ class Layout:
         Node's id -> place of its first degree of freedom in the full vectors.
     kind : dict
         Node's id -> 7 or 4.
+    last : dict
+        Node's id -> place of its p, the last of its degrees of freedom.
     flow : dict
         Id of the motion of a conveyed fluid -> place of its p.
     degrees : Degrees
@@ -38,9 +42,12 @@ class Layout:
         self.kind = {node.id: int(node.kind) for node in scene.nodes}
         ends = np.cumsum([0] + [node.kind for node in scene.nodes])
         self.start = {node.id: int(at) for node, at in zip(scene.nodes, ends[:-1], strict=True)}
+        self.last = {node.id: int(end) - 1 for node, end in zip(scene.nodes, ends[1:], strict=True)}
         names = [f"node {node.id}: {name}" for node in scene.nodes for name in DIRECTIONS[node.kind]]
-        value = np.concatenate([_values(node, material[node.id]) for node in scene.nodes])
-        scale = np.concatenate([_scales(node, force, length) for node in scene.nodes])
+        value = np.array([x for node in scene.nodes for x in (*node.position, *(node.slope or ()), material[node.id])])
+        moment = force * length
+        rows = {7: (force,) * 3 + (moment,) * 3 + (force,), 4: (force,) * 4}
+        scale = np.array([x for node in scene.nodes for x in rows[node.kind]])
         # What flows along an element's own curve has its p at no node.
         motions = {motion.id: motion for motion in scene.motions}
         streams = sorted({e.conveyed[1] for e in scene.elements if e.conveyed is not None})
@@ -62,10 +69,17 @@ class Layout:
 
     def material(self, node: int) -> int:
         """Full place of a node's p."""
-        return self.start[node] + self.kind[node] - 1
+        return self.last[node]
+
+    @functools.cached_property
+    def still_nodes(self) -> frozenset[int]:
+        """Ids of the nodes whose material stays what it is at t = 0."""
+        return frozenset(node.id for node in self.scene.nodes if self.is_still(self.last[node.id]))
 
     def is_still(self, place: int) -> bool:
         """Whether a degree of freedom stays what it is at t = 0."""
+        if place not in self.degrees.masters:
+            return self.degrees.motion.get(place, 0) == -1
         return all(self.degrees.motion.get(i, 0) == -1 for i, _ in self.degrees.resolved(place))
 
     def rate_of(self, place: int) -> frozenset:
@@ -90,17 +104,17 @@ class Layout:
         index = {motion.id: k for k, motion in enumerate(self.scene.motions)}
         self.requests = [_request(motion, self.scene.solver.end) for motion in self.scene.motions]
         functions = compile_functions(self.requests)
-        for node in self.scene.nodes:
-            for k, (held, function) in enumerate(zip(node.held, node.functions, strict=True)):
-                place = self.start[node.id] + k
-                if held and function:
-                    motion = self.scene.motions[index[function]]
-                    self.degrees.prescribe(place, index[function])
-                    # A rate goes on from pos0, a function is the value itself.
-                    self.degrees.value[place] = motion.pos0 if motion.function is None else 0.0
-                    self.velocity[place] = value_at(functions, index[function], 0.0)[1]
-                elif held:
-                    self.degrees.fix(place)
+        held = [flag for node in self.scene.nodes for flag in node.held]
+        following = [function for node in self.scene.nodes for function in node.functions]
+        for place in np.flatnonzero(held).tolist():
+            if function := following[place]:
+                motion = self.scene.motions[index[function]]
+                self.degrees.prescribe(place, index[function])
+                # A rate goes on from pos0, a function is the value itself.
+                self.degrees.value[place] = motion.pos0 if motion.function is None else 0.0
+                self.velocity[place] = value_at(functions, index[function], 0.0)[1]
+            else:
+                self.degrees.fix(place)
         for stream, place in self.flow.items():
             self.degrees.prescribe(place, index[stream])
             self.velocity[place] = value_at(functions, index[stream], 0.0)[1]
@@ -135,12 +149,3 @@ def _request(motion, end: float) -> FunctionRequest:
         return FunctionRequest(motion.rate, integrate=True, end=end, key=key, factor=motion.factor, inputs=speed)
     rate = Table(time=motion.times, value=motion.velocities, interpolation="linear")
     return FunctionRequest(rate, integrate=True, end=end, key=name, inputs=place)
-
-
-def _values(node: Node, p: float) -> np.ndarray:
-    slope = node.slope if node.slope is not None else ()
-    return np.array([*node.position, *slope, p], dtype=np.float64)
-
-
-def _scales(node: Node, force: float, length: float) -> np.ndarray:
-    return np.array([force] * 3 + [force * length] * (3 if node.kind == 7 else 0) + [force], dtype=np.float64)

@@ -51,7 +51,7 @@ class Observer:
         self.ids = np.array([node.id for node in scene.nodes])
         self.element_ids = np.array([e.id for e in scene.elements])
         self.start = np.array([layout.start[node.id] for node in scene.nodes])
-        self.material = np.array([layout.material(node.id) for node in scene.nodes])
+        self.material = np.array([layout.last[node.id] for node in scene.nodes])
         self.cubic_nodes = np.array([i for i, node in enumerate(scene.nodes) if node.kind == 7], dtype=int)
         index = {node.id: i for i, node in enumerate(scene.nodes)}
         self.ends = np.array([[index[n] for n in e.nodes] for e in scene.elements])

@@ -12,7 +12,7 @@ from tautline.cable.input.geometry import COINCIDENT
 from tautline.cable.input.material import SHORTEST
 from tautline.cable.input.parts import Tie
 from tautline.cable.input.syntax.nodal import item_of
-from tautline.cable.model.elements import length_of
+from tautline.cable.model.elements import lengths_of
 from tautline.cable.model.layout import Layout
 from tautline.constraints.equations import equations
 from tautline.constraints.multiplier import Multipliers
@@ -99,35 +99,39 @@ def check_sound(layout: Layout, made: Sequence[Equation]) -> None:
 
 def _lost(layout: Layout) -> list[Problem]:
     """Elements without length once each node stands where its function begins and its masters put it."""
-    scene, q = layout.scene, layout.initial
+    scene = layout.scene
+    material = lengths_of(layout, scene.elements)
+    apart = np.linalg.norm(_chords(layout), axis=1)
+    linear = np.array([element.kind == "linear" for element in scene.elements])
     problems = []
-    for element in scene.elements:
-        first, second = (q[layout.start[n] : layout.start[n] + 3] for n in element.nodes)
-        material = q[layout.material(element.nodes[1])] - q[layout.material(element.nodes[0])]
-        if not material > SHORTEST:
-            cause = f"has {material:.3g} m of cable between its nodes once functions and couplings hold"
-        elif element.kind == "linear" and not np.linalg.norm(second - first) > COINCIDENT:
-            cause = "has both of its nodes at one point once functions and couplings hold"
-        else:
-            continue
+    for i in np.flatnonzero(~(material > SHORTEST) | (linear & ~(apart > COINCIDENT))).tolist():
+        cause = "has both of its nodes at one point once functions and couplings hold"
+        if not material[i] > SHORTEST:
+            cause = f"has {material[i]:.3g} m of cable between its nodes once functions and couplings hold"
         cure = "let the functions and couplings of its nodes begin where the nodes are drawn"
-        problems.append(scene.problem(element.place, cause, cure))
+        problems.append(scene.problem(scene.elements[i].place, cause, cure))
     return problems
+
+
+def _chords(layout: Layout) -> np.ndarray:
+    """From the first node of each element to the second, at the start (elements, 3), m."""
+    first, second = ([layout.start[e.nodes[end]] for e in layout.scene.elements] for end in (0, 1))
+    axes = np.arange(3)
+    return layout.initial[np.array(second)[:, None] + axes] - layout.initial[np.array(first)[:, None] + axes]
 
 
 def _null_motions(layout: Layout, rows: Sequence[Equation]) -> list[Problem]:
     scene = layout.scene
     tangents = np.zeros((len(scene.nodes), 3))
     index = {node.id: i for i, node in enumerate(scene.nodes)}
-    for element in scene.elements:
-        first, second = (np.array(layout.initial[layout.start[n] : layout.start[n] + 3]) for n in element.nodes)
-        for node in element.nodes:
-            tangents[index[node]] += (second - first) / max(np.linalg.norm(second - first), 1e-300)
-    for i, node in enumerate(scene.nodes):
-        if node.kind == 7:
-            tangents[i] = layout.initial[layout.start[node.id] + 3 : layout.start[node.id] + 6]
+    chords = _chords(layout)
+    chords /= np.maximum(np.linalg.norm(chords, axis=1), 1e-300)[:, None]
+    for end in (0, 1):
+        np.add.at(tangents, [index[element.nodes[end]] for element in scene.elements], chords)
     places = np.array([layout.start[node.id] for node in scene.nodes])
-    material = np.array([layout.material(node.id) for node in scene.nodes])
+    material = np.array([layout.last[node.id] for node in scene.nodes])
+    cubic = np.array([node.kind == 7 for node in scene.nodes])
+    tangents[cubic] = layout.initial[places[cubic][:, None] + 3 + np.arange(3)]
     beads = [[(layout.material(node), 1.0)] for node in scene.heavy_nodes]
     wrong = null_motions(
         places, tangents, material, layout.degrees.motion, layout.degrees.masters, [e.row for e in rows] + beads
@@ -170,9 +174,10 @@ def constraint_groups(layout: Layout, made: Sequence[Equation], weight: float) -
 
 def penalty_stiffness(layout: Layout) -> float:
     """Penalty stiffness by the square root rule, eq. 2.158, N/m: the largest stiffness's power of ten times 10^8."""
-    stiffest = max(
-        max(e.EA / length_of(layout, e), 12.0 * e.EJ / length_of(layout, e) ** 3) for e in layout.scene.elements
-    )
+    elements = layout.scene.elements
+    length = lengths_of(layout, elements)
+    axial, bending = np.array([(e.EA, e.EJ) for e in elements]).T
+    stiffest = float(np.maximum(axial / length, 12.0 * bending / length**3).max())
     return 10.0 ** floor(log10(stiffest)) * sqrt(10.0**PRECISION) if stiffest > 0.0 else 1.0
 
 
@@ -181,5 +186,5 @@ def _stiffness(layout: Layout, equation: Equation, chosen: float) -> float:
         return equation.tie.stiffness
     if equation.tie.what != 2:
         return chosen
-    lengths = [length_of(layout, e) for e in layout.scene.elements if set(e.nodes) & set(equation.tie.nodes)]
-    return chosen * min(lengths, default=1.0) ** 2
+    joined = [e for e in layout.scene.elements if set(e.nodes) & set(equation.tie.nodes)]
+    return chosen * (float(lengths_of(layout, joined).min()) if joined else 1.0) ** 2
