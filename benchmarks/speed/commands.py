@@ -15,7 +15,7 @@ from benchmarks import jwell
 from benchmarks.page import number, quick_asked, table
 from benchmarks.speed.cold_start import seconds
 
-ROWS, SECTIONS, LUMPS, ELEMENTS = 60_000, 60_000, 100_000, 20_000
+ROWS, SECTIONS, LUMPS, ELEMENTS, PIECES = 60_000, 60_000, 100_000, 20_000, 100_000
 DEPTH = 6000.0
 """Of the wells, m."""
 REST = """  diameter: 0.2032 m
@@ -68,6 +68,18 @@ def by_elements(folder: Path, elements: int) -> Path:
     return _written(folder / "cable.yaml", "\n".join(lines) + "\n")
 
 
+def by_length(folder: Path, elements: int) -> Path:
+    """A hose with water running through it, given by its length."""
+    text = f"""hose:
+  {{length: 1000 m, elements: {elements}, axial_stiffness: 1.0e6, bending_stiffness: 100, mass_per_length: 2}}
+water: {{mass_per_length: 1.0, speed: 1.0}}
+gravity: [0, 0, 0]
+solver: {{method: generalized-alpha, step: 1 ms, end: 10 ms}}
+output: {{interval: 10 ms}}
+"""
+    return _written(folder / "hose.yaml", text)
+
+
 def _written(path: Path, text: str) -> Path:
     path.write_text(text)
     return path
@@ -80,13 +92,15 @@ def main() -> None:
         folder = Path(name)
         survey, sections = by_survey(folder, ROWS // part), by_sections(folder, SECTIONS // part)
         lumps, cable = by_lumps(folder, LUMPS // part), by_elements(folder, ELEMENTS // part)
+        hose = by_length(folder, PIECES // part)
         commands = (
             (f"check, survey of {ROWS // part} rows", ("check", survey)),
             (f"simulate 1 s, survey of {ROWS // part} rows", ("simulate", survey)),
             (f"check, {SECTIONS // part} sections in the scene", ("check", sections)),
             (f"check, {LUMPS // part} lumps", ("check", lumps)),
             (f"simulate 10 steps, {LUMPS // part} lumps", ("simulate", lumps, "--no-verify")),
-            (f"check, {ELEMENTS // part} elements of cable", ("check", cable)),
+            (f"check, {ELEMENTS // part} elements of cable, each written", ("check", cable)),
+            (f"check, {PIECES // part} elements of hose", ("check", hose)),
             ("simulate data/jwell.yaml --end 1", ("simulate", jwell.SCENE, "--end", "1")),
         )
         rows = []

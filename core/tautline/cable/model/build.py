@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -56,8 +56,9 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
         p are both free.
     """
     material = material_coordinates(scene)
-    force, mass = _largest_force(scene, material), _mass(scene, material)
     lengths = [abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements]
+    mass = _mass(scene, lengths)
+    force = _largest_force(scene, lengths, mass)
     layout = Layout(scene, material, force, float(np.median(lengths)))
     made = equations_of(layout)
     check_sound(layout, made)
@@ -131,20 +132,19 @@ def build(scene: CableScene) -> Model:
     return with_limits(within_rounding(model, "eps_energy"), scene)
 
 
-def _mass(scene: CableScene, material: dict[int, float]) -> float:
-    ropes = sum(e.rhoA * abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements)
+def _mass(scene: CableScene, lengths: Sequence[float]) -> float:
+    """All mass of ropes, unstretched `lengths` of elements, m, and of what hangs on nodes, kg."""
+    ropes = sum(e.rhoA * length for e, length in zip(scene.elements, lengths, strict=True))
     return ropes + sum(item_of(part).mass(part) * len(part.nodes) for part in scene.nodal)
 
 
-def _largest_force(scene: CableScene, material: dict[int, float]) -> float:
+def _largest_force(scene: CableScene, lengths: Sequence[float], mass: float) -> float:
     """Force that counts as large, N: all weight, loads and forces, and a little of the stiffness."""
     gravity = float(np.linalg.norm(scene.gravity))
-    loads = sum(
-        math.hypot(*e.load) * abs(material[e.nodes[1]] - material[e.nodes[0]]) for e in scene.elements if any(e.load)
-    )
+    loads = sum(math.hypot(*e.load) * length for e, length in zip(scene.elements, lengths, strict=True) if any(e.load))
     forces = sum(item_of(part).force(part) * len(part.nodes) for part in scene.nodal)
     stiff = max((max(e.EA, 1e-3 * e.EJ) for e in scene.elements), default=0.0)
-    return _mass(scene, material) * gravity + loads + forces + STIFF_SHARE * stiff or 1.0
+    return mass * gravity + loads + forces + STIFF_SHARE * stiff or 1.0
 
 
 def _node_groups(layout: Layout) -> list[Any]:

@@ -204,13 +204,16 @@ def _outlets(layout: Layout) -> list[tuple[Element, int]]:
     joined = {node for tie in layout.scene.ties if tie.what == 1 for node in tie.nodes}
     joined |= {node for c in layout.scene.couplings for node in _coupled_in_place(layout, c)}
     last = [node for node, count in uses.items() if count == 1]
-    ends = []
-    for element in layout.scene.elements:
-        for end, node in enumerate(element.nodes):
-            lets_through = uses[node] == 1 and not layout.is_held(layout.material(node)) and node not in joined
-            if element.kind == "cubic" and lets_through and not any(_goes_on(layout, node, other) for other in last):
-                ends.append((element, end))
-    return ends
+    opened = {node for node in last if node not in joined and not layout.is_held(layout.material(node))}
+    if not opened:
+        return []
+    return [
+        (element, end)
+        for element in layout.scene.elements
+        if element.kind == "cubic"
+        for end, node in enumerate(element.nodes)
+        if node in opened and not any(_goes_on(layout, node, other) for other in last)
+    ]
 
 
 def _coupled_in_place(layout: Layout, coupling: Any) -> list[int]:
