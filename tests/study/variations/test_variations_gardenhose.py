@@ -142,13 +142,13 @@ def test_nothing_is_left_to_halve_of_a_single_element():
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("no damping, a single element", r"study: hose\.elements = 3000: must be at most 2000"),
-        ("three bores", r"study: hose\.segments\[0\]\.elements = 18000: must be at most 2000"),
+        ("no damping, a single element", r"study: hose\.elements = 150000: must be at most 100000"),
+        ("three bores", r"study: hose\.segments\[0\]\.elements = 900000: must be at most 100000"),
     ],
 )
 def test_more_elements_than_a_hose_may_have_are_refused_by_name(name, message):
     with pytest.raises(SceneError, match=message):
-        vary.elements(MORE[name](), 3000)
+        vary.elements(MORE[name](), 150_000)
 
 
 def test_a_hanging_hose_stretches_by_the_integral_of_its_strain_on_every_mesh():
