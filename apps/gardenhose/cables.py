@@ -93,7 +93,7 @@ def cables_of(scene: HoseScene, fused: bool = True) -> CableScene:
     )  # fmt: skip
 
 
-def positions(scene: HoseScene, s: np.ndarray) -> list[tuple[float, float, float]]:
+def _positions(scene: HoseScene, s: np.ndarray) -> list[tuple[float, float, float]]:
     """Places of the nodes at unstretched distances s (n,), m, from the root of the straight hose, m."""
     x, y, z = (r + s * d for r, d in zip(scene.hose.root, scene.hose.unit_direction, strict=True))
     return list(zip(x.tolist(), y.tolist(), z.tolist(), strict=True))
@@ -103,7 +103,7 @@ def _hose_nodes(scene: HoseScene, s: np.ndarray) -> tuple[list[Node], list[Coupl
     """Nodes of the hose, its ends held as the scene says; couplings where a clamp leaves the strain free."""
     hose, last = scene.hose, len(s)
     supports = {1: hose.root_support, last: hose.end}
-    places, direction = positions(scene, s), hose.unit_direction
+    places, direction = _positions(scene, s), hose.unit_direction
     free, place = (FREE,) * 6 + (HELD,), ("hose", "end")
     nodes = [_node(i, places[i - 1], direction, s[i - 1], free, 0, place) for i in range(1, last + 1)]
     couplings: list[Coupling] = []
@@ -171,7 +171,7 @@ def _add_water(
 ) -> None:
     """Nodes and elements of one stream, and what ties it to the hose."""
     place, direction, begins = SPEED, scene.hose.unit_direction, float(s[stream.start])
-    places = positions(scene, s)
+    places = _positions(scene, s)
     for k, i in enumerate(range(stream.start, stream.stop + 1)):
         node, hose = stream.first + k, i + 1
         held = [FREE] * 6 + [k == 0]
