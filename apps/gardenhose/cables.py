@@ -43,10 +43,10 @@ class Stream(NamedTuple):
 
 def arc_lengths(scene: HoseScene) -> np.ndarray:
     """Unstretched distance of each node from the root (n,), m."""
-    s = [0.0]
+    s = [np.zeros(1)]
     for piece in scene.hose.pieces:
-        s += [s[-1] + piece.length * (k + 1) / piece.elements for k in range(piece.elements)]
-    return np.array(s)
+        s.append(s[-1][-1] + piece.length * np.arange(1, piece.elements + 1) / piece.elements)
+    return np.concatenate(s)
 
 
 def streams(scene: HoseScene) -> list[Stream]:
@@ -105,7 +105,10 @@ def _hose_nodes(scene: HoseScene, s: np.ndarray) -> tuple[list[Node], list[Coupl
     supports = {1: hose.root_support, last: hose.end}
     places, direction = _positions(scene, s), hose.unit_direction
     free, place = (FREE,) * 6 + (HELD,), ("hose", "end")
-    nodes = [_node(i, places[i - 1], direction, s[i - 1], free, 0, place) for i in range(1, last + 1)]
+    nodes = [
+        Node(i, 7, position, direction, p, free, FOLLOWS_NOTHING, 0, place)
+        for i, (position, p) in enumerate(zip(places, s.tolist(), strict=True), 1)
+    ]
     couplings: list[Coupling] = []
     for i, support in supports.items():
         held = [support != "free"] * 3 + [FREE] * 3 + [HELD]

@@ -11,7 +11,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from gardenhose.motion.curves import Trace
 from tautline.view.figures.spectrum import spectrum
@@ -108,6 +107,8 @@ def _turns(trace: Trace, at: np.ndarray, extremes: np.ndarray) -> list[int]:
     time, value = trace.time, trace.value
     if at.size == 0:
         return []
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
     half = max(1, math.ceil(0.5 * _dominant_period(time, trace.rate) / float(np.median(np.diff(time)))))
     width = min(2 * half + 1, 2 * len(time) + 1)
     around = maximum_filter1d(value, width, mode="nearest") - minimum_filter1d(value, width, mode="nearest")

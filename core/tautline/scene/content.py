@@ -35,7 +35,7 @@ def frequencies(part: Any, end: float, key: Key = ()) -> Iterator[tuple[str, flo
         return
     if isinstance(part, pydantic.BaseModel):
         items: Any = [(name, getattr(part, name)) for name in _names(type(part))]
-    elif dataclasses.is_dataclass(part) and not isinstance(part, type):
+    elif (dataclasses.is_dataclass(part) or hasattr(part, "_fields")) and not isinstance(part, type):
         items = [(name, getattr(part, name)) for name in _names(type(part)) if name != "document"]
     elif isinstance(part, (list, tuple)):
         items = list(enumerate(part))
@@ -48,9 +48,11 @@ def frequencies(part: Any, end: float, key: Key = ()) -> Iterator[tuple[str, flo
 
 @functools.cache
 def _names(kind: Any) -> tuple[str, ...]:
-    """Fields of a class of models or a dataclass; asked for once, and not for each of a hundred thousand parts."""
+    """Fields of a class of models, dataclasses or named tuples; asked for once, not for each of 100,000 parts."""
     if issubclass(kind, pydantic.BaseModel):
         return tuple(kind.model_fields)
+    if issubclass(kind, tuple):
+        return kind._fields
     return tuple(field.name for field in dataclasses.fields(kind))
 
 

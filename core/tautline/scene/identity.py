@@ -30,7 +30,7 @@ def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | No
 
     Parameters
     ----------
-    scene : pydantic model or dataclass
+    scene : pydantic model, dataclass or named tuple
         A validated scene, SI.
     besides : collection of str
         Fields that do not count, as key paths without places in lists: ``solver.step``.
@@ -49,7 +49,7 @@ def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | No
 
 
 def _contents(value: Any, path: str, besides: Collection[str], folder: Path | None) -> Iterator[bytes]:
-    if isinstance(value, (BaseModel, dict)) or dataclasses.is_dataclass(value):
+    if isinstance(value, (BaseModel, dict)) or dataclasses.is_dataclass(value) or hasattr(value, "_fields"):
         yield type(value).__name__.encode()
         for name, each, is_file in _fields(value):
             inner = f"{path}.{name}" if path else str(name)
@@ -76,6 +76,8 @@ def _fields(value: Any) -> Iterator[tuple[Any, Any, bool]]:
     elif isinstance(value, BaseModel):
         fields = type(value).model_fields.items()
         yield from ((name, getattr(value, name), names_file(field)) for name, field in fields)
+    elif isinstance(value, tuple):
+        yield from ((name, each, False) for name, each in zip(type(value)._fields, value, strict=True))
     else:
         yield from ((field.name, getattr(value, field.name), False) for field in dataclasses.fields(value))
 

@@ -30,7 +30,7 @@ class Pattern:
     row: np.ndarray
     column: np.ndarray
 
-    @property
+    @functools.cached_property
     def degree(self) -> np.ndarray:
         """Number of entries in each row (size,)."""
         return np.bincount(self.row, minlength=self.size)
@@ -78,7 +78,9 @@ def pattern_of(masters: Masters, size: int, stencils: Sequence[np.ndarray]) -> P
     width = max((_spread(unknowns) for unknowns in coupled), default=0)
     if size * (2 * width + 1) <= MOST_MARKS:
         return _marked(size, width, coupled)
-    places = [np.arange(size) * (size + 1), *(i * size + j for i, j in _pairs(coupled))]
+    places = [np.arange(size) * (size + 1)]
+    for i, j in _pairs(coupled):
+        places += [i * size + j, j * size + i]
     row, column = np.divmod(_distinct(np.concatenate(places)), max(size, 1))
     return Pattern(size, row, column)
 
@@ -100,12 +102,13 @@ def _spread(unknowns: np.ndarray) -> int:
 
 
 def _pairs(coupled: Sequence[np.ndarray]) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Rows and columns of the entries of coupled unknowns, a part at a time: all at once would not fit the cache."""
+    """Each two of coupled unknowns, in one order only, a part at a time: all at once would not fit the cache."""
     for unknowns in coupled:
-        rows = max(1, PAIRS // unknowns.shape[1] ** 2)
+        one, other = np.triu_indices(unknowns.shape[1], 1)
+        rows = max(1, PAIRS // max(1, one.size))
         for begin in range(0, unknowns.shape[0], rows):
             part = unknowns[begin : begin + rows]
-            i, j = (x.ravel() for x in np.broadcast_arrays(part[:, :, None], part[:, None, :]))
+            i, j = part[:, one].ravel(), part[:, other].ravel()
             if part.min() < 0:
                 there = (i >= 0) & (j >= 0)
                 i, j = i[there], j[there]
@@ -114,11 +117,17 @@ def _pairs(coupled: Sequence[np.ndarray]) -> Iterator[tuple[np.ndarray, np.ndarr
 
 def _marked(size: int, width: int, coupled: Sequence[np.ndarray]) -> Pattern:
     """Pattern within a band, by a mark for each place of the band: nothing has to be sorted."""
-    across = 2 * width + 1
-    marks = np.zeros(size * across, dtype=bool)
-    marks[np.arange(size) * across + width] = True
+    above = np.zeros(size * (width + 1), dtype=bool)
     for i, j in _pairs(coupled):
-        marks[i * (across - 1) + j + width] = True
+        above[np.minimum(i, j) * width + np.maximum(i, j)] = True
+    upper = above.reshape(size, width + 1)
+    upper[:, 0] = True
+    across = 2 * width + 1
+    band = np.zeros((size, across), dtype=bool)
+    band[:, width:] = upper
+    for k in range(1, min(width + 1, size)):
+        band[k:, width - k] = upper[: size - k, k]
+    marks = band.reshape(-1)
     row, column = (np.empty(np.count_nonzero(marks), dtype=np.int32) for _ in range(2))
     end = 0
     for begin in range(0, size, ROWS):

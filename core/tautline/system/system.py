@@ -248,7 +248,7 @@ def assemble(
         q=degrees.value.astype(np.float64),
         v=_velocity(velocity, degrees),
         scale=degrees.scale[free].astype(np.float64),
-        names=[degrees.names[i] for i in free.tolist()],
+        names=np.array(degrees.names, dtype=object)[free].tolist(),
         free=free,
         mass_couples_held=numbering.mass_couples_held,
         at_rest=np.array([rank[number[i]] for i in at_rest if number[i] >= 0], dtype=np.int64),

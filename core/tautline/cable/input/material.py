@@ -7,6 +7,8 @@ import math
 from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator
 
+import numpy as np
+
 from tautline.cable.input.geometry import COINCIDENT, FARTHEST, Drawn, chord, unstretched_lengths
 from tautline.cable.input.parts import CableScene, Element
 from tautline.scene.errors import Problem, SceneError
@@ -56,7 +58,9 @@ def _found(scene: CableScene) -> dict[int, float]:
     p = dict(fixed)
     if len(p) < len(nodes):
         p |= _along_elements(scene, fixed, {e.id: length for e, length in zip(asked, drawn, strict=True)})
-    problems = [problem for element in scene.elements if (problem := _backwards(scene, element, p))]
+    grown = np.array([p[e.nodes[1]] for e in scene.elements]) - np.array([p[e.nodes[0]] for e in scene.elements])
+    wrong = np.flatnonzero(~((grown > SHORTEST) & (grown < FARTHEST))).tolist()
+    problems = [_backwards(scene, scene.elements[i], p) for i in wrong]
     if problems:
         raise SceneError(problems)
     return {node.id: p[node.id] for node in scene.nodes}
@@ -246,10 +250,9 @@ def _unknown(scene: CableScene, element: Element) -> Problem:
     return scene.problem((*element.place, key), cause, "give xyz_d as unit vectors, or give both nodes a `p:`")
 
 
-def _backwards(scene: CableScene, element: Element, p: dict[int, float]) -> Problem | None:
+def _backwards(scene: CableScene, element: Element, p: dict[int, float]) -> Problem:
+    """What is wrong with an element along which p, by node id, m, does not grow, or grows out of all measure."""
     first, second = element.nodes
-    if FARTHEST > p[second] - p[first] > SHORTEST:
-        return None
     if p[second] > p[first]:
         cause = f"p goes from {p[first]:g} m at node {first} to {p[second]:g} m at node {second}: "
         cause += "no element is that long" if p[second] - p[first] > 1.0 else "nothing is left of the element"

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from tautline.cable.input.syntax.nodal import NodalPart, item_of
 from tautline.cable.input.syntax.solver import CableSolver
@@ -25,8 +25,7 @@ Dof = tuple[int, int]
 """A degree of freedom: id of the node, number from one."""
 
 
-@dataclass(frozen=True, slots=True)
-class Node:
+class Node(NamedTuple):
     """A node: position m; slope dr/dp (of a cubic node); p its material coordinate, m, where the scene gives one.
 
     `held` and `functions` have an entry for each degree of freedom; functions are ids, 0 for none. A degree of freedom
@@ -49,8 +48,7 @@ class Node:
         return int(self.kind)
 
 
-@dataclass(frozen=True, slots=True)
-class Element:
+class Element(NamedTuple):
     """A cable element: EA N, EJ N m^2, rhoA kg/m, damping c s (eq. 2.49), load N/m of unstretched length.
 
     ``compression`` false is a rope that carries no compression. ``quadrature`` of the axial term: None leaves

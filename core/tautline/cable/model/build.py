@@ -143,7 +143,9 @@ def _largest_force(scene: CableScene, lengths: Sequence[float], mass: float) -> 
     gravity = float(np.linalg.norm(scene.gravity))
     loads = sum(math.hypot(*e.load) * length for e, length in zip(scene.elements, lengths, strict=True) if any(e.load))
     forces = sum(item_of(part).force(part) * len(part.nodes) for part in scene.nodal)
-    stiff = max((max(e.EA, 1e-3 * e.EJ) for e in scene.elements), default=0.0)
+    axial = max((e.EA for e in scene.elements), default=0.0)
+    bending = max((e.EJ for e in scene.elements), default=0.0)
+    stiff = max(axial, 1e-3 * bending)
     return mass * gravity + loads + forces + STIFF_SHARE * stiff or 1.0
 
 

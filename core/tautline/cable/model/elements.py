@@ -46,7 +46,8 @@ def flow_of(layout: Layout, element: Element) -> str:
 def steady_flow(layout: Layout) -> list[int]:
     """Places of the p of material that is driven through elements of constant length: it flows on while they rest."""
     places: set[int] = set()
-    for element in layout.scene.elements:
+    all_still = len(layout.still_nodes) == len(layout.scene.nodes)
+    for element in () if all_still else layout.scene.elements:
         if flow_of(layout, element) == SHARED:
             ends = [layout.material(node) for node in element.nodes]
             places.update(ends if all(layout.is_held(place) for place in ends) else ())

@@ -25,6 +25,8 @@ def eyelets(layout: Layout, made: Sequence[Equation]) -> list[Any]:
     heavy = set(scene.heavy_nodes)
     chords = _chords(layout)
     for node in scene.nodes:
+        if node.id in layout.still_nodes:
+            continue
         start, p = layout.start[node.id], layout.material(node.id)
         masters = [i for i, _ in layout.degrees.resolved(p) if i not in layout.degrees.motion]
         if not masters:

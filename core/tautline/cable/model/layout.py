@@ -28,6 +28,8 @@ class Layout:
         Node's id -> 7 or 4.
     last : dict
         Node's id -> place of its p, the last of its degrees of freedom.
+    starts, lasts : (nodes,) int arrays
+        The same, node by node as the scene has them.
     flow : dict
         Id of the motion of a conveyed fluid -> place of its p.
     degrees : Degrees
@@ -39,15 +41,19 @@ class Layout:
     def __init__(self, scene: CableScene, material: dict[int, float], force: float, length: float) -> None:
         """Lay out the nodes; ``force`` N and ``length`` m are large in the scene."""
         self.scene = scene
-        self.kind = {node.id: int(node.kind) for node in scene.nodes}
-        ends = np.cumsum([0] + [node.kind for node in scene.nodes])
-        self.start = {node.id: int(at) for node, at in zip(scene.nodes, ends[:-1], strict=True)}
-        self.last = {node.id: int(end) - 1 for node, end in zip(scene.nodes, ends[1:], strict=True)}
+        ids, kinds = [node.id for node in scene.nodes], [int(node.kind) for node in scene.nodes]
+        ends = np.cumsum([0, *kinds])
+        self.kind = dict(zip(ids, kinds, strict=True))
+        self.starts, self.lasts = ends[:-1], ends[1:] - 1
+        self.start = dict(zip(ids, self.starts.tolist(), strict=True))
+        self.last = dict(zip(ids, self.lasts.tolist(), strict=True))
         names = [f"node {node.id}: {name}" for node in scene.nodes for name in DIRECTIONS[node.kind]]
-        value = np.array([x for node in scene.nodes for x in (*node.position, *(node.slope or ()), material[node.id])])
-        moment = force * length
-        rows = {7: (force,) * 3 + (moment,) * 3 + (force,), 4: (force,) * 4}
-        scale = np.array([x for node in scene.nodes for x in rows[node.kind]])
+        value, scale = np.empty(ends[-1]), np.full(ends[-1], force)
+        slopes = self.starts[np.array(kinds) == 7][:, None] + np.arange(3, 6)
+        value[self.starts[:, None] + np.arange(3)] = [node.position for node in scene.nodes]
+        value[slopes] = np.reshape([node.slope for node in scene.nodes if node.kind == 7], (-1, 3))
+        value[self.lasts] = [material[node] for node in ids]
+        scale[slopes] = force * length
         # What flows along an element's own curve has its p at no node.
         motions = {motion.id: motion for motion in scene.motions}
         streams = sorted({e.conveyed[1] for e in scene.elements if e.conveyed is not None})
@@ -72,9 +78,26 @@ class Layout:
         return self.last[node]
 
     @functools.cached_property
+    def ends(self) -> np.ndarray:
+        """Both nodes of every element (elements, 2), numbered as the scene has them."""
+        index = {node: i for i, node in enumerate(self.start)}
+        nodes = [index[node] for element in self.scene.elements for node in element.nodes]
+        return np.array(nodes, dtype=np.int64).reshape(-1, 2)
+
+    def chords(self) -> np.ndarray:
+        """From the first node of every element to the second at t = 0 (elements, 3), m."""
+        first, second = (self.initial[self.starts[end][:, None] + np.arange(3)] for end in self.ends.T)
+        return second - first
+
+    @functools.cached_property
     def still_nodes(self) -> frozenset[int]:
         """Ids of the nodes whose material stays what it is at t = 0."""
-        return frozenset(node.id for node in self.scene.nodes if self.is_still(self.last[node.id]))
+        motion, masters = self.degrees.motion, self.degrees.masters
+        return frozenset(
+            node
+            for node, place in self.last.items()
+            if (self.is_still(place) if place in masters else motion.get(place) == -1)
+        )
 
     def is_still(self, place: int) -> bool:
         """Whether a degree of freedom stays what it is at t = 0."""
@@ -104,17 +127,17 @@ class Layout:
         index = {motion.id: k for k, motion in enumerate(self.scene.motions)}
         self.requests = [_request(motion, self.scene.solver.end) for motion in self.scene.motions]
         functions = compile_functions(self.requests)
-        held = [flag for node in self.scene.nodes for flag in node.held]
-        following = [function for node in self.scene.nodes for function in node.functions]
-        for place in np.flatnonzero(held).tolist():
-            if function := following[place]:
-                motion = self.scene.motions[index[function]]
-                self.degrees.prescribe(place, index[function])
-                # A rate goes on from pos0, a function is the value itself.
-                self.degrees.value[place] = motion.pos0 if motion.function is None else 0.0
-                self.velocity[place] = value_at(functions, index[function], 0.0)[1]
-            else:
-                self.degrees.fix(place)
+        held = {held: [k for k, flag in enumerate(held) if flag] for held in {node.held for node in self.scene.nodes}}
+        for node, start in zip(self.scene.nodes, self.starts.tolist(), strict=True):
+            for k in held[node.held]:
+                if function := node.functions[k]:
+                    motion = self.scene.motions[index[function]]
+                    self.degrees.prescribe(start + k, index[function])
+                    # A rate goes on from pos0, a function is the value itself.
+                    self.degrees.value[start + k] = motion.pos0 if motion.function is None else 0.0
+                    self.velocity[start + k] = value_at(functions, index[function], 0.0)[1]
+                else:
+                    self.degrees.fix(start + k)
         for stream, place in self.flow.items():
             self.degrees.prescribe(place, index[stream])
             self.velocity[place] = value_at(functions, index[stream], 0.0)[1]

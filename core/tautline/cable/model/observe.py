@@ -50,11 +50,9 @@ class Observer:
         self.multipliers = next((g for g in groups if isinstance(g, Multipliers)), None)
         self.ids = np.array([node.id for node in scene.nodes])
         self.element_ids = np.array([e.id for e in scene.elements])
-        self.start = np.array([layout.start[node.id] for node in scene.nodes])
-        self.material = np.array([layout.last[node.id] for node in scene.nodes])
+        self.start, self.material = layout.starts, layout.lasts
         self.cubic_nodes = np.array([i for i, node in enumerate(scene.nodes) if node.kind == 7], dtype=int)
-        index = {node.id: i for i, node in enumerate(scene.nodes)}
-        self.ends = np.array([[index[n] for n in e.nodes] for e in scene.elements])
+        self.ends = layout.ends
         self.cubic = np.array([e.kind == "cubic" for e in scene.elements])
         self.stiffness = np.array([e.EA for e in scene.elements])
         self.damping = np.array([e.damping for e in scene.elements])

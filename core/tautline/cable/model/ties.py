@@ -100,8 +100,9 @@ def check_sound(layout: Layout, made: Sequence[Equation]) -> None:
 def _lost(layout: Layout) -> list[Problem]:
     """Elements without length once each node stands where its function begins and its masters put it."""
     scene = layout.scene
-    material = lengths_of(layout, scene.elements)
-    apart = np.linalg.norm(_chords(layout), axis=1)
+    first, second = (layout.initial[layout.lasts[end]] for end in layout.ends.T)
+    material = second - first
+    apart = np.linalg.norm(layout.chords(), axis=1)
     linear = np.array([element.kind == "linear" for element in scene.elements])
     problems = []
     for i in np.flatnonzero(~(material > SHORTEST) | (linear & ~(apart > COINCIDENT))).tolist():
@@ -113,23 +114,14 @@ def _lost(layout: Layout) -> list[Problem]:
     return problems
 
 
-def _chords(layout: Layout) -> np.ndarray:
-    """From the first node of each element to the second, at the start (elements, 3), m."""
-    first, second = ([layout.start[e.nodes[end]] for e in layout.scene.elements] for end in (0, 1))
-    axes = np.arange(3)
-    return layout.initial[np.array(second)[:, None] + axes] - layout.initial[np.array(first)[:, None] + axes]
-
-
 def _null_motions(layout: Layout, rows: Sequence[Equation]) -> list[Problem]:
     scene = layout.scene
     tangents = np.zeros((len(scene.nodes), 3))
-    index = {node.id: i for i, node in enumerate(scene.nodes)}
-    chords = _chords(layout)
+    chords = layout.chords()
     chords /= np.maximum(np.linalg.norm(chords, axis=1), 1e-300)[:, None]
-    for end in (0, 1):
-        np.add.at(tangents, [index[element.nodes[end]] for element in scene.elements], chords)
-    places = np.array([layout.start[node.id] for node in scene.nodes])
-    material = np.array([layout.last[node.id] for node in scene.nodes])
+    for end in layout.ends.T:
+        np.add.at(tangents, end, chords)
+    places, material = layout.starts, layout.lasts
     cubic = np.array([node.kind == 7 for node in scene.nodes])
     tangents[cubic] = layout.initial[places[cubic][:, None] + 3 + np.arange(3)]
     beads = [[(layout.material(node), 1.0)] for node in scene.heavy_nodes]

@@ -199,7 +199,8 @@ def _is_mesh(chart: Chart, node: Node, before: Sequence[Element], after: Sequenc
 
 def _alike(one: Element, other: Element) -> bool:
     """Whether two elements are pieces of the same rope."""
-    return replace(one, id=0, nodes=(0, 0), line=0, place=()) == replace(other, id=0, nodes=(0, 0), line=0, place=())
+    same = {"id": 0, "nodes": (0, 0), "line": 0, "place": ()}
+    return one._replace(**same) == other._replace(**same)
 
 
 def _same(one: Form, other: Form) -> bool:
@@ -281,7 +282,7 @@ class _Division:
             known = sorted((k for k in within if k in free), key=lambda k: (free[k] not in self.drawn, k))
             id = free.pop(known[0]) if known else self._number("element")
             owner |= {k: id for k in within if begin[0] + begin[1] <= k + 0.5 < end[0] + end[1]}
-            piece = replace(run.elements[begin[0]], id=id, nodes=ends)
+            piece = run.elements[begin[0]]._replace(id=id, nodes=ends)
             if known:
                 self.pieces[id] = piece
                 last = id
@@ -317,7 +318,7 @@ class _Division:
         made: list[Node] = []
         for node in self.chart.scene.nodes:
             if node.id not in self.gone:
-                made.append(node if node.functions[-1] else replace(node, p=self.chart.p[node.id]))
+                made.append(node if node.functions[-1] else node._replace(p=self.chart.p[node.id]))
             made += self.nodes.get(node.id, [])
         return tuple(made)
 

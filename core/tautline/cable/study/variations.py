@@ -51,7 +51,7 @@ def elements(scene: CableScene, factor: float) -> CableScene | None:
 
 def stiffness(scene: CableScene, factor: float) -> CableScene:
     """Axial and bending stiffness of all elements times ``factor``."""
-    stiffer = (replace(element, EA=factor * element.EA, EJ=factor * element.EJ) for element in scene.elements)
+    stiffer = (element._replace(EA=factor * element.EA, EJ=factor * element.EJ) for element in scene.elements)
     return replace(scene, elements=tuple(stiffer))
 
 
