@@ -17,7 +17,6 @@ from tautline.integrators.vibration.critical_step import critical_step
 from tautline.kernels.hermite import FIRST, SECOND, SHAPE, WEIGHT, gauss, lobatto, table
 from tautline.kernels.time_function import sample
 from tautline.system.time_functions import FunctionRequest, compile_functions
-from tautline.threads import one_thread
 
 ONSET = np.array(
     [
@@ -213,7 +212,7 @@ def _largest(scene: HoseScene, stiffness: Callable[[Segment], float], order: int
     if not (np.isfinite(k).all() and np.isfinite(m).all()):
         return math.nan
     try:
-        with one_thread(), np.errstate(over="ignore", invalid="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):
             # M = L L^T leaves the eigenvalues of L^-1 K L^-T. SciPy solves the pair, and takes 0.2 s to import.
             root = np.linalg.inv(np.linalg.cholesky(m))
             return float(np.linalg.eigvalsh(root @ k @ root.T)[-1])
