@@ -1,14 +1,17 @@
 """The search for rest: iterations made one by one, and what an evaluation leaves of it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import tautline
 from tautline.application.installed import Installed
 from tautline.integrators.linearise import NO_SEARCH, evaluate, search_on
-from tautline.integrators.search import AWAY, FOUND, ITERATION, LEFT, LOOSE, MORE, NEAREST, SHIFT, Search
+from tautline.integrators.search import AWAY, FOUND, ITERATION, LEFT, LOOSE, MORE, NEAREST, SHIFT, STEP_LIMIT, Search
 from tautline.integrators.state import new_state
-from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.equilibrium import find_equilibrium, neighbours
+from tautline.kernels.dofs import HELD, TIED
 from tautline.kernels.matrix import new_factors, new_matrix
 
 LIMIT, TOLERANCE, MANY = 0.1, 1e-10, 200
@@ -28,7 +31,31 @@ def system():
 def search_of(system, shift=0.0):
     factors = new_factors(system.size, system.bandwidth, system.border)
     numbers = np.array([LIMIT, TOLERANCE, shift, np.inf, np.inf])
-    return Search(factors, system.at_rest, system.scale, np.ones(system.size), numbers, np.zeros(4, np.int64))
+    pairs, ways = np.zeros((0, 2), np.int64), np.ones(system.size)
+    return Search(factors, system.at_rest, system.scale, ways, pairs, numbers, np.zeros(4, np.int64))
+
+
+def test_neighbours_of_a_node_whose_position_is_mixed_from_others_may_not_go_far():
+    # Five nodes in a row, three numbers each: the first is held, the fourth lies between two others.
+    number = np.array([HELD] * 3 + [0, 1, 2] + [3, 4, 5] + [TIED] * 3 + [6, 7, 8])
+    chords = 3 * np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
+    pairs, far = neighbours(SimpleNamespace(dofs=SimpleNamespace(number=number), chords=chords))
+    assert pairs.tolist() == [[HELD, 0], [HELD, 1], [HELD, 2], [0, 3], [1, 4], [2, 5]]
+    assert far.tolist() == [0, 1, 2]
+
+
+def test_an_iteration_moves_no_two_ends_of_an_element_further_apart_than_the_limit_of_a_step():
+    system = built("reeled_span")
+    pairs, _ = neighbours(system)
+    assert pairs.shape[0] > 5
+    search, state = search_of(system, 1.0), new_state(system)
+    search = search._replace(lever=np.zeros(system.size), pairs=pairs)
+    search.numbers[STEP_LIMIT], search.counts[LEFT] = 1e-6, 1
+    before = state.q.copy()
+    assert search_on(system, state, search) == MORE
+    moved = np.append(state.q - before, 0.0)
+    apart = np.abs(moved[pairs[:, 0]] - moved[pairs[:, 1]])
+    assert apart.max() == pytest.approx(1e-6, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["hoist", "sixteen_falls"])

@@ -27,20 +27,23 @@ class Search(NamedTuple):
     """A search for rest: what it needs beside the scene, and where it stands.
 
     ``at_rest`` (k,) are rows that stay where they are, ``scale`` (n,) is what residuals are judged by; ``lever`` (n,)
-    says what moves by how much when an unknown changes by one: zero for multipliers, which are no way gone.
+    says what moves by how much when an unknown changes by one: zero for multipliers, which are no way gone. ``pairs``
+    (m, 2) are unknowns whose difference may change by no more than the limit of a step; one that is held is negative.
     """
 
     factors: Factors
     at_rest: np.ndarray
     scale: np.ndarray
     lever: np.ndarray
+    pairs: np.ndarray
     numbers: np.ndarray
     counts: np.ndarray
 
 
 def no_search() -> Search:
     """What stands for no search where a scene is evaluated only."""
-    return Search(new_factors(0, 0), np.zeros(0, np.int64), *(np.zeros(0) for _ in range(3)), np.zeros(4, np.int64))
+    rows, numbers = np.zeros(0, np.int64), np.zeros(0)
+    return Search(new_factors(0, 0), rows, numbers, numbers, rows.reshape(0, 2), numbers, np.zeros(4, np.int64))
 
 
 @kernel
@@ -94,6 +97,9 @@ def iterate(s, q, x):
         one = abs(x[i] * s.lever[i])
         largest = max(largest, one)
         lost += 0.0 * one  # no number or infinite: neither becomes zero
+    for k in range(s.pairs.shape[0]):
+        i, j = s.pairs[k, 0], s.pairs[k, 1]
+        largest = max(largest, abs((x[i] if i >= 0 else 0.0) - (x[j] if j >= 0 else 0.0)))
     if largest > 0.0 and lost == 0.0:
         share = min(1.0, numbers[STEP_LIMIT] / largest)
         # Rounded before it is taken away: what is one instruction on one processor is two on another.

@@ -35,8 +35,8 @@ def frequencies(part: Any, end: float, key: Key = ()) -> Iterator[tuple[str, flo
         return
     if isinstance(part, pydantic.BaseModel):
         items: Any = [(name, getattr(part, name)) for name in _names(type(part))]
-    elif (dataclasses.is_dataclass(part) or hasattr(part, "_fields")) and not isinstance(part, type):
-        items = [(name, getattr(part, name)) for name in _names(type(part)) if name != "document"]
+    elif _is_record(part):
+        items = [(name, getattr(part, name)) for name in _names(part.__class__) if name != "document"]
     elif isinstance(part, (list, tuple)):
         items = list(enumerate(part))
     else:
@@ -44,6 +44,10 @@ def frequencies(part: Any, end: float, key: Key = ()) -> Iterator[tuple[str, flo
     for name, value in items:
         if type(value) not in PLAIN:
             yield from frequencies(value, end, (*key, name))
+
+
+def _is_record(part: Any) -> bool:
+    return (dataclasses.is_dataclass(part) or hasattr(part, "_fields")) and not isinstance(part, type)
 
 
 @functools.cache

@@ -77,7 +77,8 @@ def _fields(value: Any) -> Iterator[tuple[Any, Any, bool]]:
         fields = type(value).model_fields.items()
         yield from ((name, getattr(value, name), names_file(field)) for name, field in fields)
     elif isinstance(value, tuple):
-        yield from ((name, each, False) for name, each in zip(type(value)._fields, value, strict=True))
+        names: tuple[str, ...] = getattr(value, "_fields")  # noqa: B009
+        yield from ((name, each, False) for name, each in zip(names, value, strict=True))
     else:
         yield from ((field.name, getattr(value, field.name), False) for field in dataclasses.fields(value))
 

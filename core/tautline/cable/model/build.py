@@ -85,7 +85,7 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
         flowing=steady_flow(layout),
     )  # fmt: skip
     system.q[: layout.initial.size] = layout.initial
-    system.force = force
+    system.force, system.chords = force, layout.starts[layout.ends]
     observer = Observer(layout, groups, [e.name for e in made if e.tie.method != "penalty"])
     return Assembly(layout, system, observer, lengths, notes)
 

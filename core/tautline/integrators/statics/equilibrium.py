@@ -23,6 +23,7 @@ from tautline.integrators.search import (
 )
 from tautline.integrators.state import State
 from tautline.integrators.status import Status, StoppedEarly
+from tautline.kernels.dofs import TIED
 from tautline.kernels.matrix import Factors, cut, factorise_matrix, replace_by_identity, solve_matrix
 from tautline.system.system import System
 
@@ -34,6 +35,8 @@ AHEAD = 160
 PART_ITERATIONS = 100
 """Iterations over a part of the rows between two over all of them: a front passes a lump in each."""
 
+REACH = 1.0 / 40.0
+"""Share of a scene's extent by which the nodes of elements may move in one iteration, their neighbours with them."""
 FAR = 20.0
 """Extents of a scene by which no part of it moves into balance."""
 
@@ -59,7 +62,8 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
     state : State
         Where the search starts, and where the equilibrium is left.
     step_limit : float
-        Largest change of an unknown in one iteration, m or rad.
+        Largest change of an unknown in one iteration, m or rad; of positions at both ends of an element, of their
+        difference: a long cable of short elements may sink by many of their lengths at once.
     tolerance : float
         Largest residual over its scale that counts as balance.
 
@@ -127,9 +131,11 @@ def _search(system: System, state: State, step_limit: float, tolerance: float, f
     lever, origin = levers(system), state.q.copy()
     lever[system.algebraic] = 0.0  # a multiplier is no way gone: it may change as it must
     extent = max(float(np.ptp(origin)) if n else 0.0, step_limit)
+    pairs, far = neighbours(system)
+    lever[far] = min(1.0, step_limit / (REACH * extent))
     numbers, counts = np.array([step_limit, tolerance, first_shift, np.inf, np.inf]), np.zeros(4, np.int64)
     factors = system.spare_factors()
-    search = Search(factors, system.at_rest, system.scale, lever, numbers, counts)
+    search = Search(factors, system.at_rest, system.scale, lever, pairs, numbers, counts)
     stands = MORE
     while stands == MORE and counts[ITERATION] < ITERATIONS:
         # Between two iterations over all rows a part may be brought into balance.
@@ -152,6 +158,18 @@ def levers(system: System) -> np.ndarray:
     if not system.force > 0.0:
         return np.ones(system.size)
     return np.minimum(1.0, system.scale / system.force)
+
+
+def neighbours(system: System) -> tuple[np.ndarray, np.ndarray]:
+    """Positions at both ends of elements, axis by axis (m, 2), negative where one is held; and those that may go far.
+
+    Of a position that is mixed from several unknowns the difference is not known: its neighbours may not go far.
+    """
+    number = system.dofs.number[system.chords[:, :, None] + np.arange(3)].transpose(0, 2, 1).reshape(-1, 2)
+    mixed = (number == TIED).any(axis=1)
+    pairs = np.ascontiguousarray(number[~mixed & (number >= 0).any(axis=1)])
+    far = np.setdiff1d(pairs, number[mixed])
+    return pairs, far[far >= 0]
 
 
 def _balance_part(
