@@ -39,7 +39,7 @@ def test_neighbours_of_a_node_whose_position_is_mixed_from_others_may_not_go_far
     # Five nodes in a row, three numbers each: the first is held, the fourth lies between two others.
     number = np.array([HELD] * 3 + [0, 1, 2] + [3, 4, 5] + [TIED] * 3 + [6, 7, 8])
     chords = 3 * np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
-    pairs, far = neighbours(SimpleNamespace(dofs=SimpleNamespace(number=number), chords=chords))
+    pairs, far = neighbours(SimpleNamespace(size=9, dofs=SimpleNamespace(number=number), chords=chords))
     assert pairs.tolist() == [[HELD, 0], [HELD, 1], [HELD, 2], [0, 3], [1, 4], [2, 5]]
     assert far.tolist() == [0, 1, 2]
 

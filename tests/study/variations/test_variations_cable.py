@@ -116,7 +116,7 @@ def test_a_support_within_a_rope_and_a_change_of_its_section_stay_where_the_mesh
     assert [one.id for one in vary.elements(propped, 0.5).nodes] == [0, 2, 4]
     assert count(propped) == [2, 2]
     first, *others = bent().elements
-    stepped = replace(bent(), elements=(replace(first, rhoA=2.0), *others))
+    stepped = replace(bent(), elements=(first._replace(rhoA=2.0), *others))
     assert count(stepped) == [1, 3]
 
 

@@ -34,7 +34,7 @@ def test_all_elements_are_so_many_times_as_stiff_and_all_else_stays(given):
     varied = vary.stiffness(given, 7.0)
     for after, before in zip(varied.elements, given.elements, strict=True):
         assert (after.EA, after.EJ) == (7.0 * before.EA, 7.0 * before.EJ)
-        assert replace(after, EA=before.EA, EJ=before.EJ) == before
+        assert after._replace(EA=before.EA, EJ=before.EJ) == before
     assert replace(varied, elements=given.elements) == given
 
 
@@ -125,7 +125,7 @@ def test_what_bears_no_sound_is_no_bar():
     items = chain(straight([0, 0, 0], [1, 0, 0], 2), np.linspace(0, 1, 3), {0: PINNED, 2: PINNED}, EA=4.0)
     made = parse(scene(items))
     assert [(bar.name, bar.speed) for bar in vary.bars(made)] == [("element 0 and 1 more of 0.5 m", 2.0)]
-    light = replace(made, elements=(replace(made.elements[0], rhoA=0.0), replace(made.elements[1], EA=0.0)))
+    light = replace(made, elements=(made.elements[0]._replace(rhoA=0.0), made.elements[1]._replace(EA=0.0)))
     assert vary.bars(light) == []
 
 

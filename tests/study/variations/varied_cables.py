@@ -179,8 +179,8 @@ def is_same_curve(fine, coarse):
             one for one in coarse.elements
             if p_of[id(coarse)][one.nodes[0]] < middle < p_of[id(coarse)][one.nodes[1]]
             and np.all(np.abs(curve(coarse, one, p) - curve(fine, piece, p)) < accuracy(p))
-            and replace(one, id=0, nodes=(0, 0), line=0, place=())
-            == replace(piece, id=0, nodes=(0, 0), line=0, place=())
+            and one._replace(id=0, nodes=(0, 0), line=0, place=())
+            == piece._replace(id=0, nodes=(0, 0), line=0, place=())
         ]  # fmt: skip
         if len(owners) != 1:
             return False
@@ -202,7 +202,7 @@ def without_mesh(made):
 def with_coordinates(made):
     """A scene whose nodes all say their p, as those of a divided one do."""
     p = Chart(made).p
-    return replace(made, nodes=tuple(n if n.functions[-1] else replace(n, p=p[n.id]) for n in made.nodes))
+    return replace(made, nodes=tuple(n if n.functions[-1] else n._replace(p=p[n.id]) for n in made.nodes))
 
 
 def frequencies(made):

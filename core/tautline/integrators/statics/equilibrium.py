@@ -168,8 +168,11 @@ def neighbours(system: System) -> tuple[np.ndarray, np.ndarray]:
     number = system.dofs.number[system.chords[:, :, None] + np.arange(3)].transpose(0, 2, 1).reshape(-1, 2)
     mixed = (number == TIED).any(axis=1)
     pairs = np.ascontiguousarray(number[~mixed & (number >= 0).any(axis=1)])
-    far = np.setdiff1d(pairs, number[mixed])
-    return pairs, far[far >= 0]
+    far = np.zeros(system.size, dtype=bool)
+    far[pairs[pairs >= 0]] = True
+    near = number[mixed]
+    far[near[near >= 0]] = False
+    return pairs, np.flatnonzero(far)
 
 
 def _balance_part(
