@@ -18,7 +18,7 @@ from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
 from tautline.scene.reading.document import join_key
 from tautline.scene.solver import longest_step
-from tautline.scene.warnings import warning, warnings_of
+from tautline.scene.warnings import warning
 
 STIFF_PENALTY = 1.0e6
 """Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
@@ -30,10 +30,8 @@ WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
 
 
 def warnings(scene: CableScene) -> list[SceneWarning]:
-    """All that is odd about a scene, what the reader found first."""
-    found = list(scene.warnings)
-    found += warnings_of("cable", scene)
-    return list(dict.fromkeys(found))
+    """What the reader found; the functions of this file are registered, and asked as those of users are."""
+    return list(scene.warnings)
 
 
 def figures(scene: CableScene) -> dict[str, Any]:
@@ -92,19 +90,16 @@ def _fastest(scene: CableScene, p: dict[int, float]) -> tuple[float, Place]:
 def _squares(scene: CableScene, p: dict[int, float]) -> list[tuple[float, Place]]:
     """Squared frequencies of the parts; infinite or undefined for numbers that are no cable's."""
     found: list[tuple[float, Place]] = []
-    ease: dict[int, tuple[float, float]] = {}
-    for element in scene.elements:
-        if element.rhoA == 0.0:
-            continue
-        length, density = np.float64(_length(element, p)), np.float64(element.rhoA)
-        axial, bending, (easy, turning) = _unit_element(element.kind)
-        square = axial * element.EA / (density * length**2) + bending * element.EJ / (density * length**4)
-        found.append((float(square), element.place))
-        mass = density * length
-        for node in element.nodes:
-            # A node between two elements is harder to move than the end of either.
-            known = ease.get(node, (math.inf, math.inf))
-            ease[node] = min(known[0], easy / mass), min(known[1], turning / (mass * length**2))
+    for kind in ("cubic", "linear"):
+        some = [element for element in scene.elements if element.kind == kind and element.rhoA > 0.0]
+        if some:
+            axial, bending, _ = _unit_element(kind)
+            EA, EJ, density = np.array([(element.EA, element.EJ, element.rhoA) for element in some]).T
+            length = np.array([_length(element, p) for element in some])
+            squares = axial * EA / (density * length**2) + bending * EJ / (density * length**4)
+            fastest = int(np.argmax(np.where(np.isfinite(squares), squares, 0.0)))
+            found.append((float(squares[fastest]), some[fastest].place))
+    ease = _ease(scene, p)
     for tie in scene.ties:
         if tie.stiffness is not None and tie.what in (0, 2):
             both = sum(ease.get(node, (0.0, 0.0))[tie.what // 2] for node in tie.nodes)
@@ -115,6 +110,23 @@ def _squares(scene: CableScene, p: dict[int, float]) -> list[tuple[float, Place]
             easiest = max(ease.get(node, (0.0, 0.0))[0] for node in part.nodes)
             found.append((float(stiffness * easiest), part.place))
     return found
+
+
+def _ease(scene: CableScene, p: dict[int, float]) -> dict[int, tuple[float, float]]:
+    """How easily r and r' of the nodes move that springs join, at most: 1/kg and 1/(kg m^2), by node id."""
+    sprung = {node for tie in scene.ties if tie.stiffness is not None for node in tie.nodes}
+    sprung |= {node for part in scene.nodal if item_of(part).stiffness(part) > 0.0 for node in part.nodes}
+    ease: dict[int, tuple[float, float]] = {}
+    for element in scene.elements if sprung else ():
+        if element.rhoA == 0.0 or sprung.isdisjoint(element.nodes):
+            continue
+        length = np.float64(_length(element, p))
+        mass, (easy, turning) = element.rhoA * length, _unit_element(element.kind)[2]
+        for node in element.nodes:
+            # A node between two elements is harder to move than the end of either.
+            known = ease.get(node, (math.inf, math.inf))
+            ease[node] = min(known[0], easy / mass), min(known[1], turning / (mass * length**2))
+    return ease
 
 
 @warning("cable")
@@ -159,8 +171,12 @@ def _lengths(scene: CableScene) -> Sentences:
     heavy = set(scene.heavy_nodes)
     heavy |= {node for element in scene.elements if element.rhoA > 0.0 for node in element.nodes}
     lengths = np.array([_length(element, p) for element in scene.elements])
-    arcs = arc_lengths(Drawn.of(scene.elements, nodes), lengths).tolist()
-    for element, length, arc in zip(scene.elements, lengths.tolist(), arcs, strict=True):
+    drawn = Drawn.of(scene.elements, nodes)
+    arcs = arc_lengths(drawn, lengths)
+    loose = {node.id for node in scene.nodes if node.id not in heavy and not all(node.held[:3])}
+    massless: set[Place] = set()
+    for i in np.flatnonzero(_odd(scene, drawn, lengths, arcs, loose)).tolist():
+        element, length, arc = scene.elements[i], float(lengths[i]), float(arcs[i])
         first, second = (nodes[node] for node in element.nodes)
         line = chord(first.position, second.position)
         if element.kind == "cubic":
@@ -172,6 +188,8 @@ def _lengths(scene: CableScene) -> Sentences:
                     )
                     yield (*element.place, "nodes7"), text
         for node in (first, second) if element.kind == "cubic" else ():
+            if node.place == element.place:
+                continue  # a node of a line, whose slope nobody wrote
             size = math.hypot(*(node.slope or ()))
             if abs(size - 1.0) > PRESTRETCHED:
                 text = f"is {size:.3g} long: it is dr/dp, and 1 where the cable is not stretched; give a unit vector"
@@ -184,8 +202,20 @@ def _lengths(scene: CableScene) -> Sentences:
             )
             yield (*element.place, _key(element)), text
         for node in (first, second):
-            if node.id not in heavy and not all(node.held[:3]):
+            if node.id in loose and not (node.place == element.place and node.place in massless):
+                massless.add(node.place)
                 yield (*element.place, "rhoA"), f"node {node.id} is free and has no mass: give rhoA, or a PointMass"
+
+
+def _odd(scene: CableScene, drawn: Drawn, lengths: np.ndarray, arcs: np.ndarray, loose: set[int]) -> np.ndarray:
+    """Whether there may be something to say about each element (m,)."""
+    odd = ~(np.abs(arcs / lengths - 1.0) <= PRESTRETCHED)
+    for slope in (drawn.first, drawn.second):
+        folded, size = (slope * drawn.chord).sum(axis=1) < 0.0, np.sqrt((slope * slope).sum(axis=1))
+        odd |= ~drawn.linear & (folded | ~(np.abs(size - 1.0) <= PRESTRETCHED))
+    if loose:
+        odd |= np.array([not loose.isdisjoint(element.nodes) for element in scene.elements])
+    return odd
 
 
 @warning("cable")
@@ -206,7 +236,7 @@ def _gaps(scene: CableScene) -> Sentences:
         gap, text = coupling_gap(coupling, nodes, p)
         if gap > 0.0:
             yield coupling.place, text
-    for node in scene.nodes:
+    for node in (node for node in scene.nodes if any(node.functions)):
         for i, function in enumerate(node.functions[:-1]):
             place = value_of(node, i + 1, p)
             if function and abs(begins[function] - place) > APART * max(1.0, abs(place)):

@@ -20,6 +20,9 @@ TOP_OF_SPECTRUM = 2.0
 PLAIN = frozenset({float, int, bool, str, type(None)})
 """Types of what holds no function of time."""
 
+HOLDS_NONE = "holds_no_function"
+"""Attribute of parts, such as an element, in which there never is a function of time: some scenes have many."""
+
 Key = tuple[str | int, ...]
 
 
@@ -42,7 +45,7 @@ def frequencies(part: Any, end: float, key: Key = ()) -> Iterator[tuple[str, flo
     else:
         return
     for name, value in items:
-        if type(value) not in PLAIN:
+        if type(value) not in PLAIN and not getattr(value, HOLDS_NONE, False):
             yield from frequencies(value, end, (*key, name))
 
 

@@ -56,7 +56,7 @@ def couplings(register: Register) -> tuple[Coupling, ...]:
         name = DOFS[register.dofs(model.sNode)].split()[model.sDof - 1]
         masters = tuple((master.mNode, master.mDof, master.factor) for master in model.masters)
         coupling = Coupling(model.id, slave, model.f0, masters, register.line(place), place)
-        if register.nodes[model.sNode].BC[model.sDof - 1]:
+        if register.is_held(model.sNode, model.sDof):
             cause = f"node {model.sNode} holds {name} with BC: it cannot follow masters"
             register.refuse(
                 (*place, "sDof"), cause, f"set its BC to 0 there (entry {model.sDof}), or remove the coupling"

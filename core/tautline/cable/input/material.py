@@ -24,9 +24,9 @@ def material_coordinates(scene: CableScene) -> dict[int, float]:
     """Material coordinates of all nodes at the start.
 
     Known are those that nodes give, and of nodes whose p follows a function, its first value. The rest follow along
-    the elements, each as long as it lies (`unstretched_lengths`). Between two known nodes the lengths are stretched
-    alike, so that the strain is the same in all elements between them. A chain with no known node begins where it is
-    tied to one that has: by p = p, else by r = r; if it is tied to none, its first node has p = 0.
+    the elements, each as long as the scene says or as it lies (`unstretched_lengths`). Between two known nodes the
+    lengths are stretched alike, so that the strain is the same in all elements between them. A chain with no known node
+    begins where it is tied to one that has: by p = p, else by r = r; if it is tied to none, its first node has p = 0.
 
     Returns
     -------
@@ -51,7 +51,10 @@ def _found(scene: CableScene) -> dict[int, float]:
     nodes = {node.id: node for node in scene.nodes}
     # Of an element between known nodes the length does not matter.
     asked = [element for element in scene.elements if not fixed.keys() >= {*element.nodes}]
-    drawn = unstretched_lengths(Drawn.of(asked, nodes)).tolist()
+    given = np.array([math.nan if element.length is None else element.length for element in asked])
+    as_it_lies = [element for element in asked if element.length is None]
+    given[np.isnan(given)] = unstretched_lengths(Drawn.of(as_it_lies, nodes))
+    drawn = given.tolist()
     problems = [_unknown(scene, element) for element, length in zip(asked, drawn, strict=True) if math.isnan(length)]
     if problems:
         raise SceneError(problems)

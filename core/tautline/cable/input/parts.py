@@ -42,6 +42,8 @@ class Node(NamedTuple):
     line: int
     place: Place
 
+    holds_no_function = True
+
     @property
     def material_dof(self) -> int:
         """Number of p among the node's degrees of freedom, from one: it is the last."""
@@ -54,7 +56,8 @@ class Element(NamedTuple):
     ``compression`` false is a rope that carries no compression. ``quadrature`` of the axial term: None leaves
     the choice to the builder. ``spinless``: bending is damped as that of a rope that does not spin about its own line
     (`tautline.elements.bending_damping`), else as that of one that spins as damps least. ``conveyed`` is a fluid that
-    flows along the element's own curve: mass per length kg/m, and id of the motion of its p.
+    flows along the element's own curve: mass per length kg/m, and id of the motion of its p. ``length`` is unstretched,
+    m, where the scene gives it; else the element is as long as it lies.
     """
 
     id: int
@@ -72,6 +75,9 @@ class Element(NamedTuple):
     place: Place
     spinless: bool = False
     conveyed: tuple[float, int] | None = None
+    length: float | None = None
+
+    holds_no_function = True
 
 
 @dataclass(frozen=True, slots=True)

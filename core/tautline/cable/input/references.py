@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
 
 from tautline.cable.input import couplings as joints
 from tautline.cable.input.geometry import COINCIDENT, chord, mean_direction
 from tautline.cable.input.initial import initial_value
+from tautline.cable.input.lines import Laid, Numbered, lay, nodes_of
 from tautline.cable.input.parts import CableScene, Curve, Element, Motion, Node, Place, Vector
 from tautline.cable.input.register import Register, known_ids
 from tautline.cable.input.syntax import models as w
@@ -45,8 +48,9 @@ def resolve(written: w.WrittenCable, meant: Document, document: Document, before
     register.check_ids()
     motions = _motions(register)
     material = written.CableModelMaterial
-    elements = _elements(register, material)
-    nodes = _nodes(register, elements, {motion.id: motion for motion in motions})
+    drawn = lay(register, material.Gravity)
+    elements = _elements(register, material, drawn)
+    nodes = _nodes(register, elements, {motion.id: motion for motion in motions}, drawn)
     ties, ignored = joints.ties(register)
     couplings = joints.couplings(register)
     scene = CableScene(
@@ -85,51 +89,74 @@ def _motions(register: Register) -> tuple[Motion, ...]:
     return tuple(made)
 
 
-def _elements(register: Register, material: w.Material) -> tuple[Element, ...]:
-    made = []
-    defaults = (("EA", "CableStiffness", "1.0e6 (N)"), ("rhoA", "CableMass", "6.5 (kg/m)"))
-    for _, model, place in register.of(w.CubicElement, w.LinearElement):
+def _elements(register: Register, material: w.Material, drawn: dict[Place, Laid]) -> tuple[Element, ...]:
+    made: list[Element] = []
+    lines = {line.place: line for line in register.lines}
+    for _, model, place in register.of(w.CubicElement, w.LinearElement, w.Line):
+        if place in lines:
+            section, laid = _section(register, model, material, place), drawn.get(place)
+            if section is not None and laid is not None:
+                line = lines[place]
+                one = _element(register, model, place, line.kind, line.nodes[:2], section)._replace(length=laid.length)
+                ends = zip(line.elements, pairwise(line.nodes), strict=True)
+                made += [one._replace(id=id, nodes=nodes) for id, nodes in ends]
+            continue
         cubic = isinstance(model, w.CubicElement)
         key, kind = ("nodes7", 7) if cubic else ("nodes4", 4)
         ids = model.nodes7 if cubic else model.nodes4
         instead = "use a CableALEelementLin with nodes4" if cubic else "use a CableALEelement with nodes7"
         good = [register.has_node((*place, key, i), node, kind, instead) for i, node in enumerate(ids)]
-        values = {}
-        for name, default, example in defaults:
-            values[name] = getattr(model, name) if getattr(model, name) is not None else getattr(material, default)
-            if values[name] is None:
-                cure = f"add `{name}:`, such as {example}, or {default} to CableModelMaterial"
-                register.refuse((*place, name), "is missing", cure)
+        section = _section(register, model, material, place)
         if ids[0] == ids[1]:
             register.refuse((*place, key), f"joins node {ids[0]} to itself", "name two nodes")
-        elif all(good) and None not in values.values():
-            damping = model.cDamp if model.cDamp is not None else material.CableDamping or 0.0
-            made.append(
-                Element(
-                    id=model.id,
-                    kind="cubic" if cubic else "linear",
-                    nodes=(ids[0], ids[1]),
-                    EA=values["EA"],
-                    EJ=model.EJ,
-                    rhoA=values["rhoA"],
-                    damping=damping,
-                    strain=model.strain,
-                    compression=model.compression,
-                    quadrature=model.quadrature if cubic else None,
-                    load=_vector(model.load),
-                    line=register.line(place),
-                    place=place,
-                )
-            )
+        elif all(good) and section is not None:
+            made.append(_element(register, model, place, kind, (ids[0], ids[1]), section))
     return tuple(made)
 
 
-def _nodes(register: Register, elements: tuple[Element, ...], motions: dict[int, Motion]) -> tuple[Node, ...]:
-    made = []
+def _section(register: Register, model: Any, material: w.Material, place: Place) -> dict[str, float] | None:
+    """EA N, rhoA kg/m and damping s of an item, its own or the material's; None if one is missing, which is refused."""
+    values: dict[str, float | None] = {}
+    for name, default, example in (("EA", "CableStiffness", "1.0e6 (N)"), ("rhoA", "CableMass", "6.5 (kg/m)")):
+        values[name] = getattr(model, name) if getattr(model, name) is not None else getattr(material, default)
+        if values[name] is None:
+            cure = f"add `{name}:`, such as {example}, or {default} to CableModelMaterial"
+            register.refuse((*place, name), "is missing", cure)
+    values["damping"] = model.cDamp if model.cDamp is not None else material.CableDamping or 0.0
+    known = {name: value for name, value in values.items() if value is not None}
+    return known if len(known) == len(values) else None
+
+
+def _element(
+    register: Register, model: Any, place: Place, kind: int, nodes: tuple[int, ...], section: dict[str, float]
+) -> Element:
+    return Element(
+        id=model.id,
+        kind="cubic" if kind == 7 else "linear",
+        nodes=(nodes[0], nodes[1]),
+        EJ=model.EJ,
+        strain=model.strain,
+        compression=model.compression,
+        quadrature=model.quadrature if kind == 7 else None,
+        load=_vector(model.load),
+        line=register.line(place),
+        place=place,
+        **section,
+    )
+
+
+def _nodes(
+    register: Register, elements: tuple[Element, ...], motions: dict[int, Motion], drawn: dict[Place, Laid]
+) -> tuple[Node, ...]:
+    made: list[Node] = []
     joined: dict[int, list[Element]] = {}
     for element in elements:
         for node in element.nodes:
-            joined.setdefault(node, []).append(element)
+            if node in register.nodes:
+                joined.setdefault(node, []).append(element)
+    lines: dict[int, list[Numbered]] = {}
+    for line in register.lines:
+        lines.setdefault(line.nodes[0], []).append(line)
     for _, model, place in register.of(w.Node7Dof, w.Node4Dof):
         kind = 7 if isinstance(model, w.Node7Dof) else 4
         names = DOFS[kind].split()
@@ -145,7 +172,7 @@ def _nodes(register: Register, elements: tuple[Element, ...], motions: dict[int,
         if follows is not None and model.p is not None and model.p != follows.pos0:
             cause = f"function {follows.id}, which p follows, begins at {follows.pos0:g} m"
             register.refuse((*place, "p"), cause, "remove p, or give the function the same first value")
-        slope = _slope(register, model, place, joined.get(model.id, [])) if kind == 7 else None
+        slope = _slope(register, model, place, joined.get(model.id, []), drawn) if kind == 7 else None
         held = tuple(bool(flag) for flag in model.BC)
         made.append(
             Node(
@@ -160,10 +187,18 @@ def _nodes(register: Register, elements: tuple[Element, ...], motions: dict[int,
                 place=place,
             )
         )
+        # Nodes between two ends come between them, so that the numbers of neighbours are close to one another.
+        for line in lines.pop(model.id, []):
+            if line.place in drawn:
+                made += nodes_of(line, drawn[line.place], register.line(line.place))
+    for line in (line for some in lines.values() for line in some if line.place in drawn):
+        made += nodes_of(line, drawn[line.place], register.line(line.place))
     return tuple(made)
 
 
-def _slope(register: Register, model: w.Node7Dof, place: Place, joined: list[Element]) -> Vector:
+def _slope(
+    register: Register, model: w.Node7Dof, place: Place, joined: list[Element], drawn: dict[Place, Laid]
+) -> Vector:
     """Slope of a cubic node: as given, or along the elements that it joins."""
     if model.xyz_d is not None:
         if math.hypot(*model.xyz_d) <= COINCIDENT:
@@ -172,12 +207,21 @@ def _slope(register: Register, model: w.Node7Dof, place: Place, joined: list[Ele
             cause = f"is {math.hypot(*model.xyz_d):.3g} long, and dr/dp of an unstretched cable is 1"
             register.refuse((*place, "xyz_d"), cause, "give the direction of the cable, such as [1, 0, 0]")
         return _vector(model.xyz_d)
-    chords = [chord(*(register.nodes[node].xyz for node in element.nodes)) for element in joined]
-    mean = mean_direction(chords)
+    along = [_tangent(register, element, model.id, drawn) for element in joined]
+    mean = along[0] if len(along) == 1 and joined[0].place in drawn else mean_direction(along)
     if mean is None and joined:
         cause = "is missing, and the elements at the node point to no common direction"
         register.refuse((*place, "xyz_d"), cause, "add `xyz_d:`, the direction of the cable, such as [1, 0, 0]")
     return mean or (1.0, 0.0, 0.0)
+
+
+def _tangent(register: Register, element: Element, node: int, drawn: dict[Place, Laid]) -> Vector:
+    """Direction of an element at one of its nodes: its line's slope there, or its chord."""
+    laid = drawn.get(element.place)
+    if laid is not None:
+        x, y, z = laid.slope[0 if element.nodes[0] == node else -1].tolist()
+        return x, y, z
+    return chord(register.nodes[element.nodes[0]].xyz, register.nodes[element.nodes[1]].xyz)
 
 
 def _check_loose(scene: CableScene, register: Register) -> None:
@@ -200,7 +244,7 @@ def _check_loose(scene: CableScene, register: Register) -> None:
 
 
 def _plots(written: w.WrittenCable, register: Register) -> tuple[tuple[Curve, ...], ...]:
-    elements = [model.id for _, model, _ in register.of(w.CubicElement, w.LinearElement)]
+    elements = register.element_ids
     panels = []
     for i, panel in enumerate(written.Plots):
         curves = []

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from tautline.cable.input.lines import numbered
 from tautline.cable.input.parts import Place
 from tautline.cable.input.syntax import models as w
 from tautline.scene.errors import Problem, SceneError
@@ -22,7 +23,7 @@ SPACES: dict[type, str] = {
 
 
 class Register:
-    """All items, the nodes by their ids, and the faults found so far."""
+    """All items, the nodes by their ids, those between the ends of lines, and the faults found so far."""
 
     def __init__(self, document: Document, items: list[tuple[str, Any, Place]]) -> None:
         self.document, self.items = document, items
@@ -31,6 +32,8 @@ class Register:
         for _, model, _ in items:
             if isinstance(model, (w.Node7Dof, w.Node4Dof)):
                 self.nodes.setdefault(model.id, model)
+        self.lines = numbered(items, self.nodes)
+        self.between = {node: line.kind for line in self.lines for node in line.between}
 
     def of(self, *kinds: type) -> list[tuple[str, Any, Place]]:
         """Items of some kinds: key, model, key path."""
@@ -51,34 +54,57 @@ class Register:
 
     def dofs(self, node: int) -> int:
         """Number of degrees of freedom of a node: 7 or 4."""
-        return 7 if isinstance(self.nodes[node], w.Node7Dof) else 4
+        if node in self.nodes:
+            return 7 if isinstance(self.nodes[node], w.Node7Dof) else 4
+        return self.between[node]
+
+    def is_held(self, node: int, number: int) -> bool:
+        """Whether a node holds a degree of freedom, numbered from one; those between the ends of a line hold p."""
+        if node in self.nodes:
+            return bool(self.nodes[node].BC[number - 1])
+        return number == self.between[node]
+
+    @property
+    def element_ids(self) -> list[int]:
+        """Ids of all elements."""
+        one = [model.id for _, model, _ in self.of(w.CubicElement, w.LinearElement)]
+        return [*one, *(id for line in self.lines for id in line.elements)]
 
     def check_ids(self) -> None:
         """Every id once; at least one node and one element."""
-        spaces: dict[str, list[tuple[int, Place]]] = {}
+        spaces: dict[str, list[tuple[Sequence[int], Place]]] = {}
         for key, model, place in self.items:
             space = SPACES.get(type(model), key.removesuffix("7").removesuffix("4"))
-            if model.id is not None:
-                spaces.setdefault(space, []).append((model.id, place))
+            if model.id is not None and not isinstance(model, w.Line):
+                spaces.setdefault(space, []).append(((model.id,), (*place, "id")))
+        for line in self.lines:
+            spaces.setdefault("element", []).append((line.elements, (*line.place, "id")))
+            spaces.setdefault("node", []).append((line.between, (*line.place, "between")))
         for space, entries in spaces.items():
             lines: dict[int, int] = {}
-            for number, place in entries:
-                if number in lines:
-                    cause = f"the {space} in line {lines[number]} has this id already"
-                    cure = f"give it one of its own, such as {max(number for number, _ in entries) + 1}"
-                    self.refuse((*place, "id"), cause, cure)
-                lines.setdefault(number, self.line(place))
+            for numbers, place in sorted(entries, key=lambda entry: entry[1][1]):
+                twice = next((number for number in numbers if number in lines), None)
+                if twice is not None:
+                    is_line = place[2] == "CableLine"
+                    which = f"the id {twice}, which is one of this line's {len(numbers)}," if is_line else "this id"
+                    cause = f"the {space} in line {lines[twice]} has {which} already"
+                    cure = f"give it one of its own, such as {max(max(ids, default=0) for ids, _ in entries) + 1}"
+                    self.refuse(place, cause, cure)
+                at = self.line(place[:-1])
+                for number in numbers:
+                    lines.setdefault(number, at)
         if not self.nodes:
             cure = f"add `- {w.EXAMPLE[1:-1]}`"
             self.refuse(("CableModel",), "has no nodes", cure)
-        if not self.of(w.CubicElement, w.LinearElement):
+        if not self.of(w.CubicElement, w.LinearElement, w.Line):
             cure = "add `- CableALEelement: {id: 0, nodes7: [0, 1], EA: 1.0e6, rhoA: 1.0}`"
             self.refuse(("CableModel",), "has no cable elements", cure)
 
     def has_node(self, place: Place, node: int, kind: int | None = None, instead: str = "") -> bool:
         """Whether a node exists and is of a kind; notes a fault if not."""
-        if node not in self.nodes:
-            self.refuse(place, f"there is no node {node}", f"known: {known_ids(self.nodes)}", str(node))
+        if node not in self.nodes and node not in self.between:
+            known = known_ids({*self.nodes, *self.between})
+            self.refuse(place, f"there is no node {node}", f"known: {known}", str(node))
             return False
         if kind is not None and self.dofs(node) != kind:
             cause = f"node {node} is a Node{self.dofs(node)}Dof, and a Node{kind}Dof is wanted"

@@ -282,7 +282,7 @@ class _Division:
             known = sorted((k for k in within if k in free), key=lambda k: (free[k] not in self.drawn, k))
             id = free.pop(known[0]) if known else self._number("element")
             owner |= {k: id for k in within if begin[0] + begin[1] <= k + 0.5 < end[0] + end[1]}
-            piece = run.elements[begin[0]]._replace(id=id, nodes=ends)
+            piece = run.elements[begin[0]]._replace(id=id, nodes=ends, length=None)
             if known:
                 self.pieces[id] = piece
                 last = id

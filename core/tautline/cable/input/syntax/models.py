@@ -40,7 +40,7 @@ from tautline.cable.input.syntax.solver import CableSolver
 from tautline.scene.extensions import load_extensions
 from tautline.scene.functions import FunctionOfTime, time_function
 from tautline.scene.limits import Limits
-from tautline.scene.model import Branch, Model, OneOf, Switch, word
+from tautline.scene.model import Branch, Model, OneOf, Switch, Whole, word
 from tautline.scene.refusal import fault
 from tautline.scene.values.quantity import quantity
 
@@ -111,6 +111,37 @@ class LinearElement(_Element):
     def _straight(self) -> LinearElement:
         if self.EJ != 0.0:
             raise fault("EJ", "a linear element has no bending", "set EJ to 0, or use CableALEelement with Node7Dof")
+        return self
+
+
+MOST_OF_A_LINE = 100_000
+"""Elements that one line may have."""
+
+
+class Line(_Element):
+    """Ours: a cable as one item. Its `elements` are numbered on from `id`, the nodes between its ends from `between`.
+
+    Without `between` these follow all other nodes of the file. They hold their material. `length` is unstretched, m, by
+    default the distance of the ends. A shorter line is drawn straight and stretched, a longer one hangs.
+    """
+
+    nodes7: Pair | None = Field(default=None, examples=["[0, 1]"])
+    nodes4: Pair | None = None
+    elements: Annotated[Whole, Field(ge=1, le=MOST_OF_A_LINE, examples=["100"])]
+    between: Id | None = None
+    length: Annotated[float, quantity("m", positive=True, of="length")] | None = None
+    quadrature: Annotated[Literal["gauss", "lobatto"], word("gauss", "lobatto")] | None = None
+
+    @model_validator(mode="after")
+    def _ends(self) -> Line:
+        if self.nodes7 is None and self.nodes4 is None:
+            raise fault("nodes7", "is missing", "name both ends, such as [0, 1]; nodes4 for linear elements")
+        if self.nodes7 is not None and self.nodes4 is not None:
+            raise fault("nodes4", "is given together with nodes7", "keep one: cubic elements or linear ones")
+        if self.nodes4 is not None and self.EJ != 0.0:
+            raise fault("EJ", "linear elements have no bending", "set EJ to 0, or use nodes7 with Node7Dof")
+        if self.nodes4 is not None and self.quadrature is not None:
+            raise fault("quadrature", "linear elements have none to choose", "remove it, or use nodes7 with Node7Dof")
         return self
 
 
@@ -233,6 +264,7 @@ KINDS: dict[str, type[Model]] = {
     "CableALElement": CubicElement,
     "CableALEelementLin": LinearElement,
     "CableALElementLin": LinearElement,
+    "CableLine": Line,
     "LagMultipl7": Multiplier7,
     "LagMultipl4": Multiplier4,
     "Penalty7": Penalty7,

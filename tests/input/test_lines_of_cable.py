@@ -1,0 +1,174 @@
+"""A cable written as one item, `CableLine`: what it stands for, how it hangs, and what is refused of it."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from tautline.application.installed import Installed
+from tautline.cable.input.lines import hanging
+from tautline.cable.input.material import material_coordinates
+from tautline.cable.input.scene import parse
+from tautline.integrators.state import new_state
+from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.scene.errors import SceneError
+
+SOLVER = "GeneralizedAlpha: {type: G-alpha, rho_inf: 0.8, time_step: 0.005, time_end: 0.05}\n"
+HELD = "BC: [1, 1, 1, 0, 0, 0, 1]"
+
+
+def text(line, first="[0, 0, 0]", last="[100, 0, 10]", gravity="[0, 0, -9.81]", more="", kind="Node7Dof", held=HELD):
+    return (
+        f"CableModelMaterial: {{Gravity: {gravity}}}\nCableModel:\n"
+        f"  - {kind}: {{id: 0, xyz: {first}, {held}}}\n  - {kind}: {{id: 1, xyz: {last}, {held}}}\n"
+        f"  - CableLine: {{id: 0, {line}}}\n{more}{SOLVER}"
+    )
+
+
+SECTION = "EA: 1.0e7, EJ: 10, rhoA: 5"
+
+
+def positions(scene, ids):
+    nodes = {node.id: node for node in scene.nodes}
+    return np.array([nodes[id].position for id in ids])
+
+
+def test_a_line_is_what_its_nodes_and_elements_are_when_each_is_written():
+    scene = parse(text(f"nodes7: [0, 1], elements: 4, {SECTION}", last="[8, 0, 6]"))
+    nodes = "".join(
+        f"  - Node7Dof: {{id: {i + 1}, xyz: [{2.0 * i}, 0, {1.5 * i}], BC: [0, 0, 0, 0, 0, 0, 1]}}\n" for i in (1, 2, 3)
+    )
+    elements = "".join(
+        f"  - CableALEelement: {{id: {i}, nodes7: [{a}, {b}], {SECTION}}}\n"
+        for i, (a, b) in enumerate([(0, 2), (2, 3), (3, 4), (4, 1)])
+    )
+    written = text("", last="[8, 0, 6]").replace("  - CableLine: {id: 0, }\n", nodes + elements)
+    written = parse(written)
+    assert material_coordinates(scene) == pytest.approx(material_coordinates(written), abs=1e-14)
+    nowhere = {"line": 0, "place": ()}
+    assert [e._replace(**nowhere) for e in scene.elements] == [e._replace(**nowhere) for e in written.elements]
+    for one, other in zip(sorted(scene.nodes), sorted(written.nodes), strict=True):
+        assert one.position == pytest.approx(other.position, abs=1e-14) and one.slope == pytest.approx(other.slope)
+        assert (one.id, one.held, one.functions) == (other.id, other.held, other.functions)
+
+
+@pytest.mark.parametrize("length", [101.0, 110.0, 400.0])
+@pytest.mark.parametrize(
+    ("last", "gravity"),
+    [((100.0, 0.0, 0.0), (0, 0, -9.81)), ((60.0, -60.0, 50.0), (0, 0, -9.81)), ((20.0, 30.0, 90.0), (3.0, 4.0, -2.0))],
+)
+def test_a_line_longer_than_the_way_hangs_in_a_catenary_with_nodes_at_equal_arcs(length, last, gravity):
+    scene = parse(
+        text(f"nodes7: [0, 1], elements: 12, length: {length}, {SECTION}", "[0, 0, 0]", list(last), list(gravity))
+    )
+    place = positions(scene, [0, *range(2, 13), 1])
+    up = -np.array(gravity) / np.linalg.norm(gravity)
+    high = place @ up
+    level = place - high[:, None] * up
+    along = np.linalg.norm(level, axis=1)
+    assert np.abs(level - along[:, None] * level[-1] / along[-1]).max() < 1e-10, "it hangs in a plane"
+    # z = a cosh((x - c) / a) + d of the same ends and length: a from the length, c from the ends
+    width, rise = along[-1], high[-1]
+    chord = np.sqrt(length**2 - rise**2)
+    a = 0.5 * width / brentq(lambda x: np.sinh(x) / x - chord / width, 1e-3, 50.0, xtol=1e-15)
+    c = 0.5 * width - a * np.arctanh(rise / length)
+    curve = a * (np.cosh((along - c) / a) - np.cosh(c / a))
+    assert high == pytest.approx(curve, abs=1e-9)
+    arcs = [quad(lambda x: np.cosh((x - c) / a), *ends, epsabs=1e-12)[0] for ends in pairwise(along)]
+    assert arcs == pytest.approx([length / 12] * 12, rel=1e-9)
+    slopes = np.array([node.slope for node in scene.nodes])
+    assert np.linalg.norm(slopes, axis=1) == pytest.approx(1.0) and list(material_coordinates(scene).values())[-1] in (
+        pytest.approx(length),
+    )
+
+
+@pytest.mark.parametrize(("width", "rise", "length"), [(1.0, 0.0, 1.0 + 1e-8), (1.0, 0.0, 1e4), (1.0, 999.0, 1000.0)])
+def test_extreme_catenaries_end_where_they_must(width, rise, length):
+    along, high, _ = hanging(width, rise, length, np.array([0.0, 0.5 * length, length]))
+    assert along == pytest.approx([0.0, along[1], width], abs=1e-8) and 0.0 < along[1] < width
+    assert high == pytest.approx([0.0, high[1], rise], abs=1e-8 * length)
+
+
+def test_a_hanging_line_is_nearly_at_rest_and_comes_to_rest_at_once():
+    made = parse(text("nodes7: [0, 1], elements: 400, length: 110, EA: 1.0e9, EJ: 0, rhoA: 5", last="[100, 0, 0]"))
+    model = Installed().of(made).build(made)
+    state = new_state(model.system)
+    before = state.q.copy()
+    assert find_equilibrium(model.system, state, model.step_limit).iterations <= 10
+    # The stretch of 110 m by 2 kN over 1e9 N is 2e-4 m; sag grows by some of it.
+    assert 1e-6 < np.abs(state.q - before).max() < 1e-3
+
+
+def test_a_line_shorter_than_the_way_is_stretched_alike_everywhere():
+    scene = parse(text(f"nodes7: [0, 1], elements: 7, length: 99, {SECTION}", last="[100, 0, 0]", gravity="[0, 0, 0]"))
+    model = Installed().of(scene).build(scene)
+    frames = new_state(model.system)
+    assert material_coordinates(scene)[1] == pytest.approx(99.0)
+    assert np.array([node.slope for node in scene.nodes]) == pytest.approx(np.array([[100 / 99, 0, 0]] * 8))
+    before = frames.q.copy()
+    find_equilibrium(model.system, frames, model.step_limit)
+    assert frames.q == pytest.approx(before, abs=1e-9), "it is in equilibrium as it is drawn"
+
+
+def test_ids_follow_what_is_written_and_items_may_name_the_nodes_between():
+    more = (
+        "  - Node7Dof: {id: 50, xyz: [200, 0, 10], BC: [1, 1, 1, 0, 0, 0, 1]}\n"
+        f"  - CableLine: {{id: 10, nodes7: [1, 50], elements: 3, between: 20, {SECTION}}}\n"
+        "  - PointForce: {id: 0, nodes7: [21, 51], force: [0, 0, -10]}\n"
+        "Plots: [{SubPlot: [{Node: 51, what: r, DOF: 3}, {Cable: 12, what: N}]}]\n"
+    )
+    scene = parse(text(f"nodes7: [0, 1], elements: 4, {SECTION}", more=more))
+    assert [node.id for node in scene.nodes] == [0, 51, 52, 53, 1, 20, 21, 50]
+    assert [e.id for e in scene.elements] == [0, 1, 2, 3, 10, 11, 12]
+    assert [e.nodes for e in scene.elements][-4:] == [(53, 1), (1, 20), (20, 21), (21, 50)]
+
+
+def test_a_line_of_linear_elements_and_one_of_a_single_element_are_drawn():
+    line = "nodes4: [0, 1], elements: 3, length: 110, EA: 1.0e7, rhoA: 5"
+    linear = parse(text(line, kind="Node4Dof", held="BC: [1, 1, 1, 1]"))
+    assert {e.kind for e in linear.elements} == {"linear"} and material_coordinates(linear)[1] == pytest.approx(110.0)
+    one = parse(text(f"nodes7: [0, 1], elements: 1, length: 110, {SECTION}"))
+    assert len(one.nodes) == 2 and material_coordinates(one)[1] == pytest.approx(110.0)
+
+
+WITH_P = f"p: 0, {HELD}"
+WRONG = {
+    "no such end": ({"line": "nodes7: [0, 9], elements: 3"}, "nodes7[1] = 9", "known: 0 to 3"),
+    "both ends one": ({"line": "nodes7: [1, 1], elements: 3"}, "nodes7", "name two nodes"),
+    "no ends": ({"line": "elements: 3"}, "nodes7", "name both ends"),
+    "no elements": ({"line": "nodes7: [0, 1], elements: 0"}, "elements = 0", "1"),
+    "too many": ({"line": "nodes7: [0, 1], elements: 100001"}, "elements = 100001", "100000"),
+    "a length of mass": ({"line": "nodes7: [0, 1], elements: 3, length: 5 kg"}, "length = 5 kg", "m"),
+    "taken nodes": ({"line": "nodes7: [0, 1], elements: 5, between: 1"}, "between = 1", "the id 1, which is one of"),
+    "taken elements": (
+        {"line": "nodes7: [0, 1], elements: 5", "more": f"  - CableALEelement: {{id: 3, nodes7: [0, 1], {SECTION}}}\n"},
+        "CableModel[3].CableALEelement.id = 3", "has this id already",
+    ),
+    "hangs without gravity": (
+        {"line": "nodes7: [0, 1], elements: 5, length: 200", "gravity": "[0, 0, 0]"}, "length = 200", "without gravity",
+    ),
+    "hangs in a loop": (
+        {"line": "nodes7: [0, 1], elements: 5, length: 200", "last": "[0, 0, 10]"}, "length = 200", "above one another",
+    ),
+    "stands at a point": ({"line": "nodes7: [0, 1], elements: 5", "last": "[0, 0, 0]"}, "nodes7", "at one point"),
+    "two lengths": ({"line": "nodes7: [0, 1], elements: 5, length: 120", "held": WITH_P}, "length = 120", "p of its"),
+    "linear with bending": ({"line": "nodes4: [0, 1], elements: 3"}, "EJ", "no bending"),
+    "a torn line": ({"line": "nodes7: [0, 1], elements: 3, length: 1 mm"}, "length = 1 mm", "stretched so far"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_wrong_with_a_line_is_named_with_key_and_cure(case):
+    changes, key, words = WRONG[case]
+    with pytest.raises(SceneError) as raised:
+        parse(text(**(changes | {"line": f"{changes['line']}, {SECTION}"})))
+    message = str(raised.value)
+    assert key in message and words in message
+
+
+def test_a_line_without_mass_is_warned_of_once():
+    scene = parse(text("nodes7: [0, 1], elements: 50, EA: 1e7, rhoA: 0"))
+    texts = [warning.text for warning in Installed().of(scene).warnings(scene)]
+    assert sum("has no mass" in line for line in texts) == 1
