@@ -1,19 +1,15 @@
-"""Cables that are written as one item: their nodes and elements, and how they lie between their ends."""
+"""Cables that are written as one item: how they lie between their ends."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tautline.cable.input.geometry import COINCIDENT
 from tautline.cable.input.parts import Node, Place, Vector
-from tautline.cable.input.syntax import models as w
-
-if TYPE_CHECKING:
-    from tautline.cable.input.register import Register
+from tautline.cable.input.register import Numbered, Register
 
 TAUT = 1.0e-9
 """Length beyond the distance of its ends, over that, up to which a cable lies straight."""
@@ -25,30 +21,6 @@ STEPS = 100
 """Newton steps for the catenary, of which ten are many."""
 
 
-class Numbered(NamedTuple):
-    """A `CableLine` of a file: model, key path, kind of its nodes (7 or 4), and the ids of all of them, end to end."""
-
-    model: w.Line
-    place: Place
-    kind: int
-    nodes: tuple[int, ...]
-
-    @property
-    def key(self) -> str:
-        """The key that names its ends."""
-        return f"nodes{self.kind}"
-
-    @property
-    def between(self) -> tuple[int, ...]:
-        """Ids of the nodes between its ends."""
-        return self.nodes[1:-1]
-
-    @property
-    def elements(self) -> range:
-        """Ids of its elements."""
-        return range(self.model.id, self.model.id + self.model.elements)
-
-
 class Laid(NamedTuple):
     """How a cable lies: places (n + 1, 3), m, and slopes dr/dp (n + 1, 3) of its nodes; unstretched length of an
     element, m, None for as long as it lies."""
@@ -56,21 +28,6 @@ class Laid(NamedTuple):
     place: np.ndarray
     slope: np.ndarray
     length: float | None
-
-
-def numbered(items: Sequence[tuple[str, Any, Place]], nodes: Collection[int]) -> list[Numbered]:
-    """Lines among the items of a file, their nodes numbered as they say, or after all that have a number."""
-    lines = [(model, place) for _, model, place in items if isinstance(model, w.Line)]
-    given = [model.between + model.elements - 1 for model, _ in lines if model.between is not None]
-    following, found = max([-1, *nodes, *(last - 1 for last in given)]) + 1, []
-    for model, place in lines:
-        first, last = model.nodes7 or model.nodes4 or ()
-        begin = following if model.between is None else model.between
-        if model.between is None:
-            following += model.elements - 1
-        kind = 7 if model.nodes7 is not None else 4
-        found.append(Numbered(model, place, kind, (first, *range(begin, begin + model.elements - 1), last)))
-    return found
 
 
 def lay(register: Register, gravity: Vector) -> dict[Place, Laid]:

@@ -13,9 +13,9 @@ from typing import Any
 from tautline.cable.input import couplings as joints
 from tautline.cable.input.geometry import COINCIDENT, chord, mean_direction
 from tautline.cable.input.initial import initial_value
-from tautline.cable.input.lines import Laid, Numbered, lay, nodes_of
+from tautline.cable.input.lines import Laid, lay, nodes_of
 from tautline.cable.input.parts import CableScene, Curve, Element, Motion, Node, Place, Vector
-from tautline.cable.input.register import Register, known_ids
+from tautline.cable.input.register import Numbered, Register, known_ids
 from tautline.cable.input.syntax import models as w
 from tautline.cable.input.syntax.entries import DOFS
 from tautline.cable.input.syntax.nodal import NODAL, item_of

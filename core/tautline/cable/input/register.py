@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import Any, NamedTuple
 
-from tautline.cable.input.lines import numbered
 from tautline.cable.input.parts import Place
 from tautline.cable.input.syntax import models as w
 from tautline.scene.errors import Problem, SceneError
@@ -20,6 +19,30 @@ SPACES: dict[type, str] = {
     w.Function: "function",
 }
 """Kinds of item that share their ids; all others are told apart by their key, with 7 or 4 at its end or not."""
+
+
+class Numbered(NamedTuple):
+    """A `CableLine` of a file: model, key path, kind of its nodes (7 or 4), and the ids of all of them, end to end."""
+
+    model: w.Line
+    place: Place
+    kind: int
+    nodes: tuple[int, ...]
+
+    @property
+    def key(self) -> str:
+        """The key that names its ends."""
+        return f"nodes{self.kind}"
+
+    @property
+    def between(self) -> tuple[int, ...]:
+        """Ids of the nodes between its ends."""
+        return self.nodes[1:-1]
+
+    @property
+    def elements(self) -> range:
+        """Ids of its elements."""
+        return range(self.model.id, self.model.id + self.model.elements)
 
 
 class Register:
@@ -125,6 +148,21 @@ class Register:
             elif all(good):
                 made.append(build(model, place, self.line(place), ids))
         return tuple(made)
+
+
+def numbered(items: Sequence[tuple[str, Any, Place]], nodes: Collection[int]) -> list[Numbered]:
+    """Lines among the items of a file, their nodes numbered as they say, or after all that have a number."""
+    lines = [(model, place) for _, model, place in items if isinstance(model, w.Line)]
+    given = [model.between + model.elements - 1 for model, _ in lines if model.between is not None]
+    following, found = max([-1, *nodes, *(last - 1 for last in given)]) + 1, []
+    for model, place in lines:
+        first, last = model.nodes7 or model.nodes4 or ()
+        begin = following if model.between is None else model.between
+        if model.between is None:
+            following += model.elements - 1
+        kind = 7 if model.nodes7 is not None else 4
+        found.append(Numbered(model, place, kind, (first, *range(begin, begin + model.elements - 1), last)))
+    return found
 
 
 def known_ids(ids: Iterable[int]) -> str:
