@@ -80,6 +80,19 @@ output: {{interval: 10 ms}}
     return _written(folder / "hose.yaml", text)
 
 
+def by_line(folder: Path, elements: int) -> Path:
+    """A hanging cable in the thesis' syntax, given as one item."""
+    held = "BC: [1, 1, 1, 0, 0, 0, 1]"
+    text = f"""CableModelMaterial: {{Gravity: [0, 0, -9.81]}}
+CableModel:
+  - Node7Dof: {{id: 0, xyz: [0, 0, 0], {held}}}
+  - Node7Dof: {{id: 1, xyz: [1000, 0, 0], {held}}}
+  - CableLine: {{id: 0, nodes7: [0, 1], elements: {elements}, length: 1100 m, EA: 1.0e7, EJ: 10, rhoA: 5}}
+GeneralizedAlpha: {{type: G-alpha, rho_inf: 0.6, time_step: 0.005, time_end: 0.05}}
+"""
+    return _written(folder / "line.yaml", text)
+
+
 def _written(path: Path, text: str) -> Path:
     path.write_text(text)
     return path
@@ -92,7 +105,7 @@ def main() -> None:
         folder = Path(name)
         survey, sections = by_survey(folder, ROWS // part), by_sections(folder, SECTIONS // part)
         lumps, cable = by_lumps(folder, LUMPS // part), by_elements(folder, ELEMENTS // part)
-        hose = by_length(folder, PIECES // part)
+        hose, line = by_length(folder, PIECES // part), by_line(folder, PIECES // part)
         commands = (
             (f"check, survey of {ROWS // part} rows", ("check", survey)),
             (f"simulate 1 s, survey of {ROWS // part} rows", ("simulate", survey)),
@@ -101,6 +114,7 @@ def main() -> None:
             (f"simulate 10 steps, {LUMPS // part} lumps", ("simulate", lumps, "--no-verify")),
             (f"check, {ELEMENTS // part} elements of cable, each written", ("check", cable)),
             (f"check, {PIECES // part} elements of hose", ("check", hose)),
+            (f"check, {PIECES // part} elements of cable, one item", ("check", line)),
             ("simulate data/jwell.yaml --end 1", ("simulate", jwell.SCENE, "--end", "1")),
         )
         rows = []
