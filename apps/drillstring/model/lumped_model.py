@@ -57,6 +57,8 @@ def assemble_lumps(
         groups, degrees, functions, velocity, *_stencils(lumps, groups), at_rest=[3] if driven else [],
         window=groups[0].curve.window,
     )  # fmt: skip
+    first = PER_BODY * np.arange(lumps.length.size)
+    system.neighbours, system.reach = np.column_stack((first, first + PER_BODY)), _way(scene, lumps)
     return Assembled(system, Observer(well, lumps, groups, driven), reach(scene, lumps))
 
 
@@ -66,15 +68,20 @@ def reach(scene: DrillstringScene, lumps: Lumps) -> float:
     In a hole it is little, but for a string that stretches by much: thrown far across the wall, a string may come to
     rest where none would lie, folded up or pressed through, and that is an equilibrium too.
     """
-    short = REACH * float(lumps.length.min())
+    short, way = REACH * float(lumps.length.min()), _way(scene, lumps)
+    return max(short, way) if scene.well.wall is None else min(short, way)
+
+
+def _way(scene: DrillstringScene, lumps: Lumps) -> float:
+    """How far lumps may move along the hole in one such iteration, m, their neighbours with them."""
     if scene.well.wall is None:
-        return max(short, SAGGING * lumps.total)
+        return SAGGING * lumps.total
     weight = lumps.of_lumps(lambda tube: weight_in(fluid_of(scene.mud), tube, scene.gravity))
     stiffness = lumps.of_links(lambda tube: tube.youngs_modulus * tube.area).min()
     whole = float(np.abs(weight).sum())
     stretch = (0.5 * whole + abs(scene.bit.load)) * lumps.total / float(stiffness)
     sinking = whole / (scene.well.wall.stiffness * scene.well.wall.lumps)
-    return min(short, max(IN_A_HOLE, GIVING * (stretch + sinking)))
+    return max(IN_A_HOLE, GIVING * (stretch + sinking))
 
 
 def _groups(scene, well, lumps: Lumps, functions, law: str, moving: bool):

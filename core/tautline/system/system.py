@@ -126,9 +126,11 @@ class System:
         What each full degree of freedom is.
     force : float
         Force that counts as large, N; 0 for the largest of ``scale``.
-    chords : (m, 2) int array
-        Full degrees of freedom where the positions (three each) at both ends of elements begin, if their elements limit
-        how far they may move apart and not how far they may move.
+    neighbours : (m, 2) int array
+        Full degrees of freedom at both ends of an element that must not move far apart at once, m, where a search for
+        rest moves them: x and x, y and y, z and z, or the ways along a hole.
+    reach : float
+        How far such may move at once, their neighbours with them, m.
     window : (2,) or (0,) int array
         First and past the last full degree of freedom that residuals, tangents and laws are asked for; groups that know
         it share it, and go over those of their members only that touch one of these. Empty where none does, or where
@@ -156,7 +158,8 @@ class System:
     algebraic: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     places: list[str] = field(default_factory=list)
     force: float = 0.0
-    chords: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    neighbours: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    reach: float = 0.0
     window: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
     lasting: Lasting = field(default_factory=Lasting, repr=False, compare=False)

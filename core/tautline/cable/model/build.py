@@ -30,6 +30,8 @@ STIFF_SHARE = 1.0e-4
 """Share of the largest axial stiffness that counts as a large force."""
 ERROR = 1.0e-6
 """Error of a step over the length of all ropes, where the step is chosen and the scene gives none."""
+FAR = 1.0 / 40.0
+"""Share of a scene's extent by which nodes, and their neighbours with them, may move in an iteration towards rest."""
 CONTRACTION = 0.2
 """New factors of a rope of cubic elements cost as much as ten iterations with old ones, which are given more time."""
 
@@ -85,7 +87,8 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
         flowing=steady_flow(layout),
     )  # fmt: skip
     system.q[: layout.initial.size] = layout.initial
-    system.force, system.chords = force, layout.starts[layout.ends]
+    system.force, system.reach = force, FAR * float(np.ptp(layout.initial))
+    system.neighbours = (layout.starts[layout.ends][:, None, :] + np.arange(3)[:, None]).reshape(-1, 2)
     observer = Observer(layout, groups, [e.name for e in made if e.tie.method != "penalty"])
     return Assembly(layout, system, observer, lengths, notes)
 

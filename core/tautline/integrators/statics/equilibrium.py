@@ -35,8 +35,6 @@ AHEAD = 160
 PART_ITERATIONS = 100
 """Iterations over a part of the rows between two over all of them: a front passes a lump in each."""
 
-REACH = 1.0 / 40.0
-"""Share of a scene's extent by which the nodes of elements may move in one iteration, their neighbours with them."""
 FAR = 20.0
 """Extents of a scene by which no part of it moves into balance."""
 
@@ -62,8 +60,8 @@ def find_equilibrium(system: System, state: State, step_limit: float, tolerance:
     state : State
         Where the search starts, and where the equilibrium is left.
     step_limit : float
-        Largest change of an unknown in one iteration, m or rad; of positions at both ends of an element, of their
-        difference: a long cable of short elements may sink by many of their lengths at once.
+        Largest change of an unknown in one iteration, m or rad; of a system's neighbours, of their difference: a long
+        cable of short elements may sink by many of their lengths at once.
     tolerance : float
         Largest residual over its scale that counts as balance.
 
@@ -132,7 +130,7 @@ def _search(system: System, state: State, step_limit: float, tolerance: float, f
     lever[system.algebraic] = 0.0  # a multiplier is no way gone: it may change as it must
     extent = max(float(np.ptp(origin)) if n else 0.0, step_limit)
     pairs, far = neighbours(system)
-    lever[far] = min(1.0, step_limit / (REACH * extent))
+    lever[far] = step_limit / max(step_limit, system.reach)
     numbers, counts = np.array([step_limit, tolerance, first_shift, np.inf, np.inf]), np.zeros(4, np.int64)
     factors = system.spare_factors()
     search = Search(factors, system.at_rest, system.scale, lever, pairs, numbers, counts)
@@ -161,11 +159,11 @@ def levers(system: System) -> np.ndarray:
 
 
 def neighbours(system: System) -> tuple[np.ndarray, np.ndarray]:
-    """Positions at both ends of elements, axis by axis (m, 2), negative where one is held; and those that may go far.
+    """Unknowns of a system's neighbours (m, 2), negative where one is held; and those that may go far.
 
-    Of a position that is mixed from several unknowns the difference is not known: its neighbours may not go far.
+    Of what is mixed from several unknowns the difference is not known: its neighbours may not go far.
     """
-    number = system.dofs.number[system.chords[:, :, None] + np.arange(3)].transpose(0, 2, 1).reshape(-1, 2)
+    number = system.dofs.number[system.neighbours]
     mixed = (number == TIED).any(axis=1)
     pairs = np.ascontiguousarray(number[~mixed & (number >= 0).any(axis=1)])
     far = np.zeros(system.size, dtype=bool)
