@@ -25,6 +25,10 @@ BESIDES = frozenset({"title", "units", "output", "limits", *(f"solver.{key}" for
 """What does not count in the scenes of applications, by key path without places in lists."""
 
 
+PLAIN = frozenset({bool, int, float, str, type(None)})
+"""Types of what is told by how Python writes it."""
+
+
 def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | None = None) -> str:
     """Hash of a scene's model, 16 hexadecimal digits: a run can be gone on with where it agrees.
 
@@ -49,7 +53,18 @@ def model_hash(scene: Any, besides: Collection[str] = BESIDES, folder: Path | No
 
 
 def _contents(value: Any, path: str, besides: Collection[str], folder: Path | None) -> Iterator[bytes]:
-    if isinstance(value, (BaseModel, dict)) or dataclasses.is_dataclass(value) or hasattr(value, "_fields"):
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        yield type(value).__name__.encode()
+        names: tuple[str, ...] = value._fields
+        said = [(name, each) for name, each in zip(names, value, strict=True) if f"{path}.{name}" not in besides]
+        if all(_is_plain(each) for _, each in said):
+            # Some scenes have 100,000 of them: all of one at once.
+            yield repr(said).encode()
+        else:
+            for name, each in said:
+                yield name.encode()
+                yield from _contents(each, f"{path}.{name}", besides, folder)
+    elif isinstance(value, (BaseModel, dict)) or dataclasses.is_dataclass(value):
         yield type(value).__name__.encode()
         for name, each, is_file in _fields(value):
             inner = f"{path}.{name}" if path else str(name)
@@ -69,6 +84,12 @@ def _contents(value: Any, path: str, besides: Collection[str], folder: Path | No
         raise TypeError(f"{path}: what a {type(value).__name__} holds cannot be told")
 
 
+def _is_plain(value: Any) -> bool:
+    """Whether a value is a number, a text, nothing, or a row of such."""
+    kind = type(value)
+    return kind in PLAIN or (kind is tuple and all(type(each) in PLAIN for each in value))
+
+
 def _fields(value: Any) -> Iterator[tuple[Any, Any, bool]]:
     """Name, value, and whether it is the name of a file."""
     if isinstance(value, dict):
@@ -76,9 +97,6 @@ def _fields(value: Any) -> Iterator[tuple[Any, Any, bool]]:
     elif isinstance(value, BaseModel):
         fields = type(value).model_fields.items()
         yield from ((name, getattr(value, name), names_file(field)) for name, field in fields)
-    elif isinstance(value, tuple):
-        names: tuple[str, ...] = getattr(value, "_fields")  # noqa: B009
-        yield from ((name, each, False) for name, each in zip(names, value, strict=True))
     else:
         yield from ((field.name, getattr(value, field.name), False) for field in dataclasses.fields(value))
 

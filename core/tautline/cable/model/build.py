@@ -21,7 +21,7 @@ from tautline.cable.model.limits import limits
 from tautline.cable.model.observe import FIGURES, Observer, headline, variables
 from tautline.cable.model.ties import check_sound, constraint_groups, equations_of
 from tautline.constraints.multiplier import Multipliers
-from tautline.integrators.statics.attainable import within_rounding
+from tautline.integrators.statics.attainable import MANY, within_rounding
 from tautline.scene.solver import error_of_steps, unused_alphas
 from tautline.system.model import Model
 from tautline.system.system import System, assemble
@@ -132,7 +132,7 @@ def build(scene: CableScene) -> Model:
         notes=notes,
         handles=lambda: handles(layout, system.groups, model),
     )  # fmt: skip
-    return with_limits(within_rounding(model, "eps_energy"), scene)
+    return with_limits(within_rounding(model, "eps_energy", MANY), scene)
 
 
 def _mass(scene: CableScene, lengths: Sequence[float]) -> float:

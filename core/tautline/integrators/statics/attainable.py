@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from collections import ChainMap
+from collections.abc import MutableMapping
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 
@@ -17,17 +21,21 @@ from tautline.system.system import System
 
 EXAMINED = 1.0e-9
 """Tolerance below which it is asked whether it can be reached; what applications choose themselves is above."""
+MANY = 30_000
+"""Unknowns from which it is asked of any tolerance where rounding grows with their number: short elements are stiff."""
 SAMPLES = 8
 """Times that the signs of what rounding leaves are drawn, for its energy."""
 
 
-def within_rounding(model: Model, key: str = "solver.tolerance") -> Model:
+def within_rounding(model: Model, key: str = "solver.tolerance", many: float = math.inf) -> Model:
     """The model with a tolerance that its numbers can reach, and a note where the scene asks for less.
 
-    Iterations that seek less than rounding leaves are all in vain, and then the step is halved in vain too.
+    Iterations that seek less than rounding leaves are all in vain, and then the step is halved in vain too. It is asked
+    of small tolerances, and of all where there are ``many`` unknowns.
     """
     settings = model.solver
-    if method_of(settings.method).explicit or settings.tolerance >= EXAMINED:
+    asked = settings.tolerance < EXAMINED or model.system.size >= many
+    if method_of(settings.method).explicit or not asked:
         return model
     least = attainable(model.system, settings)
     if not settings.tolerance < least < 1.0:
@@ -36,7 +44,7 @@ def within_rounding(model: Model, key: str = "solver.tolerance") -> Model:
         f"{key} = {settings.tolerance:g} is below what the rounding of numbers leaves in this scene, {least:.1e}. "
         f"The run uses {least:.1e}"
     )
-    attributes = {**model.attributes, "tolerance": least}
+    attributes = ChainMap({"tolerance": least}, cast("MutableMapping[str, Any]", model.attributes))
     return replace(model, solver=replace(settings, tolerance=least), notes=[*model.notes, note], attributes=attributes)
 
 
