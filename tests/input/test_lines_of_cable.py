@@ -136,6 +136,7 @@ def test_a_line_of_linear_elements_and_one_of_a_single_element_are_drawn():
 WITH_P = f"p: 0, {HELD}"
 WRONG = {
     "no such end": ({"line": "nodes7: [0, 9], elements: 3"}, "nodes7[1] = 9", "known: 0 to 3"),
+    "ends in itself": ({"line": "nodes7: [0, 4], elements: 5"}, "nodes7", "between its own ends, 2 to 5"),
     "both ends one": ({"line": "nodes7: [1, 1], elements: 3"}, "nodes7", "name two nodes"),
     "no ends": ({"line": "elements: 3"}, "nodes7", "name both ends"),
     "no elements": ({"line": "nodes7: [0, 1], elements: 0"}, "elements = 0", "1"),

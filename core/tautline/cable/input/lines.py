@@ -45,8 +45,11 @@ def lay(register: Register, gravity: Vector) -> dict[Place, Laid]:
         elif all(good):
             ends = [register.nodes[node].xyz if node in register.nodes else at.get(node) for node in (first, last)]
             if None in ends:
-                cause = "ends at a node of a line that is drawn later"
-                register.refuse((*line.place, line.key), cause, "write this line after that one")
+                cause, cure = "ends at a node of a line that is drawn later", "write this line after that one"
+                if not {first, last}.isdisjoint(line.between):
+                    cause = f"ends at a node between its own ends, {line.between[0]} to {line.between[-1]}"
+                    cure = "name two nodes that are written, or number those between from another `between`"
+                register.refuse((*line.place, line.key), cause, cure)
                 continue
             _check_coordinates(register, line)
             laid = _lay(register, line, np.array(ends[0], float), np.array(ends[1], float), np.array(gravity, float))
