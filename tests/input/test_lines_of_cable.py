@@ -169,6 +169,13 @@ def test_what_is_wrong_with_a_line_is_named_with_key_and_cure(case):
     assert key in message and words in message
 
 
+def test_a_line_that_is_stretched_by_much_is_warned_of_once_and_by_its_length():
+    scene = parse(text(f"nodes7: [0, 1], elements: 50, length: 80, {SECTION}"))
+    found = Installed().of(scene).warnings(scene)
+    assert [one.where for one in found] == ["CableModel[2].CableLine.length (line 5)"]
+    assert "stretched by 26 %" in found[0].text and "`length:`" in found[0].text
+
+
 def test_a_line_without_mass_is_warned_of_once():
     scene = parse(text("nodes7: [0, 1], elements: 50, EA: 1e7, rhoA: 0"))
     texts = [warning.text for warning in Installed().of(scene).warnings(scene)]

@@ -187,20 +187,21 @@ def _lengths(scene: CableScene) -> Sentences:
                         "element's nodes, or turn xyz_d round"
                     )
                     yield (*element.place, "nodes7"), text
+        # Where the scene says how long an element is, slopes follow from it.
+        stretch = 1.0 if element.length is None else arc / length
         for node in (first, second) if element.kind == "cubic" else ():
-            if node.place == element.place:
-                continue  # a node of a line, whose slope nobody wrote
             size = math.hypot(*(node.slope or ()))
-            if abs(size - 1.0) > PRESTRETCHED:
+            if abs(size - stretch) > PRESTRETCHED:
                 text = f"is {size:.3g} long: it is dr/dp, and 1 where the cable is not stretched; give a unit vector"
                 yield (*node.place, "xyz_d"), text
         if abs(arc / length - 1.0) > PRESTRETCHED:
             word = "stretched" if arc > length else "shortened"
             text = (
                 f"is {word} by {100.0 * abs(arc / length - 1.0):.2g} % at the start: {arc:.4g} m lie where "
-                f"{length:.4g} m of cable are; put right `p:` or pos0 if that is not meant"
+                f"{length:.4g} m of cable are; put right "
+                f"{'`p:` or pos0' if element.length is None else '`length:`'} if that is not meant"
             )
-            yield (*element.place, _key(element)), text
+            yield (*element.place, _key(element) if element.length is None else "length"), text
         for node in (first, second):
             if node.id in loose and not (node.place == element.place and node.place in massless):
                 massless.add(node.place)
