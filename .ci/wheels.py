@@ -51,6 +51,7 @@ def compile_scene(name: str, quick: bool) -> str:
     from tautline.cli.main import main
     from tautline.integrators.time_loop import compile_for
     from tautline.kernels import parallel_compile
+    from tautline.kernels.separate import late_code
     from tautline.scene.methods import names
     from tautline.simulation import Run
 
@@ -82,6 +83,8 @@ def compile_scene(name: str, quick: bool) -> str:
                 continue
             compile_for(started.method, model.system, started.state)
         run("simulate", str(path), "--end", "0.05", "--quiet", "-o", "result.nc")
+        for kernel, forms in late_code():  # whether this scene has come to it or not
+            kernel.at(forms)
         if not quick:
             for verb in ("stability", "study"):
                 run(verb, str(path), "--quick", "--json", "-o", verb)

@@ -184,7 +184,7 @@ def simulate(
     with make(path, model.variables, model.coordinates, attributes) as store, listening() as ear:
         try:
             if brief is None or not brief.compiled:
-                compile_for(run.method, model.system, run.state, announce)
+                compile_for(run.method, model.system, run.state, announce, model.start == "static")
             # The static start asks for a part of what the loop does.
             model.system.link(loop_of(run.method)[1])
             if earlier is not None:

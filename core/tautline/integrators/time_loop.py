@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,15 +21,14 @@ from tautline.integrators.state import (
 )
 from tautline.integrators.stepping import stepping_with, take_step
 from tautline.kernels import groups as over
+from tautline.kernels import matrix, time_function
 from tautline.kernels.dofs import expand, expand_held
 from tautline.kernels.groups import hook_jobs
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.machine.settings import UNCOMPILED
-from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix
+from tautline.kernels.matrix import Factors, factorise_matrix, new_factors, new_matrix, solve_matrix
 from tautline.kernels.memory import form_of
 from tautline.kernels.parallel_compile import compile_all
-from tautline.kernels.separate import code_of
-from tautline.kernels.time_function import evaluate_any, evaluate_written
 
 ENERGIES = 5
 """Numbers of a frame that are energies."""
@@ -131,7 +131,7 @@ def divide_and_advance(method, groups, dofs, functions, state, t, h, pause):
     Returns a status, or PAUSED. The next step goes on in parts of the size that this one ended with, or twice that: a
     step much longer than the last would carry what is left of a disturbance too far.
     """
-    finest = 2**method.max_halvings
+    finest = 1 << method.max_halvings
     controlled = method.tolerance > 0.0
     size = max(1, int(method.control[1] * finest))
     at = pause[PART]
@@ -222,16 +222,28 @@ def loop_of(method):
     return run_explicit if stepping.explicit else run_implicit, (*_ALWAYS, *stepping.sums(method))
 
 
+def _factors_in(scratch: Any) -> Iterator[Factors]:
+    """The factors that a method's scratch holds."""
+    if isinstance(scratch, Factors):
+        yield scratch
+    elif isinstance(scratch, tuple):
+        for part in scratch:
+            yield from _factors_in(part)
+
+
 _ready: set[Any] = set()
 """What runs were made of that were compiled for in this process: sums over groups, and forms."""
 
 
-def compile_for(method, system, state, announce=None):
-    """Compile what a run will need, or load it, with the processors there are; see :func:`compile_all`."""
+def compile_for(method, system, state, announce=None, at_rest=False):
+    """Compile what a run will need, or load it, with the processors there are; see :func:`compile_all`.
+
+    ``at_rest`` says that it begins at rest: whether it stays there the signs of pivots tell, of factors by rows.
+    """
     if UNCOMPILED:
         return
     loop, sums = loop_of(method)
-    made_of = sums, form_of((method, system.groups, system.dofs, system.functions, state))
+    made_of = sums, at_rest, form_of((method, system.groups, system.dofs, system.functions, state))
     if made_of in _ready:
         return
     groups, scene = np.zeros(0, np.int64), (system.dofs, system.functions, state)
@@ -247,7 +259,9 @@ def compile_for(method, system, state, announce=None):
     hooks = hook_jobs(system.groups, *dict.fromkeys((*sums, *SUMS)))
     # The loop, which is heaviest, takes in the last two: it is begun when others have made them. Functions of time are
     # called by it, and have to be there before it can be.
-    compile_all([*map(code_of, (evaluate_any, evaluate_written)), heavy, common, *hooks, *parts], announce)
+    solved = [*_factors_in(method), *([new_factors(0, 0, threshold=0.0)] if at_rest else [])]
+    late = dict.fromkeys(code for each in solved for code in matrix.code_for(each))
+    compile_all([*time_function.code_for(system.functions), heavy, common, *hooks, *late, *parts], announce)
     _ready.add(made_of)
 
 

@@ -26,7 +26,7 @@ from tautline.kernels.factors.lapack import factorise_dense_inside, solve_dense_
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lanes import LANES
 from tautline.kernels.memory import form_of
-from tautline.kernels.separate import apart
+from tautline.kernels.separate import Code, apart, code_of, separate
 
 EXCHANGED, PACKED, REACH = 7, 8, 9
 """Places among the ``integers`` of factors: how many rows of the band were exchanged; what is known of the blocks
@@ -102,6 +102,10 @@ def new_factors(size: int, bandwidth: int, border: int = 0, threshold: float = C
         # What is renewed in part, or whose pivots are counted, is eliminated row by row.
         np.zeros(room_for_window(bandwidth) if threshold == CAREFUL and goes_in_blocks(bandwidth) else 0),
     )  # fmt: skip
+
+
+FACTORS = form_of(new_factors(0, 0))
+"""The form of :class:`Factors`."""
 
 
 def cut(factors: Factors, first: int, last: int) -> Factors:
@@ -180,8 +184,9 @@ def add_at(matrix, row, column, x):
         matrix.corner[column - n, row - n] += x
 
 
-@kernel
+@separate(type(None), FACTORS, int, int, late=True)
 def _pack(f, first, last):
+    """Make blocks ``first`` to ``last`` - 1 of the band's factors."""
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     f.integers[REACH] = pack(
         f.matrix.band, f.above, f.below, f.inverse, f.scale, f.blocks, n, k, first, last, f.integers[REACH]
@@ -205,24 +210,21 @@ def _substitute(f, n, k, x):
     )  # fmt: skip
 
 
-@kernel(forceinline=True)
-def _factorise_in_blocks(f, n, k):
-    """Make the band's factors in blocks; returns whether no row had to be exchanged for that.
-
-    Where the threshold is lower, somebody counts pivots or renews a part: those stand in factors by rows only.
-    """
-    if f.window.size == 0 or f.threshold < CAREFUL:
-        return False
+@separate(int, FACTORS, late=True)
+def _factorise_in_blocks(f):
+    """Make the band's factors in blocks. Returns 0, or 1 where a row has to be exchanged for that."""
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     reach = factorise_in_blocks(f.matrix.band, f.scale, f.blocks, f.window, f.threshold, n, k)
     if reach < 0:
-        return False
+        return 1
     f.integers[EXCHANGED], f.integers[PACKED], f.integers[REACH] = 0, IN_BLOCKS, reach
-    return True
+    return 0
 
 
-@kernel(forceinline=True)
-def _factorise_by_rows(f, n, k):
+@separate(int, FACTORS, late=True)
+def _factorise_by_rows(f):
     """Make the band's factors in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     # Where the factors before these were used often, these will be: they are packed before their first use.
     f.integers[PACKED] = TRIED if f.integers[PACKED] == AGAIN else FRESH
     equilibrate(f.matrix.band, f.scale, n, k)
@@ -284,12 +286,13 @@ def solve_inside(factors, x):
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     _substitute(f, n, k, x)
     if f.corner_pivots.size > 0:
-        _solve_border(f, n, x)
+        _solve_border(f, x)
 
 
-@kernel
-def _solve_border(f, n, x):
-    m = f.corner_pivots.size
+@separate(type(None), FACTORS, VECTOR, late=True)
+def _solve_border(f, x):
+    """Solve for the border's unknowns, and take what they change off those of the band."""
+    n, m = f.matrix.band.shape[0], f.corner_pivots.size
     for i in range(m):
         y = 0.0
         for l in range(n):
@@ -301,8 +304,6 @@ def _solve_border(f, n, x):
             x[l] -= f.columns[j, l] * x[n + j]
 
 
-FACTORS = form_of(new_factors(0, 0))
-"""The form of :class:`Factors`."""
 solve_apart = apart(solve_matrix, type(None), FACTORS, VECTOR)
 """The same for what is long and calls it seldom: it does not take it in, which would compile it once more."""
 
@@ -316,17 +317,10 @@ def _without_border(f):
     )  # fmt: skip
 
 
-@entry
-def factorise_matrix(factors):
-    """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
-    f = factors
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    row = 0 if _factorise_in_blocks(f, n, k) else _factorise_by_rows(f, n, k)
-    if row != 0:
-        return row
-    m = f.corner_pivots.size
-    if m == 0:
-        return 0
+@separate(int, FACTORS, late=True)
+def _factorise_border(f):
+    """Make the border's columns, and factorise its corner. Returns 0, or k > 0 where the k-th pivot is zero."""
+    n, m = f.matrix.band.shape[0], f.corner_pivots.size
     band = _without_border(f)
     for j in range(m):
         y = f.columns[j]
@@ -340,6 +334,41 @@ def factorise_matrix(factors):
             f.matrix.corner[j, i] -= x
     row = factorise_dense_inside(f.matrix.corner, f.corner_pivots, m, f.integers)
     return row + n if row != 0 else 0
+
+
+@kernel(forceinline=True)
+def _goes_in_blocks(f):
+    """Whether factors are first tried in blocks.
+
+    Where the threshold is lower, somebody counts pivots or renews a part: those stand in factors by rows only.
+    """
+    return f.window.size > 0 and f.threshold >= CAREFUL
+
+
+@entry
+def factorise_matrix(factors):
+    """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
+    f = factors
+    row = 0
+    if not _goes_in_blocks(f) or _factorise_in_blocks(f) != 0:
+        row = _factorise_by_rows(f)
+    if row == 0 and f.corner_pivots.size > 0:
+        row = _factorise_border(f)
+    return row
+
+
+def code_for(factors: Factors) -> list[Code]:
+    """What factorising and solving with such a matrix comes to, as :func:`tautline.kernels.separate.code_of` has it.
+
+    Where a row has to be exchanged, elimination by rows is compiled when it is called.
+    """
+    in_blocks = factors.window.size > 0 and factors.threshold >= CAREFUL
+    called = [_factorise_in_blocks if in_blocks else _factorise_by_rows]
+    if factors.blocks.size > 0 and not in_blocks:
+        called.append(_pack)
+    if factors.corner_pivots.size > 0:
+        called += [_factorise_border, _solve_border]
+    return [code_of(function) for function in called]
 
 
 factorise_apart = apart(factorise_matrix, int, FACTORS)

@@ -26,7 +26,7 @@ from tautline.kernels.moving_frame import (
     place_frame,
     places_of,
 )
-from tautline.kernels.separate import separate
+from tautline.kernels.separate import code_of, separate
 
 DEGREES = 8
 """Coefficients kept of a polynomial: up to degree 7, the integral of a ramp's rate."""
@@ -155,6 +155,7 @@ def evaluate(functions, i, t):
     """Return ``(f, df, ddf)`` of function `i` at time `t`: its value, rate and second rate.
 
     Either kind of function is compiled apart from its callers. To hand over all arrays takes a tenth of a microsecond.
+    What moves with a frame, or is a sum of many waves, most scenes do not have, and do not compile.
     """
     if functions.entry[i] != -1 or functions.sums.row[i] >= 0:
         return evaluate_any(functions, i, t)
@@ -171,7 +172,7 @@ def evaluate_written(written, i, t):
     return _written(written, i, t)
 
 
-@separate(THREE, FUNCTIONS, int, float)
+@separate(THREE, FUNCTIONS, int, float, late=True)
 def evaluate_any(functions, i, t):
     """The same of any function."""
     number = functions.entry[i]
@@ -184,6 +185,12 @@ def evaluate_any(functions, i, t):
         _place(functions, t, -1)
     k, j = number // ENTRIES, number % ENTRIES
     return frames.placed[k, 0, j], frames.placed[k, 1, j], frames.placed[k, 2, j]
+
+
+def code_for(functions):
+    """What evaluating a scene's functions comes to, as :func:`tautline.kernels.separate.code_of` has it."""
+    plain = np.all(functions.entry == -1) and np.all(functions.sums.row < 0)
+    return [code_of(each) for each in ((evaluate_written,) if plain else (evaluate_any, evaluate_written))]
 
 
 @kernel

@@ -133,7 +133,7 @@ class Simulation:
     def _start(self) -> None:
         """Compile what is missing, find the start, and keep the first frame."""
         run = self._run
-        compile_for(run.method, self.model.system, run.state)
+        compile_for(run.method, self.model.system, run.state, at_rest=self.model.start == "static")
         run.start()
         self._bind()
         self._steps[0], self._ends[0] = 0, 0.0

@@ -175,7 +175,7 @@ class Runner:
 
         model = self.application.build(self.varied(changes))
         run = Run(model)
-        compile_for(run.method, model.system, run.state, announce)
+        compile_for(run.method, model.system, run.state, announce, model.start == "static")
         return model
 
 

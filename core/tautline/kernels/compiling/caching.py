@@ -192,7 +192,7 @@ class PartCache(FunctionCache):
         """Load code, None if there is none that can be used.
 
         Numba makes its compiler ready first, with all functions that it knows, which takes a quarter of a second. What
-        comes from the cache needs none of them.
+        comes from the cache needs none of them, and where nothing comes it is made ready before it compiles.
         """
         if not self._enabled:
             return None
@@ -205,7 +205,6 @@ class PartCache(FunctionCache):
                 found = None if data is None else self._impl.rebuild(context, data)
                 if found is not None and tuple(found.signature.args) == tuple(arguments):
                     return found
-        context.refresh()
         return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:

@@ -24,8 +24,8 @@ class Needed(NamedTuple):
         find(self.name)
 
 
-def called_by_name(stub: StandIn, returned: Form, given: tuple[Form, ...]) -> None:
-    """Tell numba how to call what a stub stands for."""
+def called_by_name(stub: StandIn, returned: Form, given: tuple[Form, ...], late: bool = False) -> None:
+    """Tell numba how to call what a stub stands for: by its symbol, or late code by the address at a place."""
     needed, result, arguments = Needed(stub.symbol), kind_of(returned), tuple(map(kind_of, given))
 
     def call(typing, *given):
@@ -33,7 +33,10 @@ def called_by_name(stub: StandIn, returned: Form, given: tuple[Form, ...]) -> No
             needed()
             context.active_code_library._reload_init.add(needed)
             kind = context.call_conv.get_function_type(result, arguments)
-            callee = cgutils.get_or_insert_function(builder.module, kind, needed.name)
+            if late:
+                callee = builder.load(_place(builder, kind.as_pointer(), needed.name))
+            else:
+                callee = cgutils.get_or_insert_function(builder.module, kind, needed.name)
             status, found = context.call_conv.call_function(builder, callee, result, arguments, values)
             with cgutils.if_unlikely(builder, status.is_error):
                 context.call_conv.return_status_propagate(builder, status)
@@ -49,6 +52,11 @@ def called_by_name(stub: StandIn, returned: Form, given: tuple[Form, ...]) -> No
     intrinsic_for(stub)(space[stub.__name__])
 
 
+def _place(builder: Any, function: ir.Type, symbol: str) -> Any:
+    """A place in memory that is known by its symbol, where the address of a function stands."""
+    return builder.module.globals.get(symbol) or ir.GlobalVariable(builder.module, function, symbol)
+
+
 def called_by_place(stub: Any, symbol: str) -> None:
     """Tell numba how to call a routine whose address stands at a place that is known by its symbol."""
 
@@ -59,8 +67,7 @@ def called_by_place(stub: Any, symbol: str) -> None:
                 for word, actual in zip(cgutils.unpack_tuple(builder, values[0]), given.types, strict=True)
             ]
             function = ir.FunctionType(ir.VoidType(), [word.type for word in words]).as_pointer()
-            place = builder.module.globals.get(symbol) or ir.GlobalVariable(builder.module, function, symbol)
-            builder.call(builder.load(place), words)
+            builder.call(builder.load(_place(builder, function, symbol)), words)
             return context.get_dummy_value()
 
         return types.void(given), code

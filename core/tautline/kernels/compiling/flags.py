@@ -1,8 +1,7 @@
 """Flags of a kernel's compilation, compared by what is set.
 
 As it finds types, numba asks for each operation whether it has met it under the same flags, and compares all options of
-both by name: a tenth of the time that it takes to compile a kernel. Nearly always the same ones are set to the same
-values, which one look at both tables tells.
+both by name: a tenth of the time that it takes to compile a kernel. What is set in neither is the same.
 """
 
 from __future__ import annotations
@@ -18,9 +17,12 @@ class KernelFlags(Flags):
     __slots__ = ()
 
     def __eq__(self, other: object) -> Any:
-        if isinstance(other, KernelFlags) and self._values == other._values:
+        if not isinstance(other, Flags):
+            return NotImplemented
+        own, others = self._values, other._values
+        if own == others:
             return True
-        return Flags.__eq__(self, other)
+        return all(getattr(self, name) == getattr(other, name) for name in own.keys() | others.keys())
 
     def __hash__(self) -> int:
         return NAMES

@@ -17,12 +17,13 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering, NopythonRewrites, NopythonTypeInference
-from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, LiteralUnroll, WithLifting
+from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, IRProcessing, LiteralUnroll, WithLifting
 
 from tautline.kernels.compiling.flags import KernelFlags
 from tautline.kernels.compiling.indices import TrustedIndices
 from tautline.kernels.compiling.lowering import KernelLower
 from tautline.kernels.compiling.operators import Typing
+from tautline.kernels.compiling.target import spared
 from tautline.kernels.machine.settings import PLAIN
 
 
@@ -109,8 +110,9 @@ class PartLowering(KernelLowering):
         return super().run_pass(state)
 
 
-NEEDLESS = {WithLifting, InlineClosureLikes, InlineInlinables, LiteralUnroll, NopythonRewrites}
-"""Steps that find nothing to do: kernels have no closures, no Python objects, and no expressions of whole arrays."""
+NEEDLESS = {IRProcessing, WithLifting, InlineClosureLikes, InlineInlinables, LiteralUnroll, NopythonRewrites}
+"""Steps that find nothing to do: kernels have no closures, no Python objects, and no expressions of whole arrays. The
+first looks how long variables live, which the next but one does again."""
 
 
 class KernelCompiler(CompilerBase):
@@ -124,6 +126,7 @@ class KernelCompiler(CompilerBase):
         super().__init__(*given)
         self.state.flags = KernelFlags(self.state.flags)
         self.state.typingctx = Typing(self.state.typingctx)
+        self.state.targetctx = spared(self.state.targetctx)
 
     def define_pipelines(self) -> list[Any]:
         """The steps."""

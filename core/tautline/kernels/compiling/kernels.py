@@ -83,7 +83,8 @@ def is_array(kind: types.Type) -> bool:
 
 def overloaded(stub: Any, choose: Any, options: dict[str, Any]) -> None:
     """Tell numba what compiled code calls for a stub: a function of types gives it."""
-    overload(stub, jit_options={"pipeline_class": compiler_for(True, is_ours(choose))}, **options)(choose)
+    given = {"pipeline_class": compiler_for(True, is_ours(choose)), "no_cfunc_wrapper": True}
+    overload(stub, jit_options=given, **options)(choose)
 
 
 def intrinsic_for(stub: Any, *, prefer_literal: bool = False) -> Callable[[Any], Any]:

@@ -1,7 +1,8 @@
 """What operators of numbers and arrays give, remembered from function to function.
 
 Numba looks for each operation among all of its templates, those of strings and lists too, and once more when it writes
-LLVM's code. What they give for numbers, arrays and tuples does not change while a process runs.
+LLVM's code. What they give for numbers, arrays and tuples does not change while a process runs. A subscript alone is
+looked for a thousand times in a first run, among some fifteen templates.
 """
 
 from __future__ import annotations
@@ -15,9 +16,12 @@ from tautline.kernels.compiling.lanes import LanesType, MaskType
 
 OPERANDS = (
     types.Number, types.Boolean, LanesType, MaskType, types.Array, types.BaseTuple, types.SliceType, types.NoneType,
+    types.RangeType, types.RangeIteratorType,
 )  # fmt: skip
 """Types of operands whose operations are remembered."""
-_known: dict[tuple[types.Function, tuple[types.Type, ...]], Any] = {}
+OTHERS = ("getiter", "iternext", bool, range)
+"""Operations beside the operators, as numba names them: those of loops over whole numbers, and of conditions."""
+_known: dict[tuple[Any, tuple[types.Type, ...]], Any] = {}
 
 
 def signature_of_operation(function: Any, given: tuple[types.Type, ...], look: Callable[[], Any]) -> Any:
@@ -25,13 +29,18 @@ def signature_of_operation(function: Any, given: tuple[types.Type, ...], look: C
 
     What is not found is not remembered: somebody may still tell numba of it.
     """
-    is_operator = isinstance(function, types.Function) and getattr(function.typing_key, "__module__", "") == "_operator"
-    if not is_operator or not all(isinstance(kind, OPERANDS) for kind in given):
+    if not _is_operation(function) or not all(isinstance(kind, OPERANDS) for kind in given):
         return look()
     found = _known.get((function, given)) or look()
     if found is not None:
         _known[function, given] = found
     return found
+
+
+def _is_operation(function: Any) -> bool:
+    """Whether numba is asked for an operation: by its type, as it is, or by a name."""
+    key = function.typing_key if isinstance(function, types.Function) else function
+    return getattr(key, "__module__", "") == "_operator" or any(key is each for each in OTHERS)
 
 
 class Typing:

@@ -22,6 +22,11 @@ class Record(types.NamedTuple):
     def __init__(self, parts: Any, cls: type) -> None:
         super().__init__(parts, cls)
         self.name = f"record {self.name}"
+        # Numba asks for it at each look into a table, and makes it of all parts' parts each time.
+        self._hash = hash(self.key)
+
+    def __hash__(self) -> int:
+        return self._hash
 
     def can_convert_from(self, typing: Any, other: Any) -> Any:
         """What a constructor in compiled code makes is a record, too."""
