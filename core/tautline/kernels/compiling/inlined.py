@@ -16,13 +16,13 @@ import llvmlite.binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import NativeLowering, NopythonRewrites, NopythonTypeInference
-from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables, IRProcessing, LiteralUnroll, WithLifting
+from numba.core.typed_passes import NativeLowering, NopythonTypeInference
 
 from tautline.kernels.compiling.flags import KernelFlags
 from tautline.kernels.compiling.indices import TrustedIndices
 from tautline.kernels.compiling.lowering import KernelLower
 from tautline.kernels.compiling.operators import Typing
+from tautline.kernels.compiling.steps import INSTEAD, NEEDLESS
 from tautline.kernels.compiling.target import spared
 from tautline.kernels.machine.settings import PLAIN
 
@@ -110,11 +110,6 @@ class PartLowering(KernelLowering):
         return super().run_pass(state)
 
 
-NEEDLESS = {IRProcessing, WithLifting, InlineClosureLikes, InlineInlinables, LiteralUnroll, NopythonRewrites}
-"""Steps that find nothing to do: kernels have no closures, no Python objects, and no expressions of whole arrays. The
-first looks how long variables live, which the next but one does again."""
-
-
 class KernelCompiler(CompilerBase):
     """Numba's own steps for compiled code, without those that find nothing to do in a kernel."""
 
@@ -135,7 +130,7 @@ class KernelCompiler(CompilerBase):
         for step, why in steps.passes:
             if step in NEEDLESS:
                 continue
-            passes.append((self.lowering if step is NativeLowering else step, why))
+            passes.append((self.lowering if step is NativeLowering else INSTEAD.get(step, step), why))
             if step is NopythonTypeInference:
                 passes += [(extra, "indices of kernels") for extra in self.indices]
         steps.passes = passes

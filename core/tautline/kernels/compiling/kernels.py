@@ -49,7 +49,6 @@ def compile_whole(compiled: Inner, forms: tuple[Form, ...]) -> tuple[int, Stored
     """Compile a function for the forms of its arguments: its address in this process, and what is kept of it."""
     signature = tuple(map(kind_of, forms))
     with global_compiler_lock:
-        make_ready()
         compiled.compile(signature)
         return _compiled(compiled.overloads[signature])
 
