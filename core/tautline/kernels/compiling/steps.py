@@ -79,7 +79,7 @@ class StrippedPhis(PreLowerStripPhis):
 NEEDLESS = {
     IRProcessing, WithLifting, InlineClosureLikes, InlineInlinables, LiteralUnroll, NopythonRewrites, AnnotateTypes,
 }  # fmt: skip
-"""Steps that find nothing to do: kernels have no closures, no Python objects, and no expressions of whole arrays. Nobody
-reads their types beside their text, and how long variables live is looked at later."""
+"""Steps that find nothing to do: kernels have no closures, no Python objects, and no expressions of whole arrays.
+Nobody reads their types beside their text, and how long variables live is looked at later."""
 INSTEAD = {GenericRewrites: Rewriting, ReconstructSSA: SingleAssignment, PreLowerStripPhis: StrippedPhis}
 """Steps of ours in place of numba's."""
