@@ -1,5 +1,8 @@
 """Records, variables and operations in compiled code are what they are in Python."""
 
+import pickle
+import subprocess
+import sys
 from types import FunctionType
 from typing import NamedTuple
 
@@ -177,3 +180,24 @@ def operations(i, j, x, y, yes):
 @pytest.mark.parametrize(("x", "y"), [(2.5, 1.25), (0.75, 3.0)])
 def test_operations_of_numbers_give_what_they_give_in_python(i, j, x, y, yes):
     assert operations(i, j, x, y, yes) == pytest.approx(operations.py_func(i, j, x, y, yes), rel=1e-15)
+
+
+WRITTEN = """
+import pickle, sys
+from tautline.kernels.matrix import FACTORS, MATRIX
+from tautline.kernels.teaching import compiler
+kinds = [compiler().kind_of(form) for form in (FACTORS, MATRIX)]
+sys.stdout.buffer.write(pickle.dumps((list(map(hash, kinds)), kinds)))
+"""
+
+
+def test_a_type_that_another_process_wrote_is_the_same_type():
+    """Code is kept with its types. A class has another hash in each process, so one that is kept finds nothing."""
+    from tautline.kernels.matrix import FACTORS, MATRIX
+    from tautline.kernels.teaching import compiler
+
+    written = subprocess.run([sys.executable, "-c", WRITTEN], capture_output=True, check=True).stdout
+    _, kinds = pickle.loads(written)
+    own = [compiler().kind_of(form) for form in (FACTORS, MATRIX)]
+    assert kinds == own
+    assert [{kind: 1}.get(mine) for kind, mine in zip(kinds, own, strict=True)] == [1, 1]

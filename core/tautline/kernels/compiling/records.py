@@ -22,11 +22,16 @@ class Record(types.NamedTuple):
     def __init__(self, parts: Any, cls: type) -> None:
         super().__init__(parts, cls)
         self.name = f"record {self.name}"
-        # Numba asks for it at each look into a table, and makes it of all parts' parts each time.
-        self._hash = hash(self.key)
 
     def __hash__(self) -> int:
+        # Numba asks for it at each look into a table, and makes it of all parts' parts each time.
+        if "_hash" not in self.__dict__:
+            self._hash = hash(self.key)
         return self._hash
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is written with code that is kept: a hash of classes is another in each process."""
+        return {name: value for name, value in self.__dict__.items() if name != "_hash"}
 
     def can_convert_from(self, typing: Any, other: Any) -> Any:
         """What a constructor in compiled code makes is a record, too."""
