@@ -43,6 +43,10 @@ def test_a_string_and_a_hose_come_to_no_frames_and_no_border(scene, tmp_path):
         assert come_to[name] == 0, name
 
 
+def test_a_hose_that_begins_as_it_is_drawn_comes_to_no_search_for_rest(tmp_path):
+    assert _come_to("hose.yaml", tmp_path)["iterate"] == 0
+
+
 def test_a_crane_on_a_vessel_comes_to_frames(tmp_path):
     assert _come_to("hoist.yaml", tmp_path)["evaluate_any"] == 1
 

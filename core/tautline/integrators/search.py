@@ -7,7 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.kernels.jit import kernel
-from tautline.kernels.matrix import Factors, factorise_apart, hold_row, new_factors, size_of_row, solve_apart
+from tautline.kernels.matrix import VECTOR, Factors, factorise_apart, hold_row, new_factors, size_of_row, solve_apart
+from tautline.kernels.memory import form_of
+from tautline.kernels.separate import separate
 
 ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Residual that rounding leaves in a row, over the sum of its stiffnesses times positions."""
@@ -62,11 +64,12 @@ def _balances(s, q, x, worst):
     return True
 
 
-@kernel
+@separate(int, form_of(no_search()), VECTOR, VECTOR, late=True)
 def iterate(s, q, x):
     """One iteration of a search from residual ``x`` (n,) and tangent, in its factors' matrix; returns how it stands.
 
-    Positions ``q`` (n,) are moved; the shift fades as the residual falls. Both residual and tangent are used up.
+    Positions ``q`` (n,) are moved; the shift fades as the residual falls. Both residual and tangent are used up. A run
+    that begins as it is drawn compiles no search.
     """
     numbers, counts = s.numbers, s.counts
     for row in s.at_rest:

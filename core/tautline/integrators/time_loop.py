@@ -10,6 +10,7 @@ import numpy as np
 from tautline.integrators.corrector.newton import DONE
 from tautline.integrators.explicit import accelerate, account
 from tautline.integrators.linearise import NO_SEARCH, SUMS, evaluate_scene
+from tautline.integrators.search import iterate
 from tautline.integrators.state import (
     DISSIPATED,
     FACTORISATIONS,
@@ -29,6 +30,7 @@ from tautline.kernels.machine.settings import UNCOMPILED
 from tautline.kernels.matrix import Factors, factorise_matrix, new_factors, new_matrix, solve_matrix
 from tautline.kernels.memory import form_of
 from tautline.kernels.parallel_compile import compile_all
+from tautline.kernels.separate import code_of
 
 ENERGIES = 5
 """Numbers of a frame that are energies."""
@@ -238,7 +240,8 @@ _ready: set[Any] = set()
 def compile_for(method, system, state, announce=None, at_rest=False):
     """Compile what a run will need, or load it, with the processors there are; see :func:`compile_all`.
 
-    ``at_rest`` says that it begins at rest: whether it stays there the signs of pivots tell, of factors by rows.
+    ``at_rest`` says that it begins at rest, which is searched for; whether it stays there the signs of pivots tell, of
+    factors by rows.
     """
     if UNCOMPILED:
         return
@@ -261,6 +264,8 @@ def compile_for(method, system, state, announce=None, at_rest=False):
     # called by it, and have to be there before it can be.
     solved = [*_factors_in(method), *([new_factors(0, 0, threshold=0.0)] if at_rest else [])]
     late = dict.fromkeys(code for each in solved for code in matrix.code_for(each))
+    if at_rest:
+        late[code_of(iterate)] = None
     compile_all([*time_function.code_for(system.functions), heavy, common, *hooks, *late, *parts], announce)
     _ready.add(made_of)
 
