@@ -13,6 +13,7 @@ from tautline.cli.output.duration import total_time
 from tautline.cli.output.first_run import compiling
 from tautline.cli.output.numba_version import version_note
 from tautline.cli.output.progress import Bar
+from tautline.cli.output.room import room_warning
 from tautline.cli.output.summary import limit_said, limits_of_scene, table, two_columns
 from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import option_error
@@ -144,6 +145,8 @@ def simulate(
     if note := version_note():
         say(f"warning: {note}", "yellow")
     model = application.build(read)
+    if note := room_warning(model, target):
+        say(f"warning: {note}", "yellow")
     end = getattr(getattr(model, "solver", None), "end", None)
     if not quiet:
         _announce(scene, model, end)
