@@ -46,6 +46,10 @@ def values_of(blocks: dict[int, ir.Block]) -> set[str]:
     }
 
 
+_types: dict[Any, types.Type] = {}
+"""Numba's types of operations: for each it first finds, with an error that nobody reads, that it is no value."""
+
+
 class KernelLower(Lower):
     """Numba's translation of a function to LLVM's code."""
 
@@ -88,6 +92,8 @@ class KernelLower(Lower):
     def _code_of(self, operation: Any, given: tuple[types.Type, ...]) -> Any:
         """What writes an operation for operands of those types."""
         typing = self.context.typing_context
-        function = typing.resolve_value_type(operation)
+        function = _types.get(operation)
+        if function is None:
+            function = _types[operation] = typing.resolve_value_type(operation)
         called = signature_of_operation(function, given, lambda: function.get_call_type(typing, given, {}))
         return self.context.get_function(function, called)

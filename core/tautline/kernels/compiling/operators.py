@@ -19,8 +19,12 @@ OPERANDS = (
     types.RangeType, types.RangeIteratorType,
 )  # fmt: skip
 """Types of operands whose operations are remembered."""
+HOLDERS = (types.BaseTuple, types.Record, types.Array)
+"""Types whose parts are remembered."""
 OTHERS = ("getiter", "iternext", bool, range)
 """Operations beside the operators, as numba names them: those of loops over whole numbers, and of conditions."""
+_parts: dict[tuple[types.Type, str], types.Type] = {}
+"""Types of parts of records, and of what arrays tell of themselves."""
 _known: dict[tuple[Any, tuple[types.Type, ...]], Any] = {}
 
 
@@ -59,3 +63,12 @@ class Typing:
             return self._context.resolve_function_type(function, given, named)
 
         return look() if named else signature_of_operation(function, tuple(given), look)
+
+    def resolve_getattr(self, kind: types.Type, name: str) -> Any:
+        """Type of a part of a value; None where it has none of that name."""
+        found = _parts.get((kind, name))
+        if found is None:
+            found = self._context.resolve_getattr(kind, name)
+            if isinstance(kind, HOLDERS) and found is not None and not isinstance(found, types.Callable):
+                _parts[kind, name] = found
+        return found
