@@ -39,6 +39,9 @@ TRIALS = 10
 FARTHEST = 4.0
 """Multiple of the estimated critical speed up to which one is looked for."""
 
+SPRINGS = ("penalty", "augmented")
+"""Couplings that tie hose and water by springs, alone or beside multipliers."""
+
 Plane = Literal["in", "out", "any"]
 
 
@@ -56,7 +59,9 @@ class Stability(NamedTuple):
 
     ``speed`` (k,) m/s, rising; ``eigenvalues`` (k, m) 1/s, each column one mode followed from speed to speed;
     ``out_of_plane`` (k, m) the share of the motion that is; ``grows`` (k,) whether any motion does, by more than what
-    may be rounding; ``critical`` what becomes unstable, the lowest speed first, a plane once.
+    may be rounding; ``critical`` what becomes unstable, the lowest speed first, a plane once, and once more where it is
+    unstable without flow; ``stable_from`` the speed, m/s, from which nothing grows that does at the slowest one, None
+    where nothing does there or it never ceases.
     """
 
     speed: np.ndarray
@@ -64,6 +69,7 @@ class Stability(NamedTuple):
     out_of_plane: np.ndarray
     grows: np.ndarray
     critical: list[Critical]
+    stable_from: float | None = None
 
 
 def normal_of(scene: HoseScene) -> np.ndarray | None:
@@ -116,10 +122,11 @@ class _Linear:
 def _tied(scene: HoseScene) -> HoseScene:
     """The scene with hose and water tied without springs, on which entering water excites a fast mode of its own.
 
-    A hose of many elements has no multipliers either: of its motions only the slowest are sought.
+    Springs that support multipliers are so stiff that bending would be lost in the rounding of eigenvalues. A hose of
+    many elements has no multipliers either: of its motions only the slowest are sought.
     """
     long = DOFS * scene.hose.element_count > DENSE
-    if scene.document is None or scene.coupling == "linear" or (scene.coupling != "penalty" and not long):
+    if scene.document is None or scene.coupling == "linear" or (scene.coupling not in SPRINGS and not long):
         return scene
     values = {("coupling",): ("linear", "coupling"), ("stiffness",): (None, "stiffness")}
     return validate(HoseScene, scene.document.replaced(values))
@@ -154,8 +161,21 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     values, shares = _follow(rows, modes)
     planes: tuple[Plane, ...] = ("any",) if linear.normal is None else ("in", "out")
     found = [critical for plane in planes for critical in _crossings(linear, grid, plane)[:1]]
+    if 0.0 in grid:
+        found += [_kind(linear, 0.0, plane) for plane in planes if _grows(linear, 0.0, plane)]
     grows = np.array([_grows(linear, speed, "any") for speed in grid])
-    return Stability(grid, values, shares, grows, sorted(found, key=lambda one: abs(one.speed)))
+    critical = sorted(found, key=lambda one: abs(one.speed))
+    return Stability(grid, values, shares, grows, critical, _stable_from(linear, grid, grows))
+
+
+def _stable_from(linear: _Linear, grid: np.ndarray, grows: np.ndarray) -> float | None:
+    """Speed from which nothing grows that does at the slowest one of a range."""
+    if not grows[np.argmin(np.abs(grid))]:
+        return None
+    for left, right, before, after in zip(grid[:-1], grid[1:], grows[:-1], grows[1:], strict=True):
+        if before and not after and right > 0.0:
+            return _locate(linear, float(left), float(right), "any").speed
+    return None
 
 
 @one_thread()
@@ -165,13 +185,18 @@ def crossings(scene: HoseScene, speeds: Sequence[float], plane: Plane = "any") -
 
 
 def _range(linear: _Linear) -> np.ndarray:
-    """Speeds from zero to half as much again as the first critical one, those that were tried among them."""
+    """Speeds from zero to half as much again as the first critical one, those that were tried among them.
+
+    A hose that falls without flow may be held up by more of it: the first critical speed is beyond that.
+    """
     guess = _guess(linear.scene)
-    tried = 0
+    tried, stood = 0, not _grows(linear, 0.0, "any")
     while tried < TRIALS * FARTHEST:
         tried += 1
-        if _grows(linear, guess * tried / TRIALS, "any"):
+        grows = _grows(linear, guess * tried / TRIALS, "any")
+        if grows and stood:
             break
+        stood = stood or not grows
     finer = max(1, round(SPEEDS / (1.5 * tried)))
     count = int(np.ceil(1.5 * tried * finer))
     # A speed that was tried is found again to the bit: whole numbers are divided last.
@@ -207,7 +232,12 @@ def _locate(linear: _Linear, left: float, right: float, plane: Plane) -> Critica
     """Critical speed between one at which nothing grows and one at which something does."""
     size = max(abs(left), abs(right))
     speed = float(brentq(lambda u: linear.growth(u, plane)[0], left, right, xtol=PRECISION * size, rtol=1e-12))
-    # The speed that the search ends with is one at which it has solved.
+    return _kind(linear, speed, plane)
+
+
+def _kind(linear: _Linear, speed: float, plane: Plane) -> Critical:
+    """In which way a hose becomes unstable at a speed, or is where nothing flows."""
+    # The speed that a search ends with is one at which it has solved.
     _, value = linear.growth(speed, plane)
     # Where a pair meets at zero rounding has a say in what it looks like: the eigenvalue past it says which it is.
     _, past = linear.growth(speed * (1.0 + BEYOND), plane)

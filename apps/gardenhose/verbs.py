@@ -100,6 +100,7 @@ def flutter(
                 "plane": first.plane if first else None,
                 "kind": first.kind if first else None,
                 "critical": [one._asdict() for one in found.critical],
+                "stable_from": found.stable_from,
                 "speed": found.speed,
                 "eigenvalues": [[[x.real, x.imag] for x in row] for row in found.eigenvalues.tolist()],
                 "out_of_plane": found.out_of_plane,
@@ -193,13 +194,23 @@ def words_of(critical: Critical) -> str:
 def _print_stability(found: Stability) -> None:
     from tautline.cli.output.console import say
 
-    for critical in found.critical:
-        say(f"the hose {words_of(critical)}", "green")
-    if not found.critical:
+    if not found.critical and found.stable_from is None:
         what = "unstable" if found.grows.all() else "stable" if not found.grows.any() else "unstable in part"
         what = what if found.eigenvalues.size else "nothing can move"
         first, last = found.speed[0], found.speed[-1]
         say(f"{what} at {first:g} m/s" if first == last else f"{what} from {first:g} to {last:g} m/s", "yellow")
+        return
+    slowest = float(min(found.speed, key=abs))
+    at_once = [one for one in found.critical if one.speed == slowest]
+    for critical in at_once:
+        say(f"the hose {words_of(critical)}", "yellow")
+    if found.stable_from is not None:
+        begin = "it" if at_once else f"the hose is unstable at {slowest:g} m/s; it"
+        say(f"{begin} is stable from {found.stable_from:.6g} m/s", "green")
+    elif at_once:
+        say(f"it is stable at none of the speeds looked at, up to {found.speed[-1]:g} m/s", "yellow")
+    for critical in found.critical[len(at_once) :]:
+        say(f"the hose {words_of(critical)}", "green")
 
 
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:

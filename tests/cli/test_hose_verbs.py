@@ -83,7 +83,7 @@ FLUTTER_KEYS = {
     "critical",
     "unstable",
 }
-FLUTTER_KEYS |= {"speed", "eigenvalues", "out_of_plane"}
+FLUTTER_KEYS |= {"speed", "eigenvalues", "out_of_plane", "stable_from"}
 
 
 def test_flutter_gives_critical_speed_and_frequency_of_either_plane_and_a_figure(gardenhose):
@@ -250,6 +250,21 @@ def test_a_stable_hose_is_called_stable_at_one_speed_and_at_many(gardenhose):
     for speeds, said in (("0", "stable at 0 m/s"), ("0:5:1", "stable from 0 to 5 m/s")):
         code, out, err = gardenhose("flutter", "hose.yaml", "--speed", speeds, "--json")
         assert code == 0 and not any(only_object(out)["unstable"]) and said in err and "unstable" not in err
+
+
+def test_a_hose_that_falls_without_flow_is_told_so_and_from_where_on_the_flow_holds_it_up(gardenhose, folder):
+    # 12.2 of Greenhill's 7.837
+    text = (folder / "hose.yaml").read_text().replace("direction: [1, 0, 0]", "direction: [0, 0, 1]")
+    (folder / "standing.yaml").write_text(text)
+    code, out, err = gardenhose("flutter", "standing.yaml", "--set", "hose.length=0.7", "--json")
+    report, said = only_object(out), " ".join(err.split())
+    assert code == 0
+    assert (report["critical_speed"], report["kind"], report["unstable"][0]) == (0.0, "divergence", True)
+    assert "the hose diverges from 0 m/s" in said
+    assert f"it is stable from {report['stable_from']:.6g} m/s" in said
+    assert report["critical"][-1]["kind"] == "flutter" and report["critical"][-1]["speed"] > report["stable_from"]
+    code, _, err = gardenhose("flutter", "standing.yaml", "--set", "hose.length=0.7", "--speed", "0,0.5")
+    assert code == 0 and "stable at none of the speeds looked at, up to 0.5 m/s" in " ".join(err.split())
 
 
 # times, figures

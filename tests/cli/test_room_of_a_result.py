@@ -68,9 +68,7 @@ def test_a_run_with_room_is_not_warned_of(tmp_path):
 def test_the_command_warns_and_runs(little_room, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     application, _ = Installed().read(DATA / "jwell.yaml")
-    code, _, said = commands_of(application, capsys)(
-        "simulate", DATA / "jwell.yaml", "--end", 0.2, "--no-verify"
-    )
+    code, _, said = commands_of(application, capsys)("simulate", DATA / "jwell.yaml", "--end", 0.2, "--no-verify")
     assert code == 0, said
     assert "The run will stop when the disk is full" in " ".join(said.split())
     assert (tmp_path / "jwell.nc").exists()

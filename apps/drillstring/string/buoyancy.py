@@ -14,8 +14,12 @@ if TYPE_CHECKING:
 CURE = "give the mud's density, such as 12.5 ppg, or fill the string (`mud.inside: true`)"
 
 
+NOTHING = 1.0e-9
+"""Share of a string's mass that is no weight: what rounding leaves of two equal densities."""
+
+
 def check_weight(scene: DrillstringScene, tubes: list[Tube]) -> None:
-    """Refuse a string that floats as a whole: it would hang upwards from the drive.
+    """Refuse a string that floats as a whole: it would hang upwards from the drive, or, without weight, from nothing.
 
     Raises
     ------
@@ -23,8 +27,10 @@ def check_weight(scene: DrillstringScene, tubes: list[Tube]) -> None:
         At ``mud.density``.
     """
     mass = sum(buoyed_mass(scene, tube) * tube.length for tube in tubes)
-    if scene.mud is not None and mass <= 0.0:
-        cause = f"the string would float: with what is inside it is {-mass:.4g} kg lighter than the mud it displaces"
+    steel = sum(tube.mass_per_length * tube.length for tube in tubes)
+    if scene.mud is not None and mass <= NOTHING * steel:
+        much = "as heavy as" if abs(mass) <= NOTHING * steel else f"{-mass:.4g} kg lighter than"
+        cause = f"the string would float: with what is inside it is {much} the mud it displaces"
         raise SceneError([scene.problem(("mud", "density"), cause, CURE)])
 
 

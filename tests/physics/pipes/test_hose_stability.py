@@ -9,6 +9,7 @@ from of_the_suite import studies
 from physics.pipes import hoses
 from physics.pipes.hoses import COUPLINGS, WATER, at_rest, orders, pipe, scene
 from references import hose as reference
+from scipy.optimize import brentq
 
 from gardenhose.flutter import crossings, stability
 from tautline.integrators.vibration import vibrations as found_by
@@ -289,3 +290,45 @@ def test_eigenvalues_of_a_large_hose_by_sparse_algebra_are_those_by_dense(monkey
         assert like == pytest.approx(1, abs=1e-6)
     with pytest.raises(ValueError, match="too many for all"):
         found_by.vibrations(rest.system, rest.state)
+
+
+# Standing pipes: Greenhill's column at 7.837, held up by the flow beyond it
+def standing(gamma, n=16):
+    """The same pipe with its free end up, of weight gamma = (m + M) g L^3 / EJ."""
+    section = {"length": 1.0, "elements": n, "axial_stiffness": 1e6, "bending_stiffness": 1.0, "damping": 0.0}
+    section |= {"mass_per_length": 0.8, "direction": [0, 0, 1]}
+    return scene(section, {"mass_per_length": 0.2}, gravity=[0, 0, -gamma])
+
+
+GALERKIN = reference.Pipe(20)
+
+
+def galerkin_growth(u, gamma):
+    return GALERKIN.eigenvalues(u, 0.2, gamma=-gamma)[: GALERKIN.modes].real.max()
+
+
+@pytest.mark.parametrize(("gamma", "between"), [(8.0, (0.3, 0.9)), (20.0, (2.0, 3.8))])
+def test_a_standing_pipe_beyond_greenhills_weight_diverges_without_flow_and_stands_up_with_it(gamma, between):
+    # measured: 4e-4 and 3e-6 where it stands up, 2e-5 and 3e-5 where it flutters
+    found = stability(standing(gamma))
+    assert found.grows[0] and found.speed[0] == 0.0
+    first, last = found.critical[0], found.critical[-1]
+    assert (first.speed, first.kind) == (0.0, "divergence")
+    stands = brentq(lambda u: galerkin_growth(u, gamma), *between, xtol=1e-12)
+    assert found.stable_from * np.sqrt(0.2) == pytest.approx(stands, rel=1e-3)
+    exact = [one for one in reference.critical_speeds(0.2, gamma=-gamma, upto=6.0) if one.becomes == "unstable"][-1]
+    assert last.kind == "flutter"
+    assert last.speed * np.sqrt(0.2) == pytest.approx(exact.u, rel=1e-3)
+
+
+def test_a_standing_pipe_below_greenhills_weight_stands_without_flow():
+    found = stability(standing(7.7), np.linspace(0.0, 4.0, 5))
+    assert not found.grows.any() and not found.critical and found.stable_from is None
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 1e6, 1e7])
+def test_springs_beside_multipliers_change_no_critical_speed_however_stiff_the_pipe(stiffness):
+    # with the springs themselves, at 1e7, "flutter" began at a twentieth of the speed
+    along = {"axial_stiffness": stiffness}
+    speeds = [onset(pipe(0.2, 10, along, coupling=each), 0.2, 5.59)[0] for each in ("linear", "augmented")]
+    assert speeds[1] == pytest.approx(speeds[0], rel=1e-9)

@@ -81,6 +81,13 @@ def test_a_string_that_floats_as_a_whole_is_refused():
         tubes_of(pipe_alone, well_of(pipe_alone).length)
 
 
+@pytest.mark.parametrize("length", [50.0, 70.0, 90.0])
+def test_a_string_as_heavy_as_the_mud_it_displaces_is_refused_whatever_rounding_leaves_of_it(length):
+    made = string_of_two({"density": 7850.0}, length)
+    with pytest.raises(SceneError, match="it is as heavy as the mud"):
+        tubes_of(made, well_of(made).length)
+
+
 def test_what_is_inside_an_empty_string_is_a_contradiction():
     with pytest.raises(SceneError, match="leaves the string empty"):
         string_of_two({"density": 1200.0, "inside": False, "inside_density": 500.0}, 50.0)
