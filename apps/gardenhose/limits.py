@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.cable.model.limits import WITHIN, stretches_within
 from tautline.results.assessment.limits import stretch_limits
 
 
@@ -14,5 +15,9 @@ def limits(result: Any) -> list[dict[str, Any]]:
 
     A hose of rubber may stretch: its strain is not judged.
     """
-    places = [f"{x:.4g} m from the root" for x in np.asarray(result["arc_length"])]
-    return stretch_limits(result.time, np.linalg.norm(np.asarray(result["slope"]), axis=-1), places)
+    s, position, slope = (np.asarray(result[name]) for name in ("arc_length", "position", "slope"))
+    length = np.diff(s)
+    inside = stretches_within(np.diff(position, axis=1), slope[:, :-1], slope[:, 1:], length)
+    at = np.concatenate([s, *(s[:-1] + x * length for x in WITHIN)])
+    stretch = np.concatenate([np.linalg.norm(slope, axis=-1), inside], axis=1)
+    return stretch_limits(result.time, stretch, [f"{x:.4g} m from the root" for x in at])

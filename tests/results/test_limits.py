@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 
 from tautline.application.installed import Installed
+from tautline.cable.model.limits import stretches_within
 from tautline.cli.commands.simulate import simulate as verb
 from tautline.results.assessment.limits import AT_LEAST, judged
 from tautline.simulation import simulate
@@ -180,3 +182,27 @@ def test_simulate_prints_broken_limits_and_gives_all_in_json(tmp_path, capfd, mo
     flat = " ".join(err.split())
     assert "limits satisfied" in flat and "2 of 3" in flat
     assert "warning: largest depth of the string in the wall over its clearance" in flat and "not at most 1" in flat
+
+
+def test_a_hose_that_relaxation_leaves_folded_within_an_element_is_told_so(tmp_path):
+    # A coarse mesh takes it for rest: r' turns by 180 degrees within an element, and |r'| is near 1 at its ends.
+    text = (ROOT / "data" / "hose.yaml").read_text(encoding="utf8")
+    text = text.replace("speed: {ramp: {to: 35.0, over: 0.1}}", "speed: 20.0").replace("end: 5 s", "end: 10 ms")
+    result, found = run(f"{text}start: relaxed\n", tmp_path)
+    assert np.linalg.norm(result["slope"], axis=-1).min() > 0.9
+    least = found["least_stretch"]
+    assert not least["passed"] and least["value"] < 0.3
+    assert 0.4 < float(least["place"].split()[0]) < 0.5
+
+
+def test_length_within_an_element_is_that_of_its_polynomials():
+    # an arc of 90 degrees of radius 1 in one element, and a straight one that is stretched to 1.5 times its length
+    turned = stretches_within(
+        np.array([[[1.0, 1.0, 0.0]]]), np.array([[[1.0, 0.0, 0.0]]]), np.array([[[0.0, 1.0, 0.0]]]),
+        np.array([np.pi / 2]),
+    )  # fmt: skip
+    x = np.linspace(0.0, np.pi / 2, 5)
+    cubic = CubicHermiteSpline([0.0, np.pi / 2], [[0.0, 0.0], [1.0, 1.0]], [[1.0, 0.0], [0.0, 1.0]])
+    assert turned[0] == pytest.approx(np.linalg.norm(cubic(x, 1), axis=-1)[1:-1], rel=1e-12)
+    straight = np.array([[[1.5, 0.0, 0.0]]])
+    assert stretches_within(3.0 * straight, straight, straight, np.array([3.0]))[0] == pytest.approx(1.5, rel=1e-12)

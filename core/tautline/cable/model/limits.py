@@ -9,11 +9,37 @@ import numpy as np
 from tautline.cable.input.parts import CableScene
 from tautline.results.assessment.limits import ANY_STRAIN, strain_limit, stretch_limits
 
+WITHIN = np.array([0.25, 0.5, 0.75])
+"""Places along a cubic element at which |r'| is judged beside its ends: one that folds has no length in its middle."""
+
+
+def stretches_within(chord: np.ndarray, slope1: np.ndarray, slope2: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """|r'| of cubic elements at `WITHIN`, of Hermite's polynomials (eq. 2.5).
+
+    Parameters
+    ----------
+    chord, slope1, slope2 : (m, n, 3) array
+        From the first node to the second, m, and r' at both.
+    length : (m, n) or (n,) array
+        Unstretched, m.
+
+    Returns
+    -------
+    (m, 3 n) array
+        The n elements at the first place, then at the next.
+    """
+    along = chord / np.maximum(length, 1e-12)[..., None]
+    inside = [
+        6.0 * x * (1.0 - x) * along + (1.0 - x) * (1.0 - 3.0 * x) * slope1 + x * (3.0 * x - 2.0) * slope2
+        for x in WITHIN.tolist()
+    ]
+    return np.concatenate([np.linalg.norm(each, axis=-1) for each in inside], axis=1)
+
 
 def limits(result: Any, scene: CableScene) -> list[dict[str, Any]]:
     """Records of `tautline.results.assessment.limits`, from the stored frames.
 
-    |r'| is judged at cubic nodes and along linear elements.
+    |r'| is judged at cubic nodes and between them, and along linear elements.
     """
     stiff = [k for k, element in enumerate(scene.elements) if element.EA > 0.0]
     strain = np.asarray(result["axial_force"])[:, stiff] / np.array([scene.elements[k].EA for k in stiff])
@@ -24,6 +50,12 @@ def limits(result: Any, scene: CableScene) -> list[dict[str, Any]]:
     if cubic:
         stretches.append(np.linalg.norm(np.asarray(result["slope"])[:, [index[k] for k in cubic]], axis=-1))
         places += [f"node {k}" for k in cubic]
+        elements = [element for element in scene.elements if element.kind == "cubic"]
+        first, second = np.array([[index[node] for node in element.nodes] for element in elements]).T
+        position, slope, material = (np.asarray(result[k]) for k in ("position", "slope", "material_coordinate"))
+        chord, length = position[:, second] - position[:, first], material[:, second] - material[:, first]
+        stretches.append(stretches_within(chord, slope[:, first], slope[:, second], length))
+        places += [f"element {element.id}" for element in elements] * WITHIN.size
     linear = [element for element in scene.elements if element.kind == "linear"]
     if linear:
         first, second = np.array([[index[node] for node in element.nodes] for element in linear]).T
