@@ -14,7 +14,7 @@ WITHIN = np.array([0.25, 0.5, 0.75])
 
 
 def stretches_within(chord: np.ndarray, slope1: np.ndarray, slope2: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """|r'| of cubic elements at `WITHIN`, of Hermite's polynomials (eq. 2.5).
+    """|r'| of cubic elements at `WITHIN`, by Hermite's polynomials (eqs 2.4 and 2.8).
 
     Parameters
     ----------
