@@ -61,6 +61,14 @@ def test_the_warning_has_the_sizes_and_the_cure(little_room, tmp_path):
     assert "output.interval" in said
 
 
+@pytest.mark.parametrize(("share", "warned"), [(1.5, True), (2.5, False)])
+def test_a_result_needs_room_for_two_copies(share, warned, little_room, monkeypatch, tmp_path):
+    model = _model("jwell", end=0.5)
+    free = round(share * room.bytes_ahead(model))
+    monkeypatch.setattr(room.shutil, "disk_usage", lambda folder: Usage(free, 0, free))
+    assert (room.room_warning(model, tmp_path / "result.nc") is not None) is warned
+
+
 def test_a_run_with_room_is_not_warned_of(tmp_path):
     assert room.room_warning(_model("jwell", end=0.5), tmp_path / "result.nc") is None
 
