@@ -251,9 +251,10 @@ def _follow(rows: list[tuple[Vibrations, np.ndarray]], modes: int) -> tuple[np.n
     """Give each mode a column of its own over all speeds: the eigenvalue and shape nearest to the last."""
     # Two real ones may become a pair, of which one is listed: at other speeds there may be fewer.
     modes = min(modes, *(motions.value.size for motions, _ in rows))
-    # The slowest at first, real ones of heavy damping left out: they belong to no vibration.
+    # The slowest at first, real ones of heavy damping left out: they belong to no vibration. Those that grow stay.
     first, share = rows[0]
-    order = np.argsort(np.abs(first.value) + np.where(first.value.imag == 0.0, np.inf, 0.0), kind="stable")[:modes]
+    damped = (first.value.imag == 0.0) & (first.value.real <= 0.0)
+    order = np.argsort(np.abs(first.value) + np.where(damped, np.inf, 0.0), kind="stable")[:modes]
     values, shares, shapes = [first.value[order]], [share[order]], first.shape[:, order]
     for motions, share in rows[1:]:
         alike = np.abs(shapes.conj().T @ motions.shape)

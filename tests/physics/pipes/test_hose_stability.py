@@ -312,6 +312,8 @@ def test_a_standing_pipe_beyond_greenhills_weight_diverges_without_flow_and_stan
     # measured: 4e-4 and 3e-6 where it stands up, 2e-5 and 3e-5 where it flutters
     found = stability(standing(gamma))
     assert found.grows[0] and found.speed[0] == 0.0
+    # what falls is among the modes that are followed, and drawn
+    assert found.eigenvalues[0].real.max() == pytest.approx(galerkin_growth(0.0, gamma), rel=1e-3)
     first, last = found.critical[0], found.critical[-1]
     assert (first.speed, first.kind) == (0.0, "divergence")
     stands = brentq(lambda u: galerkin_growth(u, gamma), *between, xtol=1e-12)
