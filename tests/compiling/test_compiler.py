@@ -1,14 +1,18 @@
 """Our kernels are compiled by steps of our own; code of others keeps its meaning."""
 
+import functools
 import gc
 
 import numpy as np
 import pytest
 from numba import config, njit
+from numba.core import types
 from numba.core.compiler import Flags
+from numba.extending import overload
 
 from tautline.kernels.compiling.flags import KernelFlags
 from tautline.kernels.compiling.inlined import PLAIN
+from tautline.kernels.compiling.target import _takes_place
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.machine import storage
 from tautline.kernels.machine.gc_tuning import RARELY, collected_rarely
@@ -43,6 +47,44 @@ def empty_cache(tmp_path, monkeypatch):
 def test_a_kernel_called_with_several_whole_numbers_is_compiled_once(empty_cache):
     assert sum_of_three(2.0) == 2.0 * (1 + 2 + 8)
     assert len(scaled.compiled.overloads) == 1
+
+
+def doubled(x):
+    """Known to nobody until the test tells numba of it."""
+
+
+@entry
+def doubled_and_one(x):
+    return doubled(x) + 1.0
+
+
+@own_steps
+def test_a_function_that_numba_is_told_of_between_two_compilations_is_found_by_the_second(empty_cache):
+    """Also when it learns of another type later, by a second template of the same function."""
+    assert sum_of_three(2.0) == 22.0
+    overload(doubled)(lambda x: (lambda x: 2.0 * x) if isinstance(x, types.Float) else None)
+    assert doubled_and_one(3.0) == 7.0
+    overload(doubled)(lambda x: (lambda x: 4.0 * x) if isinstance(x, types.Integer) else None)
+    assert doubled_and_one(3) == 13.0
+
+
+def _followed(write):
+    """A function with any arguments that has the signature of another."""
+    return functools.wraps(write)(lambda *given, **named: None)
+
+
+@own_steps
+@pytest.mark.parametrize("wrap", [lambda write: write, functools.partial, _followed])
+def test_whether_an_implementation_asks_for_a_place_in_the_sources_is_what_its_signature_says(wrap):
+    def placed(context, builder, sig, args, loc=None):
+        loc = sig
+        return loc
+
+    def plain(context, builder, sig, args):
+        loc = sig
+        return loc
+
+    assert _takes_place(wrap(placed)) and not _takes_place(wrap(plain))
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Code that few scenes come to is compiled, or loaded, when it is called first, and by no other run."""
 
 import ctypes
+import importlib
 import json
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from tautline.kernels import separate
+from tautline.kernels.jit import Kernel
 from tautline.kernels.machine.packet import Machine
 from tautline.kernels.memory import form_of
 
@@ -68,6 +70,14 @@ def test_ctrl_c_while_compiled_code_waits_for_late_code_does_not_leave_it_withou
     kernel = _Pressed()
     assert separate._address_of(kernel, ()) == 4711
     assert kernel.asked == 3
+
+
+def test_a_helper_finds_all_separate_code_by_the_name_it_is_sent(monkeypatch):
+    """It is sent the module and the name of a kernel, and asks what stands there for the code."""
+    monkeypatch.setattr(Kernel, "at", lambda kernel, forms: (kernel, forms))
+    for kernel, forms in separate._known.values():
+        found = getattr(importlib.import_module(kernel.__module__), kernel.__name__).at(forms)
+        assert found[0] is kernel and found[1] is forms
 
 
 def test_arguments_are_handed_over_as_numba_does():

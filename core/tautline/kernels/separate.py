@@ -161,6 +161,10 @@ class StandIn:
     def __init__(self, function: Any, name: str) -> None:
         self.__name__, self.py_func, self.symbol = function.__name__, function, name
 
+    def at(self, forms: tuple[Form, ...]) -> Any:
+        """Compile it, or load it: a helper knows a function by the name under which its module has it."""
+        return _known[self.symbol][0].at(forms)
+
 
 def _stand_in(
     function: Any, compiled: Kernel, returned: Form, arguments: tuple[Form, ...], late: bool = False

@@ -13,16 +13,21 @@ from collections.abc import Iterable
 from typing import Any
 
 from numba.core import ir, types
-from numba.core.analysis import compute_cfg_from_blocks, compute_use_defs, must_use_alloca
+from numba.core.analysis import must_use_alloca
 from numba.core.lowering import Lower
+from numba.core.postproc import VariableLifetime
 from numba.core.typing.templates import Signature
 
 from tautline.kernels.compiling.operators import signature_of_operation
 
 
-def values_of(blocks: dict[int, ir.Block]) -> set[str]:
-    """Variables whose only assignment comes before all that uses them, on every way and in the text."""
-    read_first = compute_use_defs(blocks).usemap  # by block, what it reads before it writes it, if it does
+def values_of(blocks: dict[int, ir.Block], lives: VariableLifetime | None = None) -> set[str]:
+    """Variables whose only assignment comes before all that uses them, on every way and in the text.
+
+    ``lives`` is what numba has found of the blocks as they are.
+    """
+    lives = lives or VariableLifetime(blocks)
+    read_first = lives.usedefs.usemap  # by block, what it reads before it writes it, if it does
     assigned: Counter[str] = Counter()
     where: dict[str, int] = {}
     users = defaultdict(set)
@@ -34,7 +39,7 @@ def values_of(blocks: dict[int, ir.Block]) -> set[str]:
             where[statement.target.name] = label
         for statement in block.find_insts(ir.Del):
             users[statement.value].add(label)
-    dominators = compute_cfg_from_blocks(blocks).dominators()
+    dominators = lives.cfg.dominators()
     in_memory = must_use_alloca(blocks)
     return {
         name
@@ -58,7 +63,7 @@ class KernelLower(Lower):
         if self.func_ir.func_id.is_generator:
             super()._find_singly_assigned_variable()
             return
-        self._singly_assigned_vars: set[str] = values_of(self.func_ir.blocks)
+        self._singly_assigned_vars: set[str] = values_of(self.func_ir.blocks, self.func_ir.variable_lifetime)
         self._blk_local_varmap: dict[str, Any] = {}
 
     def lower_binop(self, kind: types.Type, expression: ir.Expr, operation: Any) -> Any:

@@ -8,11 +8,13 @@ looked for a thousand times in a first run, among some fifteen templates.
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import BuiltinFunctionType, FunctionType
 from typing import Any
 
 from numba.core import types
 
 from tautline.kernels.compiling.lanes import LanesType, MaskType
+from tautline.kernels.compiling.target import refresh_where_grown
 
 OPERANDS = (
     types.Number, types.Boolean, LanesType, MaskType, types.Array, types.BaseTuple, types.SliceType, types.NoneType,
@@ -23,6 +25,10 @@ HOLDERS = (types.BaseTuple, types.Record, types.Array)
 """Types whose parts are remembered."""
 OTHERS = ("getiter", "iternext", bool, range)
 """Operations beside the operators, as numba names them: those of loops over whole numbers, and of conditions."""
+NAMED = (FunctionType, BuiltinFunctionType, type)
+"""What may be a function that numba knows by its templates, among the values that a function names."""
+_functions: dict[Any, types.Function] = {}
+"""Numba's types of such functions, until a registry grows: one of more templates is another type."""
 _parts: dict[tuple[types.Type, str], types.Type] = {}
 """Types of parts of records, and of what arrays tell of themselves."""
 _known: dict[tuple[Any, tuple[types.Type, ...]], Any] = {}
@@ -55,6 +61,30 @@ class Typing:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._context, name)
+
+    def refresh(self) -> None:
+        """Look through the registries, if one has grown."""
+        if refresh_where_grown(self._context):
+            _functions.clear()
+
+    def resolve_value_type(self, value: Any) -> Any:
+        """Type of a value that a function names.
+
+        Numba first finds, with an error that nobody reads, that a function is no number.
+
+        Raises
+        ------
+        ValueError
+            For a value without a type.
+        """
+        if not isinstance(value, NAMED):
+            return self._context.resolve_value_type(value)
+        found = _functions.get(value)
+        if found is None:
+            found = self._context.resolve_value_type(value)
+            if isinstance(found, types.Function):
+                _functions[value] = found
+        return found
 
     def resolve_function_type(self, function: Any, given: Any, named: Any) -> Any:
         """Signature of a call; None where there is none."""
