@@ -33,7 +33,7 @@ from tautline.integrators.state import (
     oscillation_frequency,
 )
 from tautline.integrators.statics.equilibrium import find_equilibrium
-from tautline.integrators.statics.relaxation import relax
+from tautline.integrators.statics.relaxation import relax, relax_to_stable
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
@@ -263,6 +263,7 @@ class Run:
         self.remembered = 0.0
         self.began: dict[str, Any] = {}
         self._starts_far = False
+        self._unstable_at_rest = self._pushed = False
         self.ahead, self.stored_at = 0, time.perf_counter()
         """Frames in the room before those of the batch, stored with what follows; and when frames were stored last."""
         self.frames = self._room(1 if brief is None else 1 + min(self.batch, self.ends.size))
@@ -325,7 +326,7 @@ class Run:
             self._start_at_rest()
         elif model.start == "relaxed":
             fresh = remember((), model.system.groups, ())
-            relax(model.system, self.state, self.method, self._stable_step(), model.own)
+            self._relax()
             self.method = method_for(model.system, model.solver)
             if np.any(model.system.v):
                 # The scene begins in motion: what stuck while it came to rest has let go.
@@ -348,6 +349,15 @@ class Run:
             detail = f"{stop.detail}; or take {self._other_start()}" if stop.detail else ""
             raise StoppedEarly(stop.status, stop.time, stop.part, detail) from None
         self._judge_start(found.negative, found.worst, drawn)
+
+    def _relax(self) -> None:
+        """Have the scene come to rest. Friction may hold what a frictionless wall or a straight hole would not."""
+        model, step = self.model, self._stable_step()
+        if model.confined:
+            relax(model.system, self.state, self.method, step, model.own)
+            return
+        found = relax_to_stable(model.system, self.state, self.method, step, model.step_limit, model.own)
+        self._unstable_at_rest, self._pushed = found.stability.negative > 0, found.pushes > 0
 
     def _other_start(self) -> str:
         """The way to begin that needs no equilibrium: ropes over sheaves have no relaxation."""
@@ -382,6 +392,17 @@ class Run:
                 f"the static start is unstable: the tangent has {_pivots(self.began['negative_pivots'])}. The "
                 "string is pressed beyond its buckling load (Euler's, with its weight). A perfectly straight hole "
                 "does not show it; where something pushes the string aside, it buckles until the wall holds it"
+            )
+        if self._unstable_at_rest:
+            found.append(
+                "the relaxed start is unstable: the least disturbance leaves it. Give positions closer to those at "
+                "rest, or a small force across, such as of wind"
+            )
+        elif self._pushed:
+            found.append(
+                "the scene is drawn in unstable balance, as a column that carries more than Euler's load. It was "
+                "pushed aside, and relaxed from there. To which side it falls follows from no law: draw it a little to "
+                "that side"
             )
         if self._starts_far:
             found.append(

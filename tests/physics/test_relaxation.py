@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from physics.cables.tied_cables import PINNED, element, model_of, node, scene
 from physics.wells.strings import shipped
+from scipy.integrate import solve_bvp
 
 from drillstring.model.build import build
 from tautline.integrators.method import method_for
@@ -64,6 +65,36 @@ def test_a_scene_that_never_comes_to_rest_is_stopped_by_name():
         relaxed(scene(falling, GRAVITY, **IMPLICIT), most=400)
     assert stop.value.status == Status.NO_EQUILIBRIUM
     assert "400 steps" in str(stop.value)
+
+
+def test_a_column_beyond_its_buckling_length_comes_to_rest_hanging_over_as_the_heavy_elastica_does(n=24):
+    """EJ theta'' = -w (L - s) sin theta from the vertical; Greenhill's w L^3 / EJ = 7.84 is passed 125 times."""
+    weight, EJ, length = 9.81, 10.0, 5.0
+    up, free = (0, 0, 1), (0,) * 6 + (1,)
+    nodes = [node(i, (0, 0, length * i / n), CLAMPED if i == 0 else free, up) for i in range(n + 1)]
+    column = [element(i, i, i + 1, EA=1e7, EJ=EJ, rhoA=1.0) for i in range(n)]
+    result = simulate(model_of(scene([*nodes, *column], GRAVITY, **IMPLICIT, start="relaxed", time_end=0.1)))
+    s = np.linspace(0.0, length, 400)
+    bent = solve_bvp(
+        lambda s, y: np.array([y[1], -weight / EJ * (length - s) * np.sin(y[0])]),
+        lambda at, end: np.array([at[0], end[1]]),
+        s,
+        np.array([3.1 * (1 - np.exp(-3 * s)), 9.3 * np.exp(-3 * s)]),
+        tol=1e-8,
+    )
+    theta = bent.sol(s)[0]
+    across, height = np.trapezoid(np.sin(theta), s), np.trapezoid(np.cos(theta), s)
+    assert bent.success and height < -3.0
+    tip = result["position"][0, -1]
+    assert np.hypot(tip[0], tip[1]) == pytest.approx(across, abs=2e-3 * length)
+    assert tip[2] == pytest.approx(height, abs=2e-3 * length)
+    assert np.abs(result["position"][-1] - result["position"][0]).max() < 1e-4
+    assert any("pushed aside" in told for told in result.warnings)
+
+
+def test_a_scene_in_stable_balance_is_not_pushed():
+    result = simulate(model_of(chain(**IMPLICIT, start="relaxed", time_end=0.01)))
+    assert not any("pushed" in told or "unstable" in told for told in result.warnings)
 
 
 def test_a_relaxed_string_is_held_by_friction_where_a_static_one_is_not():

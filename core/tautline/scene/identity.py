@@ -98,7 +98,9 @@ def _fields(value: Any) -> Iterator[tuple[Any, Any, bool]]:
         fields = type(value).model_fields.items()
         yield from ((name, getattr(value, name), names_file(field)) for name, field in fields)
     else:
-        yield from ((field.name, getattr(value, field.name), False) for field in dataclasses.fields(value))
+        # What does not count where two are compared, such as where a scene was read, is no part of what it says.
+        own = (field.name for field in dataclasses.fields(value) if field.compare)
+        yield from ((name, getattr(value, name), False) for name in own)
 
 
 def _of_file(name: Any, folder: Path | None) -> Iterator[bytes]:

@@ -166,7 +166,8 @@ def test_dynamic_relaxation_comes_to_rest_where_the_static_solver_does_within_a_
     # measured 6e-5, 5e-6, 3e-7 and 4e-10 m on 1000 m
     static, relaxed = (at_rest(shipped(name, model__elements=25), by) for by in ("static", "relaxation"))
     assert np.abs(static.position - relaxed.position).max() < 1e-6 * 1000.0
-    assert static.hook_load == pytest.approx(relaxed.hook_load, abs=1e-6 * max(1.0, static.tension.max()))
+    # Each row of the relaxed string is in balance to 1e-7 of its scale, and the hook load is the sum of them all.
+    assert static.hook_load == pytest.approx(relaxed.hook_load, abs=3e-6 * max(1.0, static.tension.max()))
 
 
 def test_a_pinned_string_in_an_inclined_hole_without_walls_is_the_rod_too():

@@ -17,6 +17,8 @@ import numpy as np
 
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import WORST, State
+from tautline.integrators.statics.equilibrium import levers
+from tautline.integrators.statics.stability import ASIDE, Stability, count_negative
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.integrators.stepping import stepping_with
 from tautline.integrators.time_loop import new_frames, run_steps
@@ -34,12 +36,22 @@ BETWEEN = 20
 STEPS_PER_RADIAN = 5.0
 """An implicit method takes steps up to this part of what still moves, or the scene's own step where that is longer."""
 
+PUSHES = 4
+"""How often a scene is pushed out of an unstable equilibrium: each may lead to another."""
+
 
 class Relaxation(NamedTuple):
     """How it ended: steps taken, and the largest inertia force over its row's scale."""
 
     steps: int
     imbalance: float
+
+
+class Rest(NamedTuple):
+    """Whether the equilibrium in which a scene was left is stable, and how often it was pushed out of another."""
+
+    stability: Stability
+    pushes: int
 
 
 def relax(
@@ -122,6 +134,39 @@ def relax(
         last_q, last_a = state.q.copy(), state.a.copy()
     detail = f"still moving after {most} steps of dynamic relaxation"
     raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[worst], detail)
+
+
+def relax_to_stable(system: System, state: State, method: Any, step: float, step_limit: float, own: int = 0) -> Rest:
+    """Relax, and from an unstable equilibrium push the scene aside and relax it again.
+
+    A scene that is drawn in perfect balance, such as a rope that stands on its end, has no force that moves it away.
+    In a run the least disturbance would.
+
+    Parameters
+    ----------
+    system, state, method, step, own
+        As of :func:`relax`.
+    step_limit : float
+        Largest change of an unknown in a search for equilibrium, m; a push is a tenth of it.
+
+    Returns
+    -------
+    Rest
+
+    Raises
+    ------
+    StoppedEarly
+        As :func:`relax`.
+    """
+    relax(system, state, method, step, own)
+    found, pushes = count_negative(system, state), 0
+    while found.negative > 0 and pushes < PUSHES:
+        pushes += 1
+        largest = float(np.abs(found.mode * levers(system)).max())
+        state.q[:] += ASIDE * step_limit / largest * found.mode
+        relax(system, state, method, step, own)
+        found = count_negative(system, state)
+    return Rest(found, pushes)
 
 
 def _frequency(mass: Rows, way: np.ndarray, lost: np.ndarray) -> float:

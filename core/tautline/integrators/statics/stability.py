@@ -30,7 +30,8 @@ symmetric: its forces have no potential, and the sign of its pivots proves nothi
 SMALL = 600
 """Unknowns up to which eigenvalues are taken in full: they show the motion that lowers the energy most."""
 
-
+ALIKE = 1e-4
+"""Share by which stiffnesses of two motions may differ that gain alike."""
 SPRING = 1e-6
 """Softness of a constraint where pivots are counted, over that of the stiffest unknown."""
 
@@ -217,7 +218,10 @@ def _by_eigenvalues(system: System, matrix: Matrix) -> Stability:
         free = directions[rank:].T
     values, modes = np.linalg.eigh(free.T @ full[np.ix_(moves, moves)] @ free)
     negative = int((values < -NEUTRAL).sum())
+    # A column may fall to any side alike. Which of such motions rounding shows first must not decide.
+    alike = modes[:, values <= values[0] + ALIKE * np.abs(values[0])]
+    any_way = np.random.default_rng(1).uniform(-1.0, 1.0, moves.size)
     mode = np.zeros(system.size)
-    mode[moves] = (free @ modes[:, 0]) * unit[moves]
+    mode[moves] = (free @ (alike @ (alike.T @ (free.T @ any_way)))) * unit[moves]
     worst = int(np.argmax(np.abs(mode)))
     return Stability(negative, worst, mode / np.abs(mode[worst]))
