@@ -180,3 +180,29 @@ def test_a_line_without_mass_is_warned_of_once():
     scene = parse(text("nodes7: [0, 1], elements: 50, EA: 1e7, rhoA: 0"))
     texts = [warning.text for warning in Installed().of(scene).warnings(scene)]
     assert sum("has no mass" in line for line in texts) == 1
+
+
+def test_a_branch_from_a_node_between_the_ends_takes_its_slope_from_where_the_line_lies():
+    branch = (
+        "  - Node7Dof: {id: 50, xyz: [5, 0, -2], BC: [0, 0, 0, 0, 0, 0, 1]}\n"
+        f"  - CableALEelement: {{id: 10, nodes7: [3, 50], {SECTION}}}\n"
+    )
+    scene = parse(text(f"nodes7: [0, 1], elements: 4, between: 2, {SECTION}", last="[10, 0, 0]", more=branch))
+    end = next(node for node in scene.nodes if node.id == 50)
+    assert positions(scene, [3])[0] == pytest.approx([5.0, 0.0, 0.0])
+    assert end.slope == pytest.approx((0.0, 0.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("elements", "told"), [(20, "an element of 7.5 m is drawn 8.197 m long"), (31, "turns by more than a right angle")]
+)
+def test_a_line_whose_elements_are_too_long_for_its_bend_is_warned_of_once_and_by_their_number(elements, told):
+    scene = parse(text(f"nodes7: [0, 1], elements: {elements}, length: 150, {SECTION}", last="[1, 0, 0]"))
+    (warned,) = Installed().of(scene).warnings(scene)
+    assert warned.where == "CableModel[2].CableLine.elements (line 5)"
+    assert told in warned.text and "give more" in warned.text
+
+
+def test_a_line_of_enough_elements_for_its_bend_is_not_warned_of():
+    scene = parse(text(f"nodes7: [0, 1], elements: 400, length: 150, {SECTION}", last="[1, 0, 0]"))
+    assert list(Installed().of(scene).warnings(scene)) == []

@@ -57,6 +57,23 @@ def test_a_case_that_fails_is_a_row_with_status_and_message_and_the_others_go_on
     assert np.isfinite(data["rise"].values).tolist() == [True, False, True]
 
 
+def test_a_scene_in_the_syntax_of_cables_is_swept_as_any_other(tmp_path):
+    """A bar that hangs at rest carries its own weight w L at the top; the element reads it at its ends."""
+    bar = tmp_path / "bar.yaml"
+    bar.write_text(
+        "CableModelMaterial: {Gravity: [0, 0, -10]}\nCableModel:\n"
+        "  - Node7Dof: {id: 0, xyz: [0, 0, 0], BC: [1, 1, 1, 0, 0, 0, 1]}\n"
+        "  - Node7Dof: {id: 1, xyz: [0, 0, -8], BC: [0, 0, 0, 0, 0, 0, 1]}\n"
+        "  - CableLine: {id: 0, nodes7: [0, 1], elements: 4, EA: 1.0e6, rhoA: 1, strain: engineering}\n"
+        "GeneralizedAlpha: {type: G-alpha, rho_inf: 0.8, time_step: 0.005, time_end: 0.01, start: static}\n",
+        encoding="utf8",
+    )
+    vary = {"CableModel[2].CableLine.rhoA": [1.0, 2.0]}
+    data = tautline.sweep(tautline.read(bar), vary, "grid", ["axial_force_max"], folder=tmp_path / "swept", jobs=1)
+    # at the middle of the uppermost of four elements of 2 m
+    assert data["axial_force_max"].values == pytest.approx([10.0 * 7.0, 20.0 * 7.0], rel=1e-3)
+
+
 def test_a_scene_that_cannot_be_built_is_a_row_too():
     data = tautline.sweep(hoist(0.1), {"path[1].sheave.center[2]": [30.0, 4.0]}, "grid", ["rise"], jobs=1)
     assert list(data["status"].values) == ["done", "bad input"]

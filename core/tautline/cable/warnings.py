@@ -175,11 +175,20 @@ def _lengths(scene: CableScene) -> Sentences:
     arcs = arc_lengths(drawn, lengths)
     loose = {node.id for node in scene.nodes if node.id not in heavy and not all(node.held[:3])}
     massless: set[Place] = set()
-    for i in np.flatnonzero(_odd(scene, drawn, lengths, arcs, loose)).tolist():
+    bent = ~drawn.linear & ((drawn.first * drawn.second).sum(axis=1) < 0.0)
+    for i in np.flatnonzero(bent | _odd(scene, drawn, lengths, arcs, loose)).tolist():
         element, length, arc = scene.elements[i], float(lengths[i]), float(arcs[i])
         first, second = (nodes[node] for node in element.nodes)
         line = chord(first.position, second.position)
-        if element.kind == "cubic":
+        is_laid = element.place[-1] == "CableLine"
+        # The slopes of a line that is stretched are as long as it is stretched; where it hangs they are 1 long.
+        hangs = first.slope is not None and abs(math.hypot(*first.slope) - arc / length) > PRESTRETCHED
+        if is_laid and element.length is not None and (bent[i] or hangs):
+            found = "turns by more than a right angle" if bent[i] else f"is drawn {arc:.4g} m long"
+            text = f"are too few for the bend of the hanging cable: an element of {length:.4g} m {found}; give more"
+            yield (*element.place, "elements"), text
+            continue
+        if element.kind == "cubic" and not is_laid:
             for node in (first, second):
                 if sum(a * b for a, b in zip(node.slope or line, line, strict=True)) < 0.0:
                     text = (
@@ -189,7 +198,7 @@ def _lengths(scene: CableScene) -> Sentences:
                     yield (*element.place, "nodes7"), text
         # Where the scene says how long an element is, slopes follow from it.
         stretch = 1.0 if element.length is None else arc / length
-        for node in (first, second) if element.kind == "cubic" else ():
+        for node in (first, second) if element.kind == "cubic" and not is_laid else ():
             size = math.hypot(*(node.slope or ()))
             if abs(size - stretch) > PRESTRETCHED:
                 text = f"is {size:.3g} long: it is dr/dp, and 1 where the cable is not stretched; give a unit vector"

@@ -221,7 +221,18 @@ def _tangent(register: Register, element: Element, node: int, drawn: dict[Place,
     if laid is not None:
         x, y, z = laid.slope[0 if element.nodes[0] == node else -1].tolist()
         return x, y, z
-    return chord(register.nodes[element.nodes[0]].xyz, register.nodes[element.nodes[1]].xyz)
+    return chord(*(_position(register, end, drawn) for end in element.nodes))
+
+
+def _position(register: Register, node: int, drawn: dict[Place, Laid]) -> Vector:
+    """Where a node is: as it is written, or where its line lies."""
+    if node in register.nodes:
+        return _vector(register.nodes[node].xyz)
+    for line in register.lines:
+        if line.place in drawn and node in line.between:
+            x, y, z = drawn[line.place].place[1 + line.between.index(node)].tolist()
+            return x, y, z
+    return math.nan, math.nan, math.nan
 
 
 def _check_loose(scene: CableScene, register: Register) -> None:
