@@ -11,9 +11,11 @@ from tautline.application.installed import Installed
 from tautline.cable.input.lines import hanging
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.scene import parse
+from tautline.cable.model.build import build
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
 from tautline.scene.errors import SceneError
+from tautline.simulation import simulate
 
 SOLVER = "GeneralizedAlpha: {type: G-alpha, rho_inf: 0.8, time_step: 0.005, time_end: 0.05}\n"
 HELD = "BC: [1, 1, 1, 0, 0, 0, 1]"
@@ -206,3 +208,57 @@ def test_a_line_whose_elements_are_too_long_for_its_bend_is_warned_of_once_and_b
 def test_a_line_of_enough_elements_for_its_bend_is_not_warned_of():
     scene = parse(text(f"nodes7: [0, 1], elements: 400, length: 150, {SECTION}", last="[1, 0, 0]"))
     assert list(Installed().of(scene).warnings(scene)) == []
+
+
+def test_a_length_that_another_cable_between_the_same_nodes_contradicts_is_refused_once():
+    """Both would share p of their ends: the second cable would have the length of the first."""
+    other = f"  - CableLine: {{id: 10, nodes7: [0, 1], elements: 4, length: 120, {SECTION}}}\n"
+    with pytest.raises(SceneError) as raised:
+        parse(text(f"nodes7: [0, 1], elements: 4, {SECTION}", more=other))
+    (problem,) = raised.value.problems
+    assert "CableModel[3].CableLine.length" in str(problem)
+    assert "is 120 m, and p at its ends differs by" in problem.cause and "a node of its own" in problem.cure
+
+
+def test_two_cables_of_one_length_between_the_same_nodes_share_their_material():
+    other = f"  - CableLine: {{id: 10, nodes7: [0, 1], elements: 7, length: 120, {SECTION}}}\n"
+    p = material_coordinates(parse(text(f"nodes7: [0, 1], elements: 4, length: 120, {SECTION}", more=other)))
+    assert p[1] == pytest.approx(120.0)
+
+
+@pytest.mark.parametrize(("ends", "told"), [("[2, 1]", True), ("[1, 2]", False)])
+def test_cables_that_meet_head_on_and_share_a_slope_are_warned_of(ends, told):
+    """Their material begins at both far ends: the slope dr/dp of one is against that of the other."""
+    free = "BC: [0, 0, 0, 0, 0, 0, 1]"
+    more = (
+        f"  - Node7Dof: {{id: 2, xyz: [200, 0, 0], {HELD}}}\n"
+        f"  - CableLine: {{id: 20, nodes7: {ends}, elements: 10, length: 110, {SECTION}}}\n"
+    )
+    scene = text(f"nodes7: [0, 1], elements: 10, length: 110, {SECTION}", last="[100, 0, 0]", more=more)
+    scene = parse(scene.replace(f"xyz: [100, 0, 0], {HELD}", f"xyz: [100, 0, 0], {free}"))
+    found = [one for one in Installed().of(scene).warnings(scene) if "share the slope of node 1" in one.text]
+    assert bool(found) is told
+    if told:
+        assert "elements 9 and 29" in found[0].text and "swap the nodes" in found[0].text
+
+
+@pytest.mark.parametrize(
+    ("section", "told"), [("EJ: 0", True), ("EJ: 0, quadrature: lobatto", False), ("EJ: 1", False)]
+)
+def test_a_corner_of_a_rope_of_smooth_elements_is_warned_of_where_it_spoils_the_force(section, told):
+    """A load of 500 N at the middle of a rope; by symmetry each half is an elastic catenary (Irvine, 1981)."""
+    load = "  - PointForce: {id: 0, nodes7: [11], force: [0, 0, -500]}\n"
+    line = f"nodes7: [0, 1], elements: 20, length: 110, EA: 1e7, rhoA: 5, strain: engineering, {section}"
+    scene = parse(text(line, last="[100, 0, 0]", more=load).replace("rho_inf: 0.8", "rho_inf: 0.8, start: static"))
+    found = [one for one in Installed().of(scene).warnings(scene) if "has a corner" in one.text]
+    assert bool(found) is told
+    weight, EA, half = 5 * 9.81, 1e7, 55.0
+
+    def across(pull):
+        ends = [(250.0 + weight * s) / pull for s in (0.0, half)]
+        return pull * half / EA + pull / weight * (np.arcsinh(ends[1]) - np.arcsinh(ends[0])) - 50.0
+
+    pull = brentq(across, 100.0, 1e5)
+    beside = np.hypot(pull, 250.0 + weight * 0.5 * half / 10)
+    force = simulate(build(scene))["axial_force"][0, 9:11]
+    assert (np.abs(force / beside - 1.0).max() > 0.05) is np.bool_(told)

@@ -24,6 +24,8 @@ STIFF_PENALTY = 1.0e6
 """Penalty over the stiffest element, EA/L, from which rounding eats the forces (docs/cables.md)."""
 PRESTRETCHED = 0.05
 """Strain at the start that is more likely a slip of the pen than meant."""
+RIGHT = -1.0e-9
+"""Cosine below which an angle is more than a right one."""
 COUNTED = ("PointMass", "PointForce", "OneNodeSpring", "TwoNodeSpring")
 """Items on nodes that ``check`` counts by another name than their key."""
 WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
@@ -226,6 +228,54 @@ def _odd(scene: CableScene, drawn: Drawn, lengths: np.ndarray, arcs: np.ndarray,
     if loose:
         odd |= np.array([not loose.isdisjoint(element.nodes) for element in scene.elements])
     return odd
+
+
+@warning("cable")
+def _corners(scene: CableScene) -> Sentences:
+    """Cubic elements that share the slope of a node, and lead away from one another by more than a right angle."""
+    cubic = [element for element in scene.elements if element.kind == "cubic"]
+    along = Drawn.of(cubic, {node.id: node for node in scene.nodes}).chord
+    along /= np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
+    ends = np.array([element.nodes for element in cubic], dtype=np.int64).T.ravel()
+    order = np.argsort(ends, kind="stable")
+    one, other = order[:-1] % max(len(cubic), 1), order[1:] % max(len(cubic), 1)
+    cosine = (along[one] * along[other]).sum(axis=1)
+    for i in np.flatnonzero((ends[order[1:]] == ends[order[:-1]]) & (cosine < RIGHT)).tolist():
+        first, second, node = cubic[one[i]], cubic[other[i]], int(ends[order[i]])
+        if first.place == second.place:
+            continue  # of one line, of which its bend is told
+        angle = math.degrees(math.acos(max(-1.0, float(cosine[i]))))
+        text = (
+            f"elements {first.id} and {second.id} share the slope of node {node}, and lead {angle:.0f} degrees apart: "
+            "swap the nodes of one where the cable runs on; at a corner, end one at a node of its own and tie r"
+        )
+        yield (*second.place, "nodes7"), text
+
+
+@warning("cable")
+def _kinks(scene: CableScene) -> Sentences:
+    """Cubic ropes without bending stiffness that something bends at a node: they have no corner there, and should."""
+    rounds: dict[int, list[bool]] = {}
+    for element in scene.elements:
+        for node in element.nodes if element.kind == "cubic" else ():
+            rounds.setdefault(node, []).append(element.EJ == 0.0 and element.quadrature != "lobatto")
+    within = {node for node, sides in rounds.items() if len(sides) > 1 and all(sides)}
+    if not within:
+        return
+    acted = {node.id for node in scene.nodes if any(node.held[:3]) and sum(node.held[3:6]) < 2}
+    # How much a spring pulls is not known before the run.
+    acted |= {node for part in (*scene.forces, *scene.masses) for node in part.nodes}
+    acted |= {node for tie in scene.ties if tie.what == 0 for node in tie.nodes}
+    bent = [node for node in scene.nodes if node.id in within & acted]
+    if bent:
+        others = f", and {len(bent) - 1} more like it" if len(bent) > 1 else ""
+        text = (
+            f"of node {bent[0].id} is shared by elements with EJ = 0{others}: a rope has a corner where a force or a "
+            "support acts, and cubic elements are smooth there. The axial force beside it may be off by a tenth "
+            "however many elements there are: give them quadrature: lobatto, use linear elements (nodes4), or end one "
+            "element at a node of its own and tie r"
+        )
+        yield (*bent[0].place, "xyz_d"), text
 
 
 @warning("cable")

@@ -10,12 +10,14 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from tautline.cable.input.geometry import COINCIDENT, FARTHEST, Drawn, chord, unstretched_lengths
-from tautline.cable.input.parts import CableScene, Element
+from tautline.cable.input.parts import CableScene, Element, Place
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.model import MADE
 
 COORDINATES = "material coordinates"
 """Where a scene keeps them."""
+ALIKE = 1.0e-6
+"""Share of its length by which p along an element with a length may be off: positions are rounded."""
 SHORTEST = 1.0e-12
 """Length of an element, m, below which it has none."""
 
@@ -63,7 +65,7 @@ def _found(scene: CableScene) -> dict[int, float]:
         p |= _along_elements(scene, fixed, {e.id: length for e, length in zip(asked, drawn, strict=True)})
     grown = np.array([p[e.nodes[1]] for e in scene.elements]) - np.array([p[e.nodes[0]] for e in scene.elements])
     wrong = np.flatnonzero(~((grown > SHORTEST) & (grown < FARTHEST))).tolist()
-    problems = [_backwards(scene, scene.elements[i], p) for i in wrong]
+    problems = [_backwards(scene, scene.elements[i], p) for i in wrong] or list(_contradictions(scene, grown))
     if problems:
         raise SceneError(problems)
     return {node.id: p[node.id] for node in scene.nodes}
@@ -236,6 +238,27 @@ def _fill_from_ties(chains: _Chains, waiting: list[list[int]], links: _Links, p:
         filled = chains.fill(chain, {node: value})
         p |= filled
         note(filled)
+
+
+def _contradictions(scene: CableScene, grown: np.ndarray) -> Iterator[Problem]:
+    """Cables with a length that p at their ends contradicts: another cable, or a function, has made it.
+
+    ``grown`` is by how much p grows along each element (m,), m.
+    """
+    given = np.array([math.nan if element.length is None else element.length for element in scene.elements])
+    told: set[Place] = set()
+    for i in np.flatnonzero(np.abs(grown - given) > ALIKE * given).tolist():
+        place = scene.elements[i].place
+        if place in told:
+            continue
+        told.add(place)
+        own = [j for j, element in enumerate(scene.elements) if element.place == place]
+        length, has = float(given[own].sum()), float(grown[own].sum())
+        cause = (
+            f"is {length:.6g} m, and p at its ends differs by {has:.6g} m: another cable or function leads there too"
+        )
+        cure = "end this cable at a node of its own, and tie its r to the other with LinearCoupl or LagMultipl7"
+        yield scene.problem((*place, "length"), cause, cure)
 
 
 def _unknown(scene: CableScene, element: Element) -> Problem:
