@@ -12,7 +12,7 @@ from tautline.cable.application import Cable
 from tautline.cable.input.scene import parse
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.results.result import Result
-from tautline.simulation import Run
+from tautline.simulation import Run, simulate
 from tautline.study.accuracy import choice as module
 from tautline.study.accuracy.choice import Choice, Made, Seen, changes, differences, finer, run_to_accuracy
 from tautline.study.trials.history import History, watch
@@ -120,6 +120,40 @@ def test_a_force_that_agrees_in_amplitude_by_chance_is_not_taken_to_agree():
     other = other._replace(highest=one.highest + 0.1, lowest=one.lowest + 0.1)
     assert changes(one, other, 1.0, 0)["force"] == pytest.approx(0.1, rel=0.05)
     assert differences(one, other, 1.0)["force"] == 0.0
+
+
+def test_two_runs_whose_forces_have_their_extremes_alone_in_common_are_not_enough():
+    """The same amplitude, a tenth of a period apart: extremes agree, and what lies between does not."""
+
+    def runs(late):
+        made = choice_of([1e-4, 1e-5])
+        shifted = made.made[1].seen.history._replace(force=np.cos(7.0 * (TIMES - late)))
+        made.made[1] = made.made[1]._replace(seen=made.made[1].seen._replace(history=shifted))
+        made.estimates[1] = max(made.errors().values())
+        return made
+
+    assert runs(0.0).met and runs(0.001).met
+    assert runs(0.09).estimates[1] < 0.01 and not runs(0.09).met
+
+
+def test_the_force_of_a_rope_that_falls_into_its_bearings_is_as_accurate_as_was_asked():
+    """10 m of rope let go in a straight line: waves meet, and two runs agree by chance in how high they go.
+
+    Against RK4 with steps of 0.1 ms, which differ from those of 0.2 ms by 1e-6.
+    """
+    text = (
+        "CableModelMaterial: {Gravity: [0, 0, -9.81]}\nCableModel:\n"
+        "  - Node7Dof: {id: 0, xyz: [0, 0, 0], BC: [1, 1, 1, 0, 0, 0, 1]}\n"
+        "  - Node7Dof: {id: 1, xyz: [10, 0, 0], BC: [1, 1, 1, 0, 0, 0, 1]}\n"
+        "  - CableLine: {id: 0, nodes7: [0, 1], elements: 8, length: 10, EA: 1e4, "
+        "EJ: 0, rhoA: 1, strain: engineering}\n"
+        "GeneralizedAlpha: {type: G-alpha, rho_inf: 0.8, time_step: 0.005, time_end: 3, plotpoints: 100}\n"
+    )
+    found = run_to_accuracy(Cable(), parse(text), 0.02)
+    exact = simulate(Cable().build(Cable().with_overrides(parse(text), method="rk4", step=1e-4)))
+    force, right = (run["axial_force"] for run in (found, exact))
+    assert found.accuracy["met"]
+    assert np.abs(force.max(axis=0) - right.max(axis=0)).max() < 0.02 * np.ptp(right, axis=0).max()
 
 
 def test_the_force_that_is_looked_at_is_the_one_that_varies_most_in_the_last_run():

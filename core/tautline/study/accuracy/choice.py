@@ -80,7 +80,9 @@ EXPLICIT_SHARE, EXPLICIT_RATIO = 0.8, 1.5
 CALM = 0.3
 """Share of the error asked for below which errors of position and twist show that friction decides nothing here."""
 NEAR = 3.0
-"""Times the error asked for that the estimate before the last may be, where friction may act."""
+"""Times the error asked for that the estimate before the last may be, where it may be chance that the last is small."""
+UNLIKELY = 3.0
+"""Times the difference of its extremes that two histories of a force may be apart, root mean square, over its range."""
 FAILURES, RUNS = 5, 14
 """Runs that may stop early, and runs in all."""
 STALLED = 0.7
@@ -227,8 +229,22 @@ class Choice:
         runs = len(self._like(last.method))
         if last.seen is None or runs < 2 or not self.estimates[-1] <= self.asked:
             return False
-        # Which contact slips first may be missed by some steps alike: one small estimate may be chance.
-        return not self.friction or self._calm or (runs > 2 and self.estimates[-2] <= NEAR * self.asked)
+        # Which contact slips first may be missed by some steps alike: one small estimate may be chance. So may extremes
+        # of a force be alike in two runs that have little else in common.
+        certain = (not self.friction or self._calm) and not self._by_chance
+        return certain or (runs > 2 and self.estimates[-2] <= NEAR * self.asked)
+
+    @property
+    def _by_chance(self) -> bool:
+        """Whether the last two runs agree in the extremes of the force alone, and not in how it goes between them."""
+        (coarse, fine), *_ = self._pairs("force") or [(None, None)]
+        if coarse is None or fine is None or coarse.seen is None or fine.seen is None:
+            return False
+        both = at_common_times(coarse.seen.history, fine.seen.history)
+        if both is None or not both[1].force.size or not np.ptp(both[1].force) > 0.0:
+            return False
+        between = float(np.sqrt(np.mean((both[0].force - both[1].force) ** 2)) / np.ptp(both[1].force))
+        return between > max(self.asked, UNLIKELY * self._changes(coarse, fine).get("force", math.inf))
 
     @property
     def _calm(self) -> bool:
