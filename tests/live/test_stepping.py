@@ -199,6 +199,33 @@ def test_a_parameter_changed_is_what_a_scene_with_that_number_is():
     assert np.abs(other["tip"][-1] - sim["tip.position"]).max() < 1e-6 * 0.5
 
 
+OUTLET = """
+CableModelMaterial: {Gravity: [0, 0, -9.81]}
+CableModel:
+  - Node7Dof: {id: 0, xyz: [0, 0, 0], xyz_d: [1, 0, 0], BC: [1, 1, 1, 1, 1, 1, 1], p: 0}
+  - Node7Dof: {id: 1, xyz: [1, 0, 0], xyz_d: [1, 0, 0], BC: [0, 0, 0, 0, 0, 0, 1], p: 1}
+  - Node7Dof: {id: 2, xyz: [2, 0, 0], xyz_d: [1, 0, 0], BC: [1, 1, 1, 0, 0, 0, 0], p: 2}
+  - CableALEelement: {id: 0, nodes7: [0, 1], EA: 1.0e5, EJ: 10, rhoA: 1, cDamp: 0.001, strain: engineering}
+  - CableALEelement: {id: 1, nodes7: [1, 2], EA: 1.0e5, EJ: 10, rhoA: 1, cDamp: 0.001, strain: engineering}
+  - OneNodeSpring: {id: 1, nodes7: [1], stiffness: 100.0, damping: 0.02}
+  - PointMass: {id: 0, nodes7: [1], mass: 0.5}
+GeneralizedAlpha: {type: G-alpha, rho_inf: 0.8, time_step: 0.001, time_end: 0.2}
+"""
+
+
+def test_stiffnesses_of_cables_that_bend_and_flow_past_springs_are_what_a_scene_with_those_numbers_has():
+    """Material flows out of the last element: forces of its end have the stiffnesses too."""
+    sim = tautline.Simulation(OUTLET)
+    for name, value in (("axial_stiffness", 2e4), ("bending_stiffness", 30.0), ("damping", 0.002)):
+        sim.parameters[f"cables.{name}"] = value
+    sim.advance_to(0.2)
+    other = tautline.simulate(
+        OUTLET.replace("1.0e5", "2.0e4").replace("EJ: 10", "EJ: 30").replace("0.001, strain", "0.002, strain")
+    )
+    assert np.abs(other["position"][-1, 1] - sim["node 1.position"]).max() < 1e-9
+    assert abs(other["position"][-1, 1, 2]) > 0.01
+
+
 def test_the_mass_of_a_load_changes_its_weight():
     sim = tautline.Simulation(scene_of("hoist"))
     sim.parameters["payload.mass"] = 6000.0

@@ -31,21 +31,21 @@ class Status(IntEnum):
 SENTENCES = {
     Status.DONE: "done",
     Status.NOT_CONVERGED: (
-        "the iterations of a step did not converge, even with the step halved as far as solver.max_halvings allows; "
-        "try a smaller solver.step, or look at what changes abruptly at that time"
+        "the iterations of a step did not converge, even with the step halved as often as is allowed; "
+        "try a smaller step, or look at what changes abruptly at that time"
     ),
     Status.SINGULAR: (
         "the tangent matrix is singular: a part is not held, or two conditions hold the same degree of freedom"
     ),
-    Status.NOT_FINITE: "a number overflowed: the motion has become unphysical; try a smaller solver.step",
+    Status.NOT_FINITE: "a number overflowed: the motion has become unphysical; try a smaller step",
     Status.UNSTABLE: (
         "the explicit method is unstable at this step: it is longer than the critical step 2.8 / omega_max "
-        "(eq. 2.170), which strong damping c makes shorter, 2.8 / (c omega_max^2); take a smaller solver.step, or "
-        "method: generalized-alpha"
+        "(eq. 2.170), which strong damping c makes shorter, 2.8 / (c omega_max^2); take a smaller step, or the "
+        "implicit method generalized-alpha"
     ),
     Status.INACCURATE: (
-        "the error of a step stays above the tolerance of solver.control: error, even with the step halved as far as "
-        "solver.max_halvings allows; allow a larger error, or take a smaller nominal step"
+        "the error of a step stays above what `control: error` allows, even with the step halved as often as is "
+        "allowed; allow a larger error, or take a smaller nominal step"
     ),
     Status.NO_LENGTH: (
         "an element has lost its length: all of its material has moved out through its nodes; end the run earlier, or "
@@ -74,7 +74,7 @@ SENTENCES = {
     ),
     Status.IMBALANCE: (
         "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "
-        "a smaller solver.step (or control: error), and finer elements where they fold"
+        "a smaller step (or control: error), and finer elements where they fold"
     ),
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }

@@ -15,11 +15,14 @@ OF_NODES = {
     "material_velocity": "material_velocity",
 }  # fmt: skip
 OF_ELEMENTS = {"axial_force": "axial_force", "curvature": "curvature"}
-STIFFNESSES = {
-    "stiffness": ("axial_stiffness", "N", "EA"), "bending": ("bending_stiffness", "N m^2", "EJ"),
-    "damping": ("damping", "s", "damping"), "fluid": ("fluid_mass", "kg/m", "mass of fluid per length"),
-}  # fmt: skip
-"""Fields of the records of elements, and what they are called."""
+STIFFNESSES = (
+    ("axial_stiffness", "N", "EA", {"engineering": "stiffness"}),
+    ("bending_stiffness", "N m^2", "EJ", {"engineering": "bending", "smoothing": "stiffness"}),
+    ("damping", "s", "damping", {"engineering": "damping", "smoothing": "damping"}),
+    ("fluid_mass", "kg/m", "mass of fluid per length", {"engineering": "fluid"}),
+)
+"""What is called how, and the field of a record that holds it. Records with ``engineering`` are of elements in tension,
+those with ``smoothing`` of elements that bend; springs and masses have neither."""
 
 
 def handles(layout: Layout, groups: tuple[Any, ...], model: Any) -> Handles:
@@ -35,11 +38,12 @@ def handles(layout: Layout, groups: tuple[Any, ...], model: Any) -> Handles:
 
 def stiffnesses(groups: tuple[Any, ...], thing: str) -> Iterator[Parameter]:
     """Stiffnesses, damping and mass of fluid of all elements, where all have the same."""
-    for field, (name, unit, text) in STIFFNESSES.items():
+    for name, unit, text, fields in STIFFNESSES:
         arrays = [
-            group.rows[field]
-            for group in groups
-            if isinstance(getattr(group, "rows", None), np.ndarray) and field in (group.rows.dtype.names or ())
+            rows[field]
+            for rows in (getattr(group, "rows", None) for group in groups)
+            for kind, field in fields.items()
+            if isinstance(rows, np.ndarray) and {kind, field} <= set(rows.dtype.names or ())
         ]
         values = np.concatenate([array.ravel() for array in arrays]) if arrays else np.zeros(0)
         if values.size and values[0] != 0.0 and np.ptp(values) == 0.0:

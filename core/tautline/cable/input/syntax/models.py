@@ -42,6 +42,7 @@ from tautline.scene.functions import FunctionOfTime, time_function
 from tautline.scene.limits import Limits
 from tautline.scene.model import Branch, Model, OneOf, Switch, Whole, word
 from tautline.scene.refusal import fault
+from tautline.scene.values.magnitude import SMALLEST
 from tautline.scene.values.quantity import quantity
 
 
@@ -241,6 +242,8 @@ class VelocityDefined(Model):
             if not later > earlier:
                 cause = f"must be later than the one before ({earlier:g} s)"
                 raise fault(("timeList", i), cause, "put the times in increasing order, each once")
+            if later - earlier < SMALLEST:
+                raise fault(("timeList", i), "is no time after the one before", "give times that are some steps apart")
         return self
 
 
