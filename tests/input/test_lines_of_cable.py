@@ -262,3 +262,28 @@ def test_a_corner_of_a_rope_of_smooth_elements_is_warned_of_where_it_spoils_the_
     beside = np.hypot(pull, 250.0 + weight * 0.5 * half / 10)
     force = simulate(build(scene))["axial_force"][0, 9:11]
     assert (np.abs(force / beside - 1.0).max() > 0.05) is np.bool_(told)
+
+
+def test_a_branch_that_shares_the_slope_of_a_line_is_warned_of_once():
+    more = (
+        "  - Node7Dof: {id: 50, xyz: [50, 0, -20], BC: [0, 0, 0, 0, 0, 0, 1]}\n"
+        f"  - CableALEelement: {{id: 10, nodes7: [3, 50], {SECTION}}}\n"
+    )
+    scene = parse(text(f"nodes7: [0, 1], elements: 4, between: 2, {SECTION}", last="[100, 0, 0]", more=more))
+    (warned,) = [one.text for one in Installed().of(scene).warnings(scene) if "share the slope of node 3" in one.text]
+    assert "90 degrees apart" in warned
+
+
+@pytest.mark.parametrize(("over", "told"), [(0.001, True), (0.02, False)])
+def test_a_prescribed_velocity_that_changes_within_a_step_is_warned_of(over, told):
+    motion = f"  - Function_VelocityDefined: {{id: 1, timeList: [0, {over}, 1], velocityList: [0, 5, 5]}}\n"
+    scene = text(f"nodes7: [0, 1], elements: 4, {SECTION}", last="[100, 0, 0]", more=motion)
+    scene = parse(scene.replace(f"0], {HELD}", f"0], {HELD}, BC_functions: [1, 0, 0, 0, 0, 0, 0]", 1))
+    found = [one for one in Installed().of(scene).warnings(scene) if "the velocity changes by 5 m/s" in one.text]
+    assert bool(found) is told
+
+
+def test_moments_too_close_for_numbers_are_refused_by_their_place():
+    motion = "  - Function_VelocityDefined: {id: 1, timeList: [0, 1.0e-300], velocityList: [0, 5]}\n"
+    with pytest.raises(SceneError, match=r"timeList\[1\].*is no time after the one before"):
+        parse(text(f"nodes7: [0, 1], elements: 4, {SECTION}", more=motion))

@@ -226,6 +226,23 @@ def test_stiffnesses_of_cables_that_bend_and_flow_past_springs_are_what_a_scene_
     assert abs(other["position"][-1, 1, 2]) > 0.01
 
 
+def test_a_force_may_be_added_at_a_node_of_a_cable():
+    """A free mass on a rope of nothing: F t^2 / (2 m). The force is new at t = 0, and acts half a step late."""
+    text = """
+CableModelMaterial: {Gravity: [0, 0, 0]}
+CableModel:
+  - Node4Dof: {id: 3, xyz: [0, 0, 0], BC: [1, 1, 1, 1]}
+  - Node4Dof: {id: 7, xyz: [1, 0, 0], BC: [0, 0, 0, 1]}
+  - CableALEelementLin: {id: 0, nodes4: [3, 7], EA: 1.0e-9, rhoA: 1.0e-9}
+  - PointMass: {id: 0, nodes4: [7], mass: 2.0}
+GeneralizedAlpha: {type: G-alpha, rho_inf: 0.8, time_step: 0.001, time_end: 1}
+"""
+    sim = tautline.Simulation(text)
+    sim.add_force(lambda t, q, v: np.array([0.0, 3.0, 0.0]), on="node 7.position")
+    sim.advance_to(0.5)
+    assert sim["node 7.position"] == pytest.approx([1.0, 3.0 * 0.4995**2 / (2.0 * 2.0), 0.0], abs=1e-6)
+
+
 def test_the_mass_of_a_load_changes_its_weight():
     sim = tautline.Simulation(scene_of("hoist"))
     sim.parameters["payload.mass"] = 6000.0

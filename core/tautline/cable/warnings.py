@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -26,6 +28,8 @@ PRESTRETCHED = 0.05
 """Strain at the start that is more likely a slip of the pen than meant."""
 RIGHT = -1.0e-9
 """Cosine below which an angle is more than a right one."""
+BRANCH = math.cos(math.radians(30.0))
+"""The same of 30 degrees: where three elements or more meet, one of them leaves the others' way."""
 COUNTED = ("PointMass", "PointForce", "OneNodeSpring", "TwoNodeSpring")
 """Items on nodes that ``check`` counts by another name than their key."""
 WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
@@ -145,6 +149,25 @@ def _steps(scene: CableScene) -> Sentences:
 
 
 @warning("cable")
+def _jumps(scene: CableScene) -> Sentences:
+    """Prescribed velocities that change within less than a step: their acceleration lasts for all of it."""
+    if scene.solver.control != "fixed" or scene.solver.step == "auto":
+        return
+    step = float(scene.solver.step)
+    for motion in scene.motions:
+        rise = [abs(b - a) > 0.0 for a, b in itertools.pairwise(motion.velocities)]
+        over = [b - a for a, b in itertools.pairwise(motion.times)]
+        short = [i for i, (changes, lasts) in enumerate(zip(rise, over, strict=True), 1) if changes and lasts < step]
+        if short:
+            i = short[0]
+            text = (
+                f"the velocity changes by {abs(motion.velocities[i] - motion.velocities[i - 1]):.3g} m/s within "
+                f"{over[i - 1]:.3g} s, and a step is {step:g} s: give it some steps, or take shorter ones"
+            )
+            yield (*motion.place, "timeList", i), text
+
+
+@warning("cable")
 def _frames(scene: CableScene) -> Sentences:
     solver = scene.solver
     place = ("GeneralizedAlpha", "plotpoints")
@@ -240,10 +263,15 @@ def _corners(scene: CableScene) -> Sentences:
     order = np.argsort(ends, kind="stable")
     one, other = order[:-1] % max(len(cubic), 1), order[1:] % max(len(cubic), 1)
     cosine = (along[one] * along[other]).sum(axis=1)
-    for i in np.flatnonzero((ends[order[1:]] == ends[order[:-1]]) & (cosine < RIGHT)).tolist():
+    meet = Counter(ends.tolist())
+    branches = np.array([meet[node] > 2 for node in ends[order[1:]].tolist()], dtype=bool)
+    apart = cosine < np.where(branches, BRANCH, RIGHT)
+    told: set[int] = set()
+    for i in np.flatnonzero((ends[order[1:]] == ends[order[:-1]]) & apart).tolist():
         first, second, node = cubic[one[i]], cubic[other[i]], int(ends[order[i]])
-        if first.place == second.place:
-            continue  # of one line, of which its bend is told
+        if node in told or first.place == second.place:
+            continue  # Of one line its bend is told.
+        told.add(node)
         angle = math.degrees(math.acos(max(-1.0, float(cosine[i]))))
         text = (
             f"elements {first.id} and {second.id} share the slope of node {node}, and lead {angle:.0f} degrees apart: "

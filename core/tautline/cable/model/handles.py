@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,9 @@ def handles(layout: Layout, groups: tuple[Any, ...], model: Any) -> Handles:
         "element": [f"element {x}" for x in model.coordinates["element"][1]],
     }
     outputs = outputs_of(model.variables, model.coordinates, OF_NODES | OF_ELEMENTS, names)
+    for name, start in zip(names["node"], layout.starts, strict=True):
+        position = f"{name}.position"
+        outputs[position] = replace(outputs[position], places=("q", start + np.arange(3)))
     parameters = {one.name: one for one in stiffnesses(groups, "cables")}
     return Handles(inputs_of(layout.requests), outputs, parameters)
 
