@@ -7,7 +7,7 @@ from rich.console import Console
 
 from tautline.cli.output.console import console
 from tautline.cli.output.summary import speed, two_columns
-from tautline.scene.values.printed import quantity, significant
+from tautline.scene.values.printed import in_percent, quantity, significant
 
 
 @pytest.mark.parametrize(
@@ -56,3 +56,18 @@ def test_no_digit_of_a_value_is_lost_beside_a_long_description(width, monkeypatc
     assert max(map(len, printed.getvalue().splitlines())) <= width
     assert "…" not in printed.getvalue()
     assert {*what.split(), "0.001", "0.00012345"} <= set(printed.getvalue().split())
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (0.0, "0 %"),
+        (0.0123, "1.2 %"),
+        (1.5, "150 %"),
+        (10.0, "1000 %"),
+        (10.1, "more than 1000 %"),
+        (9e5, "more than 1000 %"),
+    ],
+)
+def test_a_share_of_what_hardly_is_there_is_told_as_large_and_not_by_its_number(share, text):
+    assert in_percent(share) == text

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from tautline.cli.output.console import console
-from tautline.scene.values.printed import in_words, quantity, shown, significant
+from tautline.scene.values.printed import in_percent, in_words, quantity, shown, significant
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -165,7 +165,7 @@ def limits_of_scene(records: Iterable[dict[str, Any]], system: str = "si") -> Ta
 
 def _of_the_step(found: dict[str, Any], system: str) -> list[tuple[str, str]]:
     """Rows of the error that runs with other steps have shown."""
-    way, force = (None if x is None else f"{significant(100.0 * x, 2)} %" for x in (found["position"], found["force"]))
+    way, force = (None if x is None else in_percent(x) for x in (found["position"], found["force"]))
     moved = f"{shown(found['distance'], 'm', system)} ({way}), {in_words(found['place'], system)}"
     rows = [("estimated error due to the step", moved)]
     if force is not None:

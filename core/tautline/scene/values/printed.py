@@ -16,6 +16,15 @@ BETWEEN = r" (?:to|and|x|×|by) "
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "": 1.0}
 
 
+MEANT = 10.0
+"""Share of a whole up to which it is told in numbers: of what hardly is there it says nothing but that it is large."""
+
+
+def in_percent(share: float) -> str:
+    """A share as text."""
+    return f"{significant(100.0 * share, 2)} %" if not share > MEANT else f"more than {100.0 * MEANT:.0f} %"
+
+
 def significant(value: float, digits: int = 4) -> str:
     """Write a number to so many significant digits, without an exponent where it reads well."""
     if value == 0.0:

@@ -30,6 +30,7 @@ from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.scene.methods import method_of
+from tautline.scene.values.printed import in_percent
 from tautline.study.trials.errors import apart, ends_apart
 from tautline.study.trials.history import History, Place, Watched, watch
 from tautline.study.trials.trial import GIVEN_UP, Setting, Subject, Trial
@@ -96,9 +97,9 @@ class StepError(NamedTuple):
         """What a reader should know, if the error is a large one."""
         if not max(self.position, self.force or 0.0) > POOR:
             return None
-        told = f"the {self.place} may be off by {self.distance:.2g} m, {100.0 * self.position:.2g} % of its motion"
+        told = f"the {self.place} may be off by {self.distance:.2g} m, {in_percent(self.position)} of its motion"
         if self.force is not None:
-            told += f", and the amplitude of the {self.force_place} by {100.0 * self.force:.2g} %"
+            told += f", and the amplitude of the {self.force_place} by {in_percent(self.force)}"
         steps = self.steps or (self.step,)
         runs = "runs" if len(steps) > 1 else "a run"
         text = f"{told}. This is estimated from {runs} with steps of {_listed(steps)}. "
