@@ -66,7 +66,7 @@ def _evaluate(groups, dofs, functions, state, t, h, at_rest, cm, cc, ck, matrix,
     else:
         expand_held(dofs, state.full_a)
     if h > 0.0:
-        over.begin(groups, t, h, -1.0 if at_rest else 0.0, 0.0, state.full_q, state.full_v, state.full_a)
+        over.begin(groups, t, h, -1.0 if at_rest else 0.0, -1.0, state.full_q, state.full_v, state.full_a)
     state.residual.fill(0.0)
     over.residual(groups, t, state.full_q, state.full_v, state.full_a, state.residual)
     reduce(dofs, state.residual, residual)

@@ -13,7 +13,8 @@ Hooks (``g`` the group; ``q, v, a`` full vectors of position, velocity and accel
 hook           arguments after ``g``                            what it does
 =============  ===============================================  =====================================================
 begin          t, h, beta, gamma, q, v, a                       at the start of every attempt of a step from t; beta and
-                                                                gamma are beta', gamma' of eqs 2.88-2.89 (0 if explicit)
+                                                                gamma are beta', gamma' of eqs 2.88-2.89 (0 if explicit;
+                                                                gamma -1 where only the acceleration is asked for)
 switch         t, q, v, converged, changed                      lets a law change its status (stick, slip); counts the
                                                                 changes, or tells their places as well (changes.py)
 residual       t, q, v, a, r                                    r += M a - F

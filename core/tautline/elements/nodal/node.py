@@ -86,12 +86,14 @@ class TimedForces(NamedTuple):
 @kernel
 def _force_begin(g, t, h, beta, gamma, q, v, a):
     first = t + 0.5 * h if beta > 0.0 else t
+    # The acceleration that a run begins with counts for half a step of an implicit method.
+    lasts = 0.5 * h if gamma < 0.0 else h
     for i in range(g.place.size):
         if beta < 0.0 or h == 0.0:
             # An equilibrium is one under the forces that act from the start.
             g.acts[i] = 1.0 if g.interval[i, 0] <= t < g.interval[i, 1] else 0.0
         else:
-            g.acts[i] = max(0.0, min(first + h, g.interval[i, 1]) - max(first, g.interval[i, 0])) / h
+            g.acts[i] = max(0.0, min(first + lasts, g.interval[i, 1]) - max(first, g.interval[i, 0])) / lasts
         if beta > 0.0:
             g.before[i] = g.acts[i]
 
