@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from cli.in_process import leave_out_pixels
-from physics.lifting.crane_scenes import GRAVITY, anchor, crane, drum, ran, sheave
+from physics.lifting.crane_scenes import GRAVITY, anchor, crane, drum, hoist, ran, sheave
 from references import cables
 
 from crane.application import Crane
@@ -124,3 +124,13 @@ def test_a_winch_that_holds_its_tension_holds_it_on_a_rope_without_a_load():
     result = ran(crane([slow, winch], rope=ROPE | {"damping": 1.0e-3}, solver={"end": 6.0}))
     assert result["drum_tension"][-1, 1] == pytest.approx(held, rel=0.01)
     assert result["paid_out"][-1].sum() == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_hook_without_mass_rests_where_it_is_drawn_and_its_rope_carries_its_own_weight():
+    """25 m of rope hang below the sheave, and its drum stands 10 m below it: 15 m more on the side of the hook."""
+    drive = {"center": (0.0, 0.0, 20.0), "pay_out": 0.0}
+    result = ran(hoist(mass=0.0, elements=16, drive=drive, solver={"end": 0.1}))
+    assert result["body_position"][0, 0, 2] == pytest.approx(5.0, abs=1e-4)
+    # Two points of a rope at rest differ in tension by its weight over their difference of height. The rope touches
+    # the drum and the sheave within their radii of these heights.
+    assert result["drum_tension"][0].item() == pytest.approx(6.5 * GRAVITY * 15.0, rel=0.03)

@@ -114,12 +114,16 @@ def _hanging(layout: Layout) -> dict[int, float]:
     along, N, by place."""
     scene = layout.scene
     names = {item.body for item in scene.path if isinstance(item, (End, Sheave)) and item.body is not None}
-    return {
-        layout.body[body.name] + c: body.mass * scene.gravity[c]
-        for body in (scene.body(name) for name in sorted(names))
+    bodies = [scene.body(name) for name in sorted(names)]
+    # Where no body has a mass each counts alike: the rope's own weight hangs on them.
+    massless = all(body.mass == 0.0 for body in bodies)
+    weights = {
+        layout.body[body.name] + c: (1.0 if massless else body.mass) * scene.gravity[c]
+        for body in bodies
         for c in range(AXES)
-        if XYZ[c] not in body.guide and body.mass * scene.gravity[c] != 0.0
+        if XYZ[c] not in body.guide
     }
+    return {place: weight for place, weight in weights.items() if weight != 0.0}
 
 
 def _height(x: np.ndarray, weights: dict[int, float]) -> float:
