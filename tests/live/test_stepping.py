@@ -4,6 +4,7 @@ import gc
 import multiprocessing
 import pickle
 import tracemalloc
+from copy import deepcopy
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ import tautline
 from tautline.integrators.status import StoppedEarly
 from tautline.kernels.time_function import value_at
 from tautline.live.errors import SimulationError, UnknownName
+from tautline.scene.errors import SceneError
 
 DATA = Path(__file__).parents[2] / "data"
 SHORT = {
@@ -255,6 +257,35 @@ def test_the_mass_of_a_load_changes_its_weight():
         sim.advance(0.02)
         times.append(sim["winch.tension"])
     assert np.mean(times) == pytest.approx(6000.0 * 9.81 + rope, rel=0.05)
+
+
+def test_what_a_parameter_puts_into_the_scene_as_it_changes_is_work_from_outside():
+    """20 % more mass at a height, and with a speed, have 20 % more energy; the run accounts for them."""
+    sim = tautline.Simulation(scene_of("hoist"))
+    sim.advance_to(2.0)
+    before, work = (sim.result[name][-1] for name in ("potential_energy", "external_work"))
+    sim.parameters["payload.mass"] = 1.2 * sim.parameters["payload.mass"]
+    sim.advance_to(4.0)
+    result = sim.result
+    assert result.attributes["energy_error"] < 1e-3
+    assert not any("unaccounted" in told for told in result.warnings)
+    assert result["external_work"][-1] != work and np.isfinite(before)
+
+
+@pytest.mark.parametrize("share", [-0.1, 1.1, 2.0])
+def test_a_brake_is_closed_from_not_at_all_to_wholly(share):
+    scene = deepcopy(tautline.read(DATA / "hoist.yaml").document.root)
+    drum = scene["path"][0]["drum"]
+    drum.pop("pay_out")
+    drum |= {"torque": {"constant": 0}, "inertia": 200, "brake": {"torque": "100 kN m", "closed": {"constant": 1.0}}}
+    sim = tautline.Simulation(scene)
+    sim.inputs["winch.brake"] = 1.0
+    with pytest.raises(SimulationError, match=r"is not from 0 to 1; it is how far the brake is closed"):
+        sim.inputs["winch.brake"] = share
+    assert sim.inputs["winch.brake"] == 1.0
+    drum["brake"]["closed"] = {"constant": share}
+    with pytest.raises(SceneError, match=r"closed.*give a share from 0, open, to 1, closed"):
+        tautline.Simulation(scene)
 
 
 BAD = {

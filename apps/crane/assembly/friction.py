@@ -68,7 +68,7 @@ def _of_drum(layout: Layout, i: int, drum: Drum) -> list[Row]:
 
 
 def _brake(drum: Drum) -> tuple[Steering, ...]:
-    return (Steering(f"{drum.name}.brake", "", "how far the brake is closed, from 0 to 1"),)
+    return (Steering(f"{drum.name}.brake", "", "how far the brake is closed, from 0 to 1", least=0.0, most=1.0),)
 
 
 def _closed(drum: Drum) -> FunctionOfTime:

@@ -92,7 +92,7 @@ def _limit(g, row, t, force):
     """F_m for a force of this sign, and its derivatives by the tensions before and after."""
     if row.kind == TORQUE:
         share, _, _ = evaluate(g.functions, row.function, t)
-        return row.coefficient * max(0.0, share), 0.0, 0.0
+        return row.coefficient * min(1.0, max(0.0, share)), 0.0, 0.0
     if row.kind == BEARING:
         size, by_one, by_two = _pin(g, row)
         return row.coefficient * size, row.coefficient * by_one, row.coefficient * by_two

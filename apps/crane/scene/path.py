@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, model_validator
 
-from tautline.scene.functions import FunctionOfTime, time_function
+from tautline.scene.functions import Constant, FunctionOfTime, Ramp, Table, time_function
 from tautline.scene.model import Branch, Model, OneOf, Switch, Whole, word
 from tautline.scene.refusal import fault, raise_all, refusal
 from tautline.scene.values.quantity import quantity
@@ -98,7 +98,21 @@ class Brake(Model):
     def _one_way(self) -> Brake:
         if self.until is not None and self.closed is not None:
             raise fault("closed", "is given together with `until`", "keep one of the two")
+        beyond = [value for value in _values_of(self.closed) if not 0.0 <= value <= 1.0]
+        if beyond:
+            raise fault("closed", f"is {beyond[0]:g} at some time", "give a share from 0, open, to 1, closed")
         return self
+
+
+def _values_of(function: FunctionOfTime | None) -> tuple[float, ...]:
+    """Values between which a function goes, of those that have such; a share beyond 0 to 1 counts as 0 or 1."""
+    if isinstance(function, Constant):
+        return (function.value,)
+    if isinstance(function, Table):
+        return function.value
+    if isinstance(function, Ramp) and function.to is not None:
+        return function.from_, function.to
+    return ()
 
 
 class Gains(Model):

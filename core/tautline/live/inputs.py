@@ -81,7 +81,7 @@ class Inputs(Mapping[str, Any]):
         UnknownName
             For a name that is none of the inputs.
         SimulationError
-            For what is no finite number.
+            For what is no finite number, or beyond what may be given.
         """
         if name not in self._numbers and f"{name}[0]" in self._numbers:
             self._set_vector(name, value)
@@ -98,6 +98,10 @@ class Inputs(Mapping[str, Any]):
             unit = self._list[k].steering.unit
             cause = f"{name} = {value!r} is neither a finite number nor two or three of them"
             raise SimulationError(cause, f"give a value in {unit or 'SI'}, or (value, rate) or (value, rate, second)")
+        steering = self._list[k].steering
+        if not steering.least <= given[0] <= steering.most:
+            cause = f"{name} = {given[0]:g} is not from {steering.least:g} to {steering.most:g}"
+            raise SimulationError(cause, f"it is {steering.text}")
         row = self.memory[k]
         row[TARGET] = given[0]
         row[RATE] = given[1] if len(given) > 1 else np.nan

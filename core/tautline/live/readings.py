@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
@@ -119,12 +120,12 @@ class Parameters(Mapping[str, Any]):
     Parameters
     ----------
     parameters : dict of str to Parameter
-    changed : callable
-        Called after one has changed.
+    changes : callable
+        Gives what is entered while one changes.
     """
 
-    def __init__(self, parameters: dict[str, Parameter], changed: Callable[[], None]) -> None:
-        self._parameters, self._changed = parameters, changed
+    def __init__(self, parameters: dict[str, Parameter], changes: Callable[[], AbstractContextManager[None]]) -> None:
+        self._parameters, self._changes = parameters, changes
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._parameters)
@@ -167,8 +168,8 @@ class Parameters(Mapping[str, Any]):
             upper = f", at most {parameter.most:g}" if np.isfinite(parameter.most) else ""
             told = f"{bounds}{upper} ({unit})" if np.isfinite(parameter.least) else f"a finite number ({unit})"
             raise SimulationError(f"{name} = {given:g} cannot be", f"give {told}")
-        parameter.set(given)
-        self._changed()
+        with self._changes():
+            parameter.set(given)
 
     def describe(self) -> dict[str, dict[str, Any]]:
         """Unit, shape and meaning of every parameter."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ import numpy as np
 from tautline.application.installed import Installed
 from tautline.integrators.method import method_for
 from tautline.integrators.schedule import frame_times
-from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, WORST
+from tautline.integrators.state import FACTORISATIONS, ITERATIONS, STEPS, THROUGHPUT, WORK, WORST
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
 from tautline.integrators.time_loop import (
     PART,
@@ -124,7 +125,7 @@ class Simulation:
         self.inputs = Inputs(handles.inputs, system.functions, lambda: self._time)
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
         self.outputs = Outputs(handles.outputs, self._observe, vectors)
-        self.parameters = Parameters(handles.parameters, self._parameter_changed)
+        self.parameters = Parameters(handles.parameters, self._parameter_changes)
         self._forces: list[Force | Group] = []
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
@@ -338,8 +339,22 @@ class Simulation:
             self._observed = self.model.observe(self._frames)
         return self._observed
 
-    def _parameter_changed(self) -> None:
+    @contextmanager
+    def _parameter_changes(self) -> Iterator[None]:
+        """While a parameter changes: what the system has more of it then was put in from outside."""
+        before = self._energy() if self._keep else 0.0
+        yield
         self._observed = None
+        if self._keep:
+            work = self._energy() - before
+            self._state.ledger[WORK] += work
+            self._state.ledger[THROUGHPUT] += abs(work)
+
+    def _energy(self) -> float:
+        """Kinetic, strain and potential energy of the state as it is, J."""
+        row = np.zeros_like(self._frames.rows[:1])
+        record_now(self._run.method, self.model.system, self._state, self._time, row[0])
+        return float(frames_of(row, self.model.system.q.size).energy[0, :3].sum())
 
     def __getitem__(self, name: str) -> Any:
         """An output by its name; raises UnknownName."""

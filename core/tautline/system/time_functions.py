@@ -72,6 +72,8 @@ class Steering:
         0: what is given is the function's value; 1: its rate.
     factor : float
         What it is multiplied by to be that.
+    least, most : float
+        What may be given.
     """
 
     name: str
@@ -79,6 +81,8 @@ class Steering:
     text: str
     order: int = 0
     factor: float = 1.0
+    least: float = -math.inf
+    most: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
