@@ -284,7 +284,8 @@ def _corners(scene: CableScene) -> Sentences:
 def _kinks(scene: CableScene) -> Sentences:
     """Cubic ropes without bending stiffness that something bends at a node: they have no corner there, and should."""
     rounds: dict[int, list[bool]] = {}
-    for element in scene.elements:
+    slack = any(element.EJ == 0.0 for element in scene.elements)
+    for element in scene.elements if slack else ():
         for node in element.nodes if element.kind == "cubic" else ():
             rounds.setdefault(node, []).append(element.EJ == 0.0 and element.quadrature != "lobatto")
     within = {node for node, sides in rounds.items() if len(sides) > 1 and all(sides)}
