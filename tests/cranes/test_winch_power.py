@@ -1,7 +1,8 @@
-"""Power and energy of a winch against integrals done by hand."""
+"""Power and energy of a winch against integrals done by hand, and what a drum does that nothing drives."""
 
 import numpy as np
 import pytest
+from physics.lifting.crane_scenes import hoist, ran
 
 from crane.results.power import winch_energy, winch_power
 
@@ -56,3 +57,25 @@ def test_a_winch_that_only_lowers_has_no_peak_of_its_own():
 def test_what_is_not_finite_is_refused():
     with pytest.raises(ValueError, match="speed: frame 1"):
         winch_energy([0.0, 1.0], [1.0, 1.0], [1.0, np.nan])
+
+
+@pytest.mark.parametrize("height", [0.0, 100.0, -1000.0])
+def test_a_drum_that_is_let_go_turns_as_the_load_and_its_heavy_rope_pull_wherever_the_scene_stands(height):
+    """(I / R^2 + m + rhoA L) a = m g + rhoA g (drum's height - load's), of an inextensible rope, as it begins.
+
+    A twentieth of a second of free vibration is left out by fitting a parabola to a second of speed.
+    """
+    inertia, radius, mass, rope = 8000.0, 0.5, 1000.0, 30.0
+    scene = hoist(
+        mass, elements=8, drive={"center": (0.0, 0.0, 20.0 + height), "torque": {"constant": 0.0}, "inertia": inertia},
+        tip={}, rope={"mass_per_length": rope, "damping": 5e-3}, solver={"end": 1.0},
+    )  # fmt: skip
+    scene["path"][1]["sheave"]["center"] = (12.0, 0.0, 30.0 + height)
+    scene["bodies"][0]["position"] = (12.4, 0.0, 5.0 + height)
+    result = ran(scene)
+    length = float(np.hypot(12.0, 10.0)) + 25.0
+    pull = mass * 9.81 + rope * 9.81 * 15.0
+    expected = pull / (inertia / radius**2 + mass + rope * length)
+    speed = result["pay_out_speed"][:, 0]
+    found = np.polyfit(result.time, speed, 2)
+    assert found[1] == pytest.approx(expected, rel=0.02)

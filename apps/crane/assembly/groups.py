@@ -153,8 +153,8 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
         )
     if not rows:
         return None
-    n = len(rows)
-    return lambda functions: Drums(records_of(DRUM, rows), spans.found, np.zeros(n), np.zeros(n), functions)
+    n, gravity = len(rows), np.array(scene.gravity, dtype=float)
+    return lambda functions: Drums(records_of(DRUM, rows), gravity, spans.found, np.zeros(n), np.zeros(n), functions)
 
 
 def _of_drum(drum: Drum) -> tuple[Steering, ...]:

@@ -77,7 +77,7 @@ def _hold(layout: Layout, system: System, state: State) -> None:
         lacking = -float(state.residual[place])
         for k, row in enumerate(slips.rows):
             if row.kind == TORQUE and row.p == place:
-                limit = row.coefficient * max(0.0, value_at(slips.functions, row.function, 0.0)[0])
+                limit = row.coefficient * min(1.0, max(0.0, value_at(slips.functions, row.function, 0.0)[0]))
                 slips.force[k] = min(max(lacking / row.by_p, -limit), limit)
                 lacking -= row.by_p * slips.force[k]
 

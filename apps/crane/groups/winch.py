@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.groups.span import FIRST, LAST, STRETCH
+from crane.groups.span import FIRST, LAST, MATERIAL, STRETCH
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import DRUM_FULL, RUN_OUT, register
 from tautline.kernels.jit import kernel
@@ -20,17 +20,27 @@ DRUM = np.dtype(
         ("span", "i8"),
     ]
 )  # fmt: skip
-"""A drum whose motion is not prescribed: the place of p at its mark; +1 at the beginning of the rope, where p grows as
-it is hoisted, and -1 at its end; gear = lambda/R 1/m (turns of the drum in rad per metre of material); inertia kg m^2;
-rhoA kg/m; rope on the drum at the start m (infinite: no end of it) and p there; the function of its torque N m or,
-where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; largest torque N m; and the span that leaves it."""
+"""A drum whose motion is not prescribed: the place of p at its mark, which stands behind its centre; +1 at the
+beginning of the rope, where p grows as it is hoisted, and -1 at its end; gear = lambda/R 1/m (turns of the drum in rad
+per metre of material); inertia kg m^2; rhoA kg/m; rope on the drum at the start m (infinite: no end of it) and p there;
+the function of its torque N m or, where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; largest torque
+N m; and the span that leaves it."""
 
 
 class Drums(NamedTuple):
     """Drums (n,) of ``DRUM``; ``found`` as in `Slips`; ``sum`` (n,) is the integral of what tension lacks, N s,
-    ``torque`` (n,) that of the last step."""
+    ``torque`` (n,) that of the last step; ``gravity`` (3,) m/s^2.
+
+    A span has the energies of its rope in space (`crane.groups.span`), and what is wound up leaves it. So the rope that
+    has come onto the drum since the start, S long, has them too: with the drum's centre c
+
+        T = rhoA S c. . c. / 2,   V = -rhoA S g . c.
+
+    Without them the motion of a driven drum would depend on where the scene's origin lies, and on how fast it moves.
+    """
 
     rows: np.recarray
+    gravity: np.ndarray
     found: np.ndarray
     sum: np.ndarray
     torque: np.ndarray
@@ -60,9 +70,20 @@ def _stored(d, q):
 
 
 @kernel
+def _wound(d, q):
+    """Rope that has come onto the drum since the start, m."""
+    return d.way * (q[d.p] - d.begin)
+
+
+@kernel
 def _drum_residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         d = g.rows[n]
+        wound = _wound(d, q)
+        for c in range(MATERIAL):
+            o = d.p - MATERIAL + c
+            r[o] += d.rope * (wound * (a[o] - g.gravity[c]) + d.way * v[d.p] * v[o])
+            r[d.p] -= d.way * d.rope * (0.5 * v[o] * v[o] + g.gravity[c] * q[o])
         stretch = g.found[d.span, STRETCH]
         mass = d.inertia * d.gear * d.gear + d.rope * max(0.0, _stored(d, q)) * stretch * stretch
         r[d.p] += mass * a[d.p] + 0.5 * d.way * d.rope * (stretch * v[d.p]) ** 2
@@ -90,6 +111,10 @@ def _drum_energy(g, t, q, v, energy):
         d = g.rows[n]
         mass = d.inertia * d.gear * d.gear + d.rope * max(0.0, _stored(d, q))
         energy[0] += 0.5 * mass * v[d.p] ** 2
+        for c in range(MATERIAL):
+            o = d.p - MATERIAL + c
+            energy[0] += 0.5 * d.rope * _wound(d, q) * v[o] * v[o]
+            energy[2] -= d.rope * _wound(d, q) * g.gravity[c] * q[o]
 
 
 @kernel

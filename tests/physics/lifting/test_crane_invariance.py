@@ -72,6 +72,9 @@ SCENES = {
         4, 20.0e3, hooks=RIM, drive={"pay_out": {"ramp": {"to": -2.5, "over": 0.3}}}, load={"guide": []}
     ),
     "fleet angles": askew(),
+    "a drum of torque and a heavy rope": hoist(
+        drive={"torque": {"constant": 3.0e3}, "inertia": 4000.0}, rope={"mass_per_length": 25.0}, solver={"end": 2.0}
+    ),
     "a rope that bends": hoist(rope={"bending_stiffness": 2000.0}),
     "a slack rope": hoist(rope={"length": 58.0, "damping": 1.0e-2}, start="as drawn"),
 }
