@@ -229,6 +229,13 @@ def test_a_result_that_cannot_be_written_is_refused_before_the_run(tmp_path, nam
     assert [file.name for file in tmp_path.iterdir()] == ["scene.yaml"]
 
 
+@pytest.mark.parametrize("name", ["run.csv", "run.PNG", "scene.yaml"])
+def test_a_result_is_not_named_as_another_kind_of_file(tmp_path, name):
+    with pytest.raises(ResultError, match=r"another kind of file.*name it (run|scene)\.nc"):
+        check_target(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
 def test_numpy_access_does_not_load_xarray(tmp_path):
     with Store(tmp_path / "a.nc", VARIABLES) as store:
         store.append(frames(0, 5))

@@ -16,6 +16,10 @@ PAGES, DOCTYPE = (".html", ".htm"), b"<!doctype html"
 """Endings of web pages, and how they begin."""
 
 
+OTHER_KINDS = frozenset(".csv .txt .json .yaml .yml .xlsx .mat .vtk .pvd .png .svg .pdf .jpg .gif .mp4 .html".split())
+"""Endings of names of files that no result is."""
+
+
 def check_target(path: str | Path) -> Path:
     """Check that a result may be written to a path; an earlier result there may be replaced, nothing else.
 
@@ -26,7 +30,8 @@ def check_target(path: str | Path) -> Path:
     Raises
     ------
     ResultError
-        If the folder is missing or not writable, or the path is a folder or a file that is no result.
+        If the folder is missing or not writable, or the path is a folder, a file that is no result, or named as a
+        table, a picture, a scene or a page.
     """
     path = Path(path)
     check_folder(path)
@@ -35,6 +40,9 @@ def check_target(path: str | Path) -> Path:
             raise ResultError(path, "is a folder", f"name a file in it: -o {path / 'result.nc'}")
         if path.exists():
             _check_replaceable(path)
+        elif path.suffix.lower() in OTHER_KINDS:
+            cure = f"name it {path.with_suffix('.nc').name}; `export --csv` writes tables, `plot` and `render` pictures"
+            raise ResultError(path, "is the name of another kind of file, and a result is a NetCDF file", cure)
         probe = path.parent / f".{path.name}.{uuid4().hex[:8]}.part"
         probe.touch()
         probe.unlink()
