@@ -299,10 +299,10 @@ def _kinks(scene: CableScene) -> Sentences:
     if bent:
         others = f", and {len(bent) - 1} more like it" if len(bent) > 1 else ""
         text = (
-            f"elements with EJ = 0 share the slope of node {bent[0].id}{others}: a rope has a corner where a force or a "
-            "support acts, and cubic elements are smooth there. The axial force beside it may be off by a tenth however "
-            "many elements there are: give them quadrature: lobatto, use linear elements (nodes4), or end one element at "
-            "a node of its own and tie r"
+            f"elements with EJ = 0 share the slope of node {bent[0].id}{others}: a rope has a corner where a force or "
+            "a support acts, and cubic elements are smooth there. The axial force beside it may be off by a tenth "
+            "however many elements there are: give them quadrature: lobatto, use linear elements (nodes4), or end one "
+            "element at a node of its own and tie r"
         )
         key = "quadrature" if bent[0].place[-1] == "CableLine" else "xyz_d"
         yield (*bent[0].place, key), text
