@@ -70,7 +70,8 @@ def counted(monkeypatch):
 
 def simulate(application, folder):
     with pytest.raises(SystemExit) as left:
-        run(make_app(application, ["simulate"]), ["simulate", str(folder / "scene.yaml"), "--quiet"])
+        files = [str(folder / "scene.yaml"), "-o", str(folder / "scene.nc")]
+        run(make_app(application, ["simulate"]), ["simulate", *files, "--quiet"])
     assert left.value.code == 0
 
 
