@@ -272,6 +272,15 @@ def test_what_a_parameter_puts_into_the_scene_as_it_changes_is_work_from_outside
     assert result["external_work"][-1] != work and np.isfinite(before)
 
 
+@pytest.mark.parametrize(("name", "value"), [("payload.mass", 4000.0), ("rope.axial_stiffness", 4.0e7)])
+def test_a_parameter_given_for_the_start_puts_nothing_in(name, value):
+    sim = tautline.Simulation(scene_of("hoist"), parameters={name: value})
+    sim.advance_to(1.0)
+    assert sim.parameters[name] == value
+    assert sim.result["external_work"][0] == 0.0
+    assert sim.result.attributes["energy_error"] < 1e-3
+
+
 @pytest.mark.parametrize("share", [-0.1, 1.1, 2.0])
 def test_a_brake_is_closed_from_not_at_all_to_wholly(share):
     scene = deepcopy(tautline.read(DATA / "hoist.yaml").document.root)

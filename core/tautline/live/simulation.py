@@ -341,11 +341,15 @@ class Simulation:
 
     @contextmanager
     def _parameter_changes(self) -> Iterator[None]:
-        """While a parameter changes: what the system has more of it then was put in from outside."""
-        before = self._energy() if self._keep else 0.0
+        """While a parameter changes: what the system has more of it then was put in from outside.
+
+        The start is found with what was given before: nothing is put in where no frame is kept yet.
+        """
+        counts = self._kept.rows.size > 0
+        before = self._energy() if counts else 0.0
         yield
         self._observed = None
-        if self._keep:
+        if counts:
             work = self._energy() - before
             self._state.ledger[WORK] += work
             self._state.ledger[THROUGHPUT] += abs(work)
