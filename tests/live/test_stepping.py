@@ -281,6 +281,26 @@ def test_a_parameter_given_for_the_start_puts_nothing_in(name, value):
     assert sim.result.attributes["energy_error"] < 1e-3
 
 
+def test_the_mass_of_a_load_can_be_changed_before_and_after_a_part_of_it_is_let_go():
+    scene = deepcopy(tautline.read(DATA / "hoist.yaml").document.root)
+    scene["bodies"][0]["release"] = {"at": 2.0, "remaining": 2000}
+    scene["path"][0]["drum"]["pay_out"] = 0.0
+    sim = tautline.Simulation(scene)
+    rope = sim["winch.tension"] - 5000.0 * 9.81
+    sim.advance_to(1.0)
+    sim.parameters["payload.mass"] = 4000.0
+    with pytest.raises(SimulationError, match="at least 2000"):
+        sim.parameters["payload.mass"] = 1999.0
+    assert sim.parameters["payload.mass"] == 4000.0
+    sim.advance_to(3.0)
+    assert sim.parameters["payload.mass"] == 2000.0
+    sim.parameters["payload.mass"] = 2500.0
+    sim.advance_to(25.0)
+    assert sim.parameters["payload.mass"] == 2500.0
+    assert np.mean(sim.result["drum_tension"][-100:]) == pytest.approx(2500.0 * 9.81 + rope, rel=0.05)
+    assert sim.result.attributes["energy_error"] < 1e-3
+
+
 @pytest.mark.parametrize("share", [-0.1, 1.1, 2.0])
 def test_a_brake_is_closed_from_not_at_all_to_wholly(share):
     scene = deepcopy(tautline.read(DATA / "hoist.yaml").document.root)

@@ -55,7 +55,8 @@ def _of_drum(layout: Layout, i: int, drum: Drum) -> list[Row]:
     """A drum's brake, and the friction that it has at any speed."""
     rows = []
     common: Row = {
-        "kind": TORQUE, "p": layout.material(i), "by_p": layout.stretch, "s": NONE, "before": NONE, "after": NONE,
+        "kind": TORQUE, "p": layout.material(i), "by_p": layout.stretch, "s": NONE, "after": NONE,
+        "before": 0 if i == 0 else layout.item[-1] - 1,
         "stiffness": layout.scene.rope.axial_stiffness / drum.radius,
     }  # fmt: skip
     if drum.friction_torque > 0.0:

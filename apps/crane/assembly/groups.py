@@ -23,7 +23,7 @@ from crane.groups.masses import BODY, Bodies, Rims, Springs
 from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
 from crane.groups.span import BETWEEN, SPAN, STATION, Spans, new_spans
-from crane.groups.winch import DRUM, Drums, Supplies
+from crane.groups.winch import DRUM, WOUND, Drums, Supplies, WoundRope
 from crane.scene.scene import Drum, End, Sheave
 from tautline.kernels.time_function import TimeFunctions
 from tautline.scene.functions import Constant
@@ -50,7 +50,7 @@ def groups_of(layout: Layout) -> tuple[list[Maker], list[np.ndarray]]:
         made.append(partial(_constant, wet))
     if contacts:
         made.append(partial(_slips, contacts, spans))
-    made += [make for make in (_drums(layout, spans), _bodies(layout)) if make is not None]
+    made += [make for make in (_wound(layout, spans), _drums(layout, spans), _bodies(layout)) if make is not None]
     for group in (
         _rims(layout), _springs(layout), _supplies(layout), _rigids(layout), _sockets(layout)
     ):  # fmt: skip
@@ -94,6 +94,8 @@ def _spans(layout: Layout) -> Spans:
     )
     rows["load"] = rope.mass_per_length * np.array(layout.scene.gravity, dtype=float)
     on = _on_wheels(layout)
+    path = layout.scene.path
+    rows["keeps1"][0], rows["keeps2"][-1] = isinstance(path[0], Drum), isinstance(path[-1], Drum)
     for i, ((first, last), damping) in enumerate(zip(layout.spans, damping_of(layout.scene, layout.path), strict=True)):
         rows["damping"][first:last] = damping
         rows["wheel1"][first], rows["wheel2"][last - 1] = on[i], on[i + 1]
@@ -125,6 +127,27 @@ def _slips(contacts: list[dict[str, Any]], spans: Spans, functions: TimeFunction
     )  # fmt: skip
 
 
+def _at_drum(layout: Layout, spans: Spans, i: int) -> dict[str, Any]:
+    """Where the rope comes onto a drum, and what it weighs."""
+    return {
+        "p": layout.material(i),
+        "way": 1.0 if i == 0 else -1.0,
+        "rope": layout.scene.rope.mass_per_length,
+        "begin": layout.degrees.value[layout.supply.get(i, layout.material(i))],
+        "span": 0 if i == 0 else len(spans.rows) - 1,
+    }
+
+
+def _wound(layout: Layout, spans: Spans) -> Maker | None:
+    """Rope on all drums."""
+    rows = [_at_drum(layout, spans, i) for i, item in enumerate(layout.scene.path) if isinstance(item, Drum)]
+    if not rows:
+        return None
+    n, gravity = len(rows), np.array(layout.scene.gravity, dtype=float)
+    group = WoundRope(records_of(WOUND, rows), gravity, spans.found, np.zeros(n), np.zeros((n, 2)))
+    return partial(_constant, group)
+
+
 def _drums(layout: Layout, spans: Spans) -> Maker | None:
     """Drums that are driven by torque or hold a tension."""
     rows, scene = [], layout.scene
@@ -134,13 +157,10 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
         drive = item.torque if item.drive == "torque" else item.tension
         rows.append(
             {
-                "p": layout.material(i),
-                "way": 1.0 if i == 0 else -1.0,
-                "gear": layout.stretch / item.radius,
+                **_at_drum(layout, spans, i),
+                "radius": item.radius,
                 "inertia": item.inertia,
-                "rope": scene.rope.mass_per_length,
                 "stored": np.inf if item.rope_on_drum is None else item.rope_on_drum,
-                "begin": layout.degrees.value[layout.material(i)],
                 "function": layout.requests.add(
                     FunctionRequest(drive, key=f"path[{i}].drum.{item.drive}", inputs=_of_drum(item))
                 ),
@@ -148,13 +168,12 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
                 "proportional": item.gains.proportional if item.gains else 0.0,
                 "integral": item.gains.integral if item.gains else 0.0,
                 "limit": item.torque_limit or np.inf,
-                "span": 0 if i == 0 else len(spans.rows) - 1,
             }
         )
     if not rows:
         return None
-    n, gravity = len(rows), np.array(scene.gravity, dtype=float)
-    return lambda functions: Drums(records_of(DRUM, rows), gravity, spans.found, np.zeros(n), np.zeros(n), functions)
+    n = len(rows)
+    return lambda functions: Drums(records_of(DRUM, rows), spans.found, np.zeros(n), np.zeros(n), functions)
 
 
 def _of_drum(drum: Drum) -> tuple[Steering, ...]:

@@ -8,8 +8,8 @@ import numpy as np
 
 from crane.assembly.layout import AXES, Layout
 from crane.groups.capstan_friction import TORQUE, Slips
-from crane.groups.span import FORCE, Spans
-from crane.groups.winch import Drums, Supplies
+from crane.groups.span import FORCE, STRETCH, Spans
+from crane.groups.winch import Drums, Supplies, WoundRope
 from crane.scene.bodies import XYZ
 from crane.scene.scene import Drum, End, Sheave
 from tautline.integrators.state import State
@@ -78,6 +78,7 @@ def _hold(layout: Layout, system: System, state: State) -> None:
         for k, row in enumerate(slips.rows):
             if row.kind == TORQUE and row.p == place:
                 limit = row.coefficient * min(1.0, max(0.0, value_at(slips.functions, row.function, 0.0)[0]))
+                limit *= slips.found[row.before, STRETCH] / row.by_p
                 slips.force[k] = min(max(lacking / row.by_p, -limit), limit)
                 lacking -= row.by_p * slips.force[k]
 
@@ -188,5 +189,5 @@ def _move_supply(layout: Layout, system: System, i: int, way: float) -> None:
         if isinstance(group, Supplies):
             group.least[group.p == place] += way
             group.most[group.p == place] += way
-        elif isinstance(group, Drums):
+        elif isinstance(group, (Drums, WoundRope)):
             group.rows["begin"][group.rows["p"] == place] += way

@@ -37,8 +37,8 @@ SLIP = np.dtype(
         ("coefficient", "f8"), ("stiffness", "f8"), ("function", "i8"),
     ]
 )  # fmt: skip
-"""A contact: kind; places of p and of s or ``NONE`` with their factors; numbers of the spans before and after; mu,
-1/eta - 1 or mu_b r_b / R; k N/m; and the function of time of a limit (N), times the coefficient."""
+"""A contact: kind; places of p and of s or ``NONE`` with their factors; numbers of the spans before and after, for ``TORQUE`` that
+at the drum; mu, 1/eta - 1 or mu_b r_b / R; k N/m; and the function of time of a limit (N), times the coefficient."""
 
 
 class Slips(NamedTuple):
@@ -92,7 +92,9 @@ def _limit(g, row, t, force):
     """F_m for a force of this sign, and its derivatives by the tensions before and after."""
     if row.kind == TORQUE:
         share, _, _ = evaluate(g.functions, row.function, t)
-        return row.coefficient * min(1.0, max(0.0, share)), 0.0, 0.0
+        # The drum turns with the rope that comes onto it, by lambda p. / R.
+        stretch = g.found[row.before, STRETCH] / row.by_p
+        return stretch * row.coefficient * min(1.0, max(0.0, share)), 0.0, 0.0
     if row.kind == BEARING:
         size, by_one, by_two = _pin(g, row)
         return row.coefficient * size, row.coefficient * by_one, row.coefficient * by_two

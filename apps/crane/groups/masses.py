@@ -20,7 +20,8 @@ BODY = np.dtype(
         ("bottom", "f8"), ("touches", "i8"),
     ]
 )  # fmt: skip
-"""A body: the place of its position, mass kg, what remains of it from a time (s) on, added mass kg and drag N s/m,
+"""A body: the place of its position, mass kg, what remains of it from a time (s) on, infinite once that is past, added
+mass kg and drag N s/m,
 N s^2/m^2 along each axis, buoyancy N, numbers of functions of time of a force (N) or -1, the depth of its bottom below
 its position m, and whether there is ground below it."""
 STILL = 1.0e-3
@@ -63,6 +64,9 @@ def _body_begin(g, t, h, beta, gamma, q, v, a):
 def _body_commit(g, t, h, q, v, a):
     for n in range(g.rows.size):
         if h > 0.0:
+            if g.mass[n] < g.kept[n]:
+                # It happens once: what is changed later stays.
+                g.rows[n].released = np.inf
             g.kept[n] = g.mass[n]
 
 

@@ -8,6 +8,9 @@ A span from material p1 to p2 is Lambda long from mark to mark (`crane.geometry.
 and the residual is Lagrange's: d/dt dT/dq. - dT/dq + dV/dq, in which the momentum that is turned at a kink and that
 which goes round a sheave come out by themselves. Green's strain, N = EA (eps + c eps.) lambda; a rope that takes no
 compression has W = 0 where it is shorter than unstretched, and N = 0 where N would be negative.
+
+Where rope runs onto a drum it keeps its stretch. What resists p. there is T lambda, and not T lambda - W: the rope is
+not let go, and pulls at the drum with T R.
 """
 
 from __future__ import annotations
@@ -54,17 +57,18 @@ MATERIAL = 3
 SPAN = np.dtype(
     [
         ("a", "i8"), ("b", "i8"), ("wheel1", "i8"), ("wheel2", "i8"), ("stiffness", "f8"), ("mass", "f8"),
-        ("damping", "f8"), ("load", "f8", (3,)), ("slack", "i8"),
+        ("damping", "f8"), ("load", "f8", (3,)), ("slack", "i8"), ("keeps1", "i8"), ("keeps2", "i8"),
     ]
 )  # fmt: skip
-"""A span: its stations' places, the wheels there or ``POINT``, EA N, rhoA kg/m, c s, weight N/m, whether it slacks."""
+"""A span: its stations' places, the wheels there or ``POINT``, EA N, rhoA kg/m, c s, weight N/m, whether it slacks, and
+whether the rope beyond its beginning and its end keeps its stretch."""
 BETWEEN = np.dtype([("a", "i8"), ("b", "i8"), ("wheel1", "i8"), ("wheel2", "i8")])
 """Two items between which a span of the path runs: their places, and the wheels there or ``POINT``."""
 FORCE, FIRST, LAST, FIRST_PSI, LAST_PSI, STRETCH = range(6)
-BY_STRETCH, BY_SPEED, INERTIA, STRAIGHT, ON_WHEELS, SIZE = range(6, 12)
+BY_STRETCH, BY_SPEED, INERTIA, STRAIGHT, ON_WHEELS, STRAIN_ENERGY, SIZE = range(6, 13)
 """Places in ``found``: N in the middle (N), what is left of the tension at either end beside what turns the rope's
 momentum, T - rhoA u^2 (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m), rhoA L / 6 (kg), l, and
-Lambda - l, or NaN where there is no line (m)."""
+Lambda - l, or NaN where there is no line (m), and W (J/m)."""
 MET = 0.05
 """Straight rope between a sheave and what hangs from it, over the radius, below which the two have met."""
 FAR_APART = 2.0
@@ -91,7 +95,7 @@ class Spans(NamedTuple):
 
     ``items`` (k,) of ``BETWEEN`` are whole spans of the path, each with a wheel at one of its ends at least.
 
-    ``found`` (n, 11) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
+    ``found`` (n, 12) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
     ``is_slack`` (n,) whether each is slack, and ``kinks`` (1,) how many have come to be so, or taut again, since
     somebody asked. ``seen`` (2, m) are the positions and velocities of which ``found`` tells, as far as the spans reach
     into the full vectors, and ``brought_in`` (1,) W is what turning wheels put in there: who asks of the same state
@@ -144,6 +148,7 @@ def _find(g, n, q, v):
     g.found[n, BY_STRETCH] = (number[BY_LAM] - number[BY_RATE] * size_d / size) / size
     g.found[n, BY_SPEED] = number[BY_RATE] / size
     g.found[n, INERTIA] = s.mass * size / 6.0
+    g.found[n, STRAIN_ENERGY] = number[ENERGY]
     _keep_length(g, n)
 
 
@@ -292,9 +297,9 @@ def _residual(g, t, q, v, a, r):
             r[j + c] += r2[c]
         g.found[n, FIRST], g.found[n, LAST] = -dot(r1, e), dot(r2, e)
         lifted = 0.5 * (dot(load, place(q, i)) + dot(load, place(q, j)))
-        inner = f.tau - number[ENERGY] + force * lam + lifted
-        r[i + MATERIAL] += inner - dot(f.t_d, f.m1) - dot(f.t, n1)
-        r[j + MATERIAL] -= inner + dot(f.t_d, f.m2) + dot(f.t, n2)
+        inner, let_go = f.tau + force * lam + lifted, number[ENERGY]
+        r[i + MATERIAL] += inner - (1 - s.keeps1) * let_go - dot(f.t_d, f.m1) - dot(f.t, n1)
+        r[j + MATERIAL] -= inner - (1 - s.keeps2) * let_go + dot(f.t_d, f.m2) + dot(f.t, n2)
 
 
 @kernel
@@ -381,7 +386,7 @@ def _vary(g, n, q, v, a, column, cm, cc, ck):
     d_energy = number[ELASTIC] * d_lam
     d_kinetic = dot(x[M1], y[4]) + dot(x[M2], y[5]) + number[KINETIC] * grown / size
     d_tau = (d_kinetic + dot(y[10], x[T]) + dot(x[P], y[2]) - number[TAU] * grown) / size
-    d_inner = d_tau - d_energy + d_force * lam + force * d_lam
+    d_inner = d_tau + d_force * lam + force * d_lam
     if axis != MATERIAL:
         d_inner += 0.5 * ck * s.load[axis]
     d_along = dot(y[10], e) + dot(x[P], y[0])
@@ -396,10 +401,10 @@ def _vary(g, n, q, v, a, column, cm, cc, ck):
         block[c, column] = y[8, c] - pull - weight
         block[STATION + c, column] = y[9, c] + pull - weight
     block[MATERIAL, column] = (
-        d_inner - dot(y[3], x[M1]) - dot(x[T_D], y[6]) - dot(y[2], x[N1]) - dot(x[T], y[8])
+        d_inner - (1 - s.keeps1) * d_energy - dot(y[3], x[M1]) - dot(x[T_D], y[6]) - dot(y[2], x[N1]) - dot(x[T], y[8])
     )  # fmt: skip
     block[STATION + MATERIAL, column] = (
-        -d_inner - dot(y[3], x[M2]) - dot(x[T_D], y[7]) - dot(y[2], x[N2]) - dot(x[T], y[9])
+        -d_inner + (1 - s.keeps2) * d_energy - dot(y[3], x[M2]) - dot(x[T_D], y[7]) - dot(y[2], x[N2]) - dot(x[T], y[9])
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Drums that a motor drives, by torque or to hold a tension; and how much rope is left on a drum."""
+"""Rope that is wound up on drums; those that a motor drives, by torque or to hold a tension; and how much is left."""
 
 from __future__ import annotations
 
@@ -6,41 +6,97 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.groups.span import FIRST, LAST, MATERIAL, STRETCH
+from crane.groups.span import FIRST, LAST, MATERIAL, STRAIN_ENERGY, STRETCH
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import DRUM_FULL, RUN_OUT, register
 from tautline.kernels.jit import kernel
 from tautline.kernels.time_function import TimeFunctions, evaluate
 
+WOUND = np.dtype([("p", "i8"), ("way", "f8"), ("rope", "f8"), ("begin", "f8"), ("span", "i8")])
+"""Rope that comes onto a drum: the place of p at its mark, which stands behind its centre; +1 at the beginning of the
+rope, where p grows as it is hoisted, and -1 at its end; rhoA kg/m; p at the start; and the span that leaves it."""
 DRUM = np.dtype(
     [
-        ("p", "i8"), ("way", "f8"), ("gear", "f8"), ("inertia", "f8"), ("rope", "f8"), ("stored", "f8"),
+        ("p", "i8"), ("way", "f8"), ("radius", "f8"), ("inertia", "f8"), ("rope", "f8"), ("stored", "f8"),
         ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"), ("integral", "f8"),
-        ("limit", "f8"),
-        ("span", "i8"),
+        ("limit", "f8"), ("span", "i8"),
     ]
 )  # fmt: skip
-"""A drum whose motion is not prescribed: the place of p at its mark, which stands behind its centre; +1 at the
-beginning of the rope, where p grows as it is hoisted, and -1 at its end; gear = lambda/R 1/m (turns of the drum in rad
-per metre of material); inertia kg m^2; rhoA kg/m; rope on the drum at the start m (infinite: no end of it) and p there;
-the function of its torque N m or, where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; largest torque
-N m; and the span that leaves it."""
+"""A drum whose motion is not prescribed: p, way, rope, begin and span as in ``WOUND``; R m; inertia kg m^2; rope on it
+at the start m (infinite: no end of it); the function of its torque N m or, where it holds a tension (holds 1), of that
+N; its gains, 1 and 1/s; and largest torque N m."""
 
 
-class Drums(NamedTuple):
-    """Drums (n,) of ``DRUM``; ``found`` as in `Slips`; ``sum`` (n,) is the integral of what tension lacks, N s,
-    ``torque`` (n,) that of the last step; ``gravity`` (3,) m/s^2.
+class WoundRope(NamedTuple):
+    """Rope on drums (n,) of ``WOUND``; ``gravity`` (3,) m/s^2; ``found`` as in `Slips`.
 
     A span has the energies of its rope in space (`crane.groups.span`), and what is wound up leaves it. So the rope that
     has come onto the drum since the start, S long, has them too: with the drum's centre c
 
-        T = rhoA S c. . c. / 2,   V = -rhoA S g . c.
+        T = rhoA S c. . c. / 2,   V = -rhoA S g . c + integral of W dS.
 
-    Without them the motion of a driven drum would depend on where the scene's origin lies, and on how fast it moves.
+    Without them the motion of a driven drum, and the work of any, would depend on where the scene's origin lies and on
+    how fast it moves; and a loaded rope would lose its strain where it comes onto the drum. It is wound up with the
+    stretch that it has. What is paid out comes with that of the span, whatever it was wound up with: ``strain`` (n,) J,
+    the integral, is less than what is left on the drum where the load has grown. ``last`` (n, 2) is p and W at the end
+    of the last step.
     """
 
     rows: np.recarray
     gravity: np.ndarray
+    found: np.ndarray
+    strain: np.ndarray
+    last: np.ndarray
+
+
+@kernel
+def _wound(w, q):
+    """Rope that has come onto the drum since the start, m."""
+    return w.way * (q[w.p] - w.begin)
+
+
+@kernel
+def _wound_residual(g, t, q, v, a, r):
+    for n in range(g.rows.size):
+        w = g.rows[n]
+        for c in range(MATERIAL):
+            o = w.p - MATERIAL + c
+            r[o] += w.rope * (_wound(w, q) * (a[o] - g.gravity[c]) + w.way * v[w.p] * v[o])
+            r[w.p] -= w.way * w.rope * (0.5 * v[o] * v[o] + g.gravity[c] * q[o])
+
+
+@kernel
+def _wound_energy(g, t, q, v, energy):
+    for n in range(g.rows.size):
+        w = g.rows[n]
+        energy[1] += g.strain[n]
+        for c in range(MATERIAL):
+            o = w.p - MATERIAL + c
+            energy[0] += 0.5 * w.rope * _wound(w, q) * v[o] * v[o]
+            energy[2] -= w.rope * _wound(w, q) * g.gravity[c] * q[o]
+
+
+@kernel
+def _wound_commit(g, t, h, q, v, a):
+    for n in range(g.rows.size):
+        w = g.rows[n]
+        now = g.found[w.span, STRAIN_ENERGY]
+        if h > 0.0:
+            g.strain[n] += 0.5 * (g.last[n, 1] + now) * w.way * (q[w.p] - g.last[n, 0])
+        g.last[n, 0], g.last[n, 1] = q[w.p], now
+
+
+register(WoundRope, residual=_wound_residual, energy=_wound_energy, commit=_wound_commit)
+
+
+class Drums(NamedTuple):
+    """Drums (n,) of ``DRUM``; ``found`` as in `Slips`; ``sum`` (n,) is the integral of what tension lacks, N s,
+    ``torque`` (n,) that of the last step.
+
+    The drum turns with the rope that comes onto it, lambda p. / R, and carries what is on it around.
+    """
+
+    rows: np.recarray
     found: np.ndarray
     sum: np.ndarray
     torque: np.ndarray
@@ -59,69 +115,69 @@ def _drum_torque(g, n, t):
     asked, _, _ = evaluate(g.functions, d.function, t)
     if d.holds == 1:
         lack = asked - _pull(g, d)
-        asked = (asked + d.proportional * lack + d.integral * g.sum[n]) * g.found[d.span, STRETCH] / d.gear
+        asked = (asked + d.proportional * lack + d.integral * g.sum[n]) * d.radius
     return min(max(asked, -d.limit), d.limit)
+
+
+@kernel
+def _gear(g, d):
+    """Turns of the drum for a metre of material, rad/m."""
+    return g.found[d.span, STRETCH] / d.radius
 
 
 @kernel
 def _stored(d, q):
     """Rope on the drum, m; what has no end has no inertia of its own either."""
-    return d.stored + d.way * (q[d.p] - d.begin) if d.stored < np.inf else 0.0
+    return max(0.0, d.stored + d.way * (q[d.p] - d.begin)) if d.stored < np.inf else 0.0
 
 
 @kernel
-def _wound(d, q):
-    """Rope that has come onto the drum since the start, m."""
-    return d.way * (q[d.p] - d.begin)
+def _drum_inertia(g, d, q):
+    """Of drum and rope at p, kg."""
+    return (d.inertia / (d.radius * d.radius) + d.rope * _stored(d, q)) * g.found[d.span, STRETCH] ** 2
 
 
 @kernel
 def _drum_residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         d = g.rows[n]
-        wound = _wound(d, q)
-        for c in range(MATERIAL):
-            o = d.p - MATERIAL + c
-            r[o] += d.rope * (wound * (a[o] - g.gravity[c]) + d.way * v[d.p] * v[o])
-            r[d.p] -= d.way * d.rope * (0.5 * v[o] * v[o] + g.gravity[c] * q[o])
-        stretch = g.found[d.span, STRETCH]
-        mass = d.inertia * d.gear * d.gear + d.rope * max(0.0, _stored(d, q)) * stretch * stretch
-        r[d.p] += mass * a[d.p] + 0.5 * d.way * d.rope * (stretch * v[d.p]) ** 2
-        r[d.p] -= d.way * d.gear * _drum_torque(g, n, t)
+        speed = g.found[d.span, STRETCH] * v[d.p]
+        r[d.p] += _drum_inertia(g, d, q) * a[d.p] + 0.5 * d.way * d.rope * speed * speed
+        r[d.p] -= d.way * _gear(g, d) * _drum_torque(g, n, t)
 
 
 @kernel
 def _drum_mass(g, q, matrix, dofs):
     for n in range(g.rows.size):
         d = g.rows[n]
-        add_entry(matrix, dofs, d.p, d.p, d.inertia * d.gear * d.gear + d.rope * max(0.0, _stored(d, q)))
+        add_entry(matrix, dofs, d.p, d.p, _drum_inertia(g, d, q))
 
 
 @kernel
 def _drum_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
         d = g.rows[n]
-        mass = d.inertia * d.gear * d.gear + d.rope * max(0.0, _stored(d, q))
-        add_entry(matrix, dofs, d.p, d.p, cm * mass + cc * d.way * d.rope * v[d.p] + ck * d.way * d.rope * a[d.p])
+        x = cm * _drum_inertia(g, d, q)
+        x += d.way * d.rope * g.found[d.span, STRETCH] ** 2 * (cc * v[d.p] + ck * a[d.p])
+        add_entry(matrix, dofs, d.p, d.p, x)
 
 
 @kernel
 def _drum_energy(g, t, q, v, energy):
     for n in range(g.rows.size):
         d = g.rows[n]
-        mass = d.inertia * d.gear * d.gear + d.rope * max(0.0, _stored(d, q))
-        energy[0] += 0.5 * mass * v[d.p] ** 2
-        for c in range(MATERIAL):
-            o = d.p - MATERIAL + c
-            energy[0] += 0.5 * d.rope * _wound(d, q) * v[o] * v[o]
-            energy[2] -= d.rope * _wound(d, q) * g.gravity[c] * q[o]
+        energy[0] += 0.5 * _drum_inertia(g, d, q) * v[d.p] ** 2
 
 
 @kernel
 def _drum_supply(g, t, q, v, p):
     for n in range(g.rows.size):
         d = g.rows[n]
-        p[0] += d.way * d.gear * _drum_torque(g, n, t) * v[d.p]
+        speed = g.found[d.span, STRETCH] * v[d.p]
+        p[0] += d.way * speed / d.radius * _drum_torque(g, n, t)
+        if d.stored == np.inf:
+            # Nobody keeps the energy of the rope that comes onto a drum without an end of it.
+            p[0] -= 0.5 * d.way * d.rope * speed * speed * v[d.p]
 
 
 @kernel

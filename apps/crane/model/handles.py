@@ -100,10 +100,12 @@ def _of_bodies(layout: Layout, bodies: Bodies) -> Iterator[Parameter]:
     rows = bodies.rows
     for k, body in enumerate(layout.scene.bodies):
         one = slice(k, k + 1)
-        places = [rows["mass"][one], bodies.mass[one], bodies.kept[one]]
+        places, text, least = [bodies.kept[one], bodies.mass[one], rows["mass"][one]], f"mass of {body.name}", 0.0
         if body.release is None:
             places.append(rows["remaining"][one])
-        yield number(f"{body.name}.mass", "kg", f"mass of {body.name}", places)
+        else:
+            text, least = f"{text}, with what it lets go until then", body.release.remaining
+        yield number(f"{body.name}.mass", "kg", text, places, least=least, positive=least == 0.0)
         for c, axis in enumerate("xyz"):
             for field, what, unit in (
                 ("added", "added_mass", "kg"), ("linear", "linear_drag", "N s/m"),

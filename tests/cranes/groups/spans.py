@@ -18,9 +18,14 @@ SUMS = ("residual", "mass", "smooth_tangent", "switching_tangent", "energy", "di
 
 
 class Held:
-    """A span with its frames (the first 24 degrees of freedom, held) and two free stations."""
+    """A span with its frames (the first 24 degrees of freedom, held) and two free stations.
 
-    def __init__(self, span: exact.Span, q: np.ndarray, v: np.ndarray, time: float, slack: bool = False) -> None:
+    ``keeps`` says whether the rope beyond its beginning and its end keeps its stretch, as on a drum.
+    """
+
+    def __init__(
+        self, span: exact.Span, q: np.ndarray, v: np.ndarray, time: float, slack: bool = False, keeps=(False, False)
+    ) -> None:
         wheels, numbers = np.zeros(2, WHEEL), []
         self.q, self.v = np.zeros(2 * FRAME + 2 * STATION), np.zeros(2 * FRAME + 2 * STATION)
         for k, sheave in enumerate((span.first, span.second)):
@@ -36,7 +41,7 @@ class Held:
             numbers.append(k if sheave.radius != 0.0 else POINT)
         rows = np.zeros(1, SPAN).view(np.recarray)
         load = span.rhoA * np.asarray(span.gravity, dtype=float)
-        rows[0] = (24, 28, numbers[0], numbers[1], span.EA, span.rhoA, span.damping, load, int(slack))
+        rows[0] = (24, 28, numbers[0], numbers[1], span.EA, span.rhoA, span.damping, load, int(slack), *keeps)
         self.q[24:], self.v[24:] = q, v
         self.group = new_spans(rows, wheels.view(np.recarray))
         degrees = Degrees([f"x{i}" for i in range(32)], self.q.copy(), np.ones(32))

@@ -22,6 +22,18 @@ def test_residual_is_lagranges(case):
     assert np.abs(made - expected).max() < 1e-10 * np.abs(expected).max()
 
 
+@pytest.mark.parametrize("keeps", [(True, False), (False, True), (True, True)], ids=["begin", "end", "both"])
+@pytest.mark.parametrize("case", CASES[:6], ids=NAMES[:6])
+def test_rope_that_keeps_its_stretch_beyond_an_end_pulls_there_with_all_of_its_tension(case, keeps):
+    """Lagrange's equations of a span let go what leaves it, with W of its own: it is that which is not there."""
+    made = held(case, keeps=keeps).residual(case.q, case.v, case.a)
+    expected = exact.residual(case.span, case.q, case.v, case.a, case.time)
+    energy = exact.strain_energy(case.span, case.q, case.time) / (case.q[7] - case.q[3])
+    assert energy > 1e-6 * np.abs(expected).max()
+    expected[[3, 7]] += np.array([energy, -energy]) * keeps
+    assert np.abs(made - expected).max() < 1e-9 * np.abs(expected).max()
+
+
 @pytest.mark.parametrize("case", CASES, ids=NAMES)
 def test_energies_and_powers_are_the_references(case):
     (kinetic, strain, potential), (lost, driven, _) = held(case).energies(case.q, case.v)
@@ -35,9 +47,10 @@ def test_energies_and_powers_are_the_references(case):
 
 @pytest.mark.parametrize("case", CASES, ids=NAMES)
 @pytest.mark.parametrize("weights", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)], ids=["mass", "damping", "all"])
-def test_tangent_is_the_residuals_difference(case, weights):
+@pytest.mark.parametrize("keeps", [(False, False), (True, True)], ids=["", "keeps"])
+def test_tangent_is_the_residuals_difference(case, weights, keeps):
     """Exact for points; left out is how E changes on wheels that turn or are met askew, in what flows through."""
-    span = held(case)
+    span = held(case, keeps=keeps)
     cm, cc, ck = weights
     made = span.matrix(case.q, case.v, case.a, cm, cc, ck)
     expected = np.zeros((8, 8))
