@@ -37,8 +37,9 @@ SLIP = np.dtype(
         ("coefficient", "f8"), ("stiffness", "f8"), ("function", "i8"),
     ]
 )  # fmt: skip
-"""A contact: kind; places of p and of s or ``NONE`` with their factors; numbers of the spans before and after, for ``TORQUE`` that
-at the drum; mu, 1/eta - 1 or mu_b r_b / R; k N/m; and the function of time of a limit (N), times the coefficient."""
+"""A contact: kind; places of p and of s or ``NONE`` with their factors; numbers of the spans before and after, for
+``TORQUE`` that at the drum as before; mu, 1/eta - 1 or mu_b r_b / R; k N/m; and the function of time of a limit (N),
+times the coefficient."""
 
 
 class Slips(NamedTuple):

@@ -87,7 +87,7 @@ def test_work_from_outside_is_tension_times_speed_at_the_rim(stretch, drive, ord
 
 @pytest.mark.parametrize("drive", [{"pay_out": {"ramp": {"to": -2.0, "over": 1.0}}}, {"torque": 3.5e4, "inertia": 4e3}])
 def test_work_from_outside_is_that_of_the_scene_moved_up_or_down(drive):
-    """33 kg/m: a hoist whose drum forgot the height of the rope on it took five times less at 1000 m, or gave energy."""
+    """33 kg/m: a drum that forgets the height of the rope on it takes five times less at 1000 m, or gives energy."""
     made = []
     for height in (0.0, 1000.0, -1000.0):
         scene = hoist(drive=drive, rope={"mass_per_length": 33.0}, solver={"end": 3.0, "control": "fixed"})
