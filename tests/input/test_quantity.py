@@ -14,7 +14,7 @@ from tautline.scene.reading.columns import Columns
 from tautline.scene.values.quantity import MEANINGS, quantity
 from tautline.scene.values.units import TABLE, UnknownUnit, pint_registry, read_unit
 
-PINTS_NAME = {"bbl": "oil_bbl", "%": "percent", "lbm": "pound", "klbm": "klb", "usft": "survey_foot"}
+PINTS_NAME = {"bbl": "oil_bbl", "rev": "revolution", "%": "percent", "lbm": "pound", "klbm": "klb", "usft": "survey_foot"}
 
 
 def si(written, unit, **bounds):
@@ -50,6 +50,8 @@ def test_every_unit_of_the_table_equals_pint(name):
         ("90 deg", "rad", math.pi / 2),
         ("180°", "rad", math.pi),
         ("60 rpm", "rad/s", 2 * math.pi),
+        ("60 rev/min", "rad/s", 2 * math.pi),
+        ("1.5 rev", "rad", 3 * math.pi),
         ("90 deg/s", "rad/s", math.pi / 2),
         ("3 deg/30m", "rad/m", math.radians(3) / 30),
         ("3 deg/30 m", "rad/m", math.radians(3) / 30),

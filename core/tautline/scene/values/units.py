@@ -98,7 +98,7 @@ def _table() -> dict[str, Unit]:
         "t": Unit(ten**3) * kg, "tonne": Unit(ten**3) * kg,
         "min": Unit(Fraction(60)) * second, "h": Unit(Fraction(3600)) * second, "hour": Unit(Fraction(3600)) * second,
         "deg": degree, "degree": degree, "°": degree, "gon": Unit(Fraction(1, 200), turns=1, angle=1),
-        "rpm": Unit(Fraction(1, 30), turns=1, time=-1, angle=1),
+        "rpm": Unit(Fraction(1, 30), turns=1, time=-1, angle=1), "rev": Unit(Fraction(2), turns=1, angle=1),
         "hp": Unit(Fraction(550)) * foot * pound_force * second**-1,
         "bar": Unit(ten**5) * pascal, "l": Unit(ten**-3) * metre**3, "L": Unit(ten**-3) * metre**3,
         "cc": Unit(ten**-6) * metre**3, "%": Unit(ten**-2),
