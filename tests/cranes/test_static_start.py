@@ -42,6 +42,27 @@ def test_a_body_that_only_just_sinks_hangs_where_it_is_drawn(volume):
     assert result["tension"][0, -1, 1] == pytest.approx((MASS - DENSITY * volume) * GRAVITY, rel=1e-6)
 
 
+STRETCHED = {"engineering": lambda e: e - 1.0, "green": lambda e: 0.5 * (e**2 - 1.0) * e}
+"""Force over EA of a rope stretched to e times its length."""
+
+
+@pytest.mark.parametrize("strain", STRETCHED)
+@pytest.mark.parametrize("given", [True, False], ids=["length given", "length found"])
+def test_a_rope_hangs_as_long_as_its_strain_says(strain, given):
+    """A rope that weighs next to nothing, stretched by 3 %: its length is given, or found from where the load is."""
+    mass, drawn, stiffness = 5000.0, 25.0, 5000.0 * GRAVITY / 0.03
+    rope = {"strain": strain, "axial_stiffness": stiffness, "mass_per_length": 1.0e-6}
+    if given:
+        rope["length"] = drawn
+    result = ran(fall(mass, drawn, rope=rope, solver={"end": 0.1}))
+    long = -result["body_position"][-1, 0, 2] / result["material_coordinate"][-1, -1]
+    assert STRETCHED[strain](long) == pytest.approx(0.03, rel=1.0e-6)
+    if given:
+        assert result["material_coordinate"][-1, -1] == pytest.approx(drawn, rel=1.0e-9)
+    else:
+        assert result["body_position"][-1, 0, 2] == pytest.approx(-drawn, rel=1.0e-6)
+
+
 def test_a_search_for_the_length_that_does_not_end_is_no_start(monkeypatch):
     monkeypatch.setattr(reach, "ITERATIONS", 1)
     stop = stopped(in_water(3.0, rope={"axial_stiffness": 1.0e5}), Status.NO_EQUILIBRIUM)

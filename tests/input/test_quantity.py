@@ -14,7 +14,14 @@ from tautline.scene.reading.columns import Columns
 from tautline.scene.values.quantity import MEANINGS, quantity
 from tautline.scene.values.units import TABLE, UnknownUnit, pint_registry, read_unit
 
-PINTS_NAME = {"bbl": "oil_bbl", "rev": "revolution", "%": "percent", "lbm": "pound", "klbm": "klb", "usft": "survey_foot"}
+PINTS_NAME = {
+    "bbl": "oil_bbl",
+    "rev": "revolution",
+    "%": "percent",
+    "lbm": "pound",
+    "klbm": "klb",
+    "usft": "survey_foot",
+}
 
 
 def si(written, unit, **bounds):

@@ -6,7 +6,7 @@ an axis a and a mark direction m normal to it, both carried by a frame that turn
 
     w_i = (e x a_i)/|e x a_i|,  s = d + rho2 w2 - rho1 w1,  e = s/|s|,  l = |s|,
     psi_i: angle from m_i to w_i, right-handed about a_i, so that dw_i = (a_i x w_i) dpsi_i in the frame of the sheave,
-    Lam = l + rho1 psi1 - rho2 psi2,  L = p2 - p1,  lambda = Lam/L,  eps = (lambda^2 - 1)/2,
+    Lam = l + rho1 psi1 - rho2 psi2,  L = p2 - p1,  lambda = Lam/L,  eps = (lambda^2 - 1)/2 or lambda - 1,
     v_i = dc_i/dt - lambda e dp_i/dt,  T = rhoA L (v1.v1 + v1.v2 + v2.v2)/6,
     V = L EA eps^2/2 - rhoA L g.(c1 + c2)/2,  dissipated power D = L EA c (d eps/dt)^2.
 
@@ -63,6 +63,7 @@ class Span:
     rhoA : mass per unstretched length [kg/m]
     damping : time c of N = EA (eps + c deps/dt) lambda [s]
     gravity : (3,) [m/s2]
+    engineering : whether eps is lambda - 1, and not Green's
     """
 
     first: Sheave
@@ -71,6 +72,7 @@ class Span:
     rhoA: float
     damping: float = 0.0
     gravity: ArrayLike = (0.0, 0.0, -9.81)
+    engineering: bool = False
 
 
 class Geometry(NamedTuple):
@@ -83,7 +85,7 @@ class Geometry(NamedTuple):
     path: Any  # Lam, length from mark to mark [m]
     unstretched: Any  # L [m]
     stretch: Any  # lambda
-    strain: Any  # eps, Green
+    strain: Any  # eps
 
 
 def _exact(values: Any) -> Exact:
@@ -168,7 +170,8 @@ def _geometry(span: Span, q: Exact, time: Any) -> Geometry:
     path = length + rims[0][0] * psi[0] - rims[1][0] * psi[1]
     unstretched = q[7] - q[3]
     stretch = path / unstretched
-    return Geometry(e, length, w, psi, path, unstretched, stretch, (stretch**2 - 1) / 2)
+    strain = stretch - 1 if span.engineering else (stretch**2 - 1) / 2
+    return Geometry(e, length, w, psi, path, unstretched, stretch, strain)
 
 
 # Lagrangian
@@ -270,7 +273,7 @@ def potential_energy(span: Span, q: ArrayLike) -> float:
 
 
 def strain_rate(span: Span, q: ArrayLike, v: ArrayLike, time: float) -> float:
-    """Rate of the Green strain deps/dt = lambda dlambda/dt, the turning of the frames included [1/s]."""
+    """Rate of the strain deps/dt = deps/dlambda dlambda/dt, the turning of the frames included [1/s]."""
     with mp.workdps(DIGITS):
         return float(_strain_rate(span, _exact(q), _exact(v), mp.mpf(time)))
 

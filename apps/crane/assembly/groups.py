@@ -94,6 +94,7 @@ def _spans(layout: Layout) -> Spans:
     )
     rows["load"] = rope.mass_per_length * np.array(layout.scene.gravity, dtype=float)
     on = _on_wheels(layout)
+    rows["engineering"] = rope.strain == "engineering"
     path = layout.scene.path
     rows["keeps1"][0], rows["keeps2"][-1] = isinstance(path[0], Drum), isinstance(path[-1], Drum)
     for i, ((first, last), damping) in enumerate(zip(layout.spans, damping_of(layout.scene, layout.path), strict=True)):

@@ -27,9 +27,11 @@ SHORTEST_WAY = 0.3
 """Share of the shortest piece of rope by which its length may change in one iteration."""
 
 
-def stretch_of(tension: float, stiffness: float) -> float:
-    """Stretch lambda at which N = EA (lambda^2 - 1) lambda / 2 is a tension."""
+def stretch_of(tension: float, stiffness: float, strain: str = "green") -> float:
+    """Stretch lambda at which N = EA (lambda^2 - 1) lambda / 2, or EA (lambda - 1), is a tension."""
     stretch = 1.0 + tension / stiffness
+    if strain == "engineering":
+        return stretch
     for _ in range(50):
         force = 0.5 * stiffness * (stretch * stretch - 1.0) * stretch - tension
         change = force / (0.5 * stiffness * (3.0 * stretch * stretch - 1.0))

@@ -6,8 +6,12 @@ A span from material p1 to p2 is Lambda long from mark to mark (`crane.geometry.
     T = rhoA L (v1.v1 + v1.v2 + v2.v2) / 6,   V = L W(lambda) - rhoA L g.(c1 + c2) / 2,
 
 and the residual is Lagrange's: d/dt dT/dq. - dT/dq + dV/dq, in which the momentum that is turned at a kink and that
-which goes round a sheave come out by themselves. Green's strain, N = EA (eps + c eps.) lambda; a rope that takes no
-compression has W = 0 where it is shorter than unstretched, and N = 0 where N would be negative.
+which goes round a sheave come out by themselves. With Green's strain, eps = (lambda^2 - 1)/2, or engineering strain,
+eps = lambda - 1,
+
+    W = EA eps^2 / 2,   N = EA (eps + c eps.) eps',   eps' = deps/dlambda = lambda or 1;
+
+a rope that takes no compression has W = 0 where it is shorter than unstretched, and N = 0 where N would be negative.
 
 Where rope runs onto a drum it keeps its stretch. What resists p. there is T lambda, and not T lambda - W: the rope is
 not let go, and pulls at the drum with T R.
@@ -58,10 +62,11 @@ SPAN = np.dtype(
     [
         ("a", "i8"), ("b", "i8"), ("wheel1", "i8"), ("wheel2", "i8"), ("stiffness", "f8"), ("mass", "f8"),
         ("damping", "f8"), ("load", "f8", (3,)), ("slack", "i8"), ("keeps1", "i8"), ("keeps2", "i8"),
+        ("engineering", "i8"),
     ]
 )  # fmt: skip
-"""A span: its stations' places, the wheels there or ``POINT``, EA N, rhoA kg/m, c s, weight N/m, whether it slacks, and
-whether the rope beyond its beginning and its end keeps its stretch."""
+"""A span: its stations' places, the wheels there or ``POINT``, EA N, rhoA kg/m, c s, weight N/m, whether it slacks,
+whether the rope beyond its beginning and its end keeps its stretch, and whether its strain is engineering strain."""
 BETWEEN = np.dtype([("a", "i8"), ("b", "i8"), ("wheel1", "i8"), ("wheel2", "i8")])
 """Two items between which a span of the path runs: their places, and the wheels there or ``POINT``."""
 FORCE, FIRST, LAST, FIRST_PSI, LAST_PSI, STRETCH = range(6)
@@ -126,12 +131,16 @@ def _stretch(g, n, q, v, start):
     lam = line.number[PATH] / size
     path_d = line.number[RATE] + dot(line.g, difference(s.b, s.a, v))
     lam_d = (path_d - lam * size_d) / size
-    strain = 0.5 * (lam * lam - 1.0)
+    if s.engineering == 1:
+        strain, slope, bend = lam - 1.0, 1.0, 0.0
+    else:
+        strain, slope, bend = 0.5 * (lam * lam - 1.0), lam, 1.0
+    viscous = s.damping * slope * lam_d
     number[L], number[L_D], number[LAM], number[LAM_D] = size, size_d, lam, lam_d
-    number[ENERGY], number[ELASTIC] = 0.5 * s.stiffness * strain * strain, s.stiffness * strain * lam
-    number[TENSION] = s.stiffness * (strain + s.damping * lam * lam_d) * lam
-    number[BY_LAM] = s.stiffness * (strain + lam * lam + 2.0 * s.damping * lam * lam_d)
-    number[BY_RATE] = s.stiffness * s.damping * lam * lam
+    number[ENERGY], number[ELASTIC] = 0.5 * s.stiffness * strain * strain, s.stiffness * strain * slope
+    number[TENSION] = s.stiffness * (strain + viscous) * slope
+    number[BY_LAM] = s.stiffness * (slope * slope + (strain + 2.0 * viscous) * bend)
+    number[BY_RATE] = s.stiffness * s.damping * slope * slope
     if s.slack == 1 and strain < 0.0:
         number[ENERGY] = number[ELASTIC] = 0.0
     if s.slack == 1 and number[TENSION] < 0.0:

@@ -148,7 +148,7 @@ def _tension(scene: CraneScene) -> float:
 def _tie_material(layout: Layout, tension: float) -> None:
     """Lay the rope's material along its path, and tie that of nodes to the marks about them."""
     scene, degrees, path = layout.scene, layout.degrees, layout.path
-    stretch = stretch_of(tension, scene.rope.axial_stiffness)
+    stretch = stretch_of(tension, scene.rope.axial_stiffness, scene.rope.strain)
     if scene.rope.length is not None:
         stretch = float(path.chords.sum()) / scene.rope.length
     elif scene.start == "as drawn":

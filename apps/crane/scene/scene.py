@@ -61,6 +61,8 @@ class Rope(Model):
         m and N.
     compression : str
         ``none``: no compression, or ``elastic``.
+    strain : str
+        ``green``: (lambda^2 - 1)/2, or ``engineering``: lambda - 1, that EA is the stiffness for.
     bending_life : float or None
         Bending cycles that the rope lasts at a fifth of its breaking load, by its maker's tests: for the account of a
         twin (`crane.rope_life.account`).
@@ -78,6 +80,7 @@ class Rope(Model):
     diameter: Annotated[float, quantity("m", positive=True, of="rope diameter")] | None = None
     breaking_load: Annotated[float, quantity("N", positive=True, of="breaking load")] | None = None
     compression: Annotated[Literal["none", "elastic"], word("none", "elastic")] = "none"
+    strain: Annotated[Literal["green", "engineering"], word("green", "engineering")] = "green"
     bending_life: Annotated[float, quantity("", positive=True, of="number of cycles")] | None = None
     length: Annotated[float, quantity("m", positive=True, of="length")] | None = None
 

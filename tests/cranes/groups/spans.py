@@ -41,7 +41,19 @@ class Held:
             numbers.append(k if sheave.radius != 0.0 else POINT)
         rows = np.zeros(1, SPAN).view(np.recarray)
         load = span.rhoA * np.asarray(span.gravity, dtype=float)
-        rows[0] = (24, 28, numbers[0], numbers[1], span.EA, span.rhoA, span.damping, load, int(slack), *keeps)
+        rows[0] = (
+            24,
+            28,
+            numbers[0],
+            numbers[1],
+            span.EA,
+            span.rhoA,
+            span.damping,
+            load,
+            int(slack),
+            *keeps,
+            int(span.engineering),
+        )
         self.q[24:], self.v[24:] = q, v
         self.group = new_spans(rows, wheels.view(np.recarray))
         degrees = Degrees([f"x{i}" for i in range(32)], self.q.copy(), np.ones(32))

@@ -26,7 +26,7 @@ def chain(count, wheels=(POINT, POINT), axial=0.0, mass=0.0, load=(0.0, 0.0, 0.0
     for n in range(count):
         a = start + STATION * n
         before, after = wheels[0] if n == 0 else POINT, wheels[1] if n == count - 1 else POINT
-        rows[n] = (a, a + STATION, before, after, axial, mass, 0.0, load, 0, 0, 0)
+        rows[n] = (a, a + STATION, before, after, axial, mass, 0.0, load, 0, 0, 0, 0)
     return rows
 
 

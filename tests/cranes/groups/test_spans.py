@@ -1,5 +1,7 @@
 """Spans of rope against the reference that takes Lagrange's equations of them by brute force."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cranes.groups.spans import Held
@@ -9,6 +11,8 @@ from tautline.kernels.groups import EMPTY
 
 CASES = [case for seed in (1, 2) for case in exact.cases(seed)]
 NAMES = [f"{case.name} {k // 12}" for k, case in enumerate(CASES)]
+CASES += [replace(case, span=replace(case.span, engineering=True)) for case in CASES[:12]]
+NAMES += [f"{name} with engineering strain" for name in NAMES[:12]]
 
 
 def held(case, **options):
