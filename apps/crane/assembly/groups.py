@@ -160,6 +160,7 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
             {
                 **_at_drum(layout, spans, i),
                 "radius": item.radius,
+                "stretch": layout.stretch,
                 "inertia": item.inertia,
                 "stored": np.inf if item.rope_on_drum is None else item.rope_on_drum,
                 "function": layout.requests.add(

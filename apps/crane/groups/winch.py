@@ -17,13 +17,13 @@ WOUND = np.dtype([("p", "i8"), ("way", "f8"), ("rope", "f8"), ("begin", "f8"), (
 rope, where p grows as it is hoisted, and -1 at its end; rhoA kg/m; p at the start; and the span that leaves it."""
 DRUM = np.dtype(
     [
-        ("p", "i8"), ("way", "f8"), ("radius", "f8"), ("inertia", "f8"), ("rope", "f8"), ("stored", "f8"),
-        ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"), ("integral", "f8"),
+        ("p", "i8"), ("way", "f8"), ("radius", "f8"), ("stretch", "f8"), ("inertia", "f8"), ("rope", "f8"),
+        ("stored", "f8"), ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"), ("integral", "f8"),
         ("limit", "f8"), ("span", "i8"),
     ]
 )  # fmt: skip
-"""A drum whose motion is not prescribed: p, way, rope, begin and span as in ``WOUND``; R m; inertia kg m^2; rope on it
-at the start m (infinite: no end of it); the function of its torque N m or, where it holds a tension (holds 1), of that
+"""A drum whose motion is not prescribed: p, way, rope, begin and span as in ``WOUND``; R m; the stretch with
+which rope is taken to lie on it; inertia kg m^2; rope on it at the start m (infinite: no end of it); the function of its torque N m or, where it holds a tension (holds 1), of that
 N; its gains, 1 and 1/s; and largest torque N m."""
 
 
@@ -93,7 +93,8 @@ class Drums(NamedTuple):
     """Drums (n,) of ``DRUM``; ``found`` as in `Slips`; ``sum`` (n,) is the integral of what tension lacks, N s,
     ``torque`` (n,) that of the last step.
 
-    The drum turns with the rope that comes onto it, lambda p. / R, and carries what is on it around.
+    Its torque acts with the stretch of the rope that comes onto it, lambda / R. Drum and rope turn with p by that of the
+    start, which makes their kinetic energy one of p. alone.
     """
 
     rows: np.recarray
@@ -120,45 +121,38 @@ def _drum_torque(g, n, t):
 
 
 @kernel
-def _gear(g, d):
-    """Turns of the drum for a metre of material, rad/m."""
-    return g.found[d.span, STRETCH] / d.radius
-
-
-@kernel
 def _stored(d, q):
     """Rope on the drum, m; what has no end has no inertia of its own either."""
     return max(0.0, d.stored + d.way * (q[d.p] - d.begin)) if d.stored < np.inf else 0.0
 
 
 @kernel
-def _drum_inertia(g, d, q):
+def _drum_inertia(d, q):
     """Of drum and rope at p, kg."""
-    return (d.inertia / (d.radius * d.radius) + d.rope * _stored(d, q)) * g.found[d.span, STRETCH] ** 2
+    return (d.inertia / (d.radius * d.radius) + d.rope * _stored(d, q)) * d.stretch * d.stretch
 
 
 @kernel
 def _drum_residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         d = g.rows[n]
-        speed = g.found[d.span, STRETCH] * v[d.p]
-        r[d.p] += _drum_inertia(g, d, q) * a[d.p] + 0.5 * d.way * d.rope * speed * speed
-        r[d.p] -= d.way * _gear(g, d) * _drum_torque(g, n, t)
+        r[d.p] += _drum_inertia(d, q) * a[d.p] + 0.5 * d.way * d.rope * (d.stretch * v[d.p]) ** 2
+        r[d.p] -= d.way * g.found[d.span, STRETCH] / d.radius * _drum_torque(g, n, t)
 
 
 @kernel
 def _drum_mass(g, q, matrix, dofs):
     for n in range(g.rows.size):
         d = g.rows[n]
-        add_entry(matrix, dofs, d.p, d.p, _drum_inertia(g, d, q))
+        add_entry(matrix, dofs, d.p, d.p, _drum_inertia(d, q))
 
 
 @kernel
 def _drum_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
         d = g.rows[n]
-        x = cm * _drum_inertia(g, d, q)
-        x += d.way * d.rope * g.found[d.span, STRETCH] ** 2 * (cc * v[d.p] + ck * a[d.p])
+        x = cm * _drum_inertia(d, q)
+        x += d.way * d.rope * d.stretch * d.stretch * (cc * v[d.p] + ck * a[d.p])
         add_entry(matrix, dofs, d.p, d.p, x)
 
 
@@ -166,18 +160,17 @@ def _drum_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 def _drum_energy(g, t, q, v, energy):
     for n in range(g.rows.size):
         d = g.rows[n]
-        energy[0] += 0.5 * _drum_inertia(g, d, q) * v[d.p] ** 2
+        energy[0] += 0.5 * _drum_inertia(d, q) * v[d.p] ** 2
 
 
 @kernel
 def _drum_supply(g, t, q, v, p):
     for n in range(g.rows.size):
         d = g.rows[n]
-        speed = g.found[d.span, STRETCH] * v[d.p]
-        p[0] += d.way * speed / d.radius * _drum_torque(g, n, t)
+        p[0] += d.way * g.found[d.span, STRETCH] * v[d.p] / d.radius * _drum_torque(g, n, t)
         if d.stored == np.inf:
             # Nobody keeps the energy of the rope that comes onto a drum without an end of it.
-            p[0] -= 0.5 * d.way * d.rope * speed * speed * v[d.p]
+            p[0] -= 0.5 * d.way * d.rope * d.stretch * d.stretch * v[d.p] ** 3
 
 
 @kernel
