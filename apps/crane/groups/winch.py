@@ -18,13 +18,13 @@ rope, where p grows as it is hoisted, and -1 at its end; rhoA kg/m; p at the sta
 DRUM = np.dtype(
     [
         ("p", "i8"), ("way", "f8"), ("radius", "f8"), ("stretch", "f8"), ("inertia", "f8"), ("rope", "f8"),
-        ("stored", "f8"), ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"), ("integral", "f8"),
-        ("limit", "f8"), ("span", "i8"),
+        ("stored", "f8"), ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"),
+        ("integral", "f8"), ("limit", "f8"), ("span", "i8"),
     ]
 )  # fmt: skip
-"""A drum whose motion is not prescribed: p, way, rope, begin and span as in ``WOUND``; R m; the stretch with
-which rope is taken to lie on it; inertia kg m^2; rope on it at the start m (infinite: no end of it); the function of its torque N m or, where it holds a tension (holds 1), of that
-N; its gains, 1 and 1/s; and largest torque N m."""
+"""A drum whose motion is not prescribed: p, way, rope, begin and span as in ``WOUND``; R m; the stretch with which rope
+is taken to lie on it; inertia kg m^2; rope on it at the start m (infinite: no end of it); the function of its torque
+N m or, where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; and largest torque N m."""
 
 
 class WoundRope(NamedTuple):
@@ -93,8 +93,8 @@ class Drums(NamedTuple):
     """Drums (n,) of ``DRUM``; ``found`` as in `Slips`; ``sum`` (n,) is the integral of what tension lacks, N s,
     ``torque`` (n,) that of the last step.
 
-    Its torque acts with the stretch of the rope that comes onto it, lambda / R. Drum and rope turn with p by that of the
-    start, which makes their kinetic energy one of p. alone.
+    Its torque acts with the stretch of the rope that comes onto it, lambda / R. Drum and rope turn with p by that of
+    the start, which makes their kinetic energy one of p. alone.
     """
 
     rows: np.recarray
