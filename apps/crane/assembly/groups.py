@@ -159,6 +159,8 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
         rows.append(
             {
                 **_at_drum(layout, spans, i),
+                "a": spans.rows["a"][0 if i == 0 else -1],
+                "b": spans.rows["b"][0 if i == 0 else -1],
                 "radius": item.radius,
                 "stretch": layout.stretch,
                 "inertia": item.inertia,
@@ -175,7 +177,9 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
     if not rows:
         return None
     n = len(rows)
-    return lambda functions: Drums(records_of(DRUM, rows), spans.found, np.zeros(n), np.zeros(n), functions)
+    return lambda functions: Drums(
+        records_of(DRUM, rows), spans.found, spans.start, np.zeros(n), np.zeros(n), functions
+    )
 
 
 def _of_drum(drum: Drum) -> tuple[Steering, ...]:

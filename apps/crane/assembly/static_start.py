@@ -80,7 +80,7 @@ def _hold(layout: Layout, system: System, state: State) -> None:
         for k, row in enumerate(slips.rows):
             if row.kind == TORQUE and row.p == place:
                 limit = row.coefficient * min(1.0, max(0.0, value_at(slips.functions, row.function, 0.0)[0]))
-                limit *= slips.found[row.before, STRETCH] / row.by_p
+                limit *= max(1.0, slips.found[row.before, STRETCH]) / row.by_p
                 slips.force[k] = min(max(lacking / row.by_p, -limit), limit)
                 lacking -= row.by_p * slips.force[k]
 

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.geometry.line import AXES
-from crane.groups.span import BY_SPEED, BY_STRETCH, FIRST, FIRST_PSI, INERTIA, LAST, LAST_PSI, MATERIAL, STRETCH
+from crane.groups.span import FIRST, FIRST_PSI, LAST, LAST_PSI, STRETCH, add_by_tension
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -94,7 +94,7 @@ def _limit(g, row, t, force):
     if row.kind == TORQUE:
         share, _, _ = evaluate(g.functions, row.function, t)
         # The drum turns with the rope that comes onto it, by lambda p. / R.
-        stretch = g.found[row.before, STRETCH] / row.by_p
+        stretch = max(1.0, g.found[row.before, STRETCH]) / row.by_p
         return stretch * row.coefficient * min(1.0, max(0.0, share)), 0.0, 0.0
     if row.kind == BEARING:
         size, by_one, by_two = _pin(g, row)
@@ -164,17 +164,14 @@ def _add(g, row, matrix, dofs, column, x):
 
 @kernel
 def _add_span(g, row, n, first, matrix, dofs, x, cm, cc, ck):
-    """Add x times the derivative of the tension at one end of a span: N's, and that of the rope beside it."""
+    """Add x times the derivative of the tension at one end of a span."""
     a, b = g.ends[n, 0], g.ends[n, 1]
-    by = x * (ck * g.found[n, BY_STRETCH] + cc * g.found[n, BY_SPEED])
-    mass = x * cm * g.found[n, INERTIA]
-    by_a = -by - 2.0 * mass if first else -by + mass
-    by_b = by - mass if first else by + 2.0 * mass
-    for c in range(AXES):
-        _add(g, row, matrix, dofs, a + c, by_a * g.direction[n, c])
-        _add(g, row, matrix, dofs, b + c, by_b * g.direction[n, c])
-    _add(g, row, matrix, dofs, a + MATERIAL, -by_a * g.found[n, STRETCH])
-    _add(g, row, matrix, dofs, b + MATERIAL, -by_b * g.found[n, STRETCH])
+    if row.p != NONE:
+        by = x * row.by_p
+        add_by_tension(g.found, g.direction, n, a, b, first, row.p, by, cm, cc, ck, matrix, dofs)
+    if row.s != NONE:
+        by = x * row.by_s
+        add_by_tension(g.found, g.direction, n, a, b, first, row.s, by, cm, cc, ck, matrix, dofs)
 
 
 @kernel

@@ -49,7 +49,7 @@ from crane.geometry.line import (
     write_turn,
 )
 from tautline.kernels.changes import COUNT
-from tautline.kernels.dofs import add_block
+from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.groups import EMPTY, OFF_WHEEL, SLACK_ON_WHEEL, TWO_BLOCKED, register
 from tautline.kernels.jit import kernel
 
@@ -304,7 +304,10 @@ def _residual(g, t, q, v, a, r):
         for c in range(AXES):
             r[i + c] += r1[c]
             r[j + c] += r2[c]
-        g.found[n, FIRST], g.found[n, LAST] = -dot(r1, e), dot(r2, e)
+        # The rows of a mark say how the momentum of the rope between the marks changes, that of what runs through a
+        # moving mark with them: it is no force.
+        first, last = v[i + MATERIAL] * dot(place(v, i), e), v[j + MATERIAL] * dot(place(v, j), e)
+        g.found[n, FIRST], g.found[n, LAST] = -dot(r1, e) - s.mass * first, dot(r2, e) - s.mass * last
         lifted = 0.5 * (dot(load, place(q, i)) + dot(load, place(q, j)))
         inner, let_go = f.tau + force * lam + lifted, number[ENERGY]
         r[i + MATERIAL] += inner - (1 - s.keeps1) * let_go - dot(f.t_d, f.m1) - dot(f.t, n1)
@@ -494,6 +497,23 @@ def _supply(g, t, q, v, p):
 
 
 @kernel
+def add_by_tension(found, direction, n, a, b, first, row, x, cm, cc, ck, matrix, dofs):
+    """Add x times the derivative of the tension at one end of span n to a row: N's, and that of the rope beside it.
+
+    ``a`` and ``b`` are the places of its stations, ``direction`` (spans, 3) and ``found`` what the spans found.
+    """
+    by = x * (ck * found[n, BY_STRETCH] + cc * found[n, BY_SPEED])
+    mass = x * cm * found[n, INERTIA]
+    by_a = -by - 2.0 * mass if first else -by + mass
+    by_b = by - mass if first else by + 2.0 * mass
+    for c in range(AXES):
+        add_entry(matrix, dofs, row, a + c, by_a * direction[n, c])
+        add_entry(matrix, dofs, row, b + c, by_b * direction[n, c])
+    add_entry(matrix, dofs, row, a + MATERIAL, -by_a * found[n, STRETCH])
+    add_entry(matrix, dofs, row, b + MATERIAL, -by_b * found[n, STRETCH])
+
+
+@kernel
 def _met(g, q, alarm):
     """Two items that have come together: it is the rope between them that counts, and not an element's."""
     direction = g.change[0]
@@ -580,4 +600,4 @@ def new_spans(rows: np.recarray, wheels: np.recarray, items: np.recarray | None 
     )  # fmt: skip
 
 
-__all__ = ["MATERIAL", "POINT", "SPAN", "STATION", "Spans", "new_spans"]
+__all__ = ["MATERIAL", "POINT", "SPAN", "STATION", "Spans", "add_by_tension", "new_spans"]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.groups.span import FIRST, LAST, MATERIAL, STRAIN_ENERGY, STRETCH
+from crane.groups.span import FIRST, LAST, MATERIAL, STRAIN_ENERGY, STRETCH, add_by_tension
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import DRUM_FULL, RUN_OUT, register
 from tautline.kernels.jit import kernel
@@ -19,12 +19,13 @@ DRUM = np.dtype(
     [
         ("p", "i8"), ("way", "f8"), ("radius", "f8"), ("stretch", "f8"), ("inertia", "f8"), ("rope", "f8"),
         ("stored", "f8"), ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"),
-        ("integral", "f8"), ("limit", "f8"), ("span", "i8"),
+        ("integral", "f8"), ("limit", "f8"), ("span", "i8"), ("a", "i8"), ("b", "i8"),
     ]
 )  # fmt: skip
 """A drum whose motion is not prescribed: p, way, rope, begin and span as in ``WOUND``; R m; the stretch with which rope
 is taken to lie on it; inertia kg m^2; rope on it at the start m (infinite: no end of it); the function of its torque
-N m or, where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; and largest torque N m."""
+N m or, where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; largest torque N m; and the
+places of the stations of its span."""
 
 
 class WoundRope(NamedTuple):
@@ -90,8 +91,8 @@ register(WoundRope, residual=_wound_residual, energy=_wound_energy, commit=_woun
 
 
 class Drums(NamedTuple):
-    """Drums (n,) of ``DRUM``; ``found`` as in `Slips`; ``sum`` (n,) is the integral of what tension lacks, N s,
-    ``torque`` (n,) that of the last step.
+    """Drums (n,) of ``DRUM``; ``found`` and ``direction`` as in `Slips`; ``sum`` (n,) is the integral of what tension
+    lacks, N s, ``torque`` (n,) that of the last step.
 
     Its torque acts with the stretch of the rope that comes onto it, lambda / R. Drum and rope turn with p by that of
     the start, which makes their kinetic energy one of p. alone.
@@ -99,23 +100,31 @@ class Drums(NamedTuple):
 
     rows: np.recarray
     found: np.ndarray
+    direction: np.ndarray
     sum: np.ndarray
     torque: np.ndarray
     functions: TimeFunctions
 
 
 @kernel
-def _pull(g, d):
-    """What the rope pulls at a drum with, N."""
-    return g.found[d.span, FIRST] if d.way > 0.0 else g.found[d.span, LAST]
+def _pull(g, d, v):
+    """Tension at a drum, N, with what turns the rope's momentum."""
+    turned = d.rope * g.found[d.span, STRETCH] * v[d.p] * v[d.p]
+    return turned + (g.found[d.span, FIRST] if d.way > 0.0 else g.found[d.span, LAST])
 
 
 @kernel
-def _drum_torque(g, n, t):
+def _stretch(g, d):
+    """That of the rope which comes onto a drum; slack rope lies on it as long as it is."""
+    return max(1.0, g.found[d.span, STRETCH])
+
+
+@kernel
+def _drum_torque(g, n, t, v):
     d = g.rows[n]
     asked, _, _ = evaluate(g.functions, d.function, t)
     if d.holds == 1:
-        lack = asked - _pull(g, d)
+        lack = asked - _pull(g, d, v)
         asked = (asked + d.proportional * lack + d.integral * g.sum[n]) * d.radius
     return min(max(asked, -d.limit), d.limit)
 
@@ -137,7 +146,7 @@ def _drum_residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         d = g.rows[n]
         r[d.p] += _drum_inertia(d, q) * a[d.p] + 0.5 * d.way * d.rope * (d.stretch * v[d.p]) ** 2
-        r[d.p] -= d.way * g.found[d.span, STRETCH] / d.radius * _drum_torque(g, n, t)
+        r[d.p] -= d.way * _stretch(g, d) / d.radius * _drum_torque(g, n, t, v)
 
 
 @kernel
@@ -154,6 +163,9 @@ def _drum_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         x = cm * _drum_inertia(d, q)
         x += d.way * d.rope * d.stretch * d.stretch * (cc * v[d.p] + ck * a[d.p])
         add_entry(matrix, dofs, d.p, d.p, x)
+        if d.holds == 1 and d.proportional > 0.0 and abs(_drum_torque(g, n, t, v)) < d.limit:
+            by = d.way * _stretch(g, d) * d.proportional
+            add_by_tension(g.found, g.direction, d.span, d.a, d.b, d.way > 0.0, d.p, by, cm, cc, ck, matrix, dofs)
 
 
 @kernel
@@ -167,7 +179,7 @@ def _drum_energy(g, t, q, v, energy):
 def _drum_supply(g, t, q, v, p):
     for n in range(g.rows.size):
         d = g.rows[n]
-        p[0] += d.way * g.found[d.span, STRETCH] * v[d.p] / d.radius * _drum_torque(g, n, t)
+        p[0] += d.way * _stretch(g, d) * v[d.p] / d.radius * _drum_torque(g, n, t, v)
         if d.stored == np.inf:
             # Nobody keeps the energy of the rope that comes onto a drum without an end of it.
             p[0] -= 0.5 * d.way * d.rope * d.stretch * d.stretch * v[d.p] ** 3
@@ -177,10 +189,10 @@ def _drum_supply(g, t, q, v, p):
 def _drum_commit(g, t, h, q, v, a):
     for n in range(g.rows.size):
         d = g.rows[n]
-        g.torque[n] = _drum_torque(g, n, t)
+        g.torque[n] = _drum_torque(g, n, t, v)
         if d.holds == 1 and abs(g.torque[n]) < d.limit:
             asked, _, _ = evaluate(g.functions, d.function, t)
-            g.sum[n] += h * (asked - _pull(g, d))
+            g.sum[n] += h * (asked - _pull(g, d, v))
 
 
 @kernel

@@ -148,7 +148,7 @@ def _tension(scene: CraneScene) -> float:
 def _tie_material(layout: Layout, tension: float) -> None:
     """Lay the rope's material along its path, and tie that of nodes to the marks about them."""
     scene, degrees, path = layout.scene, layout.degrees, layout.path
-    stretch = stretch_of(tension, scene.rope.axial_stiffness, scene.rope.strain)
+    stretch = hung = stretch_of(tension, scene.rope.axial_stiffness, scene.rope.strain)
     if scene.rope.length is not None:
         stretch = float(path.chords.sum()) / scene.rope.length
     elif scene.start == "as drawn":
@@ -168,7 +168,8 @@ def _tie_material(layout: Layout, tension: float) -> None:
             place = layout.station[k] + MATERIAL
             degrees.value[place] = (1.0 - w) * (p[i] + before) + w * (p[i + 1] + after)
             degrees.tie(place, [(one, 1.0 - w), (two, w)], (1.0 - w) * before + w * after)
-    layout.stretch = stretch
+    # What it turns goes by the stretch that it has at rest: a load hangs lower on a rope that is longer than the path.
+    layout.stretch = max(hung if scene.bodies and scene.start != "as drawn" else stretch, 1.0)
 
 
 def _drive(layout: Layout) -> Compensation | None:

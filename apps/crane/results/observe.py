@@ -193,8 +193,8 @@ class Observer:
         first, last = self.layout.once("ends", lambda: np.array(self.layout.spans).T)
         # What turns the rope's momentum at a mark is part of its tension there.
         mass, material = self.scene.rope.mass_per_length, self.stations + MATERIAL
-        at_first = found[:, first, FIRST] + mass * v[:, material[first]] ** 2 * found[:, first, STRETCH] ** 2
-        at_last = found[:, last - 1, LAST] + mass * v[:, material[last]] ** 2 * found[:, last - 1, STRETCH] ** 2
+        at_first = found[:, first, FIRST] + mass * v[:, material[first]] ** 2 * found[:, first, STRETCH]
+        at_last = found[:, last - 1, LAST] + mass * v[:, material[last]] ** 2 * found[:, last - 1, STRETCH]
         if self.scene.rope.compression == "none":
             # Where the half element beside a mark is thrown about while it is slack, its inertia is no tension.
             at_first = np.where(found[:, first, FORCE] > 0.0, np.maximum(at_first, 0.0), 0.0)
