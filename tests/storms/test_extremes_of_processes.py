@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from of_the_suite import studies
-from scipy.stats import binom, genpareto, gumbel_r
+from scipy.stats import CensoredData, binom, genpareto, gumbel_r
 
 from tautline.statistics.gaussian import (
     exceedance,
@@ -32,6 +32,24 @@ def test_the_fit_is_that_of_scipy():
     sample = gumbel_r.rvs(40.0, 3.0, size=25, random_state=3)
     found = fit_gumbel(sample)
     assert (found.location, found.scale) == pytest.approx(gumbel_r.fit(sample), rel=1e-5)
+
+
+@pytest.mark.parametrize("bound", [38.0, 41.0, 46.0])
+def test_the_fit_to_maxima_of_which_some_are_at_a_bound_is_that_of_scipy_to_censored_data(bound):
+    """40 maxima around 41: most, half or a few of them are at the bound."""
+    sample = gumbel_r.rvs(40.0, 3.0, size=40, random_state=5)
+    free, censored = sample[sample < bound], int((sample >= bound).sum())
+    found = fit_gumbel(np.minimum(sample, bound), bound=bound)
+    expected = gumbel_r.fit(CensoredData(uncensored=free, right=np.full(censored, bound)))
+    assert (found.location, found.scale) == pytest.approx(expected, rel=1e-3)
+    assert found.count == free.size
+
+
+def test_maxima_that_are_all_at_a_bound_tell_nothing_but_that_it_is_reached():
+    for sample in (np.full(5, 7.0), np.array([7.0, 7.0, 6.0, 7.0])):
+        found = fit_gumbel(sample, bound=7.0)
+        assert (found.location, found.scale) == (7.0, 0.0)
+        assert found.exceedance(6.9).value == 1.0
 
 
 @pytest.mark.parametrize("count", [5, 40, *studies(10)])

@@ -428,6 +428,34 @@ def test_equal_storms_have_a_most_probable_largest_without_an_interval():
     assert found["percentile"] == found["percentile_low"] == 50e3 and found["exceedance"] == 0.0
 
 
+TAUT = {"min_tension > 0": True, "min_tension >= 0": False, "min_tension > 2 kN": True}
+
+
+@pytest.mark.parametrize("text", TAUT)
+def test_storms_that_all_slacken_the_rope_are_beyond_a_limit_that_wants_it_taut(text):
+    """No tension is less than none: all of the smallest are 0, and nothing tells how far beyond they would be."""
+    from crane.operability.allowable import SLACK, _allowables
+    from crane.operability.criteria import read_criteria
+
+    (one,) = read_criteria([text], {"min_tension": "N"}, {})
+    found = fitted(np.zeros(6), one, 1.0, 0.9, 0.9)
+    assert found["exceedance"] == found["exceedance_low"] == float(TAUT[text])
+    heights = np.array([1.0, 2.0, 3.0])
+    storms = [np.linspace(4.0e3, 5.0e3, 6), np.linspace(2.5e3, 3.5e3, 6), np.zeros(6)]
+    made = [fitted(storm, one, 1.0, 0.9, 0.9) for storm in storms]
+    extremes = {name: np.array([each[name] for each in made])[None, None, None] for name in made[0]}
+    status = np.full((1, 1, 3), "computed", object)
+    allowed = _allowables([one], heights, np.array([8.0]), [None], status, extremes, "most_probable")[0, 0, 0]
+    assert (allowed.height, allowed.bound) == ((2.0, SLACK) if TAUT[text] else (3.0, ABOVE))
+
+
+def test_a_limit_that_wants_less_is_passed_by_what_is_equal():
+    heights = np.array([0.5, 1.0, 2.0])
+    assert crossing(heights, np.array([0.0, 1.0, 1.0]), 1.0, strict=True) == (1.0, INSIDE)
+    assert crossing(heights, np.array([0.0, 1.0, 1.0]), 1.0) == (2.0, ABOVE)
+    assert crossing(heights, np.array([1.0, 1.0, 1.0]), 1.0, strict=True) == (0.0, BELOW)
+
+
 RESPONSES = "frequency [rad/s],direction [deg],heave [m/m],heave phase [deg]\n" + "".join(
     f"{w},{angle},{0.8 if w < 4 else 0.0},0\n" for angle in (0, 90) for w in (0.2, 2.0, 4.0)
 )

@@ -16,16 +16,17 @@ import numpy as np
 
 from crane.operability.conditions import Condition, highest
 from crane.operability.criteria import Criterion
-from tautline.statistics.gumbel import FEWEST, fit_gumbel
+from tautline.statistics.gumbel import FEWEST, Estimate, fit_gumbel
 
 COMPUTED, STEEP, FAILED, FEW = "computed", "not physical: too steep", "failed", "too few storms"
 ABSENT = "does not occur"
-INSIDE, BELOW, ABOVE, BREAKS, STOPPED, UNKNOWN = (
+INSIDE, BELOW, ABOVE, BREAKS, STOPPED, SLACK, UNKNOWN = (
     "", "below the lowest calculated", "at least the highest calculated", "at least the steepest wave",
-    "a storm of the next height failed", "not known",
+    "a storm of the next height failed", "the rope is slack in all storms of the next height", "not known",
 )  # fmt: skip
 """How an allowable height is bounded: found between heights; smaller than all; larger than all of the grid, or than all
-that are physical; the last one below a height of which a storm did not come to its end."""
+that are physical; the last one below a height of which a storm did not come to its end, or of which all storms but one
+at most have no tension left, so that nothing tells how far beyond the limit they are."""
 
 
 class Allowable(NamedTuple):
@@ -52,7 +53,7 @@ def fitted(values: np.ndarray, one: Criterion, ratio: float, share: float, confi
     if values.size < FEWEST:
         return dict.fromkeys(FITTED, math.nan)
     way = one.way
-    fit = fit_gumbel(way * values, ratio)
+    fit = fit_gumbel(way * values, ratio, -one.floor)
     found = {"location": way * fit.location, "scale": fit.scale}
     for name, estimate in (
         ("most_probable", fit.most_probable(confidence)), ("percentile", fit.percentile(share, confidence)),
@@ -61,11 +62,19 @@ def fitted(values: np.ndarray, one: Criterion, ratio: float, share: float, confi
         low, high = sorted((way * estimate.low, way * estimate.high))
         found |= {name: way * estimate.value, f"{name}_low": low, f"{name}_high": high}
     beyond = fit.exceedance(way * one.limit, confidence)
+    if fit.scale == 0.0 and one.strict and way * one.limit == fit.location:
+        beyond = Estimate(1.0, 1.0, 1.0)
     return found | {"exceedance": beyond.value, "exceedance_low": beyond.low, "exceedance_high": beyond.high}
 
 
 def allowable(
-    heights: np.ndarray, values: np.ndarray, lows: np.ndarray, highs: np.ndarray, limit: float, top: float
+    heights: np.ndarray,
+    values: np.ndarray,
+    lows: np.ndarray,
+    highs: np.ndarray,
+    limit: float,
+    top: float,
+    strict: bool = False,
 ) -> Allowable:
     """The allowable height of one limit, period and heading.
 
@@ -78,30 +87,33 @@ def allowable(
     limit : float
     top : float
         Largest height of the grid, physical or not, m.
+    strict : bool
+        Whether what is equal to the limit is beyond it.
     """
     known = ~np.isnan(values)
     if not known.any():
         return Allowable(math.nan, math.nan, math.nan, UNKNOWN)
     heights = heights[known]
     # An end of the interval may lie beyond the grid where the height itself does not.
-    ends = [crossing(heights, one[known], limit) for one in (values, highs, lows)]
+    ends = [crossing(heights, one[known], limit, strict) for one in (values, highs, lows)]
     ends = [(height, BREAKS if bound == ABOVE and heights[-1] < top else bound) for height, bound in ends]
     middle, low, high = ends
     low, high = min(low, middle, key=lambda end: end[0]), max(high, middle, key=lambda end: end[0])
     return Allowable(middle[0], low[0], high[0], middle[1], low[1], high[1])
 
 
-def crossing(heights: np.ndarray, values: np.ndarray, limit: float) -> tuple[float, str]:
+def crossing(heights: np.ndarray, values: np.ndarray, limit: float, strict: bool = False) -> tuple[float, str]:
     """Where the monotone curve through values (n,) meets a limit, and how that is bounded."""
     from scipy.interpolate import PchipInterpolator
     from scipy.optimize import brentq
 
     rising = np.maximum.accumulate(values)
-    if rising[0] > limit:
+    beyond = rising >= limit if strict else rising > limit
+    if beyond[0]:
         return 0.0, BELOW if np.isfinite(rising[0]) else STOPPED
-    if rising[-1] <= limit:
+    if not beyond[-1]:
         return float(heights[-1]), ABOVE
-    k = int(np.argmax(rising > limit))
+    k = int(np.argmax(beyond))
     usable = np.isfinite(rising)
     if not usable[k]:
         # Storms of that height failed: nothing is known between.
@@ -213,12 +225,29 @@ def _allowables(
         way = criteria[k].way
         bounds = [way * extremes[f"{compared}{end}"][k, i, j][run] for end in ("", "_low", "_high")]
         # A storm that did not come to its end is none to lift in.
-        bounds = [np.where(status[i, j][run] == FAILED, np.inf, one) for one in bounds]
+        failed = status[i, j][run] == FAILED
+        slack = (extremes["scale"][k, i, j] == 0.0) & (extremes["location"][k, i, j] == criteria[k].floor)
+        slack = slack[run] & criteria[k].passed_by(criteria[k].floor)
+        bounds = [np.where(failed | slack, np.inf, one) for one in bounds]
         low, high = np.minimum(bounds[1], bounds[2]), np.maximum(bounds[1], bounds[2])
-        found[k, i, j] = allowable(heights[run], bounds[0], low, high, way * criteria[k].limit, float(heights[-1]))
+        made = allowable(
+            heights[run], bounds[0], low, high, way * criteria[k].limit, float(heights[-1]), criteria[k].strict
+        )
+        found[k, i, j] = _told(made, heights[run], slack & ~failed)
         if not run.any():
             found[k, i, j] = Allowable(math.nan, math.nan, math.nan, UNKNOWN)
     return found
+
+
+def _told(made: Allowable, heights: np.ndarray, slack: np.ndarray) -> Allowable:
+    """The same; where it ends at storms that leave the rope slack it is that, and not that they failed."""
+    ends = []
+    for height, bound in ((made.height, made.bound), (made.low, made.low_bound), (made.high, made.high_bound)):
+        after = heights > height
+        if bound == STOPPED and after.any() and slack[np.argmax(after)]:
+            bound = BELOW if height == 0.0 else SLACK
+        ends.append(bound)
+    return made._replace(bound=ends[0], low_bound=ends[1], high_bound=ends[2])
 
 
 def steepest(periods: np.ndarray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
@@ -46,6 +47,21 @@ class Criterion(NamedTuple):
     def way(self) -> float:
         """1 where large values are bad, -1 where small ones are."""
         return 1.0 if self.sense == AT_MOST else -1.0
+
+    @property
+    def strict(self) -> bool:
+        """Whether what is equal to the limit is beyond it: ``<`` and ``>``, not ``<=`` and ``>=``."""
+        return "=" not in self.text
+
+    def passed_by(self, value: float) -> bool:
+        """Whether a value is beyond the limit."""
+        beyond = self.way * (value - self.limit)
+        return beyond > 0.0 or (self.strict and beyond == 0.0)
+
+    @property
+    def floor(self) -> float:
+        """What the smallest of the figure cannot fall below: no tension is less than none. Else minus infinity."""
+        return 0.0 if self.sense == AT_LEAST and self.unit == "N" else -math.inf
 
     @property
     def column(self) -> str:

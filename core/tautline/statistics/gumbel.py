@@ -80,8 +80,11 @@ class Gumbel(NamedTuple):
         return Estimate(value + scale * reduced, value + scale * float(low), value + scale * float(high))
 
 
-def fit_gumbel(maxima: np.ndarray, ratio: float = 1.0) -> Gumbel:
+def fit_gumbel(maxima: np.ndarray, ratio: float = 1.0, bound: float = math.inf) -> Gumbel:
     """Fit Gumbel's distribution to maxima by maximum likelihood.
+
+    Maxima at the bound are censored: of them it is known that they would be as large at least, and no more (Lawless
+    2003, section 2.2). The intervals are those of a complete sample of the others.
 
     Parameters
     ----------
@@ -89,6 +92,9 @@ def fit_gumbel(maxima: np.ndarray, ratio: float = 1.0) -> Gumbel:
         Of independent runs or blocks of equal duration. Of minima take the negative.
     ratio : float
         Duration that is asked about over that of the maxima.
+    bound : float
+        What no maximum can pass, for a reason that has nothing to do with chance: a rope has no less than no tension.
+        With fewer than two maxima below it the scale is 0, and the location is the bound.
 
     Raises
     ------
@@ -105,6 +111,11 @@ def fit_gumbel(maxima: np.ndarray, ratio: float = 1.0) -> Gumbel:
     if float(np.ptp(maxima)) <= 1e-12 * float(np.abs(maxima).max()):
         # All the same: nothing is random.
         return Gumbel(float(maxima[0]), 0.0, maxima.size, ratio)
+    free = maxima[maxima < bound]
+    if free.size < 2:
+        return Gumbel(bound, 0.0, maxima.size, ratio)
+    if free.size < maxima.size:
+        return Gumbel(*_likeliest_censored(free, bound, maxima.size - free.size), max(free.size, FEWEST), ratio)
     location, scale = _likeliest(maxima[None])
     return Gumbel(float(location[0]), float(scale[0]), maxima.size, ratio)
 
@@ -127,6 +138,27 @@ def _likeliest(samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     least = x.min(axis=1)
     total = np.exp(-(x - least[:, None]) / beta[:, None]).mean(axis=1)
     return mean + least - beta * np.log(total), beta
+
+
+def _likeliest_censored(free: np.ndarray, bound: float, censored: int) -> tuple[float, float]:
+    """Location and scale of maxima below a bound (n,), with some more of which it is known that they are not below."""
+    from scipy.optimize import minimize
+
+    span = bound - float(free.min())
+
+    def unlikeliness(x: np.ndarray) -> float:
+        beta = math.exp(float(x[1]))
+        z = ((free - bound) / span - x[0]) / beta
+        # 1 - F at the bound, without loss of digits.
+        beyond = -math.expm1(-math.exp(min(float(x[0]) / beta, 700.0)))
+        if beyond == 0.0:
+            return math.inf
+        return float((x[1] + z + np.exp(np.minimum(-z, 700.0))).sum()) - censored * math.log(beyond)
+
+    begin = np.array([0.0, math.log(0.5)])
+    options = {"xatol": 1e-10, "fatol": 1e-12, "maxiter": 4000, "maxfev": 4000}
+    found = minimize(unlikeliness, begin, method="Nelder-Mead", options=options)
+    return bound + span * float(found.x[0]), span * math.exp(float(found.x[1]))
 
 
 @functools.lru_cache(maxsize=16)
