@@ -18,11 +18,11 @@ from crane.geometry.quaternion import QUATERNION
 from crane.groups.arcs import Arcs, new_arcs
 from crane.groups.bends import Bends, new_bends, stencils
 from crane.groups.capstan_friction import SLIP, Slips
-from crane.groups.hydrodynamics import WET, Wet, new_wet
+from crane.groups.hydrodynamics import NARROWEST, WET, Wet, new_wet
 from crane.groups.masses import BODY, Bodies, Rims, Springs
 from crane.groups.rigid import FREQUENCY, RIGID, Rigids, new_rigids
 from crane.groups.sockets import SOCKET, Sockets, new_sockets
-from crane.groups.span import BETWEEN, SPAN, STATION, Spans, new_spans
+from crane.groups.span import BETWEEN, MATERIAL, SPAN, STATION, Spans, new_spans
 from crane.groups.winch import DRUM, WOUND, Drums, Supplies, WoundRope
 from crane.scene.scene import Drum, End, Sheave
 from tautline.kernels.time_function import TimeFunctions
@@ -100,7 +100,9 @@ def _spans(layout: Layout) -> Spans:
     for i, ((first, last), damping) in enumerate(zip(layout.spans, damping_of(layout.scene, layout.path), strict=True)):
         rows["damping"][first:last] = damping
         rows["wheel1"][first], rows["wheel2"][last - 1] = on[i], on[i + 1]
-    return new_spans(rows.view(np.recarray), layout.wheels, _between(layout))
+    spans = new_spans(rows.view(np.recarray), layout.wheels, _between(layout))
+    spans.laid[:] = layout.degrees.value[np.array(layout.station) + MATERIAL]
+    return spans
 
 
 def _on_wheels(layout: Layout) -> list[int]:
@@ -145,7 +147,11 @@ def _wound(layout: Layout, spans: Spans) -> Maker | None:
     if not rows:
         return None
     n, gravity = len(rows), np.array(layout.scene.gravity, dtype=float)
-    group = WoundRope(records_of(WOUND, rows), gravity, spans.found, np.zeros(n), np.zeros((n, 2)))
+    water, rope, wet = layout.scene.water, layout.scene.rope, np.array([0.0, 0.0, 1.0])
+    if water is not None and rope.diameter is not None:
+        lift = 0.25 * np.pi * rope.diameter**2 * water.density * float(np.linalg.norm(gravity))
+        wet[:] = water.surface, lift, 0.5 * max(rope.diameter, NARROWEST)
+    group = WoundRope(records_of(WOUND, rows), gravity, spans.found, np.zeros(n), np.zeros((n, 2)), wet)
     return partial(_constant, group)
 
 
@@ -162,7 +168,6 @@ def _drums(layout: Layout, spans: Spans) -> Maker | None:
                 "a": spans.rows["a"][0 if i == 0 else -1],
                 "b": spans.rows["b"][0 if i == 0 else -1],
                 "radius": item.radius,
-                "stretch": layout.stretch,
                 "inertia": item.inertia,
                 "stored": np.inf if item.rope_on_drum is None else item.rope_on_drum,
                 "function": layout.requests.add(

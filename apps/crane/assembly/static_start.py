@@ -8,7 +8,7 @@ import numpy as np
 
 from crane.assembly.layout import AXES, Layout
 from crane.groups.capstan_friction import TORQUE, Slips
-from crane.groups.span import FORCE, STRETCH, Spans
+from crane.groups.span import FORCE, MATERIAL, STRETCH, Spans
 from crane.groups.winch import Drums, Supplies, WoundRope
 from crane.scene.bodies import XYZ
 from crane.scene.scene import Drum, End, Sheave
@@ -64,6 +64,8 @@ def draw_true(layout: Layout, system: System, state: State) -> None:
     _rest(system, state, limit)
     if weights and layout.scene.rope.length is None:
         _lengthen(layout, system, state, weights, limit)
+    spans = next(group for group in system.groups if isinstance(group, Spans))
+    spans.laid[:] = state.full_q[np.array(layout.station) + MATERIAL]
     _hold(layout, system, state)
 
 

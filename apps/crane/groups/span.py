@@ -70,10 +70,10 @@ whether the rope beyond its beginning and its end keeps its stretch, and whether
 BETWEEN = np.dtype([("a", "i8"), ("b", "i8"), ("wheel1", "i8"), ("wheel2", "i8")])
 """Two items between which a span of the path runs: their places, and the wheels there or ``POINT``."""
 FORCE, FIRST, LAST, FIRST_PSI, LAST_PSI, STRETCH = range(6)
-BY_STRETCH, BY_SPEED, INERTIA, STRAIGHT, ON_WHEELS, STRAIN_ENERGY, SIZE = range(6, 13)
+BY_STRETCH, BY_SPEED, INERTIA, STRAIGHT, ON_WHEELS, STRAIN_ENERGY, STRETCH_RATE, SIZE = range(6, 14)
 """Places in ``found``: N in the middle (N), what is left of the tension at either end beside what turns the rope's
 momentum, T - rhoA u^2 (N), both psi (rad), lambda, dN/dLambda (N/m), dN/dLambda. (N s/m), rhoA L / 6 (kg), l, and
-Lambda - l, or NaN where there is no line (m), and W (J/m)."""
+Lambda - l, or NaN where there is no line (m), W (J/m), and lambda. (1/s)."""
 MET = 0.05
 """Straight rope between a sheave and what hangs from it, over the radius, below which the two have met."""
 FAR_APART = 2.0
@@ -98,9 +98,10 @@ L, L_D, LAM, LAM_D, K, K_D, TENSION, ENERGY, ELASTIC, TAU, KINETIC, P_E, BY_LAM,
 class Spans(NamedTuple):
     """Spans (n,) of ``SPAN`` over ``wheels`` (m,) of ``WHEEL``.
 
-    ``items`` (k,) of ``BETWEEN`` are whole spans of the path, each with a wheel at one of its ends at least.
+    ``items`` (k,) of ``BETWEEN`` are whole spans of the path, each with a wheel at one of its ends at least. ``laid``
+    (n + 1,) m is p of the stations where the run begins, from which turns and rope paid out are counted.
 
-    ``found`` (n, 12) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
+    ``found`` (n, 13) is what the last evaluation found, for laws that depend on it; ``start`` (n, 3) the directions;
     ``is_slack`` (n,) whether each is slack, and ``kinks`` (1,) how many have come to be so, or taut again, since
     somebody asked. ``seen`` (2, m) are the positions and velocities of which ``found`` tells, as far as the spans reach
     into the full vectors, and ``brought_in`` (1,) W is what turning wheels put in there: who asks of the same state
@@ -109,6 +110,7 @@ class Spans(NamedTuple):
 
     rows: np.recarray
     items: np.recarray
+    laid: np.ndarray
     wheels: np.recarray
     found: np.ndarray
     start: np.ndarray
@@ -157,7 +159,7 @@ def _find(g, n, q, v):
     g.found[n, BY_STRETCH] = (number[BY_LAM] - number[BY_RATE] * size_d / size) / size
     g.found[n, BY_SPEED] = number[BY_RATE] / size
     g.found[n, INERTIA] = s.mass * size / 6.0
-    g.found[n, STRAIN_ENERGY] = number[ENERGY]
+    g.found[n, STRAIN_ENERGY], g.found[n, STRETCH_RATE] = number[ENERGY], number[LAM_D]
     _keep_length(g, n)
 
 
@@ -437,11 +439,13 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 def _mass(g, q, matrix, dofs):
     """m_ij ((1, -t), (-t^T, t.t)) rhoA L, m = ((1/3, 1/6), (1/6, 1/3)); no velocity has a part in it."""
     block = g.block
+    g.seen[0, 0] = np.nan
     for n in range(g.rows.size):
         s = g.rows[n]
         find_line(s.a, s.b, s.wheel1, s.wheel2, g.wheels, q, q, g.start[n], g.line)
         size = q[s.b + MATERIAL] - q[s.a + MATERIAL]
         lam = g.line.number[PATH] / size
+        g.found[n, STRETCH] = lam
         for i in range(2):
             for j in range(2):
                 m = s.mass * size / (3.0 if i == j else 6.0)
@@ -594,7 +598,7 @@ def new_spans(rows: np.recarray, wheels: np.recarray, items: np.recarray | None 
     items = np.zeros(0, BETWEEN).view(np.recarray) if items is None else items
     reach = max(STATION + max(rows["a"].max(), rows["b"].max()), FRAME + wheels["frame"].max(initial=-FRAME))
     return Spans(
-        rows, items, wheels, np.zeros((n, SIZE)), np.zeros((n, 3)),
+        rows, items, np.zeros(n + 1), wheels, np.zeros((n, SIZE)), np.zeros((n, 3)),
         np.zeros(n, np.int64), np.zeros(1, np.int64), np.full((2, reach), np.nan), np.zeros(1),
         new_line(), Motion(np.zeros((13, 3)), np.zeros(14)), np.zeros((14, 3)), np.zeros((8, 8)),
     )  # fmt: skip

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crane.groups.span import FIRST, LAST, MATERIAL, STRAIN_ENERGY, STRETCH, add_by_tension
+from crane.groups.span import FIRST, LAST, MATERIAL, STRAIN_ENERGY, STRETCH, STRETCH_RATE, add_by_tension
 from tautline.kernels.dofs import add_entry
 from tautline.kernels.groups import DRUM_FULL, RUN_OUT, register
 from tautline.kernels.jit import kernel
@@ -17,24 +17,26 @@ WOUND = np.dtype([("p", "i8"), ("way", "f8"), ("rope", "f8"), ("begin", "f8"), (
 rope, where p grows as it is hoisted, and -1 at its end; rhoA kg/m; p at the start; and the span that leaves it."""
 DRUM = np.dtype(
     [
-        ("p", "i8"), ("way", "f8"), ("radius", "f8"), ("stretch", "f8"), ("inertia", "f8"), ("rope", "f8"),
-        ("stored", "f8"), ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"),
-        ("integral", "f8"), ("limit", "f8"), ("span", "i8"), ("a", "i8"), ("b", "i8"),
+        ("p", "i8"), ("way", "f8"), ("radius", "f8"), ("inertia", "f8"), ("rope", "f8"), ("stored", "f8"),
+        ("begin", "f8"), ("function", "i8"), ("holds", "i8"), ("proportional", "f8"), ("integral", "f8"),
+        ("limit", "f8"), ("span", "i8"), ("a", "i8"), ("b", "i8"),
     ]
 )  # fmt: skip
-"""A drum whose motion is not prescribed: p, way, rope, begin and span as in ``WOUND``; R m; the stretch with which rope
-is taken to lie on it; inertia kg m^2; rope on it at the start m (infinite: no end of it); the function of its torque
-N m or, where it holds a tension (holds 1), of that N; its gains, 1 and 1/s; largest torque N m; and the
-places of the stations of its span."""
+"""A drum whose motion is not prescribed: p, way, rope, begin and span as in ``WOUND``; R m; inertia kg m^2; rope on it
+at the start m (infinite: no end of it); the function of its torque N m or, where it holds a tension (holds 1), of that
+N; its gains, 1 and 1/s; largest torque N m; and the places of the stations of its span."""
 
 
 class WoundRope(NamedTuple):
-    """Rope on drums (n,) of ``WOUND``; ``gravity`` (3,) m/s^2; ``found`` as in `Slips`.
+    """Rope on drums (n,) of ``WOUND``; ``gravity`` (3,) m/s^2; ``found`` as in `Slips`; ``water`` (3,): the level of
+    its surface m, what a metre of rope displaces N, and half the width over which rope enters it m.
 
     A span has the energies of its rope in space (`crane.groups.span`), and what is wound up leaves it. So the rope that
     has come onto the drum since the start, S long, has them too: with the drum's centre c
 
-        T = rhoA S c. . c. / 2,   V = -rhoA S g . c + integral of W dS.
+        T = rhoA S c. . c. / 2,   V = -rhoA S g . c + integral of W dS + S B f,
+
+    with the buoyancy B of a metre of rope and f the depth of c below the surface (`crane.groups.hydrodynamics`).
 
     Without them the motion of a driven drum, and the work of any, would depend on where the scene's origin lies and on
     how fast it moves; and a loaded rope would lose its strain where it comes onto the drum. It is wound up with the
@@ -48,6 +50,7 @@ class WoundRope(NamedTuple):
     found: np.ndarray
     strain: np.ndarray
     last: np.ndarray
+    water: np.ndarray
 
 
 @kernel
@@ -57,9 +60,22 @@ def _wound(w, q):
 
 
 @kernel
+def _afloat(g, w, q):
+    """Depth of a drum's centre below the surface, m, 0 above it; and its rate by the depth, the share under water."""
+    deep, width = g.water[0] - q[w.p - 1], g.water[2]
+    x = min(max(deep / width, -1.0), 1.0)
+    inside = width * (0.1875 + 0.5 * x + 0.375 * x**2 - 0.0625 * x**4)
+    return inside + max(0.0, deep - width), 0.25 * (2.0 + 3.0 * x - x**3)
+
+
+@kernel
 def _wound_residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         w = g.rows[n]
+        if g.water[1] > 0.0:
+            deep, share = _afloat(g, w, q)
+            r[w.p] += w.way * g.water[1] * deep
+            r[w.p - 1] -= _wound(w, q) * g.water[1] * share
         for c in range(MATERIAL):
             o = w.p - MATERIAL + c
             r[o] += w.rope * (_wound(w, q) * (a[o] - g.gravity[c]) + w.way * v[w.p] * v[o])
@@ -71,6 +87,8 @@ def _wound_energy(g, t, q, v, energy):
     for n in range(g.rows.size):
         w = g.rows[n]
         energy[1] += g.strain[n]
+        if g.water[1] > 0.0:
+            energy[2] += _wound(w, q) * g.water[1] * _afloat(g, w, q)[0]
         for c in range(MATERIAL):
             o = w.p - MATERIAL + c
             energy[0] += 0.5 * w.rope * _wound(w, q) * v[o] * v[o]
@@ -94,8 +112,10 @@ class Drums(NamedTuple):
     """Drums (n,) of ``DRUM``; ``found`` and ``direction`` as in `Slips`; ``sum`` (n,) is the integral of what tension
     lacks, N s, ``torque`` (n,) that of the last step.
 
-    Its torque acts with the stretch of the rope that comes onto it, lambda / R. Drum and rope turn with p by that of
-    the start, which makes their kinetic energy one of p. alone.
+    It turns with the rope that comes onto it, at theta. = lambda p. / R. So a torque acts on p with lambda / R, and
+    what turns, with the mass m = I/R^2 + rhoA S at the rim, has T = m (lambda p.)^2 / 2 and resists with
+
+        lambda m (lambda p.. + lambda. p.) + rhoA (lambda p.)^2 dS/dp / 2.
     """
 
     rows: np.recarray
@@ -120,6 +140,12 @@ def _stretch(g, d):
 
 
 @kernel
+def _stretching(g, d):
+    """Its rate, 1/s."""
+    return g.found[d.span, STRETCH_RATE] if g.found[d.span, STRETCH] > 1.0 else 0.0
+
+
+@kernel
 def _drum_torque(g, n, t, v):
     d = g.rows[n]
     asked, _, _ = evaluate(g.functions, d.function, t)
@@ -137,15 +163,17 @@ def _stored(d, q):
 
 @kernel
 def _drum_inertia(d, q):
-    """Of drum and rope at p, kg."""
-    return (d.inertia / (d.radius * d.radius) + d.rope * _stored(d, q)) * d.stretch * d.stretch
+    """Of drum and rope at the rim, kg."""
+    return d.inertia / (d.radius * d.radius) + d.rope * _stored(d, q)
 
 
 @kernel
 def _drum_residual(g, t, q, v, a, r):
     for n in range(g.rows.size):
         d = g.rows[n]
-        r[d.p] += _drum_inertia(d, q) * a[d.p] + 0.5 * d.way * d.rope * (d.stretch * v[d.p]) ** 2
+        stretch = _stretch(g, d)
+        changed = _drum_inertia(d, q) * (stretch * a[d.p] + _stretching(g, d) * v[d.p])
+        r[d.p] += stretch * changed + 0.5 * d.way * d.rope * (stretch * v[d.p]) ** 2
         r[d.p] -= d.way * _stretch(g, d) / d.radius * _drum_torque(g, n, t, v)
 
 
@@ -153,15 +181,16 @@ def _drum_residual(g, t, q, v, a, r):
 def _drum_mass(g, q, matrix, dofs):
     for n in range(g.rows.size):
         d = g.rows[n]
-        add_entry(matrix, dofs, d.p, d.p, _drum_inertia(d, q))
+        add_entry(matrix, dofs, d.p, d.p, _drum_inertia(d, q) * _stretch(g, d) ** 2)
 
 
 @kernel
 def _drum_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
         d = g.rows[n]
-        x = cm * _drum_inertia(d, q)
-        x += d.way * d.rope * d.stretch * d.stretch * (cc * v[d.p] + ck * a[d.p])
+        x = _drum_inertia(d, q) * (cm * _stretch(g, d) + cc * _stretching(g, d))
+        x += d.way * d.rope * _stretch(g, d) * (cc * v[d.p] + ck * a[d.p])
+        x *= _stretch(g, d)
         add_entry(matrix, dofs, d.p, d.p, x)
         if d.holds == 1 and d.proportional > 0.0 and abs(_drum_torque(g, n, t, v)) < d.limit:
             by = d.way * _stretch(g, d) * d.proportional
@@ -172,7 +201,7 @@ def _drum_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 def _drum_energy(g, t, q, v, energy):
     for n in range(g.rows.size):
         d = g.rows[n]
-        energy[0] += 0.5 * _drum_inertia(d, q) * v[d.p] ** 2
+        energy[0] += 0.5 * _drum_inertia(d, q) * (_stretch(g, d) * v[d.p]) ** 2
 
 
 @kernel
@@ -182,7 +211,7 @@ def _drum_supply(g, t, q, v, p):
         p[0] += d.way * _stretch(g, d) * v[d.p] / d.radius * _drum_torque(g, n, t, v)
         if d.stored == np.inf:
             # Nobody keeps the energy of the rope that comes onto a drum without an end of it.
-            p[0] -= 0.5 * d.way * d.rope * d.stretch * d.stretch * v[d.p] ** 3
+            p[0] -= 0.5 * d.way * d.rope * _stretch(g, d) ** 2 * v[d.p] ** 3
 
 
 @kernel

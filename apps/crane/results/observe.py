@@ -14,7 +14,7 @@ from crane.geometry.line import COLUMNS
 from crane.geometry.quaternion import QUATERNION
 from crane.groups.capstan_friction import BEARING, NONE, Slips
 from crane.groups.layers import Wound
-from crane.groups.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH
+from crane.groups.span import FIRST, FIRST_PSI, FORCE, LAST, LAST_PSI, MATERIAL, RECORDED, STRETCH, Spans
 from crane.groups.winch import Drums
 from crane.results.angles import UPRIGHT, across_plumb, hook_span, leads, out_of_plane
 from crane.scene.scene import Drum, Sheave
@@ -110,7 +110,7 @@ class Observer:
         self.own = PER_SPAN * self.elements
         self.own += 2 * len(self.slips.rows) if self.slips is not None else 0
         self.own += len(motors.rows) if motors is not None else 0
-        self.start = layout.degrees.value.copy()
+        self.laid = next(g for g in groups if isinstance(g, Spans)).laid
         self.wound = [Wound(self.scene.path[i], self.scene.rope.diameter, layout.stretch) for i in self.drums]
         self.hung = layout.once("hung", self._hung)
         self.compensator: Any = None
@@ -239,7 +239,7 @@ class Observer:
 
     def _rotation(self, frames: Any, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
         """Rotation of sheaves: their rims' travel, or that of the rope which does not slip on them."""
-        travel = -self.layout.stretch * (frames.q[:, place] - self.start[place])
+        travel = -self.layout.stretch * (frames.q[:, place] - self.laid[[self.layout.item[i] for i in self.sheaves]])
         for k, i in enumerate(self.sheaves):
             if i in self.layout.rim:
                 travel[:, k] = frames.q[:, self.layout.rim[i]]
@@ -259,8 +259,8 @@ class Observer:
         return slipping
 
     def _laid_out(self, frames: Any, place: np.ndarray) -> np.ndarray:
-        """Material at drums before any was paid out: what the static start made it where motion is prescribed."""
-        laid = np.tile(self.start[place], (len(frames.q), 1))
+        """Material at drums before any was paid out."""
+        laid = np.tile(self.laid[[self.layout.item[i] for i in self.drums]], (len(frames.q), 1))
         for k, i in enumerate(self.drums):
             if i in self.layout.supply:
                 laid[:, k] = frames.q[:, self.layout.supply[i]]
@@ -272,13 +272,17 @@ class Observer:
         element = np.array([0 if i == 0 else self.elements - 1 for i in self.drums])
         tension = np.stack([tensions[:, 0, 0] if i == 0 else tensions[:, -1, 1] for i in self.drums], axis=-1)
         stretch = found[:, element, STRETCH]
+        # Rope that is bent to the drum takes EJ / (2 R^2) for each metre.
+        radius = np.array([self.scene.path[i].radius for i in self.drums])
+        bent = 0.5 * self.scene.rope.bending_stiffness / radius**2
         out, speed = way * (frames.q[:, place] - self._laid_out(frames, place)), way * frames.v[:, place]
         return {
             "drum_tension": tension,
             "paid_out": out,
             "pay_out_speed": speed,
             "drum_rotation": np.stack([w.rotation_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
-            "winch_torque": tension * np.stack([w.radius_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
-            "winch_power": -tension * stretch * speed,
+            "winch_torque": (tension + bent)
+            * np.stack([w.radius_at(out[:, k]) for k, w in enumerate(self.wound)], axis=-1),
+            "winch_power": -(tension * stretch + bent) * speed,
             "drum_fleet_angle": np.abs(out_of_plane(found[:, element, RECORDED:], self._axes(frames.q, self.drums))),
         }

@@ -7,11 +7,15 @@ integral of tension times the rope's speed at the rim. The rope is so light that
 import numpy as np
 import pytest
 from physics.lifting.crane_scenes import GRAVITY, anchor, body, crane, drum, end, hoist, ran, sheave, solved
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 MASS, RADIUS, INERTIA = 5000.0, 0.5, 400.0
 WEIGHT = MASS * GRAVITY
 LIGHT = 1.0e-3
 """rhoA, kg/m: the rope weighs less than 1e-5 of the load."""
+HEAVY = 33.0
+"""rhoA, kg/m: rhoA u^2 at 4 m/s is half a kilonewton."""
 STRETCHES = (0.001, 0.01, 0.05)
 LIFTED = ("drum first", "drum last")
 
@@ -99,11 +103,82 @@ def test_work_from_outside_is_that_of_the_scene_moved_up_or_down(drive):
     assert made[1] == pytest.approx(made[0], rel=1.0e-6) and made[2] == pytest.approx(made[0], rel=1.0e-6)
 
 
+# drums
+def test_a_heavy_drum_on_a_soft_rope_follows_its_moment_balance():
+    """I theta.. = Q - T R with theta. = lambda S. / R, S the rope on the drum, and m z.. = T - m g: by SciPy.
+
+    The rope has no mass and stretches by 3 %: without the rate of lambda the tension is off by a kilonewton.
+    """
+    inertia, torque, stiffness = 1.0e4, 1.3 * WEIGHT * RADIUS, WEIGHT / 0.03
+    path = [drum((0.0, 0.0, 0.0), RADIUS, torque=torque, inertia=inertia), end("load")]
+    rope = {"mass_per_length": LIGHT, "axial_stiffness": stiffness, "damping": 0.0}
+    load = body("load", MASS, (RADIUS, 0.0, -20.0))
+    mesh = {"elements_per_span": 1}
+    result = ran(crane(path, [load], rope, mesh=mesh, solver={"end": 4.0, "step": 2.0e-3, "rho_inf": 1.0}))
+    material = result["material_coordinate"][0]
+    length = abs(material[-1] - material[0])
+
+    def tension(stretch):
+        return 0.5 * stiffness * (stretch**2 - 1.0) * stretch
+
+    at_rest = brentq(lambda stretch: tension(stretch) - WEIGHT, 1.0, 1.1)
+
+    def rates(_, x):
+        wound, rim, risen, speed = x
+        stretch = (at_rest * length - risen) / (length - wound)
+        pull = tension(stretch)
+        return rim / stretch, (torque / RADIUS - pull) * RADIUS**2 / inertia, speed, pull / MASS - GRAVITY
+
+    exact = solve_ivp(rates, (0.0, 4.0), np.zeros(4), "DOP853", result["time"], rtol=1e-10, atol=1e-10)
+    wound, _, up, _ = exact.y
+    expected = tension((at_rest * length - up) / (length - wound))
+    assert np.sqrt(np.mean((result["drum_tension"][:, 0] - expected) ** 2)) < 1.0e-3 * WEIGHT
+    assert -result["paid_out"][:, 0] == pytest.approx(wound, abs=2.0e-3)
+
+
+@pytest.mark.parametrize("surface", [-100.0, 10.0, 1000.0])
+def test_a_winch_on_the_sea_bed_holds_its_load_however_deep_it_lies(surface):
+    """Rope on the drum is as deep as the drum: without its buoyancy a torque of T R hoisted 2.9 m in 2 s at 1000 m."""
+    path = [drum((0.0, 0.0, 0.0), RADIUS, torque=0.0, inertia=400.0), end("load")]
+    rope = {"mass_per_length": 6.5, "axial_stiffness": 8.0e7, "diameter": 0.036, "damping": 1.0e-3}
+    load = body("load", MASS, (RADIUS, 0.0, -20.0))
+    scene = crane(path, [load], rope, water={"surface": surface, "density": 1025.0}, solver={"end": 2.0})
+    buoyancy = 0.25 * np.pi * 0.036**2 * 1025.0 * GRAVITY if surface > 0.0 else 0.0
+    held = WEIGHT + 20.0 * (6.5 * GRAVITY - buoyancy)
+    scene["path"][0]["drum"]["torque"] = held * RADIUS
+    result = ran(scene)
+    # the rope of a radius that lies on the drum is all that is not balanced
+    assert np.abs(result["paid_out"]).max() < 2.0e-3
+
+
+def test_rope_is_counted_from_the_start_on_both_of_two_drums_that_are_driven():
+    """The static start adds rope at one of them: 5 m of 1.6 km were taken for paid out, and more for the first turn."""
+    drive = {"torque": 1.0e5, "inertia": 3.0e3, "rope_on_drum": 100.0, "brake": {"torque": 1.0e6}}
+    path = [
+        drum((-0.3, 0.0, 0.0), 0.4, name="A", **drive),
+        sheave(None, 0.4, "under", name="block", body="load", offset=(0.0, 0.0, 0.0)),
+        drum((1.2, 0.0, 0.0), 0.3, name="B", **drive),
+    ]
+    rope = {"mass_per_length": HEAVY, "axial_stiffness": 4.0e7, "damping": 1.0e-2}
+    load = body("load", 3.0e4, (0.5, 0.0, -800.0), guide=["x", "y"])
+    result = ran(crane(path, [load], rope, solver={"end": 0.2, "step": 0.01}))
+    for name in ("paid_out", "drum_rotation", "sheave_rotation"):
+        assert np.abs(result[name]).max() < 1.0e-5
+
+
+@pytest.mark.parametrize("bending", [0.0, 2000.0])
+def test_a_winch_that_bends_its_rope_has_the_torque_and_the_power_of_that(bending):
+    """EJ / (2 R^2) is in each metre on the drum: torque T R + EJ / (2 R), power the rate of the work from outside."""
+    rope = {"mass_per_length": LIGHT, "bending_stiffness": bending}
+    result = ran(hoist(rope=rope, drive={"pay_out": {"ramp": {"to": -1.0, "over": 1.0}}}, solver={"end": 4.0}))
+    time, power, work = result["time"], result["winch_power"][:, 0], result["external_work"]
+    late = time >= 2.0
+    assert np.trapezoid(power[late], time[late]) == pytest.approx(work[-1] - work[late][0], rel=2.0e-3)
+    pull = result["drum_tension"][:, 0] + bending / (2.0 * 0.5**2)
+    assert result["winch_torque"][:, 0] == pytest.approx(0.5 * pull, rel=1.0e-12)
+
+
 # what moves as a whole
-HEAVY = 33.0
-"""rhoA, kg/m: rhoA u^2 at 4 m/s is half a kilonewton."""
-
-
 def steady(speed, axis):
     """Motion of a vessel at a constant speed from the first moment on."""
     return {
