@@ -103,6 +103,36 @@ def test_mass_tangent_and_residual_are_of_one_piece():
     assert np.allclose(equations.residual(t, q, v, equations.acceleration(t, q, v)), 0.0, atol=1e-8 * np.abs(r).max())
 
 
+WINCHES = {
+    "torque": "torque: 28 kN m",
+    "tension with gains": "tension: {ramp: {to: 60 kN, over: 2}}, gains: {proportional: 5, integral: 1}",
+}
+
+
+@pytest.mark.parametrize("axial", ["8.0e7", "1.0e6"], ids=["wire", "soft"])
+@pytest.mark.parametrize("drive", WINCHES)
+def test_the_tangent_of_a_winch_knows_its_gain_and_the_stretch_of_its_rope(drive, axial):
+    """Against central differences: a gain of 5 that is left out puts 83 % into the winch's row."""
+    text = (DATA / "hoist.yaml").read_text().replace("8.0e7", axial).replace("6.5 ", "0.5 ")
+    begin, end = text.index("pay_out:"), text.index("}}}", text.index("pay_out:"))
+    scene = text[:begin] + WINCHES[drive] + ", inertia: 400" + text[end + 2 :]
+    sim = tautline.Simulation(scene, keep=False)
+    sim.advance_to(1.0)
+    equations = sim.equations
+    t, q, v = equations.state()
+    y, n = np.concatenate((q, v)), equations.size
+    tangent = equations.first_order_tangent(t, y)
+    tangent = np.asarray(tangent.todense() if hasattr(tangent, "todense") else tangent)
+    row = n + next(k for k, name in enumerate(equations.names) if name == "winch: material")
+    found = np.zeros(2 * n)
+    for i in range(2 * n):
+        step = np.zeros(2 * n)
+        step[i] = 1.0e-6 * max(1.0, abs(y[i]))
+        ends = equations.first_order(t, y + step), equations.first_order(t, y - step)
+        found[i] = (ends[0][row] - ends[1][row]) / (2.0 * step[i])
+    assert np.linalg.norm(tangent[row] - found) < 1.0e-2 * np.linalg.norm(found)
+
+
 def test_equations_refuse_vectors_of_another_size_and_do_not_touch_the_simulation():
     sim = tautline.Simulation(HANGING)
     sim.advance(0.1)

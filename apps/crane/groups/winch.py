@@ -185,6 +185,21 @@ def _drum_mass(g, q, matrix, dofs):
 
 
 @kernel
+def _add_by_stretch(g, n, t, q, v, a, cc, ck, matrix, dofs):
+    """What changes with the stretch of the rope that comes onto a drum."""
+    d, stretch = g.rows[n], g.found[g.rows[n].span, STRETCH]
+    by = _drum_inertia(d, q) * (2.0 * stretch * a[d.p] + _stretching(g, d) * v[d.p])
+    by += d.way * (d.rope * stretch * v[d.p] ** 2 - _drum_torque(g, n, t, v) / d.radius)
+    by = ck * by + cc * _drum_inertia(d, q) * stretch * v[d.p]
+    by /= q[d.b + MATERIAL] - q[d.a + MATERIAL]
+    for c in range(MATERIAL):
+        add_entry(matrix, dofs, d.p, d.a + c, -by * g.direction[d.span, c])
+        add_entry(matrix, dofs, d.p, d.b + c, by * g.direction[d.span, c])
+    add_entry(matrix, dofs, d.p, d.a + MATERIAL, by * stretch)
+    add_entry(matrix, dofs, d.p, d.b + MATERIAL, -by * stretch)
+
+
+@kernel
 def _drum_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(g.rows.size):
         d = g.rows[n]
@@ -192,6 +207,8 @@ def _drum_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         x += d.way * d.rope * _stretch(g, d) * (cc * v[d.p] + ck * a[d.p])
         x *= _stretch(g, d)
         add_entry(matrix, dofs, d.p, d.p, x)
+        if g.found[d.span, STRETCH] > 1.0:
+            _add_by_stretch(g, n, t, q, v, a, cc, ck, matrix, dofs)
         if d.holds == 1 and d.proportional > 0.0 and abs(_drum_torque(g, n, t, v)) < d.limit:
             by = d.way * _stretch(g, d) * d.proportional
             add_by_tension(g.found, g.direction, d.span, d.a, d.b, d.way > 0.0, d.p, by, cm, cc, ck, matrix, dofs)

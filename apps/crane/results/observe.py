@@ -110,7 +110,8 @@ class Observer:
         self.own = PER_SPAN * self.elements
         self.own += 2 * len(self.slips.rows) if self.slips is not None else 0
         self.own += len(motors.rows) if motors is not None else 0
-        self.laid = next(g for g in groups if isinstance(g, Spans)).laid
+        drawn = layout.degrees.value[self.stations + MATERIAL]
+        self.laid = next((g.laid for g in groups if isinstance(g, Spans)), drawn)
         self.wound = [Wound(self.scene.path[i], self.scene.rope.diameter, layout.stretch) for i in self.drums]
         self.hung = layout.once("hung", self._hung)
         self.compensator: Any = None
