@@ -110,7 +110,7 @@ def motion(hooks, q, v, times):
 
 
 def test_a_free_body_turns_as_eulers_equations_say():
-    # About the middle axis: it tumbles. So fast that DOP853, which follows the norm at its own frequency, has few steps.
+    # About the middle axis: it tumbles. So fast that DOP853, which follows the norm's own frequency, has few steps.
     spin, q = np.array([2.4, 16.0, 1.6]), quaternion_of((0.4, 0.2, -1.0))
     times, inertia = np.linspace(0.0, 1.25, 6), np.array(INERTIA)
     found, rates = motion(top(), q, rate_of(q, spin), times)
