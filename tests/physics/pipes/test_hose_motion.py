@@ -284,7 +284,7 @@ THICK = {"length": 0.25, "elements": 3, "axial_stiffness": 10.0, "bending_stiffn
 BORES = [THICK | {"mass_per_length": 0.0031}, THICK | {"mass_per_length": 0.002, "water_mass_per_length": 0.6 * WATER}]
 
 
-def check_energy(speed, end=0.6, limit=1e-3, **more):
+def check_energy(speed, end=0.4, limit=1e-3, **more):
     # the run's own figure counts less as having gone through than `energy_missing` does where the flow gives and takes
     rough, fine = (run(flowing(speed, 6, step, end, solver=EXACT, **more)) for step in (1e-3, 2.5e-4))
     assert energy_missing(rough) < limit
