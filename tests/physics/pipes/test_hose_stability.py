@@ -45,7 +45,11 @@ def onset(made, beta, u, width=0.2, plane="any"):
 # Gregory and Paidoussis' cantilever
 @pytest.mark.parametrize(
     ("beta", "n", "limit"),
-    [*((beta, 10, CLAIMED) for beta in BOUNDARY), (0.8, 20, 4e-4), *studies((0.1, 20, 4e-4), (0.5, 20, 4e-4))],
+    [
+        *((beta, 10, CLAIMED) for beta in (0.1, 0.3, 0.5, 0.7)),
+        (0.8, 20, 4e-4),
+        *studies(*((beta, 10, CLAIMED) for beta in (0.2, 0.4, 0.6, 0.8)), (0.1, 20, 4e-4), (0.5, 20, 4e-4)),
+    ],
 )
 def test_cantilever_flutters_on_the_boundary_of_gregory_and_paidoussis(beta, n, limit):
     # measured at 20 elements from 3.3e-6 (beta 0.1) to 1.4e-4 (0.8), frequencies twice that; at 10 at most 2.2e-3
@@ -57,7 +61,7 @@ def test_cantilever_flutters_on_the_boundary_of_gregory_and_paidoussis(beta, n, 
     assert frequency == pytest.approx(omega, rel=2.5 * limit)
 
 
-@pytest.mark.parametrize("beta", [0.2, 0.5, 0.8])
+@pytest.mark.parametrize("beta", [0.2, *studies(0.5), 0.8])
 def test_cantilever_is_stable_below_the_boundary_and_not_beyond(beta):
     u = BOUNDARY[beta][0]
     speeds = np.append(np.linspace(0.5, 0.99, 6), 1.01) * u / np.sqrt(beta)
@@ -325,7 +329,7 @@ def galerkin_growth(u, gamma):
     return GALERKIN.eigenvalues(u, 0.2, gamma=-gamma)[: GALERKIN.modes].real.max()
 
 
-@pytest.mark.parametrize(("gamma", "between"), [(8.0, (0.3, 0.9)), (20.0, (2.0, 3.8))])
+@pytest.mark.parametrize(("gamma", "between"), [(8.0, (0.3, 0.9)), *studies((20.0, (2.0, 3.8)))])
 def test_a_standing_pipe_beyond_greenhills_weight_diverges_without_flow_and_stands_up_with_it(gamma, between):
     # measured at 8 elements: 6e-5 and 5e-5 where it stands up, 1.2e-4 and 4e-5 where it flutters
     found = stability(standing(gamma))

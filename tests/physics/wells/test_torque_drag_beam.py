@@ -50,7 +50,7 @@ def jwell():
 
 
 # against the soft string and closed forms
-@pytest.mark.parametrize("friction", [0.2, 0.3])
+@pytest.mark.parametrize("friction", [*studies(0.2), 0.3])
 @pytest.mark.parametrize("direction", ["pick_up", "slack_off", "rotating"])
 def test_hook_load_of_the_jwell_is_the_soft_strings_within_0_03_percent_at_48_elements(jwell, direction, friction):
     profile = jwell.solve(friction, direction)
