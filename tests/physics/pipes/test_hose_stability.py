@@ -131,14 +131,14 @@ def test_mass_and_nozzle_at_the_end_lower_the_critical_speed_as_they_should(beta
     ("water", "U", "omega"), [(0.5, 6.8684356467, 27.5895324124), *studies((1.0, 12.3865733974, 26.9213491493))]
 )
 def test_two_pieces_and_two_bores_flutter_where_spectral_elements_have_them(water, U, omega):
-    # EJ and mass differ, then the bore, too; measured at 10 elements a piece 5.8e-6 and 1.7e-5
-    first = {"length": 0.25, "elements": 10, "axial_stiffness": 1e4} | {"bending_stiffness": 0.00108}
+    # EJ and mass differ, then the bore, too; measured at 10 elements a piece 5.8e-6 and 1.7e-5, of fourth order
+    first = {"length": 0.25, "elements": 6, "axial_stiffness": 1e4} | {"bending_stiffness": 0.00108}
     first |= {"mass_per_length": 0.0031316}
     second = first | {"bending_stiffness": 0.00054, "mass_per_length": 0.0025, "water_mass_per_length": water * WATER}
     made = scene({"segments": [first, second]}, gravity=[0, 0, 0])
     (found,) = crossings(made, [U - 0.3, U + 0.3])
-    assert found.speed == pytest.approx(U, rel=2e-5)
-    assert 2 * np.pi * found.frequency == pytest.approx(omega, rel=5e-5)
+    assert found.speed == pytest.approx(U, rel=1.5e-4)
+    assert 2 * np.pi * found.frequency == pytest.approx(omega, rel=3.9e-4)
 
 
 # Table 2.2's hose
@@ -351,7 +351,7 @@ def test_a_standing_pipe_below_greenhills_weight_stands_without_flow():
     assert not found.grows.any() and not found.critical and found.stable_from is None
 
 
-@pytest.mark.parametrize("stiffness", [1e5, *studies(1e6), 1e7])
+@pytest.mark.parametrize("stiffness", [*studies(1e5, 1e6), 1e7])
 def test_springs_beside_multipliers_change_no_critical_speed_however_stiff_the_pipe(stiffness):
     # with the springs themselves, at 1e7, "flutter" began at a twentieth of the speed
     along = {"axial_stiffness": stiffness}
