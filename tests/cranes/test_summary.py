@@ -35,7 +35,7 @@ def value(found, name):
 @pytest.mark.parametrize(("of", "kind"), KINDS, ids=[f"{of.__name__} {kind}" for of, kind in KINDS])
 def test_every_kind_of_run_is_summed_up_in_finite_numbers(of, kind):
     made = of(4) if of is falls else of()
-    found = summed(made, **kind)
+    found = summed(made, **{"frames": 51} | kind)
     for figure in found.values():
         assert figure.keys() == {"value", "unit", "text"} and math.isfinite(figure["value"])
         assert isinstance(figure["value"], (int, float)) and figure["text"]
@@ -58,7 +58,7 @@ def test_the_largest_tension_is_told_with_where_and_when():
 
 
 def test_of_many_sheaves_only_the_largest_tension_is_told():
-    found = summed(falls(16))
+    found = summed(falls(16), frames=11)
     told = [name for name in found if name.startswith("max_tension_")]
     assert told == ["max_tension_winch", "max_tension_dead_end", "max_tension_sheaves"]
     assert len(span_ends(falls(16))) == len(set(span_ends(falls(16)))) == 34
@@ -66,7 +66,7 @@ def test_of_many_sheaves_only_the_largest_tension_is_told():
 
 def test_without_a_breaking_load_there_is_no_safety_factor_and_without_a_diameter_no_ratio():
     bare = one_fall(rope={"breaking_load": None, "diameter": None})
-    assert not {"safety_factor", "smallest_bending_ratio"} & summed(bare).keys()
+    assert not {"safety_factor", "smallest_bending_ratio"} & summed(bare, frames=11).keys()
 
 
 def test_a_scene_that_starts_as_drawn_is_held_against_an_estimate_of_its_rest():
@@ -100,12 +100,12 @@ def test_the_snap_of_a_heavy_rope_is_that_of_its_upper_end():
 
 
 def test_the_winch_gives_the_rope_its_tension_times_its_travel():
-    run = result(one_fall(), bounce=0.0, sway=0.0, rise=15.0)
-    found = headline(run, one_fall())
+    coarse = {"bounce": 0.0, "sway": 0.0, "frames": 51}
+    found = summed(one_fall(interval=0.2), rise=15.0, **coarse)
     assert value(found, "energy_hoisted") == pytest.approx(5000.0 * 9.81 * 15.0, rel=1e-6)
     assert value(found, "max_winch_power") == pytest.approx(5000.0 * 9.81 * 1.5, rel=1e-6)
     assert value(found, "energy_regenerated") == 0.0
-    lowered = summed(one_fall(), bounce=0.0, sway=0.0, rise=-15.0)
+    lowered = summed(one_fall(interval=0.2), rise=-15.0, **coarse)
     assert value(lowered, "energy_regenerated") == pytest.approx(5000.0 * 9.81 * 15.0, rel=1e-6)
     assert value(lowered, "energy_hoisted") == 0.0
 
@@ -125,17 +125,17 @@ def test_the_most_worked_end_is_that_of_most_damage():
 
 
 def test_hoisting_over_a_sheave_bends_each_metre_once_and_back():
-    found = summed(one_fall(), sway=0.0)
+    found = summed(one_fall(interval=0.2), sway=0.0, frames=51)
     assert value(found, "max_bending_cycles") == 1.0 and "boom tip" in found["max_bending_cycles"]["text"]
     assert value(found, "smallest_bending_ratio") == pytest.approx(0.8 / 0.036)
-    assert value(summed(one_fall(), sway=0.0, rise=0.0), "max_bending_cycles") == 0.0
+    assert value(summed(one_fall(interval=0.2), sway=0.0, rise=0.0, frames=51), "max_bending_cycles") == 0.0
     # In four falls the rope that hoisting brings over two sheaves is bent by both.
-    assert value(summed(falls(4), sway=0.0, rise=20.0), "max_bending_cycles") >= 3.0
+    assert value(summed(falls(4), sway=0.0, rise=20.0, frames=51), "max_bending_cycles") >= 3.0
 
 
 @pytest.mark.parametrize("of", [one_fall(), falls(4), elevator()], ids=lambda of: of.title)
 def test_between_what_lies_on_two_wheels_is_the_rope_of_a_span(of):
-    run = result(of, sway=1.0, across=0.7, bounce=0.0)
+    run = result(of, sway=1.0, across=0.7, bounce=0.0, frames=41)
     course = course_of(run, laid_out(of))
     wheels = {contact.name: contact for contact in contacts_of(run, course)}
     node = nodes_of(of)
@@ -151,17 +151,17 @@ def test_between_what_lies_on_two_wheels_is_the_rope_of_a_span(of):
 
 def test_the_course_of_a_single_element_is_that_of_many():
     coarse, fine = (falls(2, mesh={"elements_per_span": n}) for n in (1, 4))
-    one, many = (course_of(result(of, sway=1.0, across=0.5), laid_out(of)) for of in (coarse, fine))
+    one, many = (course_of(result(of, sway=1.0, across=0.5, frames=41), laid_out(of)) for of in (coarse, fine))
     for name in ("comes", "leaves", "middle"):
         np.testing.assert_allclose(getattr(one, name), getattr(many, name), atol=1e-8)
 
 
 def test_loads_are_told_by_rise_and_displacement():
-    found = summed(elevator(), sway=0.3)
+    found = summed(elevator(interval=0.2), sway=0.3, frames=51)
     assert value(found, "rise_car") == pytest.approx(15.0) and value(found, "rise_counterweight") == pytest.approx(
         -15.0
     )
-    assert value(summed(one_fall(), sway=0.3), "max_displacement") == pytest.approx(
+    assert value(summed(one_fall(interval=0.2), sway=0.3, frames=51), "max_displacement") == pytest.approx(
         np.hypot(15.0, 0.3 * np.sin(10.0)), rel=1e-3
     )
 
@@ -194,10 +194,10 @@ def test_angles_in_a_result_are_those_of_the_course_of_the_rope():
 
 def test_names_of_items_make_keys():
     odd = {"end": {"name": "Hook [5 t]!", "body": "payload"}}
-    found = summed(one_fall(path=[WINCH, TIP, odd]))
+    found = summed(one_fall(path=[WINCH, TIP, odd]), frames=11)
     assert "max_tension_hook_5_t" in found and all(re.fullmatch("[a-z0-9_]+", name) for name in found)
     alike = [WINCH, TIP, {"end": HOOK["end"] | {"name": "Boom tip, in"}}]
-    told = [name for name in summed(one_fall(path=alike)) if name.startswith("max_tension_")]
+    told = [name for name in summed(one_fall(path=alike), frames=11) if name.startswith("max_tension_")]
     assert told == [f"max_tension_{end}" for end in ("winch", "boom_tip_in", "boom_tip_out", "boom_tip_in_2")]
 
 

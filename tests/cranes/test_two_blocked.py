@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from physics.lifting.crane_scenes import hoist, stopped
 
 from crane.groups.span import MET
@@ -16,12 +17,14 @@ def left(result):
     return float(np.sqrt((place[0] - 12.0) ** 2 + (place[2] - 30.0) ** 2 - RADIUS**2))
 
 
-@pytest.mark.parametrize("speed", [1.0, 4.0])
-def test_a_load_comes_as_near_to_its_sheave_with_any_number_of_elements(speed):
-    """5 % of the radius are left at 4 to 250 elements, within what is hoisted between two frames."""
+@pytest.mark.parametrize(
+    ("speed", "numbers"), [(1.0, (4, 30)), (4.0, (4, 30, 120)), *studies((4.0, (4, 30, 120, 250)))]
+)
+def test_a_load_comes_as_near_to_its_sheave_with_any_number_of_elements(speed, numbers):
+    """5 % of the radius are left at 4 to 120 elements, and at 250, within what is hoisted between two frames."""
     interval = 5.0e-3
     times = []
-    for elements in (4, 30, 250) if speed > 1.0 else (4, 30):
+    for elements in numbers:
         drive = {"pay_out": {"table": {"time": [0.0, 1.0, 60.0], "value": [0.0, -speed, -speed]}}}
         far = hoist(elements=elements, drive=drive, solver={"end": 30.0 / speed}, interval=interval)
         far["bodies"][0]["position"] = (12.4, 0.0, 20.0)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from figures.synthetic_crane import HOOK, LOAD, TIP, WINCH, elevator, falls, fixed_rope, one_fall, scene
+from of_the_suite import studies
 from references.cables import catenary
 
 from crane.assembly.drum_supply import check_supply, supply_of
@@ -273,9 +274,9 @@ def test_the_fleet_angle_is_the_larger_of_both_sides():
     )
 
 
-def test_a_scene_is_drawn_before_it_runs(tmp_path):
-    for k, of in enumerate((one_fall(), falls(4), elevator(), fixed_rope())):
-        assert draw_scene(of, tmp_path / f"{k}.png").stat().st_size > 5000
+@pytest.mark.parametrize("of", [falls(4), fixed_rope(), *studies(one_fall(), elevator())], ids=lambda of: of.title)
+def test_a_scene_is_drawn_before_it_runs(of, tmp_path):
+    assert draw_scene(of, tmp_path / "scene.png").stat().st_size > 5000
 
 
 def test_a_scene_that_no_rope_can_take_is_refused():

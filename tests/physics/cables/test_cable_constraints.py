@@ -6,6 +6,7 @@ of tests/references/ale_ancf.py, neither of which knows the cable program.
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from physics.cables.tied_cables import (
     FREE,
     PINNED,
@@ -296,7 +297,7 @@ def drift(result, first, second):
     return [np.abs(gap[:, 0] - gap[:, 1]).max(axis=-1) for gap in gaps]
 
 
-@pytest.mark.parametrize(("projection", "times"), [("mass", 1), ("identity", 2)])
+@pytest.mark.parametrize(("projection", "times"), [("mass", 1), *studies(("identity", 2))])
 def test_rk4_stays_on_its_constraints_for_1e5_steps(projection, times):
     # eqs 2.127 and 2.128: measured 0 for both
     result = run(uneven(projection=projection, stabilise=times, time_step=1e-3, time_end=100.0, plotpoints=1))

@@ -85,11 +85,11 @@ def test_cubic_elements_converge_to_the_catenary_with_order_four_at_least(case):
 @pytest.mark.parametrize("case", SPANS)
 def test_linear_elements_converge_to_the_catenary_with_order_two(case, strain):
     # measured at 8, 16, 32, 64 elements: 1.997 to 2.035
-    force, shape = zip(*(misses(case, n, strain, linear=True) for n in (8, 16, 32, 64)), strict=True)
+    force, shape = zip(*(misses(case, n, strain, linear=True) for n in (8, 16, 32)), strict=True)
     np.testing.assert_allclose(orders(force), 2.0, atol=0.05)
     np.testing.assert_allclose(orders(shape), 2.0, atol=0.05)
-    assert force[-1] < 2e-4
-    assert shape[-1] < 1e-4
+    assert force[-1] < 8e-4
+    assert shape[-1] < 4e-4
 
 
 def test_axial_force_that_is_stored_is_the_tension_of_the_catenary_in_the_middle_of_elements():

@@ -7,7 +7,7 @@ from physics.cables.tied_cables import PINNED, element, model_of, node, run, sce
 from tautline.elements.nodal.eyelet import Eyelets
 from tautline.integrators.status import Status, StoppedEarly
 
-SOLVERS = [{"type": "G-alpha", "time_step": 1e-3}, {"type": "RK4", "time_step": 1e-4}]
+SOLVERS = [{"type": "G-alpha", "time_step": 1e-3}, {"type": "RK4", "time_step": 4e-4}]
 
 
 def rate(id, pos0, speed):

@@ -3,6 +3,8 @@
 Figures in comments are relative errors that were measured; tolerances leave a factor of about two to four above them.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 from of_the_suite import studies
@@ -28,9 +30,9 @@ BOUNDARY = {  # first crossings by `reference.critical_speeds`, which takes seco
 }
 
 
-def crossing(beta, u, omega):
+def crossing(beta, u, omega, *more):
     """The exact crossing near (u, omega): Newton's method on the characteristic determinant."""
-    return reference._polish(u, omega, beta)
+    return reference._polish(u, omega, beta, *more)
 
 
 def onset(made, beta, u, width=0.2, plane="any"):
@@ -41,19 +43,25 @@ def onset(made, beta, u, width=0.2, plane="any"):
 
 
 # Gregory and Paidoussis' cantilever
-@pytest.mark.parametrize("beta", BOUNDARY)
-def test_cantilever_flutters_on_the_boundary_of_gregory_and_paidoussis(beta):
+@pytest.mark.parametrize(
+    ("beta", "n", "limit"),
+    [
+        *((beta, 10, CLAIMED) for beta in (0.1, 0.3, 0.5, 0.7)),
+        (0.8, 20, 4e-4),
+        *studies(*((beta, 10, CLAIMED) for beta in (0.2, 0.4, 0.6, 0.8)), (0.1, 20, 4e-4), (0.5, 20, 4e-4)),
+    ],
+)
+def test_cantilever_flutters_on_the_boundary_of_gregory_and_paidoussis(beta, n, limit):
     # measured at 20 elements from 3.3e-6 (beta 0.1) to 1.4e-4 (0.8), frequencies twice that; at 10 at most 2.2e-3
     u, omega = crossing(beta, *BOUNDARY[beta])
     assert u == pytest.approx(BOUNDARY[beta][0], rel=1e-9)
-    for n, limit in ((10, CLAIMED), (20, 4e-4)) if beta in (0.1, 0.5, 0.8) else ((10, CLAIMED),):
-        speed, frequency, kind = onset(pipe(beta, n), beta, u)
-        assert kind == "flutter"
-        assert speed == pytest.approx(u, rel=limit)
-        assert frequency == pytest.approx(omega, rel=2.5 * limit)
+    speed, frequency, kind = onset(pipe(beta, n), beta, u)
+    assert kind == "flutter"
+    assert speed == pytest.approx(u, rel=limit)
+    assert frequency == pytest.approx(omega, rel=2.5 * limit)
 
 
-@pytest.mark.parametrize("beta", [0.2, 0.5, 0.8])
+@pytest.mark.parametrize("beta", [0.2, *studies(0.5), 0.8])
 def test_cantilever_is_stable_below_the_boundary_and_not_beyond(beta):
     u = BOUNDARY[beta][0]
     speeds = np.append(np.linspace(0.5, 0.99, 6), 1.01) * u / np.sqrt(beta)
@@ -63,51 +71,53 @@ def test_cantilever_is_stable_below_the_boundary_and_not_beyond(beta):
 
 
 def test_critical_speed_converges_with_order_four():
-    # measured 3.9, 4.0
+    # measured 3.9, 4.0 at 5, 10, 20 elements
     u, _ = crossing(0.2, *BOUNDARY[0.2])
-    errors = [onset(pipe(0.2, n), 0.2, u)[0] / u - 1 for n in (5, 10, 20)]
+    errors = [onset(pipe(0.2, n), 0.2, u)[0] / u - 1 for n in (4, 8, 16)]
     assert orders(errors) == pytest.approx([4, 4], abs=0.3)
 
 
 @pytest.mark.parametrize(
-    ("damping", "u", "omega"), [(1e-3, 5.64160, 13.8), (1e-2, 5.96769, 14.2), (0.1, 7.24585, 17.0)]
+    ("damping", "u", "omega"), [(1e-3, 5.64160, 13.600), (1e-2, 5.96769, 12.776), (0.1, 7.24585, 8.040)]
 )
 @pytest.mark.parametrize("n", [10, *studies(20)])
 def test_damping_raises_the_critical_speed_as_the_exact_equation_has_it_on_any_mesh(damping, u, omega, n):
     # Kelvin and Voigt's; its largest rate grows with the fourth power of the mesh, and may hide nothing.
     # Measured at 10 elements 8e-6 to 5.5e-5, at 20 at most 4e-6.
-    exact = [one for one in reference.critical_speeds(0.2, alpha=damping, upto=u + 0.5) if one.becomes == "unstable"]
-    assert exact[0].u == pytest.approx(u, abs=1e-4)
+    # The table has what `reference.critical_speeds` finds in a quarter of a second.
+    exact, turning = crossing(0.2, u, omega, damping)
+    assert exact == pytest.approx(u, abs=1e-4)
     found, frequency, kind = onset(pipe(0.2, n, {"damping": damping}), 0.2, u)
-    assert (found, kind) == (pytest.approx(exact[0].u, rel=2e-4 if n == 10 else 1e-5), "flutter")
-    assert frequency == pytest.approx(exact[0].omega, rel=4e-4 if n == 10 else 3e-5)
+    assert (found, kind) == (pytest.approx(exact, rel=2e-4 if n == 10 else 1e-5), "flutter")
+    assert frequency == pytest.approx(turning, rel=4e-4 if n == 10 else 3e-5)
 
 
 def test_at_a_jump_of_the_boundary_the_cantilever_flutters_ceases_to_and_flutters_again():
-    # both onsets at beta = 0.67; measured 2.6e-5 and 7.7e-5 at 20 elements. The pipe is stable from 11.6 to 12.5
+    # both onsets at beta = 0.67; measured 1.1e-4 and 3.2e-4 at 14 elements. The pipe is stable from 11.8 to 12.5. That
+    # there are these three crossings and no other up to 13 is a test of the references.
     beta, root = 0.67, np.sqrt(0.67)
-    made = pipe(beta, 20)
-    exact = reference.critical_speeds(beta, upto=13.0)
-    assert [one.becomes for one in exact] == ["unstable", "stable", "unstable"]
-    first, ceases, again = exact
-    assert (first.u, again.u) == (pytest.approx(10.6158, abs=1e-4), pytest.approx(12.5185, abs=1e-4))
-    between = (ceases.u + again.u) / 2
-    found = crossings(made, np.array([10.0, (first.u + ceases.u) / 2, between, 13.0]) / root)
+    made = pipe(beta, 14)
+    first, ceases, again = (crossing(beta, *near) for near in ((10.6158, 26.67), (11.7641, 33.10), (12.5185, 42.18)))
+    assert (first[0], ceases[0], again[0]) == pytest.approx((10.6158, 11.7641, 12.5185), abs=1e-4)
+    between = (ceases[0] + again[0]) / 2
+    found = crossings(made, np.array([10.0, (first[0] + ceases[0]) / 2, between, 13.0]) / root)
     assert len(found) == 2
-    for one, other in zip(found, (first, again), strict=True):
-        assert one.speed * root == pytest.approx(other.u, rel=2e-4)
-        assert 2 * np.pi * one.frequency == pytest.approx(other.omega, rel=4e-4)
+    for one, (u, omega) in zip(found, (first, again), strict=True):
+        assert one.speed * root == pytest.approx(u, rel=8e-4)
+        assert 2 * np.pi * one.frequency == pytest.approx(omega, rel=1.6e-3)
 
 
 @pytest.mark.parametrize(
     ("beta", "mu", "jet", "u", "omega"),
     [
-        (0.2, 0.1, 1.0, 4.2216893472, 14.0846383388),
         (0.2, 0.3, 1.0, 2.9057805558, 14.7181322290),
-        (0.2, 0.0, 1.5, 4.0739480886, 14.0509762114),
-        (0.5, 0.0, 1.5, 6.9183089564, 24.4641291863),
         (0.5, 0.0, 2.0, 4.3942037465, 13.6138045707),
         (0.2, 0.3, 1.5, 2.2843498307, 14.8348498445),
+        *studies(
+            (0.2, 0.1, 1.0, 4.2216893472, 14.0846383388),
+            (0.2, 0.0, 1.5, 4.0739480886, 14.0509762114),
+            (0.5, 0.0, 1.5, 6.9183089564, 24.4641291863),
+        ),
     ],
 )
 def test_mass_and_nozzle_at_the_end_lower_the_critical_speed_as_they_should(beta, mu, jet, u, omega):
@@ -118,17 +128,17 @@ def test_mass_and_nozzle_at_the_end_lower_the_critical_speed_as_they_should(beta
 
 
 @pytest.mark.parametrize(
-    ("water", "U", "omega"), [(1.0, 12.3865733974, 26.9213491493), (0.5, 6.8684356467, 27.5895324124)]
+    ("water", "U", "omega"), [(0.5, 6.8684356467, 27.5895324124), *studies((1.0, 12.3865733974, 26.9213491493))]
 )
 def test_two_pieces_and_two_bores_flutter_where_spectral_elements_have_them(water, U, omega):
-    # EJ and mass differ, then the bore, too; measured at 10 elements a piece 5.8e-6 and 1.7e-5
-    first = {"length": 0.25, "elements": 10, "axial_stiffness": 1e4} | {"bending_stiffness": 0.00108}
+    # EJ and mass differ, then the bore, too; measured at 10 elements a piece 5.8e-6 and 1.7e-5, of fourth order
+    first = {"length": 0.25, "elements": 6, "axial_stiffness": 1e4} | {"bending_stiffness": 0.00108}
     first |= {"mass_per_length": 0.0031316}
     second = first | {"bending_stiffness": 0.00054, "mass_per_length": 0.0025, "water_mass_per_length": water * WATER}
     made = scene({"segments": [first, second]}, gravity=[0, 0, 0])
     (found,) = crossings(made, [U - 0.3, U + 0.3])
-    assert found.speed == pytest.approx(U, rel=2e-5)
-    assert 2 * np.pi * found.frequency == pytest.approx(omega, rel=5e-5)
+    assert found.speed == pytest.approx(U, rel=1.5e-4)
+    assert 2 * np.pi * found.frequency == pytest.approx(omega, rel=3.9e-4)
 
 
 # Table 2.2's hose
@@ -136,22 +146,23 @@ def test_two_pieces_and_two_bores_flutter_where_spectral_elements_have_them(wate
     ("plane", "key", "U"),
     [("in", "in_plane", 13.9148976569), ("out", "out_of_plane_damped", 13.8405929422), ("any", "weightless", None)],
 )
-def test_hose_flutters_about_its_static_shape_where_polynomials_have_it(plane, key, U):
+@pytest.mark.parametrize(("n", "limit"), [(10, 1e-4), *studies((20, 7e-6))])
+def test_hose_flutters_about_its_static_shape_where_polynomials_have_it(plane, key, U, n, limit):
     # measured at 10 elements 4.6e-5, frequency 1.5e-4; at 20 2.9e-6 and 9.7e-6
     speed, omega = hoses.reference_file("cycles")["critical"][key]
     assert U is None or speed == pytest.approx(U, abs=1e-9)
     gravity = [0, 0, 0] if key == "weightless" else [0, 0, -9.81]
-    for n, limit in ((10, 1e-4), (20, 7e-6)):
-        (found,) = crossings(scene({"elements": n}, gravity=gravity), [13.5, 14.2], plane)
-        assert (found.kind, found.plane) == ("flutter", plane)
-        assert found.speed == pytest.approx(speed, rel=limit)
-        assert 2 * np.pi * found.frequency == pytest.approx(omega, rel=3.5 * limit)
+    (found,) = crossings(scene({"elements": n}, gravity=gravity), [13.5, 14.2], plane)
+    assert (found.kind, found.plane) == ("flutter", plane)
+    assert found.speed == pytest.approx(speed, rel=limit)
+    assert 2 * np.pi * found.frequency == pytest.approx(omega, rel=3.5 * limit)
 
 
 def test_search_that_is_not_told_where_to_look_finds_both_planes_of_the_hose_the_lower_first():
-    found = stability(scene())
+    # Six elements: the error is of fourth order, and 1e-4 is kept to with ten. The planes are 5e-3 apart.
+    found = stability(scene({"elements": 6}))
     assert [one.plane for one in found.critical] == ["out", "in"]
-    assert [one.speed for one in found.critical] == pytest.approx([13.8405929422, 13.9148976569], rel=1e-4)
+    assert [one.speed for one in found.critical] == pytest.approx([13.8405929422, 13.9148976569], rel=8e-4)
     assert found.speed[0] == 0 and found.speed[-1] > 14
     assert np.all((found.out_of_plane < 1e-6) | (found.out_of_plane > 1 - 1e-6)), "planes do not mix"
 
@@ -168,10 +179,15 @@ def test_eigenvalues_of_the_hose_are_the_references_in_and_out_of_the_plane():
             assert np.abs(mine - value).min() < 1e-4 * abs(value)
 
 
+@cache
+def flutter_of_six(coupling):
+    return crossings(scene({"elements": 6}, coupling=coupling), [13.5, 14.2], "in")
+
+
 @pytest.mark.parametrize("coupling", COUPLINGS)
 def test_critical_speed_is_that_of_linear_coupling_whatever_ties_hose_and_water(coupling):
     # multipliers measured 1e-11; augmented 1.3e-6, as the static shape is (test_hose_statics)
-    plain, tied = (crossings(scene({"elements": 6}, coupling=way), [13.5, 14.2], "in") for way in ("linear", coupling))
+    plain, tied = (flutter_of_six(way) for way in ("linear", coupling))
     assert len(tied) == 1
     assert tied[0].speed == pytest.approx(plain[0].speed, rel=1e-9 if coupling in ("linear", "lagrange") else 1e-5)
     assert tied[0].frequency == pytest.approx(plain[0].frequency, rel=1e-9 if coupling != "augmented" else 1e-5)
@@ -191,6 +207,8 @@ def test_hose_with_springs_to_its_water_has_the_slow_eigenvalues_of_linear_coupl
 
 
 # supported pipes
+COARSE = {("pinned", "pinned"): 4e-5, ("clamped", "pinned"): 1.6e-4, ("clamped", "clamped"): 6e-4}
+"""Relative error of the speed at which 8 elements buckle, of fourth order: measured 1.6e-5, 6.8e-5, 2.6e-4."""
 SUPPORTED = {  # the first natural frequency at u = 0, 1, 2, 3 for beta = 0.2, and where the pipe buckles
     ("pinned", "pinned"): ((9.8696044011, 9.3375314424, 7.5469402519, 2.8682688628), reference.PINNED_PINNED),
     ("clamped", "pinned"): ((15.4182057170, 15.0153953558, 13.7447292963, 11.3532537684), reference.CLAMPED_PINNED),
@@ -213,21 +231,22 @@ def test_first_frequency_of_a_supported_pipe_falls_with_speed_as_it_should(suppo
 
 
 @pytest.mark.parametrize("supports", SUPPORTED)
-def test_supported_pipe_diverges_at_pi_4_4934_and_2_pi(supports):
+@pytest.mark.parametrize("n", [8, *studies(16)])
+def test_supported_pipe_diverges_at_pi_4_4934_and_2_pi(supports, n):
     # damping moves no buckling, and none at all is looked at below; measured 1.0e-6, 4.3e-6, 1.6e-5 at 16 elements
     u = SUPPORTED[supports][1]
-    speed, frequency, kind = onset(supported(supports, 16, 1e-4), 0.2, u)
+    speed, frequency, kind = onset(supported(supports, n, 1e-4), 0.2, u)
     assert (kind, frequency) == ("divergence", 0)
-    assert speed == pytest.approx(u, rel=4e-5)
+    assert speed == pytest.approx(u, rel=COARSE[supports] if n == 8 else 4e-5)
 
 
 @pytest.mark.parametrize("supports", [*list(SUPPORTED)[2:], *studies(*((pair,) for pair in list(SUPPORTED)[:2]))])
 def test_undamped_supported_pipe_diverges_and_does_not_flutter(supports):
     # all that it does below is to ring for ever: what rounding adds to its thousands of radians a second is no growth
     u = SUPPORTED[supports][1]
-    speed, _, kind = onset(supported(supports, 16), 0.2, u)
+    speed, _, kind = onset(supported(supports, 8), 0.2, u)
     assert kind == "divergence"
-    assert speed == pytest.approx(u, rel=4e-5)
+    assert speed == pytest.approx(u, rel=COARSE[supports])
 
 
 @pytest.mark.parametrize("speeds", [[0.0], [0.0, 2.0, 4.0], [2.0, 4.0]])
@@ -252,11 +271,12 @@ def test_more_modes_than_there_are_at_some_speed_are_as_many_as_there_are():
 
 
 def test_hose_of_many_elements_flutters_where_one_of_few_does(monkeypatch):
-    plain = crossings(scene({"elements": 12}), [13.5, 14.2], "in")
+    plain = crossings(scene({"elements": 9}), [13.5, 14.2], "in")
     for coupling in ("linear", "lagrange"):
         monkeypatch.setattr("gardenhose.flutter.DENSE", 50)
+        monkeypatch.setattr("gardenhose.flutter.SLOWEST", 30)
         monkeypatch.setattr(found_by, "DENSE", 50)
-        (long,) = crossings(scene({"elements": 12}, coupling=coupling), [13.5, 14.2], "in")
+        (long,) = crossings(scene({"elements": 9}, coupling=coupling), [13.5, 14.2], "in")
         assert long.speed == pytest.approx(plain[0].speed, rel=1e-7)
         monkeypatch.undo()
 
@@ -293,7 +313,7 @@ def test_eigenvalues_of_a_large_hose_by_sparse_algebra_are_those_by_dense(monkey
 
 
 # Standing pipes: Greenhill's column at 7.837, held up by the flow beyond it
-def standing(gamma, n=16):
+def standing(gamma, n=8):
     """The same pipe with its free end up, of weight gamma = (m + M) g L^3 / EJ."""
     section = {"length": 1.0, "elements": n, "axial_stiffness": 1e6, "bending_stiffness": 1.0, "damping": 0.0}
     section |= {"mass_per_length": 0.8, "direction": [0, 0, 1]}
@@ -301,15 +321,17 @@ def standing(gamma, n=16):
 
 
 GALERKIN = reference.Pipe(20)
+FALLS = {8.0: (5.0108, 12.66), 20.0: (4.1336, 10.92)}
+"""Where it flutters at last, (u, omega) by weight: `reference.critical_speeds(0.2, gamma=-gamma, upto=6.0)`."""
 
 
 def galerkin_growth(u, gamma):
     return GALERKIN.eigenvalues(u, 0.2, gamma=-gamma)[: GALERKIN.modes].real.max()
 
 
-@pytest.mark.parametrize(("gamma", "between"), [(8.0, (0.3, 0.9)), (20.0, (2.0, 3.8))])
+@pytest.mark.parametrize(("gamma", "between"), [(8.0, (0.3, 0.9)), *studies((20.0, (2.0, 3.8)))])
 def test_a_standing_pipe_beyond_greenhills_weight_diverges_without_flow_and_stands_up_with_it(gamma, between):
-    # measured: 4e-4 and 3e-6 where it stands up, 2e-5 and 3e-5 where it flutters
+    # measured at 8 elements: 6e-5 and 5e-5 where it stands up, 1.2e-4 and 4e-5 where it flutters
     found = stability(standing(gamma))
     assert found.grows[0] and found.speed[0] == 0.0
     # what falls is among the modes that are followed, and drawn
@@ -318,9 +340,10 @@ def test_a_standing_pipe_beyond_greenhills_weight_diverges_without_flow_and_stan
     assert (first.speed, first.kind) == (0.0, "divergence")
     stands = brentq(lambda u: galerkin_growth(u, gamma), *between, xtol=1e-12)
     assert found.stable_from * np.sqrt(0.2) == pytest.approx(stands, rel=1e-3)
-    exact = [one for one in reference.critical_speeds(0.2, gamma=-gamma, upto=6.0) if one.becomes == "unstable"][-1]
+    exact, _ = reference._polish_galerkin(GALERKIN, *FALLS[gamma], 0.2, 0.0, -gamma)
+    assert exact == pytest.approx(FALLS[gamma][0], abs=1e-4)
     assert last.kind == "flutter"
-    assert last.speed * np.sqrt(0.2) == pytest.approx(exact.u, rel=1e-3)
+    assert last.speed * np.sqrt(0.2) == pytest.approx(exact, rel=1e-3)
 
 
 def test_a_standing_pipe_below_greenhills_weight_stands_without_flow():
@@ -328,7 +351,7 @@ def test_a_standing_pipe_below_greenhills_weight_stands_without_flow():
     assert not found.grows.any() and not found.critical and found.stable_from is None
 
 
-@pytest.mark.parametrize("stiffness", [1e5, 1e6, 1e7])
+@pytest.mark.parametrize("stiffness", [*studies(1e5, 1e6), 1e7])
 def test_springs_beside_multipliers_change_no_critical_speed_however_stiff_the_pipe(stiffness):
     # with the springs themselves, at 1e7, "flutter" began at a twentieth of the speed
     along = {"axial_stiffness": stiffness}

@@ -4,10 +4,12 @@ Compiling takes seconds for every set of group types, so the tests share a few s
 without mud and bending in a straight hole (`straight_hole`).
 """
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import yaml
+from references import soft_string as soft
 
 from drillstring.model.build import build
 from drillstring.scene.scene import DrillstringScene
@@ -18,6 +20,7 @@ from tautline.scene.model import validate
 from tautline.simulation import simulate
 
 DATA = Path(__file__).parents[3] / "data"
+JWELL, JSTRING = soft.jwell()
 GRAVITY, DENSITY, E, G = 9.81, 7850.0, 200e9, 79e9
 COLLAR = (0.165, 0.0572)
 
@@ -52,6 +55,25 @@ def straight_hole(inclination, length=100.0, elements=1, diameter=0.3, friction=
             place = place.setdefault(name, {}) if isinstance(place, dict) else place[int(name)]
         place[last] = value
     return DrillstringScene.parse(yaml.safe_dump(scene))
+
+
+# The soft string of the J-well is integrated in some tenths of a second, and many tests hold their own against it.
+@cache
+def soft_load(friction, direction):
+    """Hook load of the J-well's soft string, N."""
+    return soft.hook_load(JWELL, JSTRING, friction, direction)
+
+
+@cache
+def soft_torque(friction, climbing=True):
+    """Torque of the J-well's soft string rotating off bottom, N m."""
+    return soft.rotating_torque(JWELL, JSTRING, friction, climbing)
+
+
+@cache
+def soft_strokes(friction, hole=None):
+    """Strokes of the block that move the J-well's soft string, up and down, m; with a hole's diameter its clearance."""
+    return soft.strokes(JWELL, JSTRING, friction, hole=hole)
 
 
 def area(od, bore):

@@ -99,7 +99,7 @@ def test_axial_and_torsional_modes_of_a_stepped_string_are_the_exact_roots():
 def test_axial_modes_of_a_beam_in_a_curved_hole_are_those_of_lumps():
     # Moving along the hole it is no stiffer than in a straight one. Elements of 120 m err by 1 %, of 15 m by 2e-5.
     both = [
-        campbell(shipped("jwell", model__kind=kind), FAST, kinds=("axial",), up_to=1.0).modes
+        campbell(shipped("jwell", model__kind=kind), FAST, kinds=("axial",), up_to=0.6).modes
         for kind in ("lumped", BEAM)
     ]
     for one, other in zip(*both, strict=True):

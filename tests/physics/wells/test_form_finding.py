@@ -1,10 +1,15 @@
 """Form finding: the exact extensible rod against what was written apart from it, and the lumps beside the rod."""
 
+from functools import partial
+from unittest.mock import patch
+
 import numpy as np
 import pytest
+from of_the_suite import studies
 from physics.wells.strings import COLLAR, DENSITY, GRAVITY, E, area, mass_per_length, shipped, straight_hole
 from references import extensible_rod as written_apart
 
+from drillstring.statics import form as form_finding
 from drillstring.statics.form import at_rest, find_form, pieces_of, reference_of
 from drillstring.statics.rod import NoRod, Piece, bend, hang
 from tautline.integrators.status import StoppedEarly
@@ -12,6 +17,7 @@ from tautline.scene.errors import SceneError
 
 LEVEL = 0.5 * np.pi
 CONFIGURATIONS = ("A", "B", "C")
+TIGHT = "C to the tolerance of rods"
 
 
 def configuration(case, elements=(), by="static"):
@@ -20,22 +26,28 @@ def configuration(case, elements=(), by="static"):
 
 @pytest.fixture(scope="module")
 def found():
-    """Configurations at n = 25, 50, 100."""
+    """Configurations at n = 25, 50, 100; that of C has a looser rod, unless it is asked for by `TIGHT`.
+
+    Its boundary layers take four seconds with the tolerance that rods have, and a twentieth of that with 1e-5, where
+    it is off by 2e-12 m.
+    """
     known = {}
 
     def of(case):
         if case not in known:
-            known[case] = configuration(case, (25, 50, 100))
+            loose = partial(bend, tolerance=1e-5) if case == "C" else bend
+            with patch.object(form_finding, "bend", loose):
+                known[case] = configuration(case[0], (25, 50, 100))
         return known[case]
 
     return of
 
 
 # the rod
-@pytest.mark.parametrize("case", CONFIGURATIONS)
+@pytest.mark.parametrize("case", [*CONFIGURATIONS, *studies(TIGHT)])
 def test_the_rod_is_the_extensible_elastica_of_the_references_within_a_millionth_of_its_length(found, case):
     # measured 1e-9, 6e-10 and 2e-10 m on 1000 m
-    rod, reference = found(case).reference.rod, written_apart.solve(case)
+    rod, reference = found(case).reference.rod, written_apart.solve(case[0])
     s = np.linspace(0.0, 1000.0, 401)
     x, y = rod.locate(s)
     exact = np.array([reference.at(where) for where in s])
@@ -94,8 +106,8 @@ def test_a_clamped_rod_without_weight_under_end_force_is_its_hookean_length():
 
 
 def test_a_rod_of_several_like_pieces_is_the_rod_of_one():
-    one = bend([Piece(100.0, 1e7, 1e5, 30.0)], 1.2, 2e3)
-    three = bend([Piece(part, 1e7, 1e5, 30.0) for part in (20.0, 50.0, 30.0)], 1.2, 2e3)
+    one = bend([Piece(100.0, 1e7, 1e5, 30.0)], 1.2, 2e3, tolerance=1e-6)
+    three = bend([Piece(part, 1e7, 1e5, 30.0) for part in (20.0, 50.0, 30.0)], 1.2, 2e3, tolerance=1e-6)
     s = np.linspace(0.0, 100.0, 51)
     assert three.locate(s) == pytest.approx(one.locate(s), abs=1e-6)
     assert three.tension(s) == pytest.approx(one.tension(s), rel=1e-6)
@@ -195,17 +207,16 @@ def test_a_string_with_a_free_end_swings_out_of_its_inclined_hole_and_hangs_stra
     assert found.difference(found.finest).max() < 1e-7
 
 
-def test_four_hundred_short_links_come_to_rest_though_they_have_far_to_go():
+def test_four_hundred_short_links_come_to_rest_though_they_have_far_to_go(found):
     # they sag by 233 m, a hundred times their length; the error of the end goes on falling from 0.07 m at n = 50
-    found = find_form(shipped("configuration_b"), (400,))
-    assert found.difference(found.finest).max() < 0.005
+    form = at_rest(shipped("configuration_b", model__elements=400))
+    assert found("B").difference(form).max() < 0.005
 
 
-def test_a_rod_that_is_pressed_beyond_eulers_load_says_that_it_has_other_shapes():
-    scene, finest = shipped("configuration_b", bit__force=-5e3), find_form(straight_hole(0.0)).finest
-    found = reference_of(scene, finest)
-    assert "beyond Euler's 11.7 N" in found.said
-    assert "Euler" not in reference_of(shipped("configuration_b"), finest).said
+def test_a_rod_that_is_pressed_beyond_eulers_load_says_that_it_has_other_shapes(found):
+    pressed = reference_of(shipped("configuration_b", bit__force=-100.0), found("B").finest)
+    assert "pressed by 100 N, beyond Euler's 11.7 N" in pressed.said
+    assert "Euler" not in found("B").reference.said
 
 
 # where there is none
@@ -246,7 +257,7 @@ def test_fewer_elements_than_sections_are_refused_naming_the_option():
     assert "fewer than the 2 sections" in str(refusal.value)
 
 
-@pytest.mark.parametrize("elements", [400, 1000])
+@pytest.mark.parametrize("elements", [400, *studies(1000)])
 def test_a_string_of_many_short_links_sags_as_far_as_one_of_few(elements):
     # 233.5539 m by tests/references/extensible_rod.py; the links are 2.5 and 1 m long.
     form = at_rest(shipped("configuration_b", model__elements=elements))

@@ -8,12 +8,13 @@ Structural damping calms the string; it does nothing to one that moves evenly. M
 (the lump at the change of section touches with the BHA's diameter, which is first order).
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
-from physics.wells.strings import run, shipped
-from references import soft_string as soft
+from of_the_suite import studies
+from physics.wells.strings import JWELL, run, shipped, soft_load, soft_torque
 
-WELL, STRING = soft.jwell()
 UP = {"velocity": {"ramp": {"to": -0.1, "over": 2.0}}}
 # up by 5 m, then down at 0.1 m/s: the bit passes the end of the hole with the whole string going down
 DOWN = {"velocity": {"sum": [{"ramp": {"to": -0.3, "over": 2.0}}, {"ramp": {"to": 0.4, "over": 2.0, "at": 18.0}}]}}
@@ -22,12 +23,13 @@ QUIET = {"damping": {"structural": 1.0}, "model__bending": "soft"}
 QUIET |= {"solver__rho_inf": 0.3, "solver__step": 5e-3, "output__interval": 0.1}
 
 
+@cache
 def moved(direction, friction, elements):
     """Frames of a slow move in which the bit is within 0.1 m of the end of the hole."""
     block, begin, end = MOVES[direction]
     changes = {"top__block": block, "well__wall__friction": friction, "model__elements": elements, "solver__end": end}
     result = run(shipped("jwell", **QUIET, **changes))
-    near = (result.time > begin) & (np.abs(result["bit_depth"] - WELL.length) < 0.1)
+    near = (result.time > begin) & (np.abs(result["bit_depth"] - JWELL.length) < 0.1)
     assert near.sum() >= 10
     speed = result["axial_velocity"][near][:, 1:]
     assert (speed < 0.0 if direction == "pick_up" else speed > 0.0).all(), "all of the string moves"
@@ -38,7 +40,7 @@ def moved(direction, friction, elements):
 @pytest.mark.parametrize("direction", ["pick_up", "slack_off"])
 def test_hook_load_of_a_slow_move_is_the_soft_strings_within_0_3_percent(direction, friction):
     result, near = moved(direction, friction, 50)
-    exact = soft.hook_load(WELL, STRING, friction, direction)
+    exact = soft_load(friction, direction)
     assert np.ptp(result["hook_load"][near]) < 5e-4 * exact, "steady"
     assert result["hook_load"][near].mean() == pytest.approx(exact, rel=3e-3)
 
@@ -52,16 +54,15 @@ def test_friction_of_the_moving_string_is_all_of_coulombs_and_against_the_motion
     assert (friction[normal > 1.0] > 0.0).all(), "pulled up, friction pulls down the hole"
 
 
-@pytest.mark.parametrize("elements", [25, pytest.param(200, marks=pytest.mark.study)])
-@pytest.mark.parametrize("friction", [0.2, 0.3])
+@pytest.mark.parametrize(("friction", "elements"), [(0.3, 25), *studies((0.2, 25), (0.2, 200), (0.3, 200))])
 @pytest.mark.parametrize("direction", ["pick_up", "slack_off"])
 def test_hook_load_is_within_0_3_percent_from_25_lumps_on(direction, friction, elements):
     result, near = moved(direction, friction, elements)
-    exact = soft.hook_load(WELL, STRING, friction, direction)
+    exact = soft_load(friction, direction)
     assert result["hook_load"][near].mean() == pytest.approx(exact, rel=3e-3)
 
 
-@pytest.fixture(scope="module", params=[0.2, 0.3])
+@pytest.fixture(scope="module", params=[0.2, *studies(0.3)])
 def rotating(request):
     """The J-well off bottom at 60 rpm, n = 100, no viscous friction; the block raised by the stretch."""
     changes = {"top": {"block": -1.652, "rotation": {"ramp": {"to": "60 rpm", "over": 8.0}}}}
@@ -74,18 +75,18 @@ def test_rotating_torque_is_the_soft_strings_after_climbing_the_wall_within_half
     # the torque that the top drive turns the string with, positive clockwise looking downhole
     friction, result = rotating
     steady = result.time > 26.0
-    exact = soft.rotating_torque(WELL, STRING, friction)
+    exact = soft_torque(friction)
     torque = result["surface_torque"][steady]
     assert np.ptp(torque) < 2e-3 * exact
     assert torque.mean() == pytest.approx(exact, rel=5e-3)
     # and not mu N R of a string that lies at the bottom of the hole: 2 % and 4.4 % more
-    assert abs(torque.mean() / soft.rotating_torque(WELL, STRING, friction, climbing=False) - 1) > 0.01
+    assert abs(torque.mean() / soft_torque(friction, climbing=False) - 1) > 0.01
 
 
 def test_rotating_string_hangs_in_its_frictionless_hook_load_within_0_1_percent(rotating):
     # slip is all around the pipe, so friction takes nothing along the hole
     friction, result = rotating
-    exact = soft.hook_load(WELL, STRING, friction, "rotating")
+    exact = soft_load(friction, "rotating")
     assert result["hook_load"][result.time > 26.0].mean() == pytest.approx(exact, rel=1e-3)
 
 

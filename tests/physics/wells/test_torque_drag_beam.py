@@ -12,10 +12,21 @@ import sys
 
 import numpy as np
 import pytest
-from physics.wells.strings import COLLAR, DATA, GRAVITY, E, mass_per_length, shipped, straight_hole
+from of_the_suite import studies
+from physics.wells.strings import (
+    COLLAR,
+    DATA,
+    GRAVITY,
+    JWELL,
+    E,
+    mass_per_length,
+    shipped,
+    soft_load,
+    soft_torque,
+    straight_hole,
+)
 from physics.wells.test_helix import CLEARANCE, DIAMETER, FRICTION, RIGIDITY, level, vertical
-from physics.wells.test_torque_drag_statics import DEPTH, JSTRING, JWELL, SIGN, arc_load, build_section
-from references import soft_string as reference
+from physics.wells.test_torque_drag_statics import DEPTH, SIGN, arc_load, build_section
 from references.stiff_string import StiffString
 
 from drillstring.scene.scene import BEAM, of_kind
@@ -39,15 +50,14 @@ def jwell():
 
 
 # against the soft string and closed forms
-@pytest.mark.parametrize("friction", [0.2, 0.3])
+@pytest.mark.parametrize("friction", [*studies(0.2), 0.3])
 @pytest.mark.parametrize("direction", ["pick_up", "slack_off", "rotating"])
 def test_hook_load_of_the_jwell_is_the_soft_strings_within_0_03_percent_at_48_elements(jwell, direction, friction):
     profile = jwell.solve(friction, direction)
-    assert profile.hook_load == pytest.approx(reference.hook_load(JWELL, JSTRING, friction, direction), rel=3e-4)
+    assert profile.hook_load == pytest.approx(soft_load(friction, direction), rel=3e-4)
     assert profile.measured_depth[-1] == pytest.approx(JWELL.length, abs=1e-6)
     if direction == "rotating":
-        torque = reference.rotating_torque(JWELL, JSTRING, friction)
-        assert profile.surface_torque == pytest.approx(torque, rel=5e-3)
+        assert profile.surface_torque == pytest.approx(soft_torque(friction), rel=5e-3)
         assert profile.torque[0] == pytest.approx(profile.surface_torque, rel=1e-9)
 
 
@@ -103,7 +113,7 @@ def bend():
     return scene, StiffString(pieces, rigidity, W, 0.5 * (0.2 - COLLAR[0]), wall), float(length)
 
 
-@pytest.mark.parametrize("direction", ["pick_up", "slack_off"])
+@pytest.mark.parametrize("direction", ["pick_up", *studies("slack_off")])
 def test_collars_in_a_sharp_bend_carry_the_load_of_a_stiff_string_and_not_of_a_soft_one(bend, direction):
     scene, stiff, length = bend
     depth, values = stiff.solve(0.3, SIGN[direction])

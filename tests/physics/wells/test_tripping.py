@@ -10,6 +10,7 @@ string, which has no bending.
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from physics.wells.strings import DATA, run, shipped
 from references import soft_string as reference
 
@@ -70,7 +71,7 @@ def soft_hook_load(depth, way):
     return reference.hook_load(well, string, FRICTION, way) + above
 
 
-@pytest.mark.parametrize("begin", [8.0, 22.0, 33.0])
+@pytest.mark.parametrize("begin", [8.0, *studies(22.0), 33.0])
 @pytest.mark.parametrize("way", RUNS)
 def test_hook_load_of_a_steady_trip_is_that_of_the_statics_at_that_depth_within_half_a_percent(trips, way, begin):
     depth, load = steady(trips[way], begin)

@@ -15,6 +15,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from physics.wells.strings import COLLAR, area, mass_per_length, run, straight_hole
 from physics.wells.strings import E as YOUNG
 from scipy.optimize import brentq
@@ -87,7 +88,7 @@ def steady(result):
 # -- forward, without the wall
 
 
-@pytest.mark.parametrize("speed", [0.5, 0.9, 1.0, 1.1, 2.0, 4.0])
+@pytest.mark.parametrize("speed", [0.5, 1.0, 1.1, 4.0, *studies(0.9, 2.0)])
 def test_forward_whirl_with_linear_damping_has_amplitude_and_phase_of_the_one_mass_rotor(speed):
     # r/e = (m/M) x^2 / sqrt((1 - x^2)^2 + (2 zeta x)^2), behind the unbalance by atan(2 zeta x / (1 - x^2))
     found = steady(run(span(speed * CRITICAL)))
@@ -96,7 +97,7 @@ def test_forward_whirl_with_linear_damping_has_amplitude_and_phase_of_the_one_ma
     assert -np.angle(found) == pytest.approx(np.arctan2(2 * ZETA * speed, 1 - speed**2), abs=1e-3)
 
 
-@pytest.mark.parametrize("speed", [0.6, 1.0, 1.5, 3.0])
+@pytest.mark.parametrize("speed", [0.6, 1.0, 3.0, *studies(1.5)])
 def test_forward_whirl_with_quadratic_drag_has_the_amplitude_of_exact_harmonic_balance(speed):
     # on a circle the drag D (r Omega)^2 is tangential and steady: ((k - M W^2) r)^2 + (D W^2 r^2)^2 = (m e W^2)^2
     drag, turn = 20.0, speed * CRITICAL
@@ -114,8 +115,8 @@ def test_forward_whirl_with_quadratic_drag_has_the_amplitude_of_exact_harmonic_b
 
 def test_far_above_the_critical_speed_the_centre_of_gravity_comes_to_rest_on_the_axis_of_the_hole():
     # z = m e W^2 / (k - m W^2 + i c W) without mud, so z + e = e (k + i c W) / (k - m W^2 + i c W): e / x^2 and less
-    speed, c = 10.0 * CRITICAL, damping(0.01)
-    result = run(span(speed, zeta=0.01, mud={"density": 1e-9, "drag": 0.0}, solver__step=2.5e-4, solver__end=60.0))
+    speed, c = 10.0 * CRITICAL, damping(0.03)
+    result = run(span(speed, zeta=0.03, mud={"density": 1e-9, "drag": 0.0}, solver__step=2.5e-4, solver__end=20.0))
     left = abs((SPRING + 1j * c * speed) / (SPRING - STEEL * speed**2 + 1j * c * speed))
     assert abs(steady(result) + OFF) / OFF == pytest.approx(left, abs=5e-4)
     assert left < 0.02
@@ -173,7 +174,7 @@ def test_an_unbalanced_lump_with_little_friction_rubs_forward_around_the_hole(fr
 def test_the_same_lump_with_much_friction_is_thrown_back_at_its_first_blow_and_rolls():
     # 0.6 beside the 0.3 above: rubbing forward and rolling backward are both solutions, and the first blow decides
     speed, off = 2.0 * CRITICAL, 0.02
-    result = run(span(speed, off, 0.02, friction=0.6, **RUBBING))
+    result = run(span(speed, off, 0.02, friction=0.6, **RUBBING | {"solver__end": 4.0}))
     r = np.abs(way(result)[0])[late(result)].mean()
     assert whirl_rate(result) / speed == pytest.approx(-RADIUS / r, rel=1e-3)
 
