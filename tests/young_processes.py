@@ -1,9 +1,9 @@
 """Processes of their own that do not load NumPy and numba first, and do not have numba set itself up: one that waits did.
 
-It has imported them, and the parts of Tautline that say what a kernel is, has compiled one addition by plain numba, and
-then forks for every script that it is given. A script finds no code of ours loaded, compiled, or looked for in a cache,
-as in a process that was just started, which would take a second longer. What is told by variables that are read as
-numba or Tautline is imported, and what asks whether numba is loaded at all, needs a process that was just started.
+It has imported them, has compiled one addition by plain numba, and forks for every script that it is given. A script
+finds nothing of Tautline imported, and no code of ours compiled or looked for in a cache, as in a process that was just
+started, which would take most of a second longer. Where numba itself is told something by its variables, a process is
+started; what asks whether numba is loaded, or is loaded after us, has to ask for one.
 """
 
 import json
@@ -14,13 +14,11 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
-READ_AT_IMPORT = ("NUMBA_", "TAUTLINE_PLAIN_NUMBA", "TAUTLINE_UNFUSED")
+READ_AT_IMPORT = "NUMBA_"
 SERVER = '''
 import atexit, json, os, runpy, sys, traceback, types
 import numba, numpy
-from tautline.kernels import groups, jit
 numba.njit(lambda x: x + 1.0)(1.0)
-known = list(sys.modules)
 
 
 def run(words, folder, environment, out, err):
