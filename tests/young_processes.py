@@ -4,6 +4,8 @@ It has imported them, has compiled one addition by plain numba, and forks for ev
 finds nothing of Tautline imported, and no code of ours compiled or looked for in a cache, as in a process that was just
 started, which would take most of a second longer. Where numba itself is told something by its variables, a process is
 started; what asks whether numba is loaded, or is loaded after us, has to ask for one.
+
+More that others wrote and that takes long to import may be named, such as what draws or writes files.
 """
 
 import json
@@ -16,8 +18,11 @@ from pathlib import Path
 
 READ_AT_IMPORT = "NUMBA_"
 SERVER = '''
-import atexit, json, os, runpy, sys, traceback, types
+import atexit, importlib, json, os, runpy, sys, traceback, types
 import numba, numpy
+
+for name in sys.argv[1:]:
+    importlib.import_module(name)
 numba.njit(lambda x: x + 1.0)(1.0)
 
 
@@ -81,9 +86,16 @@ def started(words, cwd, env):
     return subprocess.run([sys.executable, *map(str, words)], capture_output=True, text=True, cwd=cwd, env=env)
 
 
+OF_COMMANDS = ("pydantic", "pint", "xarray", "scipy.interpolate", "scipy.linalg", "typer")
+"""What a command that simulates imports of others."""
+
+
 @contextmanager
-def young_processes():
-    """A function (words, cwd, env) that runs ``python words`` as :func:`subprocess.run` does; for a ``with``."""
+def young_processes(*loaded):
+    """A function (words, cwd, env) that runs ``python words`` as :func:`subprocess.run` does; for a ``with``.
+
+    ``loaded`` are more packages of others that have been imported.
+    """
     if not hasattr(os, "fork"):
         yield started
         return
@@ -97,7 +109,7 @@ def young_processes():
             return started(words, cwd, env)
         if waiting is None:
             waiting = subprocess.Popen(
-                [sys.executable, "-c", SERVER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+                [sys.executable, "-c", SERVER, *loaded], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
             )
         with tempfile.TemporaryDirectory() as folder:
             out, err = Path(folder) / "out", Path(folder) / "err"

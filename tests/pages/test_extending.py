@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from of_the_suite import studies
-from young_processes import young_processes
+from young_processes import OF_COMMANDS, young_processes
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf8")
@@ -26,7 +26,7 @@ def folder(tmp_path):
 
 @pytest.fixture(scope="module")
 def young():
-    with young_processes() as run:
+    with young_processes(*OF_COMMANDS, "matplotlib.pyplot") as run:
         yield run
 
 
