@@ -22,7 +22,7 @@ import contextlib, json, sys
 from tautline.cli.main import main
 from tautline.kernels.separate import late_code
 
-sys.argv = ["tautline", "simulate", sys.argv[1], "--end", "0.5", "--no-verify", "-q"]
+sys.argv = ["tautline", "simulate", sys.argv[1], "--end", "0.1", "--no-verify", "-q"]
 with contextlib.suppress(SystemExit):
     main()
 print(json.dumps({kernel.__name__: kernel.loads + kernel.compilations for kernel, _ in late_code()}))
