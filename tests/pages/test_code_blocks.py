@@ -45,7 +45,8 @@ ELSEWHERE = {
 }
 """Pages whose blocks others run."""
 SHORT = {
-    "simulate": ("--end", "0.2 s"), "stick-slip": ("--speed", "120", "--weight", "1e5", "--end", "2 s"),
+    "simulate": ("--end", "0.2 s"), "stick-slip": ("--speed", "120", "--weight", "1e5", "--end", "1 s"),
+    "record": ("--end", "2 s"), "flutter": ("--speed", "12:15:1"),
 }  # fmt: skip
 """Options that shorten a verb; they take the place of the same options of the page."""
 PARSED = ("study", "stability")
