@@ -1,4 +1,4 @@
-"""Processes of their own that do not load NumPy and numba first, and do not have numba set itself up: one that waits did.
+"""Processes of their own that need not load NumPy and numba nor have numba set itself up: one that waits did.
 
 It has imported them, has compiled one addition by plain numba, and forks for every script that it is given. A script
 finds nothing of Tautline imported, and no code of ours compiled or looked for in a cache, as in a process that was just
@@ -27,14 +27,15 @@ numba.njit(lambda x: x + 1.0)(1.0)
 
 
 def run(words, folder, environment, out, err):
-    for number, name in ((0, os.devnull), (1, out), (2, err)):
-        os.dup2(os.open(name, os.O_RDONLY if number == 0 else os.O_WRONLY), number)
+    for number, name, way in ((0, os.devnull, os.O_RDONLY), (1, out, os.O_WRONLY), (2, err, os.O_WRONLY)):
+        os.dup2(os.open(name, way), number)
     before = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     os.environ.clear()
     os.environ.update(environment)
     os.chdir(folder)
     sys.dont_write_bytecode = bool(environment.get("PYTHONDONTWRITEBYTECODE"))
-    sys.path[:] = [path for path in environment.get("PYTHONPATH", "").split(os.pathsep) if path not in before] + sys.path
+    named = environment.get("PYTHONPATH", "").split(os.pathsep)
+    sys.path[:0] = [path for path in named if path not in before]
     first, *rest = words
     if first == "-m":
         sys.path.insert(0, folder)

@@ -51,7 +51,7 @@ SHORT = {
 """Options that shorten a verb; they take the place of the same options of the page."""
 PARSED = ("study", "stability")
 """Verbs that .ci/reduced.py runs on every scene: here their scene and their options are read."""
-WITH_PIXELS = "README.md"
+WITH_PIXELS = "docs/tutorials/first_run.md"
 """The page whose figures are drawn to their pixels; those of the others are made, and their files are empty."""
 FILMS = ("--rate", "1", "--size", "320x180")
 STILLS = ("--size", "320x180")

@@ -30,7 +30,7 @@ def test_there_are_six_notebooks():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_cells_of_a_notebook_run_one_after_another_and_its_own_checks_hold(name, tutorials, monkeypatch, tmp_path):
-    """In this process, which has loaded what the notebook needs; some do less here, and all of it where a kernel runs."""
+    """In this process, which has loaded what it needs; some do less here, and all where a kernel runs them."""
     stored = nbformat.read(tutorials.FOLDER / f"{name}.ipynb", as_version=4)
     monkeypatch.chdir(tmp_path)
     shown, space = [], {"__name__": "notebook"}
