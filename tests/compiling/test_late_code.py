@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from young_processes import OF_COMMANDS, young_processes
+from young_processes import started
 
 from tautline.kernels import separate
 from tautline.kernels.jit import Kernel
@@ -32,17 +32,16 @@ print(json.dumps({kernel.__name__: kernel.loads + kernel.compilations for kernel
 @pytest.fixture(scope="module")
 def come_to(tmp_path_factory):
     """How often a run of a scene, in a process of its own, has loaded or compiled each piece of late code."""
-    with young_processes(*OF_COMMANDS) as run:
 
-        @cache
-        def come_to(scene):
-            folder = tmp_path_factory.mktemp("late")
-            ended = run(["-c", RUN, DATA / scene], cwd=folder, env={**os.environ})
-            assert ended.returncode == 0, ended.stderr
-            assert list(folder.glob("*.nc")), ended.stderr
-            return json.loads(ended.stdout.splitlines()[-1])
+    @cache
+    def come_to(scene):
+        folder = tmp_path_factory.mktemp("late")
+        ended = started(["-c", RUN, DATA / scene], cwd=folder, env={**os.environ})
+        assert ended.returncode == 0, ended.stderr
+        assert list(folder.glob("*.nc")), ended.stderr
+        return json.loads(ended.stdout.splitlines()[-1])
 
-        yield come_to
+    return come_to
 
 
 @pytest.mark.parametrize("scene", ["jwell.yaml", "hose.yaml"])
