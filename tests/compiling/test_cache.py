@@ -5,12 +5,11 @@ import os
 import pickle
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from of_the_suite import studies
+from young_processes import started, young_processes
 
 import drillstring
 import tautline
@@ -52,15 +51,24 @@ register(Push, residual=_residual)
 """
 
 
-def run(folder, groups=OURS, path=()):
-    """Run the script in a new process with its cache in a folder: residual, cache hits and misses of (sum, hooks)."""
-    search = os.pathsep.join([*map(str, path), *filter(None, [os.environ.get("PYTHONPATH")])])
-    done = subprocess.run(
-        [sys.executable, "-c", RUN.replace("GROUPS", groups)], capture_output=True, text=True, cwd=folder,
-        env={**os.environ, "TAUTLINE_CACHE": str(folder / "cache"), "PYTHONPATH": search},
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr[-2000:]
-    return json.loads(done.stdout)
+@pytest.fixture(scope="module")
+def young():
+    with young_processes() as run:
+        yield run
+
+
+@pytest.fixture(scope="module")
+def run(young):
+    """Runs the script in a new process with its cache in a folder: residual, cache hits and misses of (sum, hooks)."""
+
+    def run(folder, groups=OURS, path=()):
+        search = os.pathsep.join([*map(str, path), *filter(None, [os.environ.get("PYTHONPATH")])])
+        told = {"TAUTLINE_CACHE": str(folder / "cache"), "PYTHONPATH": search}
+        done = young(["-c", RUN.replace("GROUPS", groups)], cwd=folder, env={**os.environ, **told})
+        assert done.returncode == 0, done.stderr[-2000:]
+        return json.loads(done.stdout)
+
+    return run
 
 
 def files(folder):
@@ -69,13 +77,13 @@ def files(folder):
 
 
 @pytest.fixture(scope="module")
-def compiled(tmp_path_factory):
+def compiled(tmp_path_factory, run):
     """A folder in which one process compiled a scene, and what it saw."""
     folder = tmp_path_factory.mktemp("compiled")
     return folder, run(folder)
 
 
-def test_the_second_process_compiles_nothing(compiled):
+def test_the_second_process_compiles_nothing(compiled, run):
     folder, first = compiled
     assert first == [-2.5, [0, 0], [1, 1]]
     before = files(folder)
@@ -83,7 +91,7 @@ def test_the_second_process_compiles_nothing(compiled):
     assert before and files(folder) == before
 
 
-def test_code_compiled_for_a_group_of_someone_elses_does_not_stop_other_programs(compiled):
+def test_code_compiled_for_a_group_of_someone_elses_does_not_stop_other_programs(compiled, run):
     """The cache is the user's: a script or an application with a group of its own writes into it too."""
     folder, _ = compiled
     (folder / "elsewhere").mkdir()
@@ -124,19 +132,17 @@ print(json.dumps([value, hit, own, "numba" in sys.modules]))
 """
 
 
-def test_a_kernel_that_only_kernels_call_is_machine_code_within_its_callers_only_also_from_the_cache(tmp_path):
+def test_a_kernel_that_only_kernels_call_is_machine_code_within_its_callers_only_also_from_the_cache(tmp_path, young):
     """What it gives is 2 x/3 + x/3 and 1 + 2 x/3; the second program finds it in the cache of the first.
 
-    The third finds the machine code of the first, and loads no compiler.
+    The third, which was just started, finds the machine code of the first, and loads no compiler.
     """
     script = tmp_path / "parts.py"
     script.write_text(PARTS)
     seen = []
-    for name in ("whole", "another", "whole"):
-        done = subprocess.run(
-            [sys.executable, str(script), name], capture_output=True, text=True, cwd=tmp_path,
-            env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
-        )  # fmt: skip
+    for name, run in (("whole", young), ("another", young), ("whole", started)):
+        told = {"TAUTLINE_CACHE": str(tmp_path / "cache")}
+        done = run([script, name], cwd=tmp_path, env={**os.environ, **told})
         assert done.returncode == 0, done.stderr[-2000:]
         seen.append(json.loads(done.stdout))
     assert seen == [[6.0, 0, False, True], [5.0, 1, False, True], [6.0, 0, False, False]]
@@ -268,7 +274,7 @@ def of_module(held, name):
 
 
 @pytest.fixture(scope="module")
-def several(tmp_path_factory):
+def several(tmp_path_factory, young):
     """A folder with a cache, a module for each kind of damage, and a function that calls them all in one process."""
     folder = tmp_path_factory.mktemp("several")
     names = {damage: f"parts_{i}" for i, damage in enumerate(DAMAGE)}
@@ -278,10 +284,8 @@ def several(tmp_path_factory):
     (folder / "all.py").write_text(f"import importlib, sys\n{each}")
 
     def values(cache):
-        done = subprocess.run(
-            [sys.executable, str(folder / "all.py"), "whole", *names.values()],
-            capture_output=True, text=True, cwd=folder, env={**os.environ, "TAUTLINE_CACHE": str(cache)},
-        )  # fmt: skip
+        told = {"TAUTLINE_CACHE": str(cache)}
+        done = young([folder / "all.py", "whole", *names.values()], cwd=folder, env={**os.environ, **told})
         assert (done.returncode, done.stderr) == (0, "")
         return [json.loads(line)[0] for line in done.stdout.splitlines()]
 
@@ -307,16 +311,14 @@ print(json.dumps([there, whole(6.0), read.count("whole")]))
 """
 
 
-def test_code_that_was_asked_for_is_read_once_and_damaged_code_is_not_there(tmp_path):
+def test_code_that_was_asked_for_is_read_once_and_damaged_code_is_not_there(tmp_path, young):
     """Whether a kernel has to be compiled is known when it has been read, and it is not read again to be used."""
     (tmp_path / "parts.py").write_text(PARTS.partition("called =")[0])
     (tmp_path / "asked.py").write_text(ASKED)
 
     def asked():
-        done = subprocess.run(
-            [sys.executable, str(tmp_path / "asked.py")], capture_output=True, text=True, cwd=tmp_path,
-            env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
-        )  # fmt: skip
+        told = {"TAUTLINE_CACHE": str(tmp_path / "cache")}
+        done = young([tmp_path / "asked.py"], cwd=tmp_path, env={**os.environ, **told})
         assert done.returncode == 0, done.stderr[-2000:]
         return json.loads(done.stdout)
 
@@ -354,23 +356,21 @@ def test_a_damaged_file_is_written_anew(tmp_path, kind, several):
 
 
 @pytest.mark.parametrize("named", ["~nobody-of-this-name/x", "/proc/cache", *studies("file", "file/below", "link")])
-def test_where_nothing_can_be_kept_a_temporary_folder_takes_its_place_which_is_said_once(tmp_path, named):
+def test_where_nothing_can_be_kept_a_temporary_folder_takes_its_place_which_is_said_once(tmp_path, named, young):
     (tmp_path / "file").write_text("not a folder")
     (tmp_path / "link").symlink_to("/proc/nowhere")
     (tmp_path / "tmp").mkdir()
     script = tmp_path / "parts.py"
     script.write_text(PARTS)
-    done = subprocess.run(
-        [sys.executable, str(script), "whole"], capture_output=True, text=True, cwd=tmp_path,
-        env={**os.environ, "TAUTLINE_CACHE": named, "TMPDIR": str(tmp_path / "tmp")},
-    )  # fmt: skip
+    told = {"TAUTLINE_CACHE": named, "TMPDIR": str(tmp_path / "tmp")}
+    done = young([script, "whole"], cwd=tmp_path, env={**os.environ, **told})
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)[0] == 6.0
     assert done.stderr.count("warning: ") == 1 and "temporary folder" in done.stderr
     assert not any((tmp_path / "tmp").iterdir())
 
 
-def test_a_disk_that_is_full_is_said_once_and_the_run_goes_on(tmp_path):
+def test_a_disk_that_is_full_is_said_once_and_the_run_goes_on(tmp_path, young):
     script = tmp_path / "parts.py"
     full = """
 import errno, tautline.kernels.compiling.caching as caching, tautline.kernels.machine.code as code
@@ -379,19 +379,15 @@ def full(*_):
 caching.Files._save_data = code.save = full
 """
     script.write_text(full + PARTS)
-    done = subprocess.run(
-        [sys.executable, str(script), "whole"], capture_output=True, text=True, cwd=tmp_path,
-        env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
-    )  # fmt: skip
+    told = {"TAUTLINE_CACHE": str(tmp_path / "cache")}
+    done = young([script, "whole"], cwd=tmp_path, env={**os.environ, **told})
     assert done.returncode == 0 and json.loads(done.stdout)[0] == 6.0
     assert done.stderr.count("warning: ") == 1 and "No space left on device" in done.stderr
 
 
-def test_a_folder_removed_while_running_is_made_again(tmp_path):
+def test_a_folder_removed_while_running_is_made_again(tmp_path, young):
     script = tmp_path / "parts.py"
     script.write_text(PARTS + "import shutil, os\nshutil.rmtree(os.environ['TAUTLINE_CACHE'])\nprint(another(6.0))\n")
-    done = subprocess.run(
-        [sys.executable, str(script), "whole"], capture_output=True, text=True, cwd=tmp_path,
-        env={**os.environ, "TAUTLINE_CACHE": str(tmp_path / "cache")},
-    )  # fmt: skip
+    told = {"TAUTLINE_CACHE": str(tmp_path / "cache")}
+    done = young([script, "whole"], cwd=tmp_path, env={**os.environ, **told})
     assert (done.returncode, done.stderr, done.stdout.split()[-1]) == (0, "", "5.0")

@@ -3,12 +3,13 @@
 import ctypes
 import importlib
 import json
-import subprocess
-import sys
+import os
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from young_processes import started
 
 from tautline.kernels import separate
 from tautline.kernels.jit import Kernel
@@ -21,36 +22,42 @@ import contextlib, json, sys
 from tautline.cli.main import main
 from tautline.kernels.separate import late_code
 
-sys.argv = ["tautline", "simulate", sys.argv[1], "--end", "0.5", "--no-verify", "-q"]
+sys.argv = ["tautline", "simulate", sys.argv[1], "--end", "0.1", "--no-verify", "-q"]
 with contextlib.suppress(SystemExit):
     main()
 print(json.dumps({kernel.__name__: kernel.loads + kernel.compilations for kernel, _ in late_code()}))
 """
 
 
-def _come_to(scene, folder):
+@pytest.fixture(scope="module")
+def come_to(tmp_path_factory):
     """How often a run of a scene, in a process of its own, has loaded or compiled each piece of late code."""
-    command = [sys.executable, "-c", RUN, str(DATA / scene)]
-    ended = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert ended.returncode == 0, ended.stderr
-    assert list(folder.glob("*.nc")), ended.stderr
-    return json.loads(ended.stdout.splitlines()[-1])
+
+    @cache
+    def come_to(scene):
+        folder = tmp_path_factory.mktemp("late")
+        ended = started(["-c", RUN, DATA / scene], cwd=folder, env={**os.environ})
+        assert ended.returncode == 0, ended.stderr
+        assert list(folder.glob("*.nc")), ended.stderr
+        return json.loads(ended.stdout.splitlines()[-1])
+
+    return come_to
 
 
 @pytest.mark.parametrize("scene", ["jwell.yaml", "hose.yaml"])
-def test_a_string_and_a_hose_come_to_no_frames_and_no_border(scene, tmp_path):
-    come_to = _come_to(scene, tmp_path)
-    assert come_to["_factorise_in_blocks"] == 1
+def test_a_string_and_a_hose_come_to_no_frames_and_no_border(scene, come_to):
+    times = come_to(scene)
+    assert times["_factorise_in_blocks"] == 1
     for name in ("evaluate_any", "_factorise_border", "_solve_border", "_pack"):
-        assert come_to[name] == 0, name
+        assert times[name] == 0, name
 
 
-def test_a_hose_that_begins_as_it_is_drawn_comes_to_no_search_for_rest(tmp_path):
-    assert _come_to("hose.yaml", tmp_path)["iterate"] == 0
+def test_a_hose_that_begins_as_it_is_drawn_comes_to_no_search_for_rest(come_to):
+    assert come_to("hose.yaml")["iterate"] == 0
 
 
-def test_a_crane_on_a_vessel_comes_to_frames(tmp_path):
-    assert _come_to("hoist.yaml", tmp_path)["evaluate_any"] == 1
+def test_a_crane_on_a_vessel_comes_to_frames(come_to):
+    assert come_to("hoist.yaml")["evaluate_any"] == 1
 
 
 class _Pressed:

@@ -3,12 +3,11 @@
 import json
 import os
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 from of_the_suite import studies
+from young_processes import young_processes
 
 from tautline.elements.nodal.load import Loads
 from tautline.integrators.method import METHODS
@@ -103,13 +102,11 @@ def test_a_scene_with_a_group_that_no_helper_can_import_is_compiled_once_and_run
     """x = F t^2 / (2 m) = 0.25 at 1 s; `Ball` lives in a script that only its own process knows."""
     answers, script = [], tmp_path / "ball.py"
     script.write_text(SCRIPT.replace("HELPERS\nparallel_compile", f"{helpers}\nparallel_compile"))
-    for _ in range(2):
-        done = subprocess.run(
-            [sys.executable, str(script)], capture_output=True, text=True, cwd=tmp_path,
-            env={**os.environ, "TAUTLINE_CACHE": str(cache)},
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr[-2000:]
-        answers.append(done.stdout.split())
+    with young_processes() as run:
+        for _ in range(2):
+            done = run([script], cwd=tmp_path, env={**os.environ, "TAUTLINE_CACHE": str(cache)})
+            assert done.returncode == 0, done.stderr[-2000:]
+            answers.append(done.stdout.split())
     # compiled later: nothing, and no other loop than the one that was made ready
     assert [a[1:] for a in answers] == [["0", "1", "True", "0.25"]] * 2
     first, second = (sum(json.loads(a[0])) for a in answers)

@@ -2,10 +2,9 @@
 
 import json
 import os
-import subprocess
-import sys
 
 import pytest
+from young_processes import young_processes
 
 pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is about what is compiled")
 
@@ -52,8 +51,14 @@ def helped(x):
 """
 
 
+@pytest.fixture(scope="module")
+def young():
+    with young_processes() as run:
+        yield run
+
+
 @pytest.fixture
-def run(tmp_path):
+def run(tmp_path, young):
     """Runs the script of a folder with its contents: the force, and the times that the group came from the cache."""
 
     def run(folder=".", imports="", factor="3.0", body="x * FACTOR", **helper):
@@ -63,9 +68,7 @@ def run(tmp_path):
         (here / "helping.py").write_text(HELPER.format(**{"weight": "1.0", "helped": "x", **helper}))
         # Python itself would take a module for unchanged that was edited within a second and kept its length.
         told = {"TAUTLINE_CACHE": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
-        done = subprocess.run(
-            [sys.executable, "pushing.py"], capture_output=True, text=True, cwd=here, env={**os.environ, **told}
-        )
+        done = young(["pushing.py"], cwd=here, env={**os.environ, **told})
         assert done.returncode == 0, done.stderr[-2000:]
         assert done.stderr == ""
         return json.loads(done.stdout)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from of_the_suite import studies
+from young_processes import started, young_processes
 
 import crane
 import drillstring
@@ -28,12 +29,15 @@ print(json.dumps([storage.name(), *(sources.hash_of_package(each) for each in ("
 """
 
 
-def script(text, folder, *arguments, **environment):
+@pytest.fixture(scope="module")
+def young():
+    with young_processes() as run:
+        yield run
+
+
+def script(text, folder, *arguments, by=started, **environment):
     """What a script prints in a process of its own, as JSON."""
-    done = subprocess.run(
-        [sys.executable, "-c", text, *map(str, arguments)], capture_output=True, text=True, cwd=folder,
-        env={**os.environ, **environment},
-    )  # fmt: skip
+    done = by(["-c", text, *arguments], cwd=folder, env={**os.environ, **environment})
     assert done.returncode == 0, done.stderr[-2000:]
     assert done.stderr == ""
     return json.loads(done.stdout)
@@ -139,14 +143,15 @@ needs_v3 = pytest.mark.skipif(platform.machine() != "x86_64", reason="compiles f
 
 
 @needs_v3
-def test_code_that_came_with_the_installation_is_used_and_nothing_is_written(installed, tmp_path):
-    assert script(SOLVE, tmp_path, installed, "", TAUTLINE_CACHE=str(tmp_path / "empty")) == [*SOLUTION, 2, 0]
+def test_code_that_came_with_the_installation_is_used_and_nothing_is_written(installed, tmp_path, young):
+    assert script(SOLVE, tmp_path, installed, "", by=young, TAUTLINE_CACHE=str(tmp_path / "empty")) == [*SOLUTION, 2, 0]
     assert not (tmp_path / "empty").exists()
 
 
 @needs_v3
-def test_a_processor_without_its_instructions_leaves_installed_code_alone(installed, tmp_path):
-    assert script(SOLVE, tmp_path, installed, "x86-64", TAUTLINE_CACHE=str(tmp_path / "empty")) == [*SOLUTION, 0, 2]
+def test_a_processor_without_its_instructions_leaves_installed_code_alone(installed, tmp_path, young):
+    told = {"TAUTLINE_CACHE": str(tmp_path / "empty")}
+    assert script(SOLVE, tmp_path, installed, "x86-64", by=young, **told) == [*SOLUTION, 0, 2]
 
 
 @needs_v3
@@ -156,7 +161,7 @@ def test_where_numba_is_told_the_processor_installed_code_is_left_alone(installe
 
 
 @needs_v3
-def test_installed_code_that_is_damaged_is_compiled_anew_into_the_users_cache(installed, tmp_path):
+def test_installed_code_that_is_damaged_is_compiled_anew_into_the_users_cache(installed, tmp_path, young):
     damaged = tmp_path / "damaged"
     shutil.copytree(installed, damaged)
     for file in damaged.rglob("*.code"):
@@ -164,7 +169,7 @@ def test_installed_code_that_is_damaged_is_compiled_anew_into_the_users_cache(in
         file.chmod(0o644)
         file.write_bytes(data[: len(data) // 2])
     for hits, misses in ((0, 2), (2, 0)):
-        given = script(SOLVE, tmp_path, damaged, "", TAUTLINE_CACHE=str(tmp_path / "own"))
+        given = script(SOLVE, tmp_path, damaged, "", by=young, TAUTLINE_CACHE=str(tmp_path / "own"))
         assert given == [*SOLUTION, hits, misses]
 
 
@@ -193,23 +198,23 @@ print(json.dumps([found, hits]))
 """
 
 
-def test_functions_of_time_stand_in_memory_once_and_are_found_by_callers_from_the_cache(tmp_path):
+def test_functions_of_time_stand_in_memory_once_and_are_found_by_callers_from_the_cache(tmp_path, young):
     """1.5 sin(2 pi t / 4) is 1.5 at 1 s. Their code names it in place of taking it in."""
     (tmp_path / "caller.py").write_text(CALLER)
     start = "import runpy, sys; runpy.run_path(sys.argv[1], run_name='__main__')"
     for hits in (0, 2):
-        found = script(start, tmp_path, tmp_path / "caller.py", TAUTLINE_CACHE=str(tmp_path / "cache"))
+        found = script(start, tmp_path, tmp_path / "caller.py", by=young, TAUTLINE_CACHE=str(tmp_path / "cache"))
         assert found == [[3.0, 4.5], hits]
     kept = [file.read_bytes() for file in (tmp_path / "cache").rglob("t*ice-*.code")]
     assert len(kept) == 2 and all(b"tautline:tautline.kernels.time_function:evaluate_written" in each for each in kept)
 
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "aarch64"), reason="no wheel has kernels for this machine")
-def test_a_wheel_has_the_machine_code_and_no_parts_and_is_for_one_python_and_platform(tmp_path):
+def test_a_wheel_has_the_machine_code_and_no_parts_and_is_for_one_python_and_platform(tmp_path, young):
     """Of the parts of a program, which a compiler alone reads, and its entry; the wheel is a small one of our form."""
     (tmp_path / "program.py").write_text(PROGRAM)
     start = "import runpy, sys; runpy.run_path(sys.argv[1], run_name='__main__')"
-    assert script(start, tmp_path, tmp_path / "program.py", TAUTLINE_CACHE=str(tmp_path / "cache")) == 6.0
+    assert script(start, tmp_path, tmp_path / "program.py", by=young, TAUTLINE_CACHE=str(tmp_path / "cache")) == 6.0
     about = "tautline-0.1.0.dist-info"
     tree = tmp_path / "tautline-0.1.0"
     for place, text in {

@@ -2,8 +2,9 @@
 
 Nothing is taken from ``tautline.lumped.derive``: the Bishop frame of one arc is written as a rotation of the earth's
 frame about a fixed axis, velocities are derivatives of positions, weights are loads along the vertical, and links and
-bends are the derivatives of the total energy of all of them. It grows beyond use with the number of bodies; three are
-enough to see that one body, one link and one bend, looped over, are the same equations.
+bends are the derivatives of the total energy of all of them, by complex steps: what has no inertia needs no algebra. It
+grows beyond use with the number of bodies; three are enough to see that one body, one link and one bend, looped over,
+are the same equations.
 """
 
 import itertools
@@ -34,14 +35,24 @@ class Numbers(NamedTuple):
     link_damping: float
 
 
+STEP = 1e-30
+"""Of a derivative by a complex step, which is exact to rounding."""
+
+
+def gradient(function, x):
+    """Derivatives of a function of an array of numbers."""
+    steps = np.eye(x.size).reshape(-1, *x.shape) * STEP * 1j
+    return np.array([function(x + step).imag for step in steps]).reshape(x.shape) / STEP
+
+
 def stretches(numbers, q):
     """Vectors of the links in the frame of the hole, corrected for offsets inside the bend, and their lengths."""
     k = numbers.k1, numbers.k2
     vectors = []
     for (s1, u1, v1, _), (s2, u2, v2, _) in itertools.pairwise(q):
         inside = (k[0] * (u1 + u2) + k[1] * (v1 + v2)) * (s2 - s1) / 2
-        vectors.append(sp.Matrix([s2 - s1 - inside, u2 - u1, v2 - v1]))
-    return vectors, [sp.sqrt(d.dot(d)) for d in vectors]
+        vectors.append(np.array([s2 - s1 - inside, u2 - u1, v2 - v1]))
+    return vectors, [np.sqrt(d @ d) for d in vectors]
 
 
 def strain_energy(numbers, q):
@@ -54,8 +65,18 @@ def strain_energy(numbers, q):
     )
     for i in range(len(lengths) - 1):
         turned = [k * (q[i + 2][0] - q[i][0]) / 2 for k in (numbers.k1, numbers.k2)]
-        bend = vectors[i + 1] / lengths[i + 1] - vectors[i] / lengths[i] + sp.Matrix([0, *turned])
-        total += numbers.bending[i] * bend.dot(bend) / 2
+        bend = vectors[i + 1] / lengths[i + 1] - vectors[i] / lengths[i] + np.array([0, *turned])
+        total += numbers.bending[i] * (bend @ bend) / 2
+    return total
+
+
+def dissipation(numbers, q, w):
+    """Rayleigh's function of bodies and links: half the power that they take."""
+    total = np.sum(numbers.damping * w**2) / 2
+    for i in range(len(q) - 1):
+        rate = np.sum(gradient(lambda x, i=i: stretches(numbers, x)[1][i], q) * w)
+        total += numbers.link_damping * numbers.axial[i] * rate**2 / 2
+        total += numbers.link_damping * numbers.torsional[i] * (w[i + 1][3] - w[i][3]) ** 2 / 2
     return total
 
 
@@ -73,21 +94,7 @@ def equations(numbers):
     down = sum(g * e for g, e in zip(numbers.down, (earth.x, earth.y, earth.z), strict=True))
     bodies, loads = [], []
 
-    def push(name, speed, force, inertia=0):
-        """A generalised force and inertia that belong to one speed only."""
-        point = me.Point(name)
-        point.set_vel(earth, speed * earth.x)
-        loads.append((point, force * earth.x))
-        if inertia:
-            bodies.append(me.Particle(f"{name} mass", point, inertia))
-
-    energy = strain_energy(numbers, q)
-    _, lengths = stretches(numbers, q)
     rates = dict(zip([x.diff(t) for x in flat_q], flat_w, strict=True))
-    lost = 0  # Rayleigh's dissipation function
-    for i, length in enumerate(lengths):
-        lost += numbers.link_damping * numbers.axial[i] * length.diff(t).subs(rates) ** 2 / 2
-        lost += numbers.link_damping * numbers.torsional[i] * (w[i + 1][3] - w[i][3]) ** 2 / 2
     for i in range(n):
         s, u, v, theta = q[i]
         bishop, steel = me.ReferenceFrame(f"B{i}"), me.ReferenceFrame(f"R{i}")
@@ -100,18 +107,20 @@ def equations(numbers):
         inertia = me.inertia(steel, numbers.transverse[i], numbers.transverse[i], numbers.polar[i])
         bodies.append(me.RigidBody(f"body{i}", centre, steel, numbers.mass[i], (inertia, centre)))
         loads.append((centre, numbers.weight[i] * down))
-        for j in range(4):
-            force = -energy.diff(q[i][j]) - lost.diff(w[i][j]) - numbers.damping[i][j] * w[i][j]
-            push(f"P{i}{j}", w[i][j], force, numbers.lateral_mass[i] if j in (1, 2) else 0)
     kane = me.KanesMethod(earth, flat_q, flat_w, kd_eqs=[x.diff(t) - y for x, y in zip(flat_q, flat_w, strict=True)])
     kane.kanes_equations(bodies, loads=loads)
     plain = sp.symbols(f"x0:{8 * n}")
     names = dict(zip([*flat_w, *flat_q], [*plain[4 * n :], *plain[: 4 * n]], strict=True))
     both = [part.xreplace(rates).xreplace(names) for part in (kane.mass_matrix, kane.forcing)]
     function = sp.lambdify(plain, both, "numpy", cse=True)
+    # What follows the lateral motion only.
+    lateral = np.diag(np.outer(numbers.lateral_mass, [0.0, 1.0, 1.0, 0.0]).ravel())
 
     def evaluate(position, speed):
         mass, forcing = function(*position, *speed)
-        return np.asarray(mass), np.asarray(forcing).ravel()
+        at, moving = position.reshape(n, 4), speed.reshape(n, 4)
+        stiff = gradient(lambda x: strain_energy(numbers, x), at)
+        lost = gradient(lambda x: dissipation(numbers, at, x), moving)
+        return np.asarray(mass) + lateral, np.asarray(forcing).ravel() - (stiff + lost).ravel()
 
     return evaluate

@@ -2,11 +2,10 @@
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from young_processes import started, young_processes
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -67,18 +66,26 @@ def both(a):
 EXPECTED = {"foreign": 20.0, "ours": 7.0, "calls": 10.0}
 
 
+@pytest.fixture(scope="module")
+def young():
+    with young_processes() as run:
+        yield run
+
+
 @pytest.fixture
-def run(tmp_path):
-    """Runs some of the above, in order, in a process of their own; what each gave, and whether from its cache."""
+def run(tmp_path, young):
+    """Runs some of the above, in order, in a process of their own; what each gave, and whether from its cache.
+
+    The first process loads numba by itself, before or after us.
+    """
     for name, text in {"mine": MINE, "use": USE, "kernels_of_mine": OURS, "calling": CALLING}.items():
         (tmp_path / f"{name}.py").write_text(text)
     environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
 
-    def run(*names, **more):
-        done = subprocess.run(
-            [sys.executable, str(tmp_path / "use.py"), *names], capture_output=True, text=True, cwd=tmp_path,
-            env={**environment, "TAUTLINE_CACHE": str(tmp_path / "cache"), **more},
-        )  # fmt: skip
+    def run(*names):
+        ways = started if not (tmp_path / "cache").exists() else young
+        told = {"TAUTLINE_CACHE": str(tmp_path / "cache")}
+        done = ways([tmp_path / "use.py", *names], cwd=tmp_path, env={**environment, **told})
         assert done.returncode == 0, (names, done.returncode, done.stderr[-2000:])
         answers = [json.loads(line) for line in done.stdout.splitlines()]
         assert [value for value, _ in answers] == [EXPECTED[name] for name in names]
@@ -146,13 +153,13 @@ print(json.dumps([len(before), changed, [k for k in set_before if set_before[k] 
 """
 
 
-def test_a_run_from_python_leaves_numba_and_python_as_they_are(tmp_path):
+def test_a_run_from_python_leaves_numba_and_python_as_they_are(tmp_path, young):
     """Functions, classes and methods of numba, llvmlite and SciPy, hooks, signals, garbage collector, settings."""
     scene = tmp_path / "jwell.yaml"
     text = (DATA / "jwell.yaml").read_text()
     assert "end: 40 s" in text
     scene.write_text(text.replace("end: 40 s", "end: 0.1"))
-    done = subprocess.run([sys.executable, "-c", UNCHANGED, str(scene)], capture_output=True, text=True, cwd=tmp_path)
+    done = young(["-c", UNCHANGED, scene], cwd=tmp_path, env={**os.environ})
     assert done.returncode == 0, done.stderr[-2000:]
     watched, changed, settings = json.loads(done.stdout.splitlines()[-1])
     assert watched > 5000
@@ -184,15 +191,13 @@ def spring(x, rows, out):
 
 
 @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is about what is compiled")
-def test_plain_numba_gives_the_same_numbers_to_the_bit_where_nothing_is_fused(tmp_path):
+def test_plain_numba_gives_the_same_numbers_to_the_bit_where_nothing_is_fused(tmp_path, young):
     (tmp_path / "exact.py").write_text(EXACT)
     (tmp_path / "bits.py").write_text(BITS)
     seen = set()
     for plain in ("0", "1", "0", "1"):
-        done = subprocess.run(
-            [sys.executable, "bits.py"], capture_output=True, text=True, cwd=tmp_path,
-            env={**os.environ, "TAUTLINE_PLAIN_NUMBA": plain, "TAUTLINE_UNFUSED": "1", "TAUTLINE_CACHE": str(tmp_path)},
-        )  # fmt: skip
+        told = {"TAUTLINE_PLAIN_NUMBA": plain, "TAUTLINE_UNFUSED": "1", "TAUTLINE_CACHE": str(tmp_path)}
+        done = young(["bits.py"], cwd=tmp_path, env={**os.environ, **told})
         assert done.returncode == 0, done.stderr[-2000:]
         seen.add(done.stdout)
     assert len(seen) == 1

@@ -3,13 +3,12 @@
 import copy
 import os
 import pickle
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
 import pytest
+from young_processes import young_processes
 
 from tautline.kernels.bound import Lasting
 from tautline.kernels.jit import entry, kernel
@@ -169,15 +168,18 @@ print(*(made(float(factor))(1.0) for factor in sys.argv[1:]))
 """
 
 
+@pytest.fixture(scope="module")
+def young():
+    with young_processes() as run:
+        yield run
+
+
 @compiled
-def test_changed_code_of_one_name_does_not_run_as_what_it_was_before(tmp_path):
+def test_changed_code_of_one_name_does_not_run_as_what_it_was_before(tmp_path, young):
     """Each of two processes has given its code the same symbol; the third loads both."""
 
     def run(*factors):
-        done = subprocess.run(
-            [sys.executable, "-c", CHANGED, *factors], capture_output=True, text=True, cwd=tmp_path,
-            env={**os.environ, "TAUTLINE_CACHE": str(tmp_path)},
-        )  # fmt: skip
+        done = young(["-c", CHANGED, *factors], cwd=tmp_path, env={**os.environ, "TAUTLINE_CACHE": str(tmp_path)})
         assert done.returncode == 0, done.stderr[-2000:]
         return done.stdout.split()
 
@@ -217,10 +219,7 @@ print(failed)
 
 
 @compiled
-def test_threads_that_compile_and_call_at_once_do_not_disturb_each_other(tmp_path):
+def test_threads_that_compile_and_call_at_once_do_not_disturb_each_other(tmp_path, young):
     """Six forms of arguments, more than are remembered, with an empty cache."""
-    done = subprocess.run(
-        [sys.executable, "-c", TOGETHER], capture_output=True, text=True, cwd=tmp_path,
-        env={**os.environ, "TAUTLINE_CACHE": str(tmp_path)},
-    )  # fmt: skip
+    done = young(["-c", TOGETHER], cwd=tmp_path, env={**os.environ, "TAUTLINE_CACHE": str(tmp_path)})
     assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr[-2000:]

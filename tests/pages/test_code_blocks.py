@@ -45,12 +45,13 @@ ELSEWHERE = {
 }
 """Pages whose blocks others run."""
 SHORT = {
-    "simulate": ("--end", "0.2 s"), "stick-slip": ("--speed", "120", "--weight", "1e5", "--end", "2 s"),
+    "simulate": ("--end", "0.2 s"), "stick-slip": ("--speed", "120", "--weight", "1e5", "--end", "1 s"),
+    "record": ("--end", "2 s"), "flutter": ("--speed", "12:15:1"),
 }  # fmt: skip
 """Options that shorten a verb; they take the place of the same options of the page."""
 PARSED = ("study", "stability")
 """Verbs that .ci/reduced.py runs on every scene: here their scene and their options are read."""
-WITH_PIXELS = "README.md"
+WITH_PIXELS = "docs/tutorials/first_run.md"
 """The page whose figures are drawn to their pixels; those of the others are made, and their files are empty."""
 FILMS = ("--rate", "1", "--size", "320x180")
 STILLS = ("--size", "320x180")

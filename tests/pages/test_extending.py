@@ -3,12 +3,11 @@
 import json
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from of_the_suite import studies
+from young_processes import OF_COMMANDS, young_processes
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf8")
@@ -25,14 +24,21 @@ def folder(tmp_path):
     return tmp_path
 
 
-def ran(folder, *words, code=0):
-    paths = [str(folder), str(ROOT / "core"), str(ROOT / "apps")]
-    done = subprocess.run(
-        [sys.executable, *words], cwd=folder, env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
-        capture_output=True, text=True,
-    )  # fmt: skip
-    assert done.returncode == code, done.stdout + done.stderr
-    return done
+@pytest.fixture(scope="module")
+def young():
+    with young_processes(*OF_COMMANDS, "matplotlib.pyplot") as run:
+        yield run
+
+
+@pytest.fixture
+def ran(young):
+    def ran(folder, *words, code=0):
+        paths = [str(folder), str(ROOT / "core"), str(ROOT / "apps")]
+        done = young(words, cwd=folder, env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)})
+        assert done.returncode == code, done.stdout + done.stderr
+        return done
+
+    return ran
 
 
 def installed(folder, name="wind"):
@@ -52,14 +58,14 @@ def test_every_block_of_the_page_has_the_name_of_a_file_or_is_a_command():
 
 
 @pytest.mark.parametrize("commands", COMMANDS)
-def test_the_commands_of_a_block_do_what_their_files_assert(commands, folder):
+def test_the_commands_of_a_block_do_what_their_files_assert(commands, folder, ran):
     for command in commands.splitlines():
         name, *words = command.split()
         assert name == "python"
         ran(folder, *words)
 
 
-def test_the_figure_of_the_page_is_offered_and_drawn(folder):
+def test_the_figure_of_the_page_is_offered_and_drawn(folder, ran):
     ran(folder, "drawn.py", "simulate", "raft.yaml")
     refused = ran(folder, "drawn.py", "plot", "raft.nc", "--what", "portrayt", code=2)
     assert "portrait (velocity along x over position)" in " ".join(refused.stderr.split())
@@ -67,13 +73,13 @@ def test_the_figure_of_the_page_is_offered_and_drawn(folder):
     assert {path.suffix for path in folder.glob("*portrait*.*")} == {".png", ".py"}
 
 
-def test_the_verb_of_the_page_prints_the_weight(folder):
+def test_the_verb_of_the_page_prints_the_weight(folder, ran):
     command = next(line for line in COMMANDS if "weight" in line)
     printed = json.loads(ran(folder, *command.split()[1:]).stdout)
     assert printed["mass"] == pytest.approx(5.0) and printed["weight"] == pytest.approx(49.05)
 
 
-def test_an_installed_item_is_known_to_check_and_to_the_schema(folder):
+def test_an_installed_item_is_known_to_check_and_to_the_schema(folder, ran):
     installed(folder)
     shown = json.loads(ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", "--json").stdout)
     assert shown["status"] == "good" and shown["cable"]["Wind"] == 1
@@ -89,7 +95,7 @@ def test_an_installed_item_is_known_to_check_and_to_the_schema(folder):
         *studies(("sped: 3", r"lamp.yaml:9: CableModel\[4\].Wind.sped.*unknown key; did you mean 'speed'")),
     ],
 )
-def test_a_fault_in_an_item_of_the_user_names_line_key_value_and_cure(written, expected, folder):
+def test_a_fault_in_an_item_of_the_user_names_line_key_value_and_cure(written, expected, folder, ran):
     installed(folder)
     text = FILES["lamp.yaml"].replace("speed: 36 km/h", written)
     (folder / "lamp.yaml").write_text(text, encoding="utf8")
@@ -97,7 +103,7 @@ def test_a_fault_in_an_item_of_the_user_names_line_key_value_and_cure(written, e
     assert re.search(expected, " ".join(told.stderr.split())), told.stderr
 
 
-def test_an_item_on_a_node_that_does_not_exist_is_refused_with_its_line(folder):
+def test_an_item_on_a_node_that_does_not_exist_is_refused_with_its_line(folder, ran):
     installed(folder)
     text = FILES["lamp.yaml"].replace("Wind: {nodes4: [1]", "Wind: {nodes4: [7]")
     (folder / "lamp.yaml").write_text(text, encoding="utf8")
@@ -105,7 +111,7 @@ def test_an_item_on_a_node_that_does_not_exist_is_refused_with_its_line(folder):
     assert re.search(r"lamp.yaml:9: CableModel\[4\].Wind.nodes4\[0\] = 7: there is no node 7", told.stderr), told.stderr
 
 
-def test_an_extension_that_cannot_be_loaded_is_named_beside_the_key_that_is_unknown_without_it(folder):
+def test_an_extension_that_cannot_be_loaded_is_named_beside_the_key_that_is_unknown_without_it(folder, ran):
     installed(folder)
     (folder / "wind.py").write_text("import nothing_of_this_name\n", encoding="utf8")
     told = " ".join(ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", code=2).stderr.split())

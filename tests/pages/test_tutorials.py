@@ -9,6 +9,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 QUICK = "lift_in_waves"
 """Stands for all where a kernel of Jupyter is started."""
+SHORTER = {
+    "friction_from_hook_loads": {"np.arange(1200.0, 2401.0, 200.0)": "np.arange(1200.0, 2401.0, 400.0)"},
+    "operability_of_a_lift": {"[8.0, 10.0, 12.0]": "[8.0, 12.0]"},
+}
+"""What a notebook has, and what stands for it where its checks hold of less: fewer depths, fewer periods."""
 NAMES = sorted(path.stem for path in (ROOT / "docs" / "tutorials").glob("*.ipynb"))
 
 
@@ -25,13 +30,17 @@ def test_there_are_six_notebooks():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_cells_of_a_notebook_run_one_after_another_and_its_own_checks_hold(name, tutorials, monkeypatch, tmp_path):
-    """In this process, which has loaded what the notebook needs."""
+    """In this process, which has loaded what it needs; some do less here, and all where a kernel runs them."""
     stored = nbformat.read(tutorials.FOLDER / f"{name}.ipynb", as_version=4)
     monkeypatch.chdir(tmp_path)
     shown, space = [], {"__name__": "notebook"}
     monkeypatch.setattr(plt, "show", lambda: shown.extend(plt.get_fignums()) or plt.close("all"))
-    for number, cell in enumerate(cell for cell in stored.cells if cell.cell_type == "code"):
-        exec(compile(cell.source, f"{name}, cell {number}", "exec"), space)
+    cells = [cell.source for cell in stored.cells if cell.cell_type == "code"]
+    for long, short in SHORTER.get(name, {}).items():
+        assert sum(long in text for text in cells) == 1
+        cells = [text.replace(long, short) for text in cells]
+    for number, text in enumerate(cells):
+        exec(compile(text, f"{name}, cell {number}", "exec"), space)
     assert shown
 
 

@@ -25,7 +25,7 @@ class Series:
     __array_ufunc__ = None  # an array on the left leaves the operation to this class
 
     def __init__(self, *terms):
-        self.terms = [np.asarray(t) for t in terms]
+        self.terms = terms
 
     def _of(self, other):
         if isinstance(other, Series):
@@ -39,17 +39,29 @@ class Series:
         return Series(*(-t for t in self.terms))
 
     def __add__(self, other):
+        if isinstance(other, float):
+            return Series(self.terms[0] + other, *self.terms[1:])
         return Series(*(a + b for a, b in zip(self.terms, self._of(other), strict=True)))
 
     def __sub__(self, other):
         return Series(*(a - b for a, b in zip(self.terms, self._of(other), strict=True)))
 
     def __mul__(self, other):
-        a, b = self.terms, self._of(other)
-        return Series(*(sum(a[i] * b[n - i] for i in range(n + 1)) for n in range(len(a))))
+        if not isinstance(other, Series):
+            return Series(*(t * other for t in self.terms))
+        a, b = self.terms, other.terms
+        made = []
+        for n in range(len(a)):
+            total = a[0] * b[n]
+            for i in range(1, n + 1):
+                total = total + a[i] * b[n - i]
+            made.append(total)
+        return Series(*made)
 
     def __truediv__(self, other):
-        a, b = self.terms, self._of(other)
+        if not isinstance(other, Series):
+            return Series(*(t / other for t in self.terms))
+        a, b = self.terms, other.terms
         c = []
         for n in range(len(a)):
             c.append((a[n] - sum(b[i] * c[n - i] for i in range(1, n + 1))) / b[0])
@@ -108,6 +120,12 @@ def _hermite():
 CUBIC, LINEAR = _hermite(), np.array([[1.0, -1.0], [0.0, 1.0]])
 
 
+@lru_cache
+def _derived(coefficients, times):
+    """Coefficients of a derivative of a polynomial."""
+    return tuple(map(float, np.polynomial.polynomial.polyder(coefficients, times)))
+
+
 def _parts(q, linear):
     """Vectors that the shape polynomials multiply, and p1 and L."""
     if linear:
@@ -122,9 +140,9 @@ def centreline(q, xi, derivative=0, linear=False):
     vectors, _, length = _parts(q, linear)
     total = None
     for coefficients, vector in zip(LINEAR if linear else CUBIC, vectors, strict=True):
-        polynomial = np.polynomial.polynomial.polyder(coefficients, derivative) if derivative else coefficients
-        shape = 0 * xi
-        for c in polynomial[::-1]:
+        polynomial = _derived(tuple(map(float, coefficients)), derivative)
+        shape = 0 * xi + polynomial[-1]
+        for c in polynomial[-2::-1]:
             shape = shape * xi + c
         term = shape[..., None] * vector[..., None, :]
         total = term if total is None else total + term

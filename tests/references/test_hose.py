@@ -44,16 +44,17 @@ def test_first_crossing_is_where_gregory_and_paidoussis_have_it(beta, u, omega):
     assert first.becomes == "unstable"
 
 
-@pytest.mark.parametrize("beta", [0.2, *studies(0.9)])
-def test_crossings_account_for_every_unstable_eigenvalue(beta):
-    crossings, pipe = hose.critical_speeds(beta), Pipe(40)
-    for u in np.arange(1.25, 18, 2.0):
+@pytest.mark.parametrize(("beta", "upto"), [(0.2, 9.0), *studies((0.2, 18.0), (0.9, 18.0))])
+def test_crossings_account_for_every_unstable_eigenvalue(beta, upto):
+    crossings, pipe = hose.critical_speeds(beta, upto=upto), Pipe(40)
+    for u in np.arange(1.25, upto, 2.0):
         found = pipe.eigenvalues(u, beta)
         unstable = np.sum(found[np.abs(found) < 2000].real > 1e-9)
         passed = sum(1 if c.becomes == "unstable" else -1 for c in crossings if c.u < u)
         assert unstable == 2 * passed, u
 
 
+@pytest.mark.study
 def test_a_pipe_in_an_s_shaped_jump_turns_unstable_stable_and_unstable():
     assert [c.becomes for c in hose.critical_speeds(0.67, upto=13.0)] == ["unstable", "stable", "unstable"]
 
@@ -70,6 +71,7 @@ def test_boundary_curve_is_continuous_and_has_three_s_shaped_jumps(curve):
         assert lower < jump < upper
 
 
+@pytest.mark.study
 def test_boundary_curve_lies_on_the_crossings_at_fixed_mass_ratio(curve):
     for u in (7.0, 12.0):
         for beta, omega in hose.boundary(u, curve):
@@ -91,11 +93,13 @@ def test_without_coriolis_force_the_pipe_is_becks_column():
     assert np.sqrt(squares[:2]) == pytest.approx(11.016, abs=0.03)
 
 
+@pytest.mark.study
 def test_the_least_coriolis_force_destabilises_becks_column():
     first = hose.critical_speeds(0.01, upto=6.0)[0]
     assert first.u < 4.3 < np.sqrt(20.05)
 
 
+@pytest.mark.study
 def test_gravity_of_the_galerkin_pipe_vanishes_continuously():
     with_gravity = hose.critical_speeds(0.2, gamma=1e-10, upto=7.0)
     exact = hose.critical_speeds(0.2, upto=7.0)
@@ -226,7 +230,7 @@ def test_shooting_and_the_energy_of_polynomials_agree_on_the_static_shape(parame
 
 
 def test_free_end_has_no_moment_and_no_stretch_whatever_the_flow():
-    for U in (0.0, 9.0, 15.0):
+    for U in (0.0, 15.0):
         shape = static_shape(replace(SCENE, EA=1.0), U)
         assert (shape.moment[-1], shape.stretch[-1]) == (0, pytest.approx(1, abs=1e-14))
 
@@ -497,6 +501,7 @@ def test_small_motion_in_space_is_that_in_the_plane_and_that_out_of_it(parameter
         assert np.abs(apart - value).min() < 1e-9 * abs(value)
 
 
+@pytest.mark.study
 def test_turning_a_hose_in_space_about_the_vertical_changes_nothing():
     """Straight down, a push across and one out of the plane are the same, and so is the circular motion of both."""
     model = SpatialHose(replace(SCENE, angle=-np.pi / 2), 8)
@@ -533,6 +538,7 @@ def test_settled_motion_in_space_is_a_rotation_as_the_planar_cycle_is_unstable(s
     assert np.hypot(*space["planar_cycle"]["lateral_multipliers"][0]) > 1.05
 
 
+@pytest.mark.study
 def test_growth_out_of_the_planar_cycle_in_the_file_is_what_fewer_modes_give(space):
     multipliers, period = hose.lateral_multipliers(SCENE, 15.0, 9, 3.0, 10, 5, 1e-4, 1e-2)
     assert np.log(np.abs(multipliers).max()) / period == pytest.approx(space["planar_cycle"]["growth_rate"], rel=0.02)

@@ -77,7 +77,7 @@ def test_events_do_not_matter_to_small_steps():
 
 
 @pytest.mark.parametrize(
-    ("case", "end", "slacks", "peak"), [(HEAVING, 20.0, 1, 549167), *studies((BOUNCING, 36.0, 2, 312567))]
+    ("case", "end", "slacks", "peak"), [*studies((HEAVING, 20.0, 1, 549167), (BOUNCING, 36.0, 2, 312567))]
 )
 def test_motion_becomes_periodic_with_a_slack_rope_in_every_period(case, end, slacks, peak):
     motion = case.simulate(end, case.rest(), tolerance=1e-9)

@@ -225,7 +225,7 @@ def test_energy_grows_by_the_work_of_the_residual_and_of_the_frames(case):
 
 
 def test_hamilton_s_principle_row_by_row():
-    # the action changes by minus the residual times the variation: no derivative of the momenta; measured 8e-11
+    # the action changes by minus the residual times the variation: no derivative of the momenta; measured 2.4e-10
     case = named("shorter than its arcs, crossed")
     span, duration, h = replace(case.span, damping=0.0), 0.02, 2.0**-20  # a power of two: steps without rounding
 
@@ -234,7 +234,7 @@ def test_hamilton_s_principle_row_by_row():
         return ref.kinetic_energy(span, q, v, time) - potential
 
     change, work = np.zeros(8), np.zeros(8)
-    for x, weight in zip(*ale.rule("gauss", 5), strict=True):
+    for x, weight in zip(*ale.rule("gauss", 4), strict=True):
         q, v, time = moved(case, x * duration)
         bump, rate = (x * (1 - x)) ** 2, 2 * x * (1 - x) * (1 - 2 * x) / duration
         work += weight * bump * ref.residual(span, q, v, case.a, time)
@@ -303,6 +303,7 @@ def test_a_scene_that_turns_as_a_whole_keeps_its_rope():
     assert paths[1] == pytest.approx(paths[0], rel=1e-14)
 
 
+@pytest.mark.study
 def test_more_digits_change_nothing(monkeypatch):
     case = named("shorter than its arcs, crossed")
     state = (case.q, case.v, case.a, case.time)
