@@ -157,7 +157,7 @@ restrict: true
 """
     )
     # The sensors of a ship that has moved for some time, and a load that hangs.
-    lines = lines_of(Twin(hoist(CALM), bounded), rows_of(hoist(CALM), end=24.0, rate=10.0), ahead_from=20.0)
+    lines = lines_of(Twin(hoist(CALM), bounded), rows_of(hoist(CALM), end=24.0, rate=10.0), ahead_from=23.0)
     found = next(one for one in lines[-1]["restrict"] if one["name"] == "ship motion")
     assert found["by"] == "overload" and not found["restrict"]
 

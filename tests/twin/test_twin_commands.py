@@ -12,6 +12,8 @@ from of_the_suite import studies
 
 import tautline
 from crane.application import Crane
+from tautline.cli.run import run
+from tautline.cli.verbs import make_app
 
 MAP = """
 sensors:
@@ -42,12 +44,14 @@ def here(capsys):
 
 @pytest.fixture(scope="module")
 def rehearsal(tmp_path_factory):
+    """A folder with a map and a record, which the command has written in this process."""
     folder = tmp_path_factory.mktemp("twin")
     (folder / "map.yaml").write_text(MAP)
-    made = crane(
-        "record", SCENE, "--map", folder / "map.yaml", "-o", folder / "r.csv", "--noise", "1 %", "--end", "6 s"
-    )
-    assert made.returncode == 0, made.stderr
+    words = ["record", SCENE, "--map", folder / "map.yaml", "-o", folder / "r.csv", "--noise", "1 %", "--end", "6 s"]
+    words = [str(word) for word in words]
+    with pytest.raises(SystemExit) as left:
+        run(make_app(Crane(), words), words)
+    assert not left.value.code
     return folder
 
 
@@ -99,8 +103,8 @@ def test_ended_and_resumed_from_its_state_it_answers_the_rows_that_are_left(rehe
     (rehearsal / "part.csv").write_text("".join(rows[:40]))
     state = rehearsal / "twin.state"
     arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--json", "--resume", state]
-    first = crane(*arguments, "--source", rehearsal / "part.csv")
-    assert first.returncode == 0 and state.exists(), first.stderr
+    code, _, told = here(*arguments, "--source", rehearsal / "part.csv")
+    assert code == 0 and state.exists(), told
     _, out, _ = here(*arguments, "--source", rehearsal / "r.csv")
     lines = [json.loads(line) for line in out.splitlines()]
     assert lines[0]["time"] == pytest.approx(3.9)
