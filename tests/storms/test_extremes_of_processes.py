@@ -106,8 +106,10 @@ def narrow(seeds, step, duration, sigma=2.0, centre=0.8, width=0.3, waves=400, r
 
 
 def _sum(a, b, w, time, block=50):
-    """The sum of a cos(w t) + b sin(w t) at equally spaced times: exp(i w t) of a time is that of the begin of its block
-    times that of the place in it, so that few of them have to be found."""
+    """The sum of a cos(w t) + b sin(w t) at equally spaced times.
+
+    exp(i w t) of a time is that of the begin of its block times that of the place in it: few of them have to be found.
+    """
     begin, within = np.exp(1j * np.outer(time[::block], w)), np.exp(1j * np.outer(time[:block], w))
     return ((begin * (a - 1j * b)) @ within.T).real.ravel()[: time.size]
 

@@ -116,9 +116,8 @@ def test_the_winch_may_be_known_by_its_speed():
 
 
 def test_a_crane_that_slews_and_luffs_tells_the_weight_of_its_load():
-    root = tautline.read("data/slewing.yaml").replace(
-        {"frames[0].luff": {"ramp": {"rate": 0.05, "over": 2.0}}, "output.interval": 0.1}
-    )
+    luffing = {"frames[0].luff": {"ramp": {"rate": 0.05, "over": 2.0}}, "output.interval": 0.1}
+    root = tautline.read("data/slewing.yaml").replace(luffing)
     sensors = """
 sensors:
   - {column: slew, unit: deg, input: boom.slew}
