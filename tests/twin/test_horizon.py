@@ -51,12 +51,12 @@ def test_the_truth_lies_within_two_deviations_in_nine_of_ten_trials(trials):
     within = 0
     for seed in range(trials):
         rng = np.random.default_rng(seed)
-        t = 0.1 * np.arange(60)  # twice as long as what is kept
-        noise = np.zeros(60)
-        for k in range(60):  # noise with a memory, as an input that is off has it
+        t = 0.1 * np.arange(50)  # half as long again as what is kept
+        noise = np.zeros(50)
+        for k in range(50):  # noise with a memory, as an input that is off has it
             noise[k] = 0.6 * noise[k - 1] + 0.2 * rng.standard_normal()
         y = 3.0 + noise
-        horizon = fed(Horizon([unknown("a", 6.0, 5.0)], [channel(0.2)], 3.0), t, y, np.ones((60, 1)))
+        horizon = fed(Horizon([unknown("a", 6.0, 5.0)], [channel(0.2)], 3.0), t, y, np.ones((50, 1)))
         within += abs(horizon.mean[0] - 3.0) <= 2.0 * horizon.linear_deviation[0]
     assert within >= 0.9 * trials
 
