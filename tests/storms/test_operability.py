@@ -49,7 +49,7 @@ def scene(application, tmp_path_factory):
     return application.read(place)
 
 
-def asked(heights=(0.3, 0.8, 1.3, 1.8), seeds=12, duration=160.0, simulated=None, limits=(), **more):
+def asked(heights=(0.3, 0.9, 1.5), seeds=12, duration=160.0, simulated=None, limits=(), **more):
     conditions = [Condition(height, PERIOD, None) for height in heights]
     return Asked(
         conditions, range(1, seeds + 1), duration, simulated or duration, tuple(limits), SHARE, lead=20.0, **more

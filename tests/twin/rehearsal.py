@@ -11,6 +11,8 @@ from tautline.twin.record import Sensing, record
 from tautline.twin.twin import Twin
 
 HOIST = "data/hoist.yaml"
+RATE = 5.0
+"""Rows a second: a row costs a twin much more than the steps to it, and a window of 3 s has 16 of them."""
 SENSORS = """
 sensors:
   - {column: winch_pos, unit: m, input: winch.pay_out}
@@ -38,7 +40,9 @@ def hoist(pay_out, *, law=None, start_height=None, ground=None, heave=0.5, mass=
     root["bodies"][0]["mass"] = mass
     root["path"][0]["drum"]["pay_out"] = {"table": pay_out}
     root["vessel"]["motion"]["heave"]["harmonic"]["amplitude"] = heave
-    root["solver"]["end"] = end
+    # Frames come as often as rows at the most: between two of them a simulation has nothing to do but its steps.
+    root["solver"] |= {"step": 10e-3, "end": end}
+    root["output"]["interval"] = 0.1
     if law is not None:
         sheave = root["path"][1]["sheave"]
         sheave["law"] = law
@@ -56,7 +60,7 @@ def hoist(pay_out, *, law=None, start_height=None, ground=None, heave=0.5, mass=
 def calm_rows(end=22.0, seed=0):
     """Rows of a load that hangs in waves after a short hoist: (stamp, readings)."""
     scene = tautline.read(hoist({"time": [0, 1, 2, 3, 100], "value": [0, -0.5, -0.5, 0, 0]}))
-    return tuple(record(scene, read_map(SENSORS), Sensing(noise=0.01, seed=seed), end))
+    return tuple(record(scene, read_map(SENSORS), Sensing(noise=0.01, seed=seed, rate=RATE), end))
 
 
 NOT_AHEAD = WEIGHT.replace("ahead: 2 s,", "") + "ahead: 0 s\n"
@@ -64,17 +68,29 @@ CALM = {"time": [0, 1, 2, 3, 100], "value": [0, -0.5, -0.5, 0, 0]}
 
 
 def rows_of(scene, seed=0, end=None, map=SENSORS, **sensing):
-    """Rows of a scene with 1 % noise at 10 Hz."""
+    """Rows of a scene with 1 % noise, `RATE` of them a second if nothing else is said."""
     scene = scene if hasattr(scene, "document") else tautline.read(scene)
-    return list(record(scene, read_map(map), Sensing(noise=0.01, seed=seed, **sensing), end))
+    return list(record(scene, read_map(map), Sensing(**{"noise": 0.01, "seed": seed, "rate": RATE} | sensing), end))
 
 
-def lines_of(twin, rows):
-    """All lines that a twin has to say of rows."""
+def lines_of(twin, rows, ahead_from=-np.inf):
+    """All lines that a twin has to say of rows; what is ahead it looks at from a time on, as one that is busy does."""
+    lines = []
+    for stamp, readings in rows:
+        lines += twin.add(stamp, readings)
+        if stamp >= ahead_from:
+            twin.work()
+    return lines + twin.finish()
+
+
+def lines_until(name, twin, rows):
+    """Lines up to the first with an alarm of that name: those after it say no more about when it was raised."""
     lines = []
     for stamp, readings in rows:
         lines += twin.add(stamp, readings)
         twin.work()
+        if name in alarms(lines[-1:]):
+            return lines
     return lines + twin.finish()
 
 

@@ -145,7 +145,7 @@ def scene_with(life=1e5, **rope):
 
 def test_a_twin_keeps_the_account_of_its_rope_over_operations_and_kills(tmp_path):
     path, scene = tmp_path / "rope.npz", scene_with()
-    rows = rows_of(scene, end=15.0)
+    rows = rows_of(scene, end=15.0, rate=10.0)
     twin = Twin(scene, MAP, account=path)
     lines = lines_of(twin, rows)
     twin.operation.save()

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 from of_the_suite import studies
-from twin.rehearsal import at, finite, lines_of, weight_twin
+from twin.rehearsal import CALM, at, finite, hoist, lines_of, rows_of, weight_twin
 
 from tautline.twin.storage import load, save
 
 
 def shuffled(rows):
     rows = list(rows)
-    for k in range(50, len(rows) - 1, 3):
+    for k in range(8, len(rows) - 1, 3):
         rows[k], rows[k + 1] = rows[k + 1], rows[k]
     return rows
 
@@ -26,10 +26,10 @@ def now_and_then_nan(rows):
 BAD = {
     "doubled": (lambda rows: [row for row in rows for _ in range(2)], "doubled"),
     "shuffled": (shuffled, "out of order"),
-    "future stamps": (lambda rows: [(t + 1000.0 * (k % 50 == 49), r) for k, (t, r) in enumerate(rows)], "future"),
-    "clock set back": (lambda rows: [(t - 8.0 * (t > 12.0), r) for t, r in rows], "clock set back"),
-    "a column that ends": (lambda rows: without_heave(rows, 12.0), ""),
-    "slower sampling": (lambda rows: [row for k, row in enumerate(rows) if row[0] < 12.0 or k % 3 == 0], ""),
+    "future stamps": (lambda rows: [(t + 1000.0 * (k % 25 == 24), r) for k, (t, r) in enumerate(rows)], "future"),
+    "clock set back": (lambda rows: [(t - 8.0 * (t > 10.0), r) for t, r in rows], "clock set back"),
+    "a column that ends": (lambda rows: without_heave(rows, 10.0), ""),
+    "slower sampling": (lambda rows: [row for k, row in enumerate(rows) if row[0] < 10.0 or k % 3 == 0], ""),
     "clock 1 % fast": (lambda rows: [(1.01 * t, r) for t, r in rows], ""),
     "NaN now and then": (now_and_then_nan, ""),
 }
@@ -39,7 +39,10 @@ LONG = ("doubled", "future stamps", "slower sampling", "clock 1 % fast", "NaN no
 @pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.study if k in LONG else ()) for k in BAD])
 def test_bad_data_leave_the_estimate_as_it_is(kind, settled):
     spoil, counted = BAD[kind]
-    twin, rows = settled(end=17.0)
+    twin, rows = settled(end=13.5)
+    if kind == "clock 1 % fast":
+        # What that does to the weight is within 0.4 % with ten rows a second, and not with five.
+        twin, rows = weight_twin(start="5 t"), rows_of(hoist(CALM), end=17.0, rate=10.0)
     lines = lines_of(twin, spoil(rows))
     assert finite(lines)
     # A clock that is 1 % wrong makes the accelerations 2 % wrong, and the weight hardly.
@@ -64,20 +67,20 @@ def test_after_a_gap_the_twin_goes_on_and_says_that_it_was_degraded(gap, settled
 
 
 def test_a_stream_that_ends_and_comes_back_is_gone_on_with(settled):
-    twin, rows = settled(end=15.0)
-    for stamp, readings in rows[:20]:
+    twin, rows = settled(end=12.0)
+    for stamp, readings in rows[:10]:
         twin.add(stamp, readings)
     before = twin.answers(end=True)[-1]
-    lines = lines_of(twin, [(t + 12.0, r) for t, r in rows[20:]])
+    lines = lines_of(twin, [(t + 8.0, r) for t, r in rows[10:]])
     assert lines[0]["time"] > before["time"]
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.004)
 
 
 def test_killed_and_started_again_it_goes_on_with_the_same_estimates(tmp_path, settled):
-    whole, rows = settled(end=17.0)
+    whole, rows = settled(end=15.0)
     lines = lines_of(whole, rows)
     first, _ = settled()
-    for stamp, readings in rows[:40]:
+    for stamp, readings in rows[:12]:
         first.add(stamp, readings)
     save(first, tmp_path / "twin.state")
     second = weight_twin(start="5 t")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 
 from tautline.twin.estimation.horizon import Horizon, Sample
 from tautline.twin.map import Channel, Unknown
@@ -43,18 +44,21 @@ def test_the_estimate_is_that_of_all_data_though_only_a_window_is_kept():
     assert np.all(horizon.linear_deviation >= exact) and np.all(horizon.linear_deviation < 1.6 * exact)
 
 
-def test_the_truth_lies_within_two_deviations_in_nine_of_ten_trials():
+@pytest.mark.parametrize("trials", [20, *studies(60)])
+def test_the_truth_lies_within_two_deviations_in_nine_of_ten_trials(trials):
+    # Samples that count as independent, which they are not, have deviations that hold in 57 of 100 trials: of twenty
+    # trials eighteen or more would hold once in five hundred times.
     within = 0
-    for seed in range(60):
+    for seed in range(trials):
         rng = np.random.default_rng(seed)
-        t = 0.1 * np.arange(60)  # twice as long as what is kept
-        noise = np.zeros(60)
-        for k in range(60):  # noise with a memory, as an input that is off has it
+        t = 0.1 * np.arange(50)  # half as long again as what is kept
+        noise = np.zeros(50)
+        for k in range(50):  # noise with a memory, as an input that is off has it
             noise[k] = 0.6 * noise[k - 1] + 0.2 * rng.standard_normal()
         y = 3.0 + noise
-        horizon = fed(Horizon([unknown("a", 6.0, 5.0)], [channel(0.2)], 3.0), t, y, np.ones((60, 1)))
+        horizon = fed(Horizon([unknown("a", 6.0, 5.0)], [channel(0.2)], 3.0), t, y, np.ones((50, 1)))
         within += abs(horizon.mean[0] - 3.0) <= 2.0 * horizon.linear_deviation[0]
-    assert within >= 54
+    assert within >= 0.9 * trials
 
 
 def test_a_value_that_changes_for_good_is_followed_after_a_contradiction():
@@ -68,10 +72,10 @@ def test_a_value_that_changes_for_good_is_followed_after_a_contradiction():
 
 def test_a_random_walk_is_followed():
     rng = np.random.default_rng(4)
-    t = 0.1 * np.arange(600)
-    truth = 3.0 + np.cumsum(0.02 * np.sqrt(0.1) * rng.standard_normal(600))
-    y = truth + 0.05 * rng.standard_normal(600)
-    horizon = fed(Horizon([unknown("a", 3.0, 1.0, drift=0.02)], [channel(0.05)], 3.0), t, y, np.ones((600, 1)))
+    t = 0.1 * np.arange(300)
+    truth = 3.0 + np.cumsum(0.02 * np.sqrt(0.1) * rng.standard_normal(300))
+    y = truth + 0.05 * rng.standard_normal(300)
+    horizon = fed(Horizon([unknown("a", 3.0, 1.0, drift=0.02)], [channel(0.05)], 3.0), t, y, np.ones((300, 1)))
     assert abs(horizon.mean[0] - truth[-15]) < 3.0 * horizon.linear_deviation[0]
     assert horizon.linear_deviation[0] > 0.005
 

@@ -2,7 +2,7 @@
 
 import pytest
 import yaml
-from twin.rehearsal import CALM, SENSORS, alarms, at, calm_rows, changed, hoist, lines_of
+from twin.rehearsal import CALM, SENSORS, alarms, at, changed, hoist, lines_of, rows_of
 
 import tautline
 from tautline.live.simulation import Simulation
@@ -53,7 +53,8 @@ def test_what_the_map_watches_itself_takes_the_place_of_the_scene_s_limit(names)
 
 
 def test_an_overload_by_the_scene_s_own_limit_raises_an_alarm():
-    rows = changed(calm_rows()[:45], lambda t, r: {**r, "rope_tension": r["rope_tension"] + 45.0 * (3.0 < t < 4.05)})
+    rows = rows_of(hoist(CALM), end=4.5, rate=10.0)
+    rows = changed(rows, lambda t, r: {**r, "rope_tension": r["rope_tension"] + 45.0 * (3.0 < t < 4.05)})
     lines = lines_of(Twin(hoist(CALM) | {"limits": LIMITS[:1]}, SENSORS), rows)
     raised = alarms(lines)["overload"]
     # It has to last for 0.2 s; rows come every 0.1 s.

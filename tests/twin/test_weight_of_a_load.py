@@ -11,6 +11,8 @@ import tautline
 from tautline.twin.twin import Twin
 
 TRIALS = 4
+SHIPPED = tautline.read(HOIST).replace({"solver.step": 10e-3, "output.interval": 0.1})
+"""The shipped hoist with steps and frames as those of `hoist`."""
 
 
 @pytest.mark.parametrize("start", [2.0, *studies(0.5)])
@@ -18,8 +20,8 @@ def test_the_weight_is_within_one_per_cent_after_ten_seconds_from_a_start_off_by
     within = 0
     for seed in range(TRIALS // 2):
         truth = float(np.random.default_rng(100 + seed).uniform(3000.0, 7000.0))
-        scene = tautline.read(HOIST).replace({"bodies[0].mass": truth})
-        twin = Twin(HOIST, NOT_AHEAD.replace("START", f"{start * truth} kg"))
+        scene = SHIPPED.replace({"bodies[0].mass": truth})
+        twin = Twin(SHIPPED, NOT_AHEAD.replace("START", f"{start * truth} kg"))
         found = at(lines_of(twin, rows_of(scene, seed, 10.5)), 10.0)["estimates"]["payload.mass"]
         assert found["value"] == pytest.approx(truth, rel=0.01)
         within += abs(found["value"] - truth) <= 2.0 * found["sd"]
@@ -41,7 +43,7 @@ def test_the_right_weight_is_within_two_deviations_in_nine_of_ten_trials():
 
 
 def test_the_tare_of_the_load_cell_is_told_from_the_weight_once_the_load_moves():
-    scene = hoist({"time": [0, 8, 9, 60], "value": [0, 0, -0.5, -0.5]})
+    scene = hoist({"time": [0, 5, 6, 60], "value": [0, 0, -0.5, -0.5]})
     offset = (
         SENSORS
         + """
@@ -51,17 +53,17 @@ estimate:
 ahead: 0 s
 """
     )
-    rows = [(t, {**r, "rope_tension": r["rope_tension"] + 2.0}) for t, r in rows_of(scene, 0, 16.0)]
+    rows = [(t, {**r, "rope_tension": r["rope_tension"] + 2.0}) for t, r in rows_of(scene, 0, 12.0, rate=10.0)]
     lines = lines_of(Twin(scene, offset), rows)
     # While next to nothing moves the two cannot be told apart, and this is reported.
     early = at(lines, 2.0)
     assert any("cannot be told apart" in text for text in early["not_observable"])
     assert early["estimates"]["offset winch.tension"]["sd"] > 3000.0
-    late = at(lines, 15.0)["estimates"]
+    late = at(lines, 11.0)["estimates"]
     for name, truth in (("payload.mass", 5000.0), ("offset winch.tension", 2000.0)):
         assert abs(late[name]["value"] - truth) <= 2.5 * late[name]["sd"]
     assert late["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
-    assert at(lines, 15.0)["not_observable"] == []
+    assert at(lines, 11.0)["not_observable"] == []
 
 
 @pytest.mark.study
@@ -92,11 +94,11 @@ ahead: 0 s
 @pytest.mark.parametrize("seed", [2, pytest.param(12, marks=pytest.mark.study)])
 def test_a_load_that_touches_down_and_is_lifted_off_keeps_its_weight_and_its_deviation(seed):
     """While it bounces on the ground simulations of other weights bounce elsewhere: that is no knowledge of it."""
-    motion = {"time": [0, 1, 5, 6, 10, 11, 20, 21, 60], "value": [0, 0.5, 0.5, 0, 0, -0.5, -0.5, 0, 0]}
+    motion = {"time": [0, 1, 5, 6, 9, 10, 16, 17, 60], "value": [0, 0.5, 0.5, 0, 0, -0.5, -0.5, 0, 0]}
     scene = hoist(motion, start_height=-20, ground=-22.5, heave=0.3)
     twin = weight_twin(scene, "8 t")
-    lines = lines_of(twin, rows_of(scene, seed, 20.0))
-    for time in (8.0, 14.0, 19.0):
+    lines = lines_of(twin, rows_of(scene, seed, 16.5))
+    for time in (8.0, 12.5, 16.0):
         found = at(lines, time)["estimates"]["payload.mass"]
         assert found["value"] == pytest.approx(5000.0, rel=0.01)
         assert abs(found["value"] - 5000.0) <= 3.0 * found["sd"]
@@ -107,14 +109,15 @@ def test_the_winch_may_be_known_by_its_speed():
     of_place = "{column: winch_pos, unit: m, input: winch.pay_out}"
     of_speed = "{column: winch_speed, unit: m/min, input: winch.pay_out_speed}"
     by_speed = NOT_AHEAD.replace(of_place, of_speed).replace("START", "9 t")
-    scene = hoist({"time": [0, 1, 5, 6, 10, 11, 100], "value": [0, -0.2, -1.0, -1.0, -0.5, -0.5, -0.5]})
-    lines = lines_of(weight_twin(scene, "9 t", by_speed), rows_of(scene, end=12.0, map=by_speed))
-    assert at(lines, 11.0)["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
+    scene = hoist({"time": [0, 1, 3, 4, 6, 7, 100], "value": [0, -0.2, -1.0, -1.0, -0.5, -0.5, -0.5]})
+    lines = lines_of(weight_twin(scene, "9 t", by_speed), rows_of(scene, end=9.0, map=by_speed, rate=10.0))
+    assert at(lines, 8.5)["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
     assert set(alarms(lines)) <= {"irregular"}
 
 
 def test_a_crane_that_slews_and_luffs_tells_the_weight_of_its_load():
-    root = tautline.read("data/slewing.yaml").replace({"frames[0].luff": {"ramp": {"rate": 0.05, "over": 2.0}}})
+    luffing = {"frames[0].luff": {"ramp": {"rate": 0.05, "over": 2.0}}, "output.interval": 0.1}
+    root = tautline.read("data/slewing.yaml").replace(luffing)
     sensors = """
 sensors:
   - {column: slew, unit: deg, input: boom.slew}

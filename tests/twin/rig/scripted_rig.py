@@ -16,7 +16,8 @@ from math import copysign
 
 import numpy as np
 
-TICK = 0.05
+TICK = 0.1
+"""Time between two states of the rig, s: the fastest sensor shows ten a second."""
 
 
 @dataclass(frozen=True)

@@ -35,14 +35,23 @@ estimate:
   - {parameter: wall.friction, start: 0.2, sd: 0.02, range: [0.02, 0.8]}
 """
 )
+HOW = Connecting(in_slips=30.0, drilling=60.0, travel=12.0, turning=16.0)
 OPEN, CASED = 0.25, 0.2
 RIGHT = {"wall.friction": OPEN, "casing.friction": CASED}
 
 
+RATE = 2.5
+"""Rows a second of a record: a row costs a twin as much as many steps, and 1 Hz of rig data is usual."""
+
+
 def well(open_hole, cased):
-    """The shipped field well with a casing, and friction factors."""
+    """The shipped field well with a casing, and friction factors; for the record and for the twin alike.
+
+    Steps are longer than those that are shipped: there is no bit that sticks, and string and twin take the same.
+    """
     casing = {"shoe": 1200.0, "friction": cased}
     values = {("well", "wall", "friction"): open_hole, ("well", "wall", "casing"): casing}
+    values |= {("solver", "step"): 5e-3, ("output", "interval"): 1.0 / RATE}
     scene = tautline.read("data/field_well.yaml")
     return scene.with_values({path: (value, "a test") for path, value in values.items()})
 
@@ -50,7 +59,7 @@ def well(open_hole, cased):
 @functools.cache
 def record_of_connections(count):
     """Rows of connections with 1 % noise of hook load and torque: (stamp, readings)."""
-    columns = connections(well(OPEN, CASED), count=count, rate=5, how=Connecting(in_slips=40.0, drilling=100.0))
+    columns = connections(well(OPEN, CASED), count=count, rate=RATE, how=HOW)
     names = [name for name in columns if name != "time"]
     return [(t, {name: columns[name][i] for name in names}) for i, t in enumerate(columns["time"])]
 
@@ -67,7 +76,7 @@ def off(line):
     ]
 
 
-KILLED = (250.0, 285.0)
+KILLED = (175.0, 215.0)
 """While the stand is being fetched, and after it was taken up, s."""
 
 
@@ -104,7 +113,8 @@ def test_friction_is_never_believed_better_than_it_is_known(two):
 
 def test_the_string_waits_in_slips_and_is_a_stand_longer_after_them(two):
     in_slips = [line for line in two if line["rig"]["state"] in ("in slips", "connection")]
-    assert len(in_slips) > 300
+    # But for what passes until slips are told, and while they are taken out.
+    assert 1.5 * HOW.in_slips * RATE < len(in_slips) <= 2.0 * HOW.in_slips * RATE
     assert all(line["outputs"] == {} and line["estimates"]["wall.friction"] for line in in_slips)
     added = [line["rig"]["added"] for line in two]
     assert added[-1] == pytest.approx(28.0, abs=0.2) and two[-1]["rig"]["connections"] == 1
@@ -149,16 +159,16 @@ def drilled():
     sim = tautline.Simulation(tautline.read("data/drilling.yaml"), keep=False)
     random = np.random.default_rng(1)
     rows, right = [], {}
-    for k in range(450):
+    for k in range(226):
         if k:
-            sim.advance_to(0.1 * k)
+            sim.advance_to(0.2 * k)
         noisy = 1.0 + 0.01 * random.standard_normal(2)
-        rows.append((0.1 * k, {
+        rows.append((0.2 * k, {
             "block": sim["top.block"], "rotary_speed": sim["top.rotary_speed"],
             "hook_load": noisy[0] * sim["top.hook_load"], "torque": noisy[1] * sim["surface_torque"],
             "bit_depth": sim["bit.depth"], "hole_depth": sim["hole_depth"],
         }))  # fmt: skip
-        right[round(0.1 * k, 6)] = sim["bit.weight"], sim["bit.torque"], sim["bit.depth"]
+        right[round(0.2 * k, 6)] = sim["bit.weight"], sim["bit.torque"], sim["bit.depth"]
     changes = {("bit", "on_bottom"): False, ("top", "rotation"): 0.0, ("top", "block"): 0.0}
     scene = tautline.read("data/drilling.yaml").with_values({p: (v, "a test") for p, v in changes.items()})
     lines = lines_of(Twin(scene, DRILLED), rows)
@@ -169,7 +179,7 @@ def drilled():
 def test_weight_and_torque_at_the_bit_are_those_of_the_run_on_bottom(drilled, name, column, within):
     lines, right, times = drilled
     off_by, deviations = [], []
-    for line in lines[100:]:
+    for line in lines[50:]:
         # Both are means over the last period of torsion.
         near = (times > line["time"] - 4.9) & (times <= line["time"])
         one = line["estimates"][name]
@@ -182,7 +192,7 @@ def test_weight_and_torque_at_the_bit_are_those_of_the_run_on_bottom(drilled, na
 
 def test_the_bit_is_where_the_run_has_it(drilled):
     lines, right, times = drilled
-    for line in lines[100::10]:
+    for line in lines[50::5]:
         k = int(np.argmin(np.abs(times - line["time"])))
         one = line["estimates"]["bit.depth"]
         assert one["value"] == pytest.approx(right[k, 2], abs=0.03)

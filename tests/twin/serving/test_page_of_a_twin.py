@@ -109,8 +109,9 @@ def test_what_is_no_port_ends_with_2_and_writes_nothing(where, tmp_path, capsys)
 # -- in a browser ------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def browser():
+@pytest.fixture(scope="module")
+def chromium():
+    """Started once: that takes longer than most of what is asked of it."""
     if CHROMIUM is None:
         pytest.skip("there is no Chromium")
     sync_api = pytest.importorskip("playwright.sync_api")
@@ -120,9 +121,17 @@ def browser():
         made.close()
 
 
+@pytest.fixture
+def browser(chromium):
+    """One that knows nothing of the pages of other tests."""
+    made = chromium.new_context(viewport={"width": 1280, "height": 720})
+    yield made
+    made.close()
+
+
 def opened(browser, page):
     """The page in a browser, with what it asked for and what went wrong."""
-    tab = browser.new_page(viewport={"width": 1280, "height": 720})
+    tab = browser.new_page()
     asked, wrong = [], []
     tab.on("request", lambda request: asked.append(request.url))
     tab.on("pageerror", lambda error: wrong.append(str(error)))
