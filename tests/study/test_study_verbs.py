@@ -21,7 +21,7 @@ FEW = ("as it stands", "step x 0.1", "step x 10")
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    Path("bar.yaml").write_text(oscillator(time_end=1.0), encoding="utf8")
+    Path("bar.yaml").write_text(oscillator(time_end=0.6), encoding="utf8")
     Path("tied.yaml").write_text(chain(100.0, time_end=0.5), encoding="utf8")
     Path("stops.yaml").write_text(oscillator(**rk4(time_step=0.5, time_end=5.0, plotpoints=0)), encoding="utf8")
     # A quick look is of twenty frames.
