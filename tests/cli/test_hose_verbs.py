@@ -255,7 +255,7 @@ def test_run_is_not_gone_on_with_under_another_speed(gardenhose):
 
 def test_a_stable_hose_is_called_stable_at_one_speed_and_at_many(gardenhose):
     for speeds, said in (("0", "stable at 0 m/s"), ("0:5:1", "stable from 0 to 5 m/s")):
-        code, out, err = gardenhose("flutter", "hose.yaml", "--speed", speeds, "--json")
+        code, out, err = gardenhose("flutter", "hose.yaml", "--set", "hose.elements=5", "--speed", speeds, "--json")
         assert code == 0 and not any(only_object(out)["unstable"]) and said in err and "unstable" not in err
 
 

@@ -26,7 +26,7 @@ KEYS = {
     "torque_on_bit", "weight_on_bit", "rate_of_penetration", "outcome", "sticking_ends", "failures", "files",
 }  # fmt: skip
 RPM = 2.0 * math.pi / 60.0
-FEW = ("--speed", "60,170", "--weight", "60 kN,1e5", "--end", "30 s")
+FEW = ("--speed", "60,170", "--weight", "60 kN,1e5", "--end", "20 s")
 
 
 @pytest.fixture
