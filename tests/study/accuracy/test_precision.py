@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from study.oscillators import (
     OMEGA,
     START,
@@ -43,7 +44,9 @@ def rows_of(found):
 STEPS = {"newmark": (0.02, 0.01, 0.005), "generalized-alpha": (0.02, 0.01, 0.005), "rk4": (0.06, 0.03, 0.015)}
 
 
-@pytest.mark.parametrize(("method", "rho"), [("newmark", None), ("generalized-alpha", 0.8), ("generalized-alpha", 1.0)])
+@pytest.mark.parametrize(
+    ("method", "rho"), [("newmark", None), ("generalized-alpha", 0.8), *studies(("generalized-alpha", 1.0))]
+)
 def test_errors_of_second_order_methods_are_their_period_error_times_the_angle_turned(method, rho):
     """Late by c (omega h)^2 omega T at the end: half of that is the distance over the way 2 A, and the mean phase.
 
@@ -68,7 +71,7 @@ def test_errors_of_rk4_are_the_fifth_power_over_120_a_step():
         assert row.errors.position == pytest.approx(off / 2.0, rel=0.08)
 
 
-@pytest.mark.parametrize(("method", "order"), [("rk4", 4.0), ("newmark", 2.0), ("generalized-alpha", 2.0)])
+@pytest.mark.parametrize(("method", "order"), [("rk4", 4.0), ("generalized-alpha", 2.0), *studies(("newmark", 2.0))])
 def test_errors_fall_in_the_order_of_the_method(method, order):
     found = rows_of(studied(oscillator(time_end=END), (method,), STEPS[method]))
     logs = np.log([[h, row.errors.position] for h, row in found.items()])
