@@ -14,7 +14,6 @@ from cli.in_process import commands_of
 from of_the_suite import studies
 from results.forked import Forked
 
-from tautline import simulation
 from tautline.application.installed import Installed
 from tautline.cli.main import main
 
@@ -68,8 +67,6 @@ def anew(*arguments):
 
 
 def as_script(words):
-    # Frames are stored soon: what is run until then is run twice more in this process.
-    simulation.BATCH = 0.05
     sys.argv = ["tautline", *words]
     main()
 
