@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from figures.pages import FEW_DOTS
 from matplotlib.figure import Figure
 
 from tautline.cli.run import run
@@ -11,11 +12,14 @@ from tautline.cli.verbs import make_app
 
 
 def commands_of(application, capsys):
-    """A function that runs a command of an application: exit code, standard output, standard error."""
+    """A function that runs a command of an application: exit code, standard output, standard error.
+
+    Pictures have few dots: that they are written is asked of a command, and more dots take longer.
+    """
 
     def command(*arguments):
         words = [str(argument) for argument in arguments]
-        with pytest.raises(SystemExit) as left:
+        with FEW_DOTS, pytest.raises(SystemExit) as left:
             run(make_app(application, words), words)
         captured = capsys.readouterr()
         return left.value.code or 0, captured.out, captured.err

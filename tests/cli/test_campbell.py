@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.in_process import commands_of, files, only_object
+from cli.in_process import commands_of, files, leave_out_pixels, only_object
 
 from drillstring.application import Drillstring
 
@@ -39,12 +39,19 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def drillstring(folder, capsys):
+def drawing(folder, capsys):
+    """Commands that draw their figures in full."""
     return commands_of(Drillstring(), capsys)
 
 
+@pytest.fixture
+def drillstring(drawing, monkeypatch):
+    leave_out_pixels(monkeypatch)
+    return drawing
+
+
 def test_campbell_takes_one_model_the_scenes_or_that_which_is_asked_for(drillstring):
-    options = ("campbell", "field_well.yaml", "--modes", "axial", "--up-to", "2", "--json", "-o", "c.svg")
+    options = ("campbell", "field_well.yaml", "--modes", "axial", "--up-to", "2", "--json", "-o", "c.png")
     code, out, _ = drillstring(*options)
     lumps = only_object(out)
     code, out, _ = drillstring(*options, "--model", "ale-ancf")
@@ -68,8 +75,8 @@ def test_table_figure_and_csv_name_the_model_that_they_were_made_with(drillstrin
         assert {row["model"] for row in csv.DictReader(file)} == {kind}
 
 
-def test_campbell_with_json_is_one_object_of_the_contract_in_si(drillstring):
-    code, out, err = drillstring("campbell", "field_well.yaml", "--modes", "lateral,torsional", "--json")
+def test_campbell_with_json_is_one_object_of_the_contract_in_si(drawing):
+    code, out, err = drawing("campbell", "field_well.yaml", "--modes", "lateral,torsional", "--json")
     report = only_object(out)
     assert code == 0 and report.keys() == KEYS and report["status"] == "done"
     assert report["speed"] == pytest.approx([0.0, 200.0 * 2.0 * np.pi / 60.0])

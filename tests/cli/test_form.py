@@ -68,7 +68,9 @@ def test_form_prints_a_row_for_each_mesh_and_one_for_the_rod_and_writes_nothing_
 
 
 def test_several_scenes_make_one_figure_one_table_and_one_json_object(drawing):
-    code, out, err = drawing("form", "configuration_a.yaml", "configuration_b.yaml", "hanging.yaml", "--json")
+    code, out, err = drawing(
+        "form", "configuration_a.yaml", "configuration_b.yaml", "hanging.yaml", "--elements", "10", "--json"
+    )
     report = only_object(out)
     assert code == 0
     assert [one["scene"] for one in report["scenes"]] == [
@@ -108,7 +110,7 @@ def test_the_table_of_lumps_has_units_in_its_header_and_a_row_for_each_lump_of_e
 def test_dynamic_relaxation_ends_in_the_same_form(drillstring):
     ends = []
     for way in ("static", "relaxation"):
-        code, out, _ = drillstring("form", "configuration_b.yaml", "--by", way, "--json")
+        code, out, _ = drillstring("form", "configuration_b.yaml", "--elements", "10", "--by", way, "--json")
         report = only_object(out)
         assert code == 0 and report["by"] == way
         ends.append(report["position"])

@@ -23,9 +23,9 @@ SMALL = ("--size", "320x180")
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
-    """A fifth of a second of the hose, stored."""
+    """A fifth of a second of the hose, stored: few frames, for a picture is fitted to the poses of all of them."""
     path = tmp_path_factory.mktemp("hose") / "hose.nc"
-    scene = tautline.read(DATA / "hose.yaml")
+    scene = tautline.read(DATA / "hose.yaml").replace({"output.interval": "20 ms", "hose.elements": 4})
     tautline.simulate(Gardenhose().with_overrides(scene, end=0.2), path)
     return path
 

@@ -21,6 +21,8 @@ JWELL = (DATA / "jwell.yaml").read_text(encoding="utf8")
 KEYS = {"friction", "depth", "pick_up", "slack_off", "rotating", "torque", "buckling"}
 """Keys that other programs read: part of the contract of `--json`."""
 FEW = ("--elements", "20")
+COARSE = ("--elements", "10")
+"""Enough for what is compared with nothing but other results of the same mesh."""
 
 
 @pytest.fixture
@@ -71,7 +73,7 @@ def test_json_has_the_keys_of_the_contract_for_the_scenes_own_depth_and_friction
 
 def test_broomstick_over_depths_and_frictions_is_one_case_to_a_factor(drillstring_):
     options = ("--depth", "1000:3000:500", "--friction", "0.1,0.3", "-o", "broom.svg", "--json")
-    code, out, err = drillstring_("torque-drag", "jwell.yaml", *options, *FEW)
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", *options, *COARSE)
     report = only_object(out)
     assert code == 0 and report["depth"] == [1000, 1500, 2000, 2500, 3000]
     assert [case["friction"] for case in report["cases"]] == [0.1, 0.3] and report["friction"] == 0.1
@@ -116,12 +118,12 @@ def test_bit_that_is_pushed_through_much_friction_locks_up_and_has_no_hook_load(
 
 
 def test_overpull_is_the_yield_load_less_the_pick_up_load(drillstring_):
-    _, out, err = drillstring_("torque-drag", "strong.yaml", "--json", *FEW)
+    _, out, err = drillstring_("torque-drag", "strong.yaml", "--json", *COARSE)
     report = only_object(out)
     pull = report["overpull"][0]
     assert pull["margin"] == pytest.approx(1.76e6 - report["pick_up"][0], rel=1e-9)
     assert pull["section"] == "drill pipe" and "margin of overpull" in err
-    _, out, err = drillstring_("torque-drag", "jwell.yaml", "--json", *FEW)
+    _, out, err = drillstring_("torque-drag", "jwell.yaml", "--json", *COARSE)
     assert only_object(out)["overpull"] == [None] and "overpull" not in err
 
 
@@ -155,17 +157,17 @@ def test_reaming_adds_two_motions_with_less_drag_than_tripping_to_table_json_and
     assert up == pytest.approx(report["reaming"]["up"]["soft_string"]["hook_load"][0], rel=3e-3)
     assert "reaming up" in err and "torque down" in err and set(report["profile"]) > {"reaming_up", "reaming_down"}
     many = ("--depth", "2400:3600:200", "-o", "ream.svg")
-    code, _, err = drillstring_("torque-drag", "jwell.yaml", "--reaming", "0.3", *many, *FEW)
+    code, _, err = drillstring_("torque-drag", "jwell.yaml", "--reaming", "0.3", *many, *COARSE)
     assert code == 0 and "ream up" in err and "…" not in err and max(map(len, err.splitlines()[:8])) <= 80
     assert "reaming down" in Path("ream.svg").read_text()
 
 
 def test_pair_of_factors_is_that_of_cased_and_open_hole(drillstring_):
-    code, out, err = drillstring_("torque-drag", "cased.yaml", "--friction", "0.1/0.3,0.2", "--json", *FEW)
+    code, out, err = drillstring_("torque-drag", "cased.yaml", "--friction", "0.1/0.3,0.2", "--json", *COARSE)
     report = only_object(out)
     assert code == 0 and report["friction"] == {"cased": 0.1, "open": 0.3} and report["cases"][1]["friction"] == 0.2
     assert "0.1/0.3" in err
-    code, out, _ = drillstring_("torque-drag", "cased.yaml", "--json", *FEW)
+    code, out, _ = drillstring_("torque-drag", "cased.yaml", "--json", *COARSE)
     assert only_object(out)["friction"] == {"cased": 0.15, "open": 0.2}
     code, _, err = drillstring_("torque-drag", "jwell.yaml", "--friction", "0.1/0.3", *FEW)
     assert code == 2 and "has no casing" in " ".join(err.split())
@@ -245,7 +247,7 @@ def test_direction_without_an_equilibrium_is_named_the_rest_is_kept_and_the_exit
         return solve(self, friction, direction)
 
     monkeypatch.setattr(drillstring.statics.statics.Statics, "solve", fails)
-    code, out, err = drillstring_("torque-drag", "jwell.yaml", "--friction", "0.2,0.3", "--json", *FEW)
+    code, out, err = drillstring_("torque-drag", "jwell.yaml", "--friction", "0.2,0.3", "--json", *COARSE)
     report = only_object(out)
     assert code == 3 and report["status"].startswith("stopped")
     assert report["cases"][1]["slack_off"] == [None] and report["cases"][1]["pick_up"][0] > 7e5
@@ -254,8 +256,6 @@ def test_direction_without_an_equilibrium_is_named_the_rest_is_kept_and_the_exit
 
 
 # measured loads
-COARSE = ("--elements", "10")
-"""The factor that made loads is found again on any mesh."""
 
 
 @pytest.fixture(scope="module")

@@ -79,7 +79,10 @@ def result(of, path=None, frames=201, rise=15.0, sway=0.5, bounce=0.1, frequency
         moved = {of.bodies[0].name: move, other.name: -move}
     else:
         moved = {body.name: move for body in of.bodies}
-    store = _histories(of, layout, time, moved, level)
+    key = of.document.text, frames, rise, sway, across
+    if key not in WAYS:
+        WAYS[key] = _ways(of, layout, time, moved)
+    store = _histories(of, layout, time, moved, level, WAYS[key])
     observer = Observer(layout, (), None)
     described = {"scene": of.document.text, "title": of.title or "", "application": "crane"}
     with Store(path, variables(observer), observer.coordinates(), described) as written:
@@ -87,11 +90,19 @@ def result(of, path=None, frames=201, rise=15.0, sway=0.5, bounce=0.1, frequency
         return written.finish()
 
 
-def _histories(of: CraneScene, layout: Layout, time, moved, level):
+WAYS = {}
+"""Of results that were made, by what their ropes' ways depend on: to reeve a rope takes longest of all."""
+
+
+def _ways(of: CraneScene, layout: Layout, time, moved):
+    """Wheels, and the way of a taut rope over them, of every frame."""
+    wheels = [_wheel(of, layout, i) for i in range(len(of.path))]
+    return [_reeved(of, wheels, moved, k, layout.path.sigma) for k in range(len(time))]
+
+
+def _histories(of: CraneScene, layout: Layout, time, moved, level, ways):
     items, node = of.path, nodes_of(of)
-    wheels = [_wheel(of, layout, i) for i in range(len(items))]
     first = np.concatenate(([0.0], np.cumsum(layout.path.chords)))
-    ways = [_reeved(of, wheels, moved, k, layout.path.sigma) for k in range(len(time))]
     spans, count = len(items) - 1, node[-1]
     names = {variable.name: variable for variable in variables(Observer(layout, (), None))}
     sizes = {"node": count + 1, "axis": 3, "element": count, "span": spans, "end": 2}

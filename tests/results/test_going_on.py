@@ -1,6 +1,6 @@
 """A run that was ended in any way is gone on with, and gives the same to the bit as one that was not."""
 
-import os
+import resource
 import signal
 import subprocess
 import sys
@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from cli.in_process import commands_of
 from of_the_suite import studies
+from results.forked import Forked
 
 from tautline.application.installed import Installed
+from tautline.cli.main import main
 
 DATA = Path(__file__).parents[2] / "data"
 COMMAND = [sys.executable, "-c", "import sys; from tautline.cli.main import main; sys.argv[0] = 'tautline'; main()"]
@@ -54,12 +56,24 @@ def assert_same(path, other):
             assert one.attrs[name] == two.attrs[name], name
 
 
-def ended(path, name, number, wait):
+def forked(*arguments):
+    """The command in a process of its own."""
+    return Forked(as_script, command(*arguments)[len(COMMAND) :])
+
+
+def anew(*arguments):
+    """The command in a new Python process, which has to load all that it needs."""
+    return subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def as_script(words):
+    sys.argv = ["tautline", *words]
+    main()
+
+
+def ended(path, name, number, wait, started=forked):
     """Start a run and end it by a signal once it has stored more than its first frame; returns its exit code."""
-    process = subprocess.Popen(
-        command(DATA / f"{name}.yaml", "--end", FAR, "--step", STEP, "-o", path),
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+    process = started(DATA / f"{name}.yaml", "--end", FAR, "--step", STEP, "-o", path)
     deadline = time.monotonic() + 200.0
     while process.poll() is None and time.monotonic() < deadline:
         try:
@@ -73,7 +87,7 @@ def ended(path, name, number, wait):
     assert process.poll() is None, process.communicate()
     time.sleep(wait)
     process.send_signal(number)
-    process.communicate(timeout=100)
+    process.communicate()
     return process.returncode
 
 
@@ -113,7 +127,7 @@ def test_a_run_that_was_killed_or_told_to_end_goes_on_to_the_bit(name, number, h
 
 def test_a_killed_run_goes_on_into_its_own_file(here, tmp_path):
     path, scene = tmp_path / "jwell.nc", DATA / "jwell.yaml"
-    ended(path, "jwell", signal.SIGKILL, 0.0)
+    ended(path, "jwell", signal.SIGKILL, 0.0, anew)
     end = a_little_later(path)
     here(scene, "--end", end, "--step", STEP, "-o", path, "--resume", path)
     assert [file.name for file in tmp_path.iterdir()] == ["jwell.nc"]
@@ -123,9 +137,7 @@ def test_a_killed_run_goes_on_into_its_own_file(here, tmp_path):
 
 def test_a_second_run_to_the_same_file_is_refused_by_the_command(here, tmp_path):
     path = tmp_path / "jwell.nc"
-    first = subprocess.Popen(
-        command(DATA / "jwell.yaml", "--step", "0.02 ms", "-o", path), stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
+    first = forked(DATA / "jwell.yaml", "--step", "0.02 ms", "-o", path)
     try:
         while not path.exists() and first.poll() is None:
             time.sleep(0.01)
@@ -136,32 +148,27 @@ def test_a_second_run_to_the_same_file_is_refused_by_the_command(here, tmp_path)
         first.communicate()
 
 
-LIMITED = """
-import resource, signal, sys
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), resource.RLIM_INFINITY))
-from tautline.cli.main import main
-sys.argv = ["tautline", *sys.argv[2:]]
-main()
-"""
+def with_little_room(room, words):
+    """The command where no file may have more bytes than ``room``."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, resource.RLIM_INFINITY))
+    as_script(words)
 
 
 @pytest.mark.parametrize("room", [1000, 1_500_000, *studies(100_000, 2_200_000)])
 def test_a_disk_that_fills_keeps_what_was_written_and_says_so(room, here, tmp_path):
     path = tmp_path / "jwell.nc"
-    environment = os.environ | {"TAUTLINE_CACHE": os.environ.get("TAUTLINE_CACHE", "")}
-    arguments = ["simulate", str(DATA / "jwell.yaml"), "-o", str(path), "--no-verify", "--quiet", "--step", "0.2 ms"]
     # kernels are compiled and kept before the room is small
     here(DATA / "jwell.yaml", "--end", "0.1 s", "-o", tmp_path / "first.nc")
-    run = subprocess.run(
-        [sys.executable, "-c", LIMITED, str(room), *arguments], capture_output=True, text=True, env=environment
-    )
-    assert run.returncode == 3, run.stderr
-    assert "cannot be written any more" in run.stderr and "Traceback" not in run.stderr
-    if "nothing was stored" in run.stderr:
+    words = command(DATA / "jwell.yaml", "-o", path, "--step", "0.2 ms")[len(COMMAND) :]
+    run = Forked(with_little_room, room, words)
+    _, errors = run.communicate()
+    assert run.returncode == 3, errors
+    assert "cannot be written any more" in errors and "Traceback" not in errors
+    if "nothing was stored" in errors:
         assert not path.exists()
     else:
         with h5py.File(path) as file:
             frames = file["time"].size
-            assert f"{frames} frames are kept" in run.stderr and np.isfinite(file["position"][()]).all()
+            assert f"{frames} frames are kept" in errors and np.isfinite(file["position"][()]).all()
     assert {file.name for file in tmp_path.iterdir()} <= {"first.nc", "jwell.nc"}

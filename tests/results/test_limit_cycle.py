@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from figures.synthetic_hose import result
+from of_the_suite import studies
 from scipy.integrate import solve_ivp
 
 from gardenhose.motion.curves import Trace
@@ -102,7 +103,7 @@ def van_der_pol(frames):
     return period, moving(time, *done.y)
 
 
-@pytest.mark.parametrize(("frames", "tolerance"), [(20.3, 2e-6), (40.7, 3e-8)])
+@pytest.mark.parametrize(("frames", "tolerance"), [(20.3, 2e-6), *studies((40.7, 3e-8))])
 def test_van_der_pols_limit_cycle_from_a_small_start(frames, tolerance):
     period, history = van_der_pol(frames)
     cycle = finite(limit_cycle(*history))

@@ -29,10 +29,10 @@ def batch(first, frames=FRAMES):
     return values | {"position": np.repeat(k, 3 * BODIES).reshape(-1, BODIES, 3)}
 
 
-def main():
-    store = Store(sys.argv[1], variables(), {"axis": np.array(["north", "east", "down"])}, {"scene": "a: 1"})
+def write(path, batches):
+    store = Store(path, variables(), {"axis": np.array(["north", "east", "down"])}, {"scene": "a: 1"})
     print("ready", flush=True)
-    for number in range(int(sys.argv[2])):
+    for number in range(batches):
         store.append(batch(number * FRAMES))
         print(store.frames, flush=True)
     store.finish({"status": "done"}, restart={"q": np.arange(4.0)})
@@ -40,4 +40,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    write(sys.argv[1], int(sys.argv[2]))

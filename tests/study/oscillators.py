@@ -20,7 +20,7 @@ OMEGA, START = 10.0, 0.01
 LIMIT, REAL_LIMIT = 2.0 * 2.0**0.5, 2.785293563405282
 """How far RK4's region of stability reaches: |R(iy)|^2 = 1 - y^6/72 + y^8/576 is one at 2 sqrt 2, and on the real axis
 R(x) = 1 + x + x^2/2 + x^3/6 + x^4/24 is one at 0 and at -2.7853 (root of x^3/24 + x^2/6 + x/2 + 1)."""
-IMPLICIT = {"type": "G-alpha", "rho_inf": 0.8, "time_step": 0.01, "time_end": 5.0, "plotpoints": 50}
+IMPLICIT = {"type": "G-alpha", "rho_inf": 0.8, "time_step": 0.01, "time_end": 5.0, "plotpoints": 25}
 ALONG_X = (0, 1, 1, 1)
 """BC of a node of linear elements that moves along x only."""
 

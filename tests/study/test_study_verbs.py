@@ -21,9 +21,11 @@ FEW = ("as it stands", "step x 0.1", "step x 10")
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    Path("bar.yaml").write_text(oscillator(time_end=1.0), encoding="utf8")
+    Path("bar.yaml").write_text(oscillator(time_end=0.6), encoding="utf8")
     Path("tied.yaml").write_text(chain(100.0, time_end=0.5), encoding="utf8")
     Path("stops.yaml").write_text(oscillator(**rk4(time_step=0.5, time_end=5.0, plotpoints=0)), encoding="utf8")
+    # A quick look is of twenty frames.
+    Path("looked.yaml").write_text(oscillator(time_end=1.0, plotpoints=50), encoding="utf8")
     Path("broken.yaml").write_text(oscillator().replace("EA: 100.0", "EA: much"), encoding="utf8")
     return tmp_path
 
@@ -125,7 +127,7 @@ def test_constraints_meshes_ends_and_points_can_be_named(cable, sketched):
 
 
 def test_a_quick_look_is_short(cable, sketched):
-    code, out, _ = cable("study", "bar.yaml", "--quick", "--json")
+    code, out, _ = cable("study", "looked.yaml", "--quick", "--json")
     report = only_object(out)
     assert code == 0 and all(run["repetitions"] == 1 for run in report["runs"] if run["status"] == "done")
     assert {run["method"] for run in report["runs"]} == {"rk4", "generalized-alpha"}
@@ -168,7 +170,7 @@ def test_a_target_that_is_a_folder_is_refused_before_anything_is_run(cable, fold
     assert code == 2 and "bar_study.nc" in err and "folder" in err and made(folder) == ["bar_study.nc"]
 
 
-def test_a_scene_that_stops_as_it_stands_is_studied_with_the_settings_that_do_not(cable, folder):
+def test_a_scene_that_stops_as_it_stands_is_studied_with_the_settings_that_do_not(cable, folder, sketched):
     code, out, err = cable("study", "stops.yaml", "--methods", "rk4,generalized-alpha", "--json")
     report = only_object(out)
     assert (code, report["status"]) == (3, "unstable") and "bar_study.nc" not in made(folder)
@@ -184,7 +186,7 @@ def test_a_scene_that_stops_with_every_setting_is_told_and_not_studied(cable, fo
     assert report["stopped"]["sentence"] and "as it stands stopped" in err
 
 
-def test_the_critical_step_of_a_scene_that_stops_is_told(cable, folder):
+def test_the_critical_step_of_a_scene_that_stops_is_told(cable, few, sketched):
     """That of one element pinned at one end: 2.8 over its angular frequency, as `oscillators` has it."""
     code, out, err = cable("stability", "stops.yaml", "--json")
     report = only_object(out)
@@ -192,7 +194,7 @@ def test_the_critical_step_of_a_scene_that_stops_is_told(cable, folder):
     assert report["critical_step"]["eigenvalue"] == pytest.approx(2.8 / OMEGA, rel=0.02)
 
 
-def test_why_a_setting_is_refused_stands_below_the_table(cable):
+def test_why_a_setting_is_refused_stands_below_the_table(cable, sketched):
     err = cable(*STUDY[:2], "--steps", "100,0.01", "--methods", "generalized-alpha")[2]
     assert "refused: generalized-alpha, step 100 s: " in " ".join(err.split())
 
@@ -267,7 +269,7 @@ def test_stability_of_a_scene_with_ties_tells_what_multipliers_do(cable, few, sk
 
 def test_a_quick_look_at_stability_names_what_it_has_not_tried(cable, sketched, monkeypatch):
     monkeypatch.setattr("tautline.study.robustness.critical.bisect", lambda *_: (0.28, 0.283))
-    code, out, err = cable("stability", "bar.yaml", "--quick", "--json")
+    code, out, err = cable("stability", "looked.yaml", "--quick", "--json")
     report = only_object(out)
     time, names, judge = report["left_out"]
     assert code == 0 and time == "the first 0.4 s of 1 s" and "quarter" in judge

@@ -221,11 +221,11 @@ def test_steps_that_stop_early_are_made_shorter_and_too_many_of_them_are_told(mo
 
     monkeypatch.setattr(module, "simulate", stopping)
     longest = 0.006
-    told = run_to_accuracy(Cable(), parse(oscillator()), 0.01).accuracy
+    told = run_to_accuracy(Cable(), parse(oscillator(plotpoints=50)), 0.01).accuracy
     assert told["met"] is True and told["runs"][0]["stopped"] and told["runs"][0]["estimate"] is None
     longest = 0.0
     with pytest.raises(StoppedEarly):
-        run_to_accuracy(Cable(), parse(oscillator()), 0.01)
+        run_to_accuracy(Cable(), parse(oscillator(plotpoints=50)), 0.01)
     assert tried[-5:] == pytest.approx([0.02 / 4**k for k in range(5)])
 
 

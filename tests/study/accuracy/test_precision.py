@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from of_the_suite import studies
 from study.oscillators import (
     OMEGA,
     START,
@@ -43,13 +44,15 @@ def rows_of(found):
 STEPS = {"newmark": (0.02, 0.01, 0.005), "generalized-alpha": (0.02, 0.01, 0.005), "rk4": (0.06, 0.03, 0.015)}
 
 
-@pytest.mark.parametrize(("method", "rho"), [("newmark", None), ("generalized-alpha", 0.8), ("generalized-alpha", 1.0)])
+@pytest.mark.parametrize(
+    ("method", "rho"), [("newmark", None), ("generalized-alpha", 0.8), *studies(("generalized-alpha", 1.0))]
+)
 def test_errors_of_second_order_methods_are_their_period_error_times_the_angle_turned(method, rho):
     """Late by c (omega h)^2 omega T at the end: half of that is the distance over the way 2 A, and the mean phase.
 
     The root of the mean of (A lag(t) sin)^2, lag growing with t, is A lag / sqrt 6.
     """
-    text = oscillator(time_end=END, rho_inf=0.8 if rho is None else rho, plotpoints=50)
+    text = oscillator(time_end=END, rho_inf=0.8 if rho is None else rho)
     for h, row in rows_of(studied(text, (method,), STEPS[method])).items():
         lag = lag_constant(rho) * (OMEGA * h) ** 2 * OMEGA * END
         assert row.errors.position == pytest.approx(lag / 2.0, rel=0.1)
@@ -68,7 +71,7 @@ def test_errors_of_rk4_are_the_fifth_power_over_120_a_step():
         assert row.errors.position == pytest.approx(off / 2.0, rel=0.08)
 
 
-@pytest.mark.parametrize(("method", "order"), [("rk4", 4.0), ("newmark", 2.0), ("generalized-alpha", 2.0)])
+@pytest.mark.parametrize(("method", "order"), [("rk4", 4.0), ("generalized-alpha", 2.0), *studies(("newmark", 2.0))])
 def test_errors_fall_in_the_order_of_the_method(method, order):
     found = rows_of(studied(oscillator(time_end=END), (method,), STEPS[method]))
     logs = np.log([[h, row.errors.position] for h, row in found.items()])
@@ -159,7 +162,7 @@ def test_a_run_that_stops_is_told_by_name_and_counts_nowhere():
 
 
 def test_all_runs_may_fail():
-    found = studied(oscillator(time_end=5.0), ("rk4",), (1.0, 0.6))
+    found = studied(oscillator(time_end=5.0, plotpoints=2), ("rk4",), (1.0, 0.6))
     assert {row.trial.status for row in found.rows} == {"UNSTABLE"}
     assert found.reference is not None
     assert found.advice == "no advice: no run came to its end"
@@ -197,7 +200,7 @@ def test_a_long_run_of_a_kind_that_was_not_run_yet_is_tried_in_part_and_left_out
         return trial_module.replace(done, cpu=(1e-3 * ran[-1],))
 
     monkeypatch.setattr(trial_module, "run_model", slow)
-    found = studied(oscillator(time_end=1.0), ("newmark",), (4e-5,), budget=5.0)
+    found = studied(oscillator(time_end=1.0, plotpoints=50), ("newmark",), (4e-5,), budget=5.0)
     assert found.rows[0].trial.status == "left out" and "about 25 s" in found.rows[0].trial.sentence
     assert ran[0] == pytest.approx(500.0)
 
@@ -265,7 +268,7 @@ def test_the_real_time_factor_of_a_row_is_the_median_wall_time_over_the_time_sim
 
 # scenes that nobody would study
 def test_a_scene_at_rest_is_right_with_every_setting():
-    found = studied(oscillator(start=0.0, time_end=1.0))
+    found = studied(oscillator(start=0.0, time_end=0.4))
     assert all(row.trial.done and row.errors.position < 1e-6 and row.errors.phase is None for row in found.rows)
     assert found.reference.converged and found.advice.startswith("cheapest")
 
@@ -320,7 +323,7 @@ def test_a_method_that_stays_off_the_reference_as_its_step_falls_is_named(monkey
         return build(self, setting)
 
     monkeypatch.setattr(trial_module.Subject, "model", other)
-    found = studied(oscillator(time_end=END), ("newmark", "rk4"), (0.01, 0.005, 0.0025))
+    found = studied(oscillator(time_end=END, plotpoints=50), ("newmark", "rk4"), (0.01, 0.005, 0.0025))
     (warning,) = found.warnings
     assert "off the reference" in warning and "newmark by 65 %" in warning and "rk4" not in warning
     assert studied(oscillator(time_end=END), ("rk4",), (0.01, 0.005)).warnings == ()

@@ -180,7 +180,7 @@ def test_a_scene_that_sticks_and_slips_is_not_proved():
         1.4, 1000.0, 3, friction=friction, top__block={"harmonic": {"amplitude": 0.6, "period": 1.0}},
         solver__step=0.01, output__interval=0.02, solver__end=1.0,
     )  # fmt: skip
-    found = study(Subject(Drillstring(), scene), Grid(("generalized-alpha",), (0.02, 0.01)), 0.01, 1, budget=2.0)
+    found = study(Subject(Drillstring(), scene), Grid(("generalized-alpha",), (0.02, 0.01)), 0.01, 1, budget=0.25)
     assert not found.reference.converged and "observed order" in found.reference.why
     assert found.reference.setting.method == "generalized-alpha"
     assert any("the reference is not proved" in warning for warning in found.warnings)

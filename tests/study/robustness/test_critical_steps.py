@@ -184,7 +184,7 @@ def test_eigenvalues_of_an_oscillator_are_the_roots_of_its_equation(zeta):
 
 @pytest.mark.parametrize("zeta", [0.0, 0.3, 4.0])
 def test_the_critical_step_of_an_oscillator_is_the_polynomials(zeta):
-    found = look_at(oscillator(zeta=zeta))
+    found = look_at(oscillator(zeta=zeta, time_end=0.4))
     assert found.eigenvalue == pytest.approx(critical_step(OMEGA**2, 2 * zeta * OMEGA), rel=2e-3)
     assert found.effective_length is None and found.shortest == ""
     assert ("damping" in found.set_by) is (zeta > 1.0)
@@ -197,7 +197,7 @@ def test_the_least_step_along_a_run_is_told_with_its_time():
         spring(0, (0, 1), 400.0, compression="false"), "PointMass: {id: 0, nodes4: [1], mass: 1.0}",
         "PointForce: {id: 0, nodes4: [1], force: [1.0, 0, 0]}",
     ]  # fmt: skip
-    found = look_at(text_of(slack, time_end=1.0))
+    found = look_at(text_of(slack, time_end=0.8, plotpoints=50))
     # Through 0.1 m at 1 m/s^2: taut after sqrt(0.2) s, and then omega = 20.
     assert found.eigenvalue == pytest.approx(RK4_LIMIT / 20.0, rel=1e-6)
     assert math.sqrt(0.2) <= found.at <= math.sqrt(0.2) + 0.03
@@ -219,7 +219,7 @@ def anchored(stiffness, **solver):
 
 
 def test_what_sets_the_step_is_named_with_its_share_and_its_place():
-    found = look_at(anchored(300.0))
+    found = look_at(anchored(300.0, time_end=0.4))
     assert found.set_by == "stiffness of anchors (75 %), most at node 1: rx"
     assert found.omega_max == pytest.approx(20.0)
 
@@ -320,7 +320,7 @@ def test_real_runs_that_break_below_the_eigenvalues_are_told(monkeypatch):
     monkeypatch.setattr(critical_module.CriticalStep, "search", blind)
     monkeypatch.setattr(critical_module, "eigenvalues", lambda *_: np.zeros(0, complex))
     monkeypatch.setattr("tautline.study.robustness.stability.variants", lambda *_: [])
-    found = stability(subject(oscillator(**rk4(time_end=2.0))))
+    found = stability(subject(oscillator(**rk4(time_step=0.01, time_end=2.0))))
     assert any("real runs are unstable from" in warning for warning in found.warnings)
 
 
