@@ -1,6 +1,6 @@
 """Broken scenes and tables by the thousand: each is run, or refused with one message; see `fuzzing` for what is good.
 
-The suite looks at the first hundred. ``pytest -m study tests/extremes`` looks at all: 10,000 scenes and 1,000
+The suite looks at the first fifty. ``pytest -m study tests/extremes`` looks at all: 10,000 scenes and 1,000
 tables through `check`, 1,000 scenes through `simulate`. A case is made from its number alone. Files of one that fails
 stay; ``cd tests && python -m extremes.fuzzing check 574`` makes and runs it again.
 """
@@ -16,7 +16,7 @@ from extremes.tables import table_case
 from of_the_suite import studies
 
 FULL = {"check": 10_000, "table": 1_000, "simulate": 1_000}
-REDUCED = {"check": 100, "table": 40}
+REDUCED = {"check": 50, "table": 20}
 BLOCKS = 20
 """Parts of the full study, so that several processes can share it."""
 QUICK_RUNS = (0, 4, 6, 14, 19, 28, 29, 32)
@@ -47,7 +47,7 @@ def test_thousands_of_mutated_scenes_and_tables(kind, block, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("kind", "number"), [("check", 0), ("check", 1), ("table", 5), *studies(("check", 2), ("check", 3))]
+    ("kind", "number"), [("check", 0), ("table", 5), *studies(("check", 1), ("check", 2), ("check", 3))]
 )
 def test_a_process_of_its_own_ends_as_the_command_does_in_this_one(kind, number, tmp_path):
     case = fuzzing.MAKERS[kind](kind, number)
@@ -73,7 +73,7 @@ def test_a_case_is_the_same_whenever_it_is_made():
         assert make(kind, 8).files != one.files
 
 
-@pytest.mark.parametrize("rows", [30_000, pytest.param(1_000_000, marks=pytest.mark.study)])
+@pytest.mark.parametrize("rows", [12_000, pytest.param(1_000_000, marks=pytest.mark.study)])
 @pytest.mark.parametrize("number", range(4))
 def test_a_table_of_a_million_rows_is_read_in_seconds(number, rows, tmp_path):
     """A function of time or a vessel's motion of all zeros; 20 to 50 s of processor time for a million rows."""
@@ -88,4 +88,4 @@ def test_a_table_of_a_million_rows_is_read_in_seconds(number, rows, tmp_path):
     zeros = ",0" * head.count(",")
     files[name] = "\n".join([head, *(f"{1e-3 * i:.4f}{zeros}" for i in range(rows))]).encode()
     many = Case("table", number, case.application, f"{rows} rows", files)
-    assert fuzzing.faults(many, "check", tmp_path / "case", limit=6e-4 * rows + 60.0) == []
+    assert fuzzing.faults(many, "check", tmp_path / "case", limit=6e-4 * rows + 10.0) == []

@@ -541,7 +541,7 @@ def mutations(draw):
     return "\n".join(lines)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(mutations())
 def test_a_mutated_scene_is_read_or_refused_and_nothing_else(text):
     try:
@@ -551,7 +551,7 @@ def test_a_mutated_scene_is_read_or_refused_and_nothing_else(text):
         assert "; " in str(error)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.integers(0, len(TEXT)), st.binary(min_size=1, max_size=6))
 def test_random_bytes_in_a_scene_are_read_or_refused_and_nothing_else(tmp_path_factory, at, data):
     path = tmp_path_factory.mktemp("bytes") / "jwell.yaml"
@@ -563,7 +563,7 @@ def test_random_bytes_in_a_scene_are_read_or_refused_and_nothing_else(tmp_path_f
         assert str(path) in str(error)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.text(max_size=60))
 def test_any_text_is_refused_as_a_scene(text):
     with pytest.raises(SceneError):
@@ -587,7 +587,7 @@ KEYS = [
 KEYS += [("top", "rotation"), ("solver",), ("solver", "method"), ("model", "elements"), ("well", "wall", "friction")]
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.sampled_from(KEYS), VALUES)
 def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(key, value):
     document = Document.parse(TEXT, "jwell.yaml")

@@ -839,7 +839,7 @@ KEYS += [("CableModel", 5, "CableALEelement", key) for key in ("id", "nodes7", "
 KEYS += [("CableModel", 12, "Function_VelocityDefined", "pos0"), ("CableModel", 8, "LagMultipl7", "constr")]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.sampled_from(KEYS), VALUES)
 def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(key, value):
     scene = parse(TEXT)
@@ -860,7 +860,7 @@ PLACES += [("CableModel", 12, "Function_VelocityDefined", "pos0"), ("CableModel"
 PLACES += [("GeneralizedAlpha", key) for key in ("time_step", "time_end", "plotpoints", "massDamp", "rho_inf")]
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.dictionaries(st.sampled_from(PLACES), NUMBERS, min_size=1, max_size=4))
 @pytest.mark.filterwarnings("error")
 def test_any_numbers_are_read_or_refused_and_nothing_else(numbers):
@@ -875,7 +875,7 @@ def test_any_numbers_are_read_or_refused_and_nothing_else(numbers):
         Cable().check_figures(changed)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.integers(0, len(APPENDIX)), st.text(min_size=1, max_size=4), st.integers(0, 5))
 def test_the_appendix_with_anything_in_it_is_read_or_refused_and_nothing_else(at, text, cut):
     try:

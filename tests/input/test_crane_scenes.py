@@ -424,7 +424,7 @@ PLACES += [("path",), ("path", 1), ("path", 3, "anchor", "position"), ("mesh", "
 PLACES += [("vessel",), ("vessel", "motion"), ("water",), ("ground",), ("heave_compensation",), ("frames",), ("start",)]
 
 
-@settings(max_examples=130, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(st.dictionaries(st.sampled_from(PLACES), VALUES, min_size=1, max_size=3))
 def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(values):
     document = Document.parse(TEXTS["hookblock"], "hookblock.yaml")

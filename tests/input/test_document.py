@@ -89,13 +89,14 @@ def test_replacing_a_value_leaves_the_original_alone():
     assert other.written("a.b[1]") == "5"
 
 
+@settings(max_examples=40, deadline=None)
 @given(st.lists(st.one_of(st.integers(0, 99), st.from_regex(r"\A[a-z_]{1,6}\Z")), min_size=1, max_size=5))
 def test_key_paths_read_back_as_they_are_written(path):
     path = ["root", *path]
     assert split_key(join_key(tuple(path))) == tuple(path)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(st.text(alphabet="ab:-[]{}&*!|>'\"#%@`,?\t\n 01.", max_size=40))
 def test_any_text_is_a_mapping_or_refused(text):
     try:

@@ -582,7 +582,7 @@ KEYS += [("water",), ("water", "mass_per_length"), ("water", "speed"), ("water",
 KEYS += [("disturbance",), ("coupling",), ("stiffness",), ("hose",)]
 
 
-@settings(max_examples=130, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(st.dictionaries(st.sampled_from(KEYS), VALUES, min_size=1, max_size=3), st.booleans())
 def test_any_value_in_any_place_is_read_or_refused_and_nothing_else(values, explicit):
     document = Document.parse(TEXT, "hose.yaml")

@@ -123,7 +123,7 @@ def test_reading_checking_and_building_takes_at_most_in_proportion_to(applicatio
         one.warnings(scene)
         one.build(scene)
 
-    work(make(tmp_path, size // 2))  # imports, and what is made once
+    work(make(tmp_path, size // 20))  # imports, and what is made once
     paths = [make(tmp_path, n) for n in (size, 2 * size)]
     once, twice = (calls(lambda path=path: work(path)) for path in paths)
     assert size < once < twice < 2.05 * once

@@ -16,9 +16,20 @@ def functions():
 
 def _functions():
     for path in sorted(TESTS.rglob("test_*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf8"))):
-            if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
+        text = path.read_text(encoding="utf8")
+        # Pytest finds functions of a file and methods of its classes; bodies are not visited, which would take long.
+        for node in _defined(ast.parse(text)):
+            if node.name.startswith("test_"):
                 yield path.relative_to(TESTS), node
+
+
+def _defined(place):
+    """Functions of a file or of a class in it, below conditions as well."""
+    for node in ast.iter_child_nodes(place):
+        if isinstance(node, ast.FunctionDef):
+            yield node
+        elif isinstance(node, (ast.stmt, ast.excepthandler)):
+            yield from _defined(node)
 
 
 def test_the_name_of_each_test_is_a_sentence_of_three_words_or_more():

@@ -26,8 +26,8 @@ OWN = {"test_words.py"}
 
 @cache
 def texts():
-    """Every file that is read by people, and its text."""
-    return [(path, path.read_text(encoding="utf8")) for path in _files() if path.name not in OWN]
+    """Every file that is read by people, and its text, without capitals, as patterns that ignore them take long."""
+    return [(path, path.read_text(encoding="utf8").lower()) for path in _files() if path.name not in OWN]
 
 
 def _files():
@@ -44,7 +44,8 @@ def _files():
 
 @pytest.mark.parametrize("word", REPLACED)
 def test_a_word_that_was_replaced_stands_nowhere(word):
-    pattern = re.compile(word, flags=re.IGNORECASE)
+    assert word == word.lower()
+    pattern = re.compile(word)
     found = [
         f"{path.relative_to(ROOT)}: {match.group()}: {REPLACED[word]}"
         for path, text in texts()

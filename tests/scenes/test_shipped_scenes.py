@@ -129,10 +129,10 @@ def whirl(report, result):
 
 
 def cantilever_bar(report, result):
-    # the semidiscrete bar with Green strain, integrated apart (DOP853), over the first 20 s
+    # the semidiscrete bar with Green strain, integrated apart (DOP853), over the first 8 s; measured 3.4e-4
     exact = cables.hammer_green(np.asarray(result["time"]))
     tip = result["position"][:, 2, 0] - 1.0
-    assert np.abs(tip - exact[:, -2]).max() < 2e-3 * np.abs(tip).max()
+    assert np.abs(tip - exact[:, -2]).max() < 1e-3 * np.abs(tip).max()
 
 
 def reeled_span(report, result):
@@ -191,7 +191,7 @@ CLAIMS |= {"hoist": hoist, "hookblock": hookblock, "landing": landing, "slewing"
 CLAIMS |= {"sixteen_falls": sixteen_falls}
 BALANCE = {"reeled_span": 1e-2}
 """Energy that a scene's step of generalized-alpha damps away, where it is more than a thousandth."""
-ENDS = {"cantilever_bar": "20", "drilling": "20", "jwell": "1", "iscwsa": "1", "hanging": "0.1"}
+ENDS = {"cantilever_bar": "8", "drilling": "20", "jwell": "1", "iscwsa": "1", "hanging": "0.1"}
 
 
 APART = ("jwell", "cantilever_bar", "hoist")
@@ -227,10 +227,13 @@ def test_there_are_scenes():
 def test_every_shipped_scene_runs_and_a_number_in_its_result_is_right(scene, tmp_path, monkeypatch, capsys):
     assert scene.stem in CLAIMS, f"{scene.name} is new: give it a number to assert in CLAIMS"
     out = tmp_path / "run.nc"
+    # Two more runs that estimate the error of the step are for scenes that are run apart, and for tests/study.
+    verify = [] if scene.stem in APART else ["--no-verify"]
     name = "crane" if "path" in FILES[scene] else "tautline" if "CableModel" in FILES[scene] else "drillstring"
     end = ["--end", ENDS[scene.stem]] if scene.stem in ENDS else []
     monkeypatch.chdir(tmp_path)
-    code, printed = run(name, ["simulate", scene, "-o", out, "--json", *end], scene.stem in APART, monkeypatch, capsys)
+    words = ["simulate", scene, "-o", out, "--json", *end, *verify]
+    code, printed = run(name, words, scene.stem in APART, monkeypatch, capsys)
     assert code == 0, printed
     report = json.loads(printed.out)
     assert report["status"] == "done" and report["frames"] >= 2

@@ -23,8 +23,16 @@ def spans(path, low, decades):
     return sorted((text.get_window_extent().x0, text.get_window_extent().x1) for text in shown)
 
 
-@pytest.mark.parametrize("decades", [0.9, 1.6, 3.0, *studies(1.2, 2.0)])
-@pytest.mark.parametrize("low", [2.2e-5, 4.0e3, *studies(1.0)])
+SHORT, LONG = 4.0e3, 2.2e-5
+"""Ends of axes whose numbers are short, and long."""
+SEVERAL = [
+    *((LONG, 0.9), (LONG, 1.6), (SHORT, 3.0)),
+    *studies((LONG, 3.0), (SHORT, 0.9), (SHORT, 1.6), (1.0, 0.9), (1.0, 1.6), (1.0, 3.0)),
+    *studies(*((low, decades) for low in (SHORT, LONG, 1.0) for decades in (1.2, 2.0))),
+]
+
+
+@pytest.mark.parametrize(("low", "decades"), SEVERAL)
 def test_they_do_not_overlap_and_there_are_two_at_least(tmp_path, low, decades):
     found = spans(tmp_path / "plot.png", low, decades)
     assert len(found) > 1

@@ -21,6 +21,20 @@ def stage():
     made.close()
 
 
+@pytest.fixture(scope="module")
+def shown(stage):
+    """Shows a frame of it, and gives the picture; each is drawn once."""
+    drawn = {}
+
+    def show(frame: int) -> np.ndarray:
+        stage.show(frame)
+        if frame not in drawn:
+            drawn[frame] = stage.picture()
+        return drawn[frame]
+
+    return show
+
+
 def pixel(stage: Stage, point) -> tuple[int, int]:
     """Row and column of a point in the picture, by VTK's own projection."""
     renderer = stage.plotter.renderer
@@ -45,41 +59,34 @@ def alike(colours: np.ndarray, wanted) -> float:
 
 @pytest.mark.parametrize("frame", [0, 20, 40])
 @pytest.mark.parametrize("point", [2, 18])
-def test_the_rope_is_where_it_must_be_in_the_colour_of_its_tension(stage, frame, point):
-    stage.show(frame)
-    picture = stage.picture()
+def test_the_rope_is_where_it_must_be_in_the_colour_of_its_tension(stage, shown, frame, point):
+    picture = shown(frame)
     shade = stage.shading
     value = tension()[frame, point] / shade.factor
     wanted = shade.table[round(255 * (value - shade.low) / (shade.high - shade.low))]
     assert alike(around(picture, pixel(stage, rope(frame)[point])), wanted) < 0.12
 
 
-def test_the_load_is_seen_where_it_hangs_and_not_where_it_hung(stage):
-    stage.show(0)
-    first = stage.picture()
-    stage.show(40)
-    last = stage.picture()
+def test_the_load_is_seen_where_it_hangs_and_not_where_it_hung(stage, shown):
+    first, last = shown(0), shown(40)
     here, there = pixel(stage, load(0) - [0, 1, 1]), pixel(stage, load(40) - [0, 1, 1])
     orange = (196, 87, 43)
     assert alike(around(first, here), orange) < 0.1 < alike(around(last, here), orange)
     assert alike(around(last, there), orange) < 0.1 < alike(around(first, there), orange)
 
 
-def test_the_sea_lies_below_and_a_paler_sky_above(stage):
-    stage.show(0)
-    picture = stage.picture()
+def test_the_sea_lies_below_and_a_paler_sky_above(stage, shown):
+    picture = shown(0)
     sky, sea = picture[5, 5].astype(float), around(picture, pixel(stage, [-9.0, -4.0, -3.0])).mean(axis=0)
     assert sky.min() > 170 and sky[2] >= sky[0]
     assert sea[2] > sea[0] + 40 and sea.sum() < sky.sum()
 
 
-def test_the_drawn_wheel_turns_with_the_rope_that_runs_over_it(stage):
-    stage.show(0)
-    first = stage.picture().astype(int)
-    stage.show(2)
+def test_the_drawn_wheel_turns_with_the_rope_that_runs_over_it(stage, shown):
+    first, later = shown(0).astype(int), shown(2).astype(int)
     row, column = pixel(stage, [12.0, -0.2, 30.0])
     window = (slice(row - 25, row + 25), slice(column - 25, column + 25))
-    assert np.abs(stage.picture().astype(int)[window] - first[window]).max() > 50
+    assert np.abs(later[window] - first[window]).max() > 50
 
 
 def words(stage: Stage) -> list[str]:
