@@ -32,7 +32,7 @@ def _sum(groups, dofs, state, t, cm, cc, ck, matrix, residual):
 
 
 @entry
-def evaluate_at(groups, dofs, functions, state, t, h, q, v, a, cm, cc, ck, matrix, residual):
+def evaluate_at(groups, dofs, functions, state, matrix, t, h, q, v, a, cm, cc, ck, residual):
     """Residual r (n,) and cm M + cc C + ck K at reduced vectors; groups begin an explicit step of h s there."""
     _take(dofs, functions, state, t, q, v, a)
     if h > 0.0:
@@ -47,7 +47,7 @@ def evaluate_full(groups, dofs, state, t, cm, cc, ck, matrix, residual):
 
 
 @entry
-def evaluate_mass(groups, dofs, functions, state, t, q, matrix):
+def evaluate_mass(groups, dofs, functions, state, matrix, t, q):
     """The mass matrix at reduced positions."""
     prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
     expand(dofs, q, state.full_q)

@@ -9,6 +9,7 @@ from scipy.sparse.linalg import splu
 
 from tautline.integrators.equations import SUMS, evaluate_at, evaluate_mass
 from tautline.integrators.state import State
+from tautline.kernels.bound import Lasting
 from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, solve_matrix, sparse
 from tautline.live.errors import SimulationError
 from tautline.system.model import Model
@@ -38,7 +39,8 @@ class Equations:
         system = model.system
         # With what is held where the run has put it: a static start finds how much rope there is.
         self._system, self._state, self._time = system, state, time
-        self._groups = system.link(SUMS)
+        # Others ask some thousand times: where the scene stands in memory is told once.
+        self._scene, self._lasting = (system.link(SUMS), system.dofs, system.functions, state), Lasting()
         # Groups begin a step there; what acts for a whole step of ours acts at its time alone.
         self._h = INSTANT * model.solver.step
         self._q, self._v = state.q.copy(), state.v.copy()
@@ -82,9 +84,7 @@ class Equations:
         """
         (q,) = self._checked(q)
         time = self._time if t is None else float(t)
-        evaluate_mass(
-            self._groups, self._system.dofs, self._system.functions, self._state, time, q, self._matrix
-        )  # fmt: skip
+        self._lasting.call(evaluate_mass, (*self._scene, self._matrix), time, q)
         return sparse(self._matrix)
 
     def tangent(
@@ -103,10 +103,10 @@ class Equations:
             Where the mass matrix is singular, naming the unknown.
         """
         self._evaluate(t, q, v, self._none, 1.0, 0.0, 0.0, self._factors.matrix)
-        row = factorise_matrix(self._factors)
+        row = self._lasting.call(factorise_matrix, (self._factors,))
         if row:
             raise SimulationError(f"the mass matrix is singular at {self.names[row - 1]}", "give it a mass")
-        solve_matrix(self._factors, self._residual)
+        self._lasting.call(solve_matrix, (self._factors,), self._residual)
         return -self._residual
 
     def first_order(self, t: float, y: np.ndarray) -> np.ndarray:
@@ -133,11 +133,8 @@ class Equations:
 
     def _evaluate(self, t: float, q: Any, v: Any, a: Any, cm: float, cc: float, ck: float, matrix: Any) -> None:
         q, v, a = self._checked(q, v, a)
-        system = self._system
-        evaluate_at(
-            self._groups, system.dofs, system.functions, self._state, float(t), self._h, q, v, a, cm, cc, ck, matrix,
-            self._residual,
-        )  # fmt: skip
+        more = float(t), self._h, q, v, a, cm, cc, ck, self._residual
+        self._lasting.call(evaluate_at, (*self._scene, matrix), *more)
 
     def _checked(self, *vectors: Any) -> list[np.ndarray]:
         found = [np.ascontiguousarray(vector, dtype=float) for vector in vectors]
