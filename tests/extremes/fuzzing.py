@@ -145,7 +145,9 @@ def _in_text(text: str) -> list[str]:
     """What is wrong with what was said."""
     found = ["a traceback"] if "Traceback" in text else []
     for line in text.splitlines():
-        if NOT_A_NUMBER.search(line) and " = " not in line and "'" not in line:
+        # What stands in the file may be told: by its key, within marks, or as what is refused.
+        told = " = " in line or "'" in line or "is not a finite number" in line
+        if NOT_A_NUMBER.search(line) and not told:
             found.append(f"says {line[:160]}")
         if len(line) > 2000:
             found.append(f"a line of {len(line)} characters: {line[:80]}")
