@@ -15,6 +15,7 @@ from crane.operability.conditions import Condition, highest
 from crane.operability.scatter import YEAR, fatigue_over, read_scatter
 from crane.operability.storms import Asked, operability
 from tautline.scene.errors import SceneError
+from tautline.statistics.gumbel import fit_gumbel
 from tautline.sweeps.file import read_sweep
 
 MASS, GRAVITY, PERIOD = 5000.0, 9.81, 8.0
@@ -449,7 +450,17 @@ def test_storms_that_all_slacken_the_rope_are_beyond_a_limit_that_wants_it_taut(
     assert (allowed.height, allowed.bound) == ((2.0, SLACK) if TAUT[text] else (3.0, ABOVE))
 
 
-def test_a_limit_that_wants_less_is_passed_by_what_is_equal():
+def test_a_force_that_can_be_negative_has_no_floor():
+    """Of a rod, or of a component: all storms are below 0, and the fit is that of the forces as they are."""
+    from crane.operability.criteria import read_criteria
+
+    (one,) = read_criteria(["min_tension > -20 kN"], {"min_tension": "N"}, {})
+    forces = np.array([-9.0e3, -11.0e3, -8.0e3, -12.0e3, -9.5e3])
+    found = fitted(forces, one, 1.0, 0.9, 0.9)
+    assert found["most_probable"] == pytest.approx(-fit_gumbel(-forces).location) and found["most_probable"] < -8.0e3
+
+
+def test_a_limit_that_wants_less_is_broken_by_what_is_equal():
     heights = np.array([0.5, 1.0, 2.0])
     assert crossing(heights, np.array([0.0, 1.0, 1.0]), 1.0, strict=True) == (1.0, INSIDE)
     assert crossing(heights, np.array([0.0, 1.0, 1.0]), 1.0) == (2.0, ABOVE)

@@ -21,9 +21,8 @@ BODY = np.dtype(
     ]
 )  # fmt: skip
 """A body: the place of its position, mass kg, what remains of it from a time (s) on, infinite once that is past, added
-mass kg and drag N s/m,
-N s^2/m^2 along each axis, buoyancy N, numbers of functions of time of a force (N) or -1, the depth of its bottom below
-its position m, and whether there is ground below it."""
+mass kg and drag N s/m, N s^2/m^2 along each axis, buoyancy N, numbers of functions of time of a force (N) or -1, the
+depth of its bottom below its position m, and whether there is ground below it."""
 STILL = 1.0e-3
 """Speed, m/s, below which friction on the ground fades, so that a load at rest stays there."""
 

@@ -112,7 +112,7 @@ class Drums(NamedTuple):
     """Drums (n,) of ``DRUM``; ``found`` and ``direction`` as in `Slips`; ``sum`` (n,) is the integral of what tension
     lacks, N s, ``torque`` (n,) that of the last step.
 
-    It turns with the rope that comes onto it, at theta. = lambda p. / R. So a torque acts on p with lambda / R, and
+    A drum turns with the rope that comes onto it, at theta. = lambda p. / R. So a torque acts on p with lambda / R, and
     what turns, with the mass m = I/R^2 + rhoA S at the rim, has T = m (lambda p.)^2 / 2 and resists with
 
         lambda m (lambda p.. + lambda. p.) + rhoA (lambda p.)^2 dS/dp / 2.

@@ -104,7 +104,7 @@ def _of_bodies(layout: Layout, bodies: Bodies) -> Iterator[Parameter]:
         if body.release is None:
             places.append(rows["remaining"][one])
         else:
-            text, least = f"{text}, with what it lets go until then", body.release.remaining
+            text, least = f"{text}, at least what remains after its release", body.release.remaining
         yield number(f"{body.name}.mass", "kg", text, places, least=least, positive=least == 0.0)
         for c, axis in enumerate("xyz"):
             for field, what, unit in (

@@ -22,7 +22,8 @@ COMPUTED, STEEP, FAILED, FEW = "computed", "not physical: too steep", "failed", 
 ABSENT = "does not occur"
 INSIDE, BELOW, ABOVE, BREAKS, STOPPED, SLACK, UNKNOWN = (
     "", "below the lowest calculated", "at least the highest calculated", "at least the steepest wave",
-    "a storm of the next height failed", "the rope is slack in all storms of the next height", "not known",
+    "a storm of the next height failed", "all storms of the next height, or all but one, leave the rope slack",
+    "not known",
 )  # fmt: skip
 """How an allowable height is bounded: found between heights; smaller than all; larger than all of the grid, or than all
 that are physical; the last one below a height of which a storm did not come to its end, or of which all storms but one
@@ -53,7 +54,9 @@ def fitted(values: np.ndarray, one: Criterion, ratio: float, share: float, confi
     if values.size < FEWEST:
         return dict.fromkeys(FITTED, math.nan)
     way = one.way
-    fit = fit_gumbel(way * values, ratio, -one.floor)
+    # A force that has fallen below is none that the floor holds, such as a component, or the force of a rod.
+    bound = -one.floor if values.min() >= one.floor else math.inf
+    fit = fit_gumbel(way * values, ratio, bound)
     found = {"location": way * fit.location, "scale": fit.scale}
     for name, estimate in (
         ("most_probable", fit.most_probable(confidence)), ("percentile", fit.percentile(share, confidence)),
@@ -227,7 +230,7 @@ def _allowables(
         # A storm that did not come to its end is none to lift in.
         failed = status[i, j][run] == FAILED
         slack = (extremes["scale"][k, i, j] == 0.0) & (extremes["location"][k, i, j] == criteria[k].floor)
-        slack = slack[run] & criteria[k].passed_by(criteria[k].floor)
+        slack = slack[run] & criteria[k].broken_by(criteria[k].floor)
         bounds = [np.where(failed | slack, np.inf, one) for one in bounds]
         low, high = np.minimum(bounds[1], bounds[2]), np.maximum(bounds[1], bounds[2])
         made = allowable(

@@ -53,7 +53,7 @@ class Criterion(NamedTuple):
         """Whether what is equal to the limit is beyond it: ``<`` and ``>``, not ``<=`` and ``>=``."""
         return "=" not in self.text
 
-    def passed_by(self, value: float) -> bool:
+    def broken_by(self, value: float) -> bool:
         """Whether a value is beyond the limit."""
         beyond = self.way * (value - self.limit)
         return beyond > 0.0 or (self.strict and beyond == 0.0)

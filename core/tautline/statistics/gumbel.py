@@ -99,13 +99,15 @@ def fit_gumbel(maxima: np.ndarray, ratio: float = 1.0, bound: float = math.inf) 
     Raises
     ------
     ValueError
-        For fewer than three maxima, a number that is not finite, and a ratio that is not above 0.
+        For fewer than three maxima, a number that is not finite or above the bound, and a ratio that is not above 0.
     """
     maxima = np.asarray(maxima, float)
     if maxima.ndim != 1 or maxima.size < FEWEST:
         raise ValueError(f"maxima: shape {maxima.shape}; {FEWEST} at least are needed")
     if not np.isfinite(maxima).all():
         raise ValueError("maxima: not all are finite")
+    if float(maxima.max()) > bound:
+        raise ValueError(f"maxima: {maxima.max():g} is above the bound, {bound:g}")
     if not (math.isfinite(ratio) and ratio > 0.0):
         raise ValueError(f"ratio = {ratio}: must be finite and above 0")
     if float(np.ptp(maxima)) <= 1e-12 * float(np.abs(maxima).max()):
