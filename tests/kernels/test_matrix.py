@@ -16,6 +16,7 @@ from tautline.kernels.matrix import (
     replace_by_identity,
     rows_of,
     size_of_row,
+    sizes_of_rows,
     solve_apart,
     solve_matrix,
     sparse,
@@ -61,7 +62,7 @@ def random_matrix(size, k, border, seed=3):
 
 
 @pytest.mark.parametrize(("size", "k", "border"), [(1, 0, 0), (9, 2, 0), (9, 2, 1), (30, 4, 3), (3, 0, 2), (4, 0, 4)])
-def test_a_bordered_matrix_is_solved_as_the_dense_one_is(size, k, border):
+def test_a_bordered_matrix_is_solved_as_the_dense_one_is(size, k, border, monkeypatch):
     full, factors = random_matrix(size, k, border), new_factors(size, k, border)
     _fill(factors.matrix, full, k)
     assert np.array_equal(dense(factors.matrix), full)
@@ -70,6 +71,10 @@ def test_a_bordered_matrix_is_solved_as_the_dense_one_is(size, k, border):
         assert np.allclose(made(factors.matrix) @ right, full @ right, rtol=1e-13, atol=1e-13)
         assert np.allclose(abs(made(factors.matrix)) @ right, np.abs(full) @ right, rtol=1e-13, atol=1e-13)
     assert np.array_equal(diagonal(factors.matrix), np.diagonal(full))
+    sizes = np.abs(full) @ np.abs(right)
+    assert np.allclose(sizes_of_rows(factors.matrix, right), sizes, rtol=1e-13, atol=0.0)
+    monkeypatch.setattr("tautline.kernels.matrix.COLUMNS", 4)
+    assert np.allclose(sizes_of_rows(factors.matrix, right), sizes, rtol=1e-13, atol=0.0)
     assert factorise_matrix(factors) == 0
     for _ in range(2):
         x = right.copy()

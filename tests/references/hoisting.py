@@ -32,7 +32,7 @@ FILE = Path(__file__).parent / "hoisting.json"
 def lobatto(count):
     """Nodes, weights and differentiation matrix of `count` Legendre-Gauss-Lobatto points on [0, 1]."""
     leading = np.eye(count)[-1]
-    z = np.concatenate([[-1.0], np.sort(legendre.legroots(legendre.legder(leading))), [1.0]])
+    z = np.concatenate([[-1.0], np.sort(legendre.legroots(legendre.legder(leading)).real), [1.0]])
     P = legendre.legval(z, leading)
     gaps = z[:, None] - z
     np.fill_diagonal(gaps, 1.0)

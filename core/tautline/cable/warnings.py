@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from tautline.cable.input.couplings import APART, coupling_gap, value_of
-from tautline.cable.input.geometry import Drawn, arc_lengths, chord
+from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
 from tautline.cable.input.material import material_coordinates
 from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
 from tautline.cable.input.syntax.nodal import item_of
 from tautline.scene.errors import SceneWarning
 from tautline.scene.methods import RK4
+from tautline.scene.model import MADE
 from tautline.scene.reading.document import join_key
 from tautline.scene.solver import longest_step
 from tautline.scene.warnings import warning
@@ -30,6 +31,8 @@ RIGHT = -1.0e-9
 """Cosine below which an angle is more than a right one."""
 BRANCH = math.cos(math.radians(30.0))
 """The same of 30 degrees: where three elements or more meet, one of them leaves the others' way."""
+FASTEST = "fastest part"
+"""Where a scene keeps it."""
 COUNTED = ("PointMass", "PointForce", "OneNodeSpring", "TwoNodeSpring")
 """Items on nodes that ``check`` counts by another name than their key."""
 WHAT = {0: "r = r", 1: "p = p", 2: "r' = r'"}
@@ -49,7 +52,7 @@ def figures(scene: CableScene) -> dict[str, Any]:
     parts = ("nodes", "elements", "ties", "couplings", "forces", "anchors", "springs", "masses", "motions")
     others = {part.key: len(scene.items_of(part.key)) for part in scene.nodal if part.key not in COUNTED}
     counts = {part: len(getattr(scene, part)) for part in parts} | others
-    square, _ = _fastest(scene, p)
+    square, _ = _fastest(scene)
     return {
         "cable": counts | {"length": sum(lengths), "mass": ropes + points},
         "critical_step_rk4": RK4.reach_of_vibration / math.sqrt(square) if square > 0.0 else None,
@@ -85,12 +88,14 @@ def _unit_element(kind: str) -> tuple[float, float, tuple[float, float]]:
     return axial, bending, (float(inverse[0, 0]), float(inverse[1, 1]))
 
 
-def _fastest(scene: CableScene, p: dict[int, float]) -> tuple[float, Place]:
+def _fastest(scene: CableScene) -> tuple[float, Place]:
     """Largest squared frequency, rad^2/s^2, of any part by itself, and the part: an upper bound but for sums."""
-    found: list[tuple[float, Place]] = [(0.0, ())]
-    with np.errstate(all="ignore"):
-        found += _squares(scene, p)
-    return max((entry for entry in found if math.isfinite(entry[0])), key=lambda entry: entry[0])
+    kept = scene.__dict__.setdefault(MADE, {})
+    if FASTEST not in kept:
+        with np.errstate(all="ignore"):
+            found = [(0.0, ()), *_squares(scene, material_coordinates(scene))]
+        kept[FASTEST] = max((entry for entry in found if math.isfinite(entry[0])), key=lambda entry: entry[0])
+    return kept[FASTEST]
 
 
 def _squares(scene: CableScene, p: dict[int, float]) -> list[tuple[float, Place]]:
@@ -137,7 +142,7 @@ def _ease(scene: CableScene, p: dict[int, float]) -> dict[int, tuple[float, floa
 
 @warning("cable")
 def _steps(scene: CableScene) -> Sentences:
-    square, place = _fastest(scene, material_coordinates(scene))
+    square, place = _fastest(scene)
     step = longest_step(scene.solver, 0.0)
     if scene.solver.explicit and step * math.sqrt(square) > RK4.reach_of_vibration:
         text = (
@@ -196,7 +201,7 @@ def _lengths(scene: CableScene) -> Sentences:
     heavy = set(scene.heavy_nodes)
     heavy |= {node for element in scene.elements if element.rhoA > 0.0 for node in element.nodes}
     lengths = np.array([_length(element, p) for element in scene.elements])
-    drawn = Drawn.of(scene.elements, nodes)
+    drawn = drawn_of(scene)
     arcs = arc_lengths(drawn, lengths)
     loose = {node.id for node in scene.nodes if node.id not in heavy and not all(node.held[:3])}
     massless: set[Place] = set()
@@ -257,8 +262,8 @@ def _odd(scene: CableScene, drawn: Drawn, lengths: np.ndarray, arcs: np.ndarray,
 def _corners(scene: CableScene) -> Sentences:
     """Cubic elements that share the slope of a node, and lead away from one another by more than a right angle."""
     cubic = [element for element in scene.elements if element.kind == "cubic"]
-    along = Drawn.of(cubic, {node.id: node for node in scene.nodes}).chord
-    along /= np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
+    along = drawn_of(scene).chord[~drawn_of(scene).linear]
+    along = along / np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
     ends = np.array([element.nodes for element in cubic], dtype=np.int64).T.ravel()
     order = np.argsort(ends, kind="stable")
     one, other = order[:-1] % max(len(cubic), 1), order[1:] % max(len(cubic), 1)

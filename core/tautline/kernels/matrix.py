@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 
 from tautline.kernels.factors.band import (
     CAREFUL,
@@ -34,6 +35,8 @@ EXCHANGED, PACKED, REACH = 7, 8, 9
 FRESH, TRIED, IN_BLOCKS, AGAIN = range(4)
 """Factors that nothing was solved with yet; once, or that are expected to be used often; those that are packed; and
 those that were used since."""
+COLUMNS = 2048
+"""Of a band that are looked at together."""
 
 
 class Matrix(NamedTuple):
@@ -391,21 +394,21 @@ class Rows(NamedTuple):
     """A matrix (n + m, n + m) as it is multiplied by vectors, without SciPy, whose import takes a fifth of a second.
 
     ``band`` (n, 2 k + 1) with entry (i, j) at ``band[i, k + j - i]``; ``right`` (n, m), ``lower`` (m, n) and ``corner``
-    (m, m) as they stand; ``column`` (n, 2 k + 1) is j + k of each entry of the band.
+    (m, m) as they stand.
     """
 
     band: np.ndarray
     right: np.ndarray
     lower: np.ndarray
     corner: np.ndarray
-    column: np.ndarray
 
     def __matmul__(self, x: np.ndarray) -> np.ndarray:
         """The product with a vector (n + m,)."""
         n, k = self.band.shape[0], self.band.shape[1] // 2
         padded = np.zeros(n + 2 * k)
         padded[k : k + n] = x[:n]
-        inner = np.einsum("ij,ij->i", self.band, padded[self.column])
+        # Row i of the band meets x from i - k to i + k: a view of it, row by row one further.
+        inner = np.einsum("ij,ij->i", self.band, as_strided(padded, self.band.shape, 2 * padded.strides))
         if self.corner.size == 0:
             return inner
         return np.concatenate((inner + self.right @ x[n:], self.lower @ x[:n] + self.corner @ x[n:]))
@@ -425,10 +428,26 @@ def rows_of(matrix: Matrix) -> Rows:
     n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
     padded = np.zeros((n + 2 * k, 2 * k + 1))
     padded[k : k + n] = matrix.band[:, k:]
-    across = np.arange(2 * k + 1)
-    column = np.arange(n)[:, None] + across
-    border = matrix.right.T.copy(), matrix.lower.copy(), matrix.corner.T.copy()
-    return Rows(padded[column, 2 * k - across], *border, column)
+    # Along a row each entry stands one column of the matrix further, and one place less deep in it.
+    down, along = padded.strides
+    band = as_strided(padded.ravel()[2 * k :], (n, 2 * k + 1), (down, down - along)).copy()
+    return Rows(band, matrix.right.T.copy(), matrix.lower.copy(), matrix.corner.T.copy())
+
+
+def sizes_of_rows(matrix: Matrix, x: np.ndarray) -> np.ndarray:
+    """What the product with x (n + m,) can be at most in each row: sizes of entries times those of x, (n + m,).
+
+    Of a large matrix nothing is copied but some columns at a time, which stay in the processor's cache.
+    """
+    n, k, x = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3, np.abs(x)
+    padded = np.zeros(n + 2 * k)
+    for first in range(0, n, COLUMNS):
+        last = min(n, first + COLUMNS)
+        sizes = np.abs(matrix.band[first:last, k:]) * x[first:last, None]
+        for i in range(2 * k + 1):
+            padded[first + i : last + i] += sizes[:, i]
+    inner = padded[k : k + n] + np.abs(matrix.right.T) @ x[n:]
+    return np.concatenate((inner, np.abs(matrix.lower) @ x[:n] + np.abs(matrix.corner.T) @ x[n:]))
 
 
 def diagonal(matrix: Matrix) -> np.ndarray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,13 +21,12 @@ NEAR = 0.25
 """Share of the least possible width by which a band may be wider before a better order is looked for."""
 
 
-@dataclass(frozen=True)
 class Pattern:
     """Entries of a symmetric (size, size) pattern: ``row`` and ``column`` (k,) of each, once."""
 
-    size: int
-    row: np.ndarray
-    column: np.ndarray
+    def __init__(self, size: int, row: np.ndarray, column: np.ndarray) -> None:
+        self.size = size
+        self.row, self.column = row, column
 
     @functools.cached_property
     def degree(self) -> np.ndarray:
@@ -60,6 +58,47 @@ class Pattern:
         full = np.zeros((self.size, self.size), dtype=np.int8)
         full[self.row, self.column] = 1
         return full
+
+
+class MarkedBand(Pattern):
+    """A pattern by its marks (size, 2 w + 1): row i has an entry in column i + k - w where ``marks[i, k]``.
+
+    Many unknowns have dozens of entries each, of which nobody may ever ask where every single one is.
+    """
+
+    def __init__(self, marks: np.ndarray) -> None:
+        self.size = marks.shape[0]
+        self.marks = marks
+
+    @functools.cached_property
+    def row(self) -> np.ndarray:  # type: ignore[override]
+        """Of each entry (k,)."""
+        return np.repeat(np.arange(self.size, dtype=np.int32), self.degree)
+
+    @functools.cached_property
+    def column(self) -> np.ndarray:  # type: ignore[override]
+        """Of each entry (k,)."""
+        found = np.empty(int(self.degree.sum()), dtype=np.int32)
+        half, end = self.marks.shape[1] // 2, 0
+        for begin in range(0, self.size, ROWS):
+            # Part by part: the places of all marks as numpy gives them take twice what the pattern does.
+            some, beside = np.nonzero(self.marks[begin : begin + ROWS])
+            start, end = end, end + some.size
+            found[start:end] = some + beside + (begin - half)
+        return found
+
+    @functools.cached_property
+    def degree(self) -> np.ndarray:
+        """Number of entries in each row (size,)."""
+        return np.count_nonzero(self.marks, axis=1)
+
+    def width(self, border: int = 0) -> int:
+        """As of any pattern."""
+        if border > 0:
+            return super().width(border)
+        half = self.marks.shape[1] // 2
+        beside = np.flatnonzero(self.marks.any(axis=0)) - half
+        return int(np.abs(beside).max(initial=0))
 
 
 def pattern_of(masters: Masters, size: int, stencils: Sequence[np.ndarray]) -> Pattern:
@@ -127,16 +166,7 @@ def _marked(size: int, width: int, coupled: Sequence[np.ndarray]) -> Pattern:
     band[:, width:] = upper
     for k in range(1, min(width + 1, size)):
         band[k:, width - k] = upper[: size - k, k]
-    marks = band.reshape(-1)
-    row, column = (np.empty(np.count_nonzero(marks), dtype=np.int32) for _ in range(2))
-    end = 0
-    for begin in range(0, size, ROWS):
-        # Part by part: the places of all marks as numpy gives them take twice what the pattern does.
-        some, beside = np.nonzero(marks[begin * across : (begin + ROWS) * across].reshape(-1, across))
-        start, end = end, end + some.size
-        row[start:end] = some + begin
-        column[start:end] = row[start:end] + beside - width
-    return Pattern(size, row, column)
+    return MarkedBand(band)
 
 
 def _distinct(places: np.ndarray) -> np.ndarray:

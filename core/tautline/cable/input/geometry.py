@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.cable.input.parts import Element, Node, Vector
+from tautline.cable.input.parts import CableScene, Element, Node, Vector
+from tautline.scene.model import MADE
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(32)
 POINTS, WEIGHTS = 0.5 * (POINTS[:, None] + 1.0), 0.5 * WEIGHTS
@@ -22,6 +23,8 @@ LONGEST = 100.0
 """Chords among which the length of an element is looked for."""
 WIDER, MOST_STEPS = 1.1, 100
 """Factor by which an interval grows until it holds a length; Newton steps within it, of which ten are many."""
+DRAWN = "elements as they are drawn"
+"""Where a scene keeps them."""
 BLOCK = 2048
 """Elements that are looked at together: their points fit the cache."""
 
@@ -58,6 +61,14 @@ class Drawn(NamedTuple):
         return Drawn(*(values[which] for values in self))
 
 
+def drawn_of(scene: CableScene) -> Drawn:
+    """All elements of a scene, in its order; found once, for a scene does not change."""
+    kept = scene.__dict__.setdefault(MADE, {})
+    if DRAWN not in kept:
+        kept[DRAWN] = Drawn.of(scene.elements, {node.id: node for node in scene.nodes})
+    return kept[DRAWN]
+
+
 def chord(first: Vector, second: Vector) -> Vector:
     """Vector from one point to another, m."""
     (x1, y1, z1), (x2, y2, z2) = first, second
@@ -73,19 +84,29 @@ def arc_lengths(drawn: Drawn, length: np.ndarray) -> np.ndarray:
     cubic = np.flatnonzero(~drawn.linear)
     for begin in range(0, cubic.size, BLOCK):
         some = cubic[begin : begin + BLOCK]
-        arcs[some] = _arcs(drawn.part(some), length[some])[0]
+        arcs[some] = _arcs(_rates(drawn.part(some), length[some])[0])
     return arcs
 
 
-def _arcs(drawn: Drawn, length: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Arcs of cubics (m,), m, and how they grow with the material length (m,)."""
+def _rates(drawn: Drawn, length: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How fast cubics go, dr/dx (m, points, 3), m, and how that grows with the material length (m, points, 3)."""
     x = POINTS
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         turning = (1.0 - 4.0 * x + 3.0 * x * x) * drawn.first[:, None] + (3.0 * x * x - 2.0 * x) * drawn.second[:, None]
-        rate = 6.0 * x * (1.0 - x) * drawn.chord[:, None] + length[:, None, None] * turning
-        size = np.sqrt((rate * rate).sum(axis=-1))
-        arc, growth = size @ WEIGHTS, ((rate * turning).sum(axis=-1) / size) @ WEIGHTS
-    return np.where(np.isfinite(arc), arc, math.inf), growth
+        return 6.0 * x * (1.0 - x) * drawn.chord[:, None] + length[:, None, None] * turning, turning
+
+
+def _arcs(rate: np.ndarray) -> np.ndarray:
+    """Arcs of cubics (m,), m."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        arc = np.sqrt((rate * rate).sum(axis=-1)) @ WEIGHTS
+    return np.where(np.isfinite(arc), arc, math.inf)
+
+
+def _growth(rate: np.ndarray, turning: np.ndarray) -> np.ndarray:
+    """How the arcs of cubics grow with the material length (m,)."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return ((rate * turning).sum(axis=-1) / np.sqrt((rate * rate).sum(axis=-1))) @ WEIGHTS
 
 
 def unstretched_lengths(drawn: Drawn) -> np.ndarray:
@@ -109,8 +130,8 @@ def _own_arcs(drawn: Drawn, distance: np.ndarray) -> np.ndarray:
     """The shortest lengths (m,), m, with which the arcs of cubics are as long; not a number if none is found."""
 
     def excess(length: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        arc, growth = _arcs(drawn, length)
-        return arc - length, growth - 1.0
+        rate, turning = _rates(drawn, length)
+        return _arcs(rate) - length, _growth(rate, turning) - 1.0
 
     low, high = distance, WIDER * distance
     is_chord = excess(low)[0] <= 1e-15 * distance

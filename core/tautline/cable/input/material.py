@@ -103,16 +103,16 @@ class _Chains:
     def __init__(self, scene: CableScene, lengths: dict[int, float]) -> None:
         self.nodes = [node.id for node in scene.nodes]
         self.order = {node: i for i, node in enumerate(self.nodes)}
-        self.arms: dict[int, list[tuple[int, float]]] = defaultdict(list)
-        self.joined: dict[int, list[int]] = defaultdict(list)
+        self.arms: dict[int, list[tuple[int, float]]] = {node: [] for node in self.nodes}
+        self.joined: dict[int, list[int]] = {node: [] for node in self.nodes}
         self.ends = {element.nodes[1] for element in scene.elements}
         for element in scene.elements:
             first, second = element.nodes
             self.joined[first].append(second)
             self.joined[second].append(first)
-            if element.id in lengths:
-                self.arms[first].append((second, lengths[element.id]))
-                self.arms[second].append((first, -lengths[element.id]))
+            if (length := lengths.get(element.id)) is not None:
+                self.arms[first].append((second, length))
+                self.arms[second].append((first, -length))
 
     def all(self) -> Iterator[list[int]]:
         """Connected chains, each as its nodes in the scene's order."""

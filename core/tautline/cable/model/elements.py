@@ -43,11 +43,15 @@ def flow_of(layout: Layout, element: Element) -> str:
     return SHARED if element.kind == "cubic" and first == second else MOVING
 
 
+def _all_still(layout: Layout) -> bool:
+    """Whether no node's material moves."""
+    return len(layout.still_nodes) == len(layout.scene.nodes)
+
+
 def steady_flow(layout: Layout) -> list[int]:
     """Places of the p of material that is driven through elements of constant length: it flows on while they rest."""
     places: set[int] = set()
-    all_still = len(layout.still_nodes) == len(layout.scene.nodes)
-    for element in () if all_still else layout.scene.elements:
+    for element in () if _all_still(layout) else layout.scene.elements:
         if flow_of(layout, element) == SHARED:
             ends = [layout.material(node) for node in element.nodes]
             places.update(ends if all(layout.is_held(place) for place in ends) else ())
@@ -56,11 +60,12 @@ def steady_flow(layout: Layout) -> list[int]:
 
 def element_groups(layout: Layout) -> list[Any]:
     """Groups of inertia, tension, bending and open ends, of the kinds that the scene has."""
-    scene = layout.scene
+    scene, all_still = layout.scene, _all_still(layout)
     sorts: dict[tuple, list[Element]] = {}
     for element in scene.elements:
         if element.conveyed is None:
-            sorts.setdefault((element.kind, flow_of(layout, element)), []).append(element)
+            flow = STILL if all_still else flow_of(layout, element)
+            sorts.setdefault((element.kind, flow), []).append(element)
     pipes = [element for element in scene.elements if element.conveyed is not None]
     groups: list[Any] = [
         _pipes(layout, some) for rule in RULES if (some := [e for e in pipes if _quadrature(e) == rule])

@@ -14,7 +14,7 @@ from tautline.integrators.generalized_alpha import coefficients
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.search import ROUNDING
 from tautline.integrators.state import State, new_state
-from tautline.kernels.matrix import factorise_matrix, new_factors, new_matrix, rows_of, solve_matrix
+from tautline.kernels.matrix import Factors, factorise_matrix, new_factors, sizes_of_rows, solve_matrix
 from tautline.scene.methods import method_of
 from tautline.system.model import Model, SolverSettings
 from tautline.system.system import System
@@ -56,24 +56,24 @@ def attainable(system: System, settings: SolverSettings) -> float:
     state = new_state(system)
     if not system.size:
         return 0.0
-    stiffness = new_matrix(system.size, system.bandwidth, system.border)
+    # Room for the stiffness, and then for the tangent of a step: of many unknowns each takes hundreds of megabytes.
+    factors = new_factors(system.size, system.bandwidth, system.border)
     with np.errstate(all="ignore"):
-        evaluate(system, state, 0.0, 0.0, False, 0.0, 0.0, 1.0, stiffness, np.zeros(system.size))
-        left = ROUNDING * (abs(rows_of(stiffness)) @ np.abs(state.q))
+        evaluate(system, state, 0.0, 0.0, False, 0.0, 0.0, 1.0, factors.matrix, np.zeros(system.size))
+        left = ROUNDING * sizes_of_rows(factors.matrix, state.q)
         left[system.algebraic] = 0.0
         if settings.criterion == "energy":
-            least = _energy(system, settings, state, left)
+            least = _energy(system, settings, state, left, factors)
         else:
             least = float((left / system.scale).max())
     return least if np.isfinite(least) else 0.0
 
 
-def _energy(system: System, settings: SolverSettings, state: State, left: np.ndarray) -> float:
+def _energy(system: System, settings: SolverSettings, state: State, left: np.ndarray, factors: Factors) -> float:
     """Error of eq. 2.78 of increments that solve for what rounding leaves: the largest of some draws of its signs."""
     alpha_m, alpha_f = (settings.alpha_m, settings.alpha_f) if method_of(settings.method).has_alphas else (0.0, 0.0)
     beta, gamma = coefficients(alpha_m, alpha_f)
     h = min(settings.step, settings.interval)
-    factors = new_factors(system.size, system.bandwidth, system.border)
     mass = (1.0 - alpha_m) / (beta * h * h * (1.0 - alpha_f))
     evaluate(system, state, 0.0, 0.0, False, mass, gamma / (beta * h), 1.0, factors.matrix, np.zeros(system.size))
     if factorise_matrix(factors):
