@@ -237,14 +237,16 @@ class Choice:
     @property
     def _by_chance(self) -> bool:
         """Whether the last two runs agree in the extremes of the force alone, and not in how it goes between them."""
-        (coarse, fine), *_ = self._pairs("force") or [(None, None)]
-        if coarse is None or fine is None or coarse.seen is None or fine.seen is None:
+        pairs = self._pairs("force")
+        found = [_between(coarse.seen, fine.seen) for coarse, fine in pairs if coarse.seen and fine.seen]
+        between = [difference for difference in found if difference is not None]
+        if not between or len(between) < len(pairs):
             return False
-        both = at_common_times(coarse.seen.history, fine.seen.history)
-        if both is None or not both[1].force.size or not np.ptp(both[1].force) > 0.0:
-            return False
-        between = float(np.sqrt(np.mean((both[0].force - both[1].force) ** 2)) / np.ptp(both[1].force))
-        return between > max(self.asked, UNLIKELY * self._changes(coarse, fine).get("force", math.inf))
+        # What the history of the last run is off by. Three show an order, which is that of positions: nothing changes
+        # its sign. Two show none.
+        ratios, kind = [fine.divisor / coarse.divisor for coarse, fine in pairs], ("force", "position")[len(pairs) > 1]
+        error = self._error(between, ratios, kind)
+        return error > self.asked and between[0] > UNLIKELY * self._changes(*pairs[0]).get("force", math.inf)
 
     @property
     def _calm(self) -> bool:
@@ -376,6 +378,14 @@ class Choice:
         if self.end / self.interval * divisor > STEPS:
             return f"a more accurate run takes more than {STEPS:.0e} steps"
         return f"it is not reached in {RUNS} runs" if len(self.made) >= RUNS else ""
+
+
+def _between(coarse: Seen, fine: Seen) -> float | None:
+    """How far the forces of two runs are apart over time, root mean square, over the range; None without a force."""
+    both = at_common_times(coarse.history, fine.history)
+    if both is None or not both[1].force.size or not np.ptp(both[1].force) > 0.0:
+        return None
+    return float(np.sqrt(np.mean((both[0].force - both[1].force) ** 2)) / np.ptp(both[1].force))
 
 
 def finer(number: float) -> float:
