@@ -11,7 +11,7 @@ from tautline.cable.model.build import assemble_cables
 from tautline.integrators.linearise import evaluate, matrices
 from tautline.integrators.state import new_state
 from tautline.kernels import groups as over
-from tautline.kernels.dofs import expand, reduce
+from tautline.kernels.dofs import RUN, expand, reduce, runs_of
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import new_matrix
 from tautline.scene.functions import Harmonic
@@ -83,8 +83,51 @@ def test_expand_multiplies_by_the_transformation_and_reduce_by_its_transpose():
     assert np.allclose(reduced, T.T @ r, rtol=1e-14, atol=1e-14)
 
 
+def _nodes(count, width, held, ends):
+    """Degrees of freedom of a chain of nodes that are free: ``held`` of each are not, and the first of both ends."""
+    free = np.ones((count, width), dtype=bool)
+    free[:, held] = False
+    free[[0, -1], :ends] = False
+    return free.ravel()
+
+
+def _drawn(seed):
+    """A chain of which some degree of freedom is held, or let go, beside; or any order."""
+    rng = np.random.default_rng(seed)
+    width = int(rng.integers(1, 9))
+    free = _nodes(int(rng.integers(1, 40)), width, rng.integers(0, width, 1), int(rng.integers(0, width)))
+    some = rng.integers(0, free.size, int(rng.integers(0, 3)))
+    free[some] = ~free[some]
+    return rng.permutation(np.flatnonzero(free)) if seed % 7 == 0 else np.flatnonzero(free)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_unknowns_that_lie_in_series_go_where_each_belongs(seed):
+    free = _drawn(seed)
+    system, _ = scene()
+    none = np.zeros(0, dtype=np.int64)
+    dofs = system.dofs._replace(free=free, runs=runs_of(free), tied=none)
+    reduced, full = np.random.default_rng(seed).standard_normal(free.size), np.full(400, 7.0)
+    expected = full.copy()
+    expected[free] = reduced
+    _expand(dofs, reduced, full)
+    assert np.array_equal(full, expected)
+    back = np.zeros(free.size)
+    _reduce(dofs, full, back)
+    assert np.array_equal(back, reduced)
+
+
+def test_ropes_whose_nodes_hold_their_material_are_three_series_and_strings_one():
+    rope = np.flatnonzero(_nodes(1001, 7, [6], 3))
+    assert runs_of(rope).size == 3 * RUN
+    assert runs_of(np.arange(5, 50)).tolist() == [0, 5, 45, 1, 0]
+    assert runs_of(np.flatnonzero(np.random.default_rng(0).random(500) < 0.5)).size == 0
+    assert runs_of(np.zeros(0, dtype=np.int64)).size == 0
+    assert any(runs_of(_drawn(seed)).size for seed in range(60))
+
+
 @pytest.mark.parametrize("ties", [{}, TIES], ids=["no ties", "ties"])
-def test_foundand_residual_of_a_tied_system_are_those_of_the_free_one_transformed(ties):
+def test_tangent_and_residual_of_a_tied_system_are_those_of_the_free_one_transformed(ties):
     system, _ = scene(ties)
     T, rng = transformation(system, ties), np.random.default_rng(2)
     state = new_state(system)

@@ -7,11 +7,13 @@ free or shared, several where it is coupled.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from typing import NamedTuple
 
 import numpy as np
 
 from tautline.kernels.jit import kernel, stands_for
+from tautline.kernels.lanes import load, store
 from tautline.kernels.matrix import add_at
 from tautline.kernels.memory import form_of
 from tautline.kernels.teaching import is_array
@@ -49,19 +51,32 @@ class Dofs(NamedTuple):
 
 
 LONG = 8
-"""Unknowns of a run, in the mean, from which on runs are worth going through one by one."""
+"""Unknowns of a series of runs, in the mean, from which on series are worth going through one by one."""
+RUN = 5
+"""Numbers that tell a series of runs."""
 
 
 def runs_of(free: np.ndarray) -> np.ndarray:
-    """Unknowns and degrees of freedom that follow one another side by side: first of both and count of each run (3 m,).
+    """Unknowns and degrees of freedom that follow one another side by side, in series of runs of one length (5 m,).
 
-    None where runs are short: then each unknown is looked up.
+    Of each series the first unknown, the first degree of freedom, and the count of a run; how many runs there are, and
+    how far apart they begin. A rope whose nodes hold their material has six of seven degrees of freedom free, again and
+    again. None where series are short: then each unknown is looked up.
     """
     starts = np.flatnonzero(np.diff(free, prepend=-2) != 1)
-    if starts.size * LONG > free.size:
-        return np.zeros(0, np.int64)
-    counts = np.diff(starts, append=free.size)
-    return np.column_stack([starts, free[starts], counts]).astype(np.int64).ravel()
+    counts, places = np.diff(starts, append=free.size), free[starts]
+    apart = np.diff(places)
+    # Runs behind which another length begins, or another distance.
+    others = (np.diff(counts) != 0) | (np.diff(apart, prepend=apart[:1]) != 0)
+    breaks = [*np.flatnonzero(others).tolist(), starts.size - 1]
+    series, i = [], 0
+    while i < starts.size and len(series) * LONG <= free.size:
+        alike = i + 1 < starts.size and counts[i] == counts[i + 1]
+        last = breaks[bisect_right(breaks, i)] if alike else i
+        series.append((starts[i], places[i], counts[i], last - i + 1, apart[i] if alike else 0))
+        i = last + 1
+    is_worth_while = len(series) * LONG <= free.size
+    return np.array(series if is_worth_while else [], dtype=np.int64).ravel()
 
 
 DOFS = form_of(Dofs(*(np.zeros(0, float if name in ("factor", "offset") else np.int64) for name in Dofs._fields)))
@@ -79,13 +94,46 @@ def prescribe(dofs, functions, t, q, v, a):
         a[i] = second
 
 
+SIX = 6
+"""Unknowns of a node of a rope that holds its material: they are moved together."""
+
+
+@kernel
+def _expand_runs(runs, reduced, full):
+    for k in range(0, runs.size, RUN):
+        first, place, count = runs[k], runs[k + 1], runs[k + 2]
+        for _ in range(runs[k + 3]):
+            if count == SIX:
+                four, a, b = load(reduced, first), reduced[first + 4], reduced[first + 5]
+                store(full, place, four)
+                full[place + 4], full[place + 5] = a, b
+            else:
+                for i in range(count):
+                    full[place + i] = reduced[first + i]
+            first += count
+            place += runs[k + 4]
+
+
+@kernel
+def _reduce_runs(runs, full, reduced):
+    for k in range(0, runs.size, RUN):
+        first, place, count = runs[k], runs[k + 1], runs[k + 2]
+        for _ in range(runs[k + 3]):
+            if count == SIX:
+                four, a, b = load(full, place), full[place + 4], full[place + 5]
+                store(reduced, first, four)
+                reduced[first + 4], reduced[first + 5] = a, b
+            else:
+                for i in range(count):
+                    reduced[first + i] = full[place + i]
+            first += count
+            place += runs[k + 4]
+
+
 @kernel(forceinline=True)
 def expand(dofs, reduced, full):
     """Write reduced unknowns into the full vector; held degrees of freedom are left as they are."""
-    for k in range(0, dofs.runs.size, 3):
-        first, place, count = dofs.runs[k], dofs.runs[k + 1], dofs.runs[k + 2]
-        for i in range(count):
-            full[place + i] = reduced[first + i]
+    _expand_runs(dofs.runs, reduced, full)
     if dofs.runs.size == 0:
         for i in range(dofs.free.size):
             full[dofs.free[i]] = reduced[i]
@@ -124,10 +172,7 @@ def keep_flowing(dofs, v, a):
 @kernel(forceinline=True)
 def reduce(dofs, full, reduced):
     """Sum full residuals into the reduced rows they belong to."""
-    for k in range(0, dofs.runs.size, 3):
-        first, place, count = dofs.runs[k], dofs.runs[k + 1], dofs.runs[k + 2]
-        for i in range(count):
-            reduced[first + i] = full[place + i]
+    _reduce_runs(dofs.runs, full, reduced)
     if dofs.runs.size == 0:
         for i in range(dofs.free.size):
             reduced[i] = full[dofs.free[i]]
