@@ -458,7 +458,7 @@ function confess() {
   }
   const list = [...said];
   const more = list.length > 3 ? ` and ${list.length - 3} more` : "";
-  const text = list.length ? `${list.slice(0, 3).join(", ")}${more} as thick, so that they can be seen; nearer, true` : "";
+  const text = list.length ? `drawn too thick, to be seen from here: ${list.slice(0, 3).join(", ")}${more}` : "";
   if (thicker.textContent !== text) thicker.textContent = text;
 }
 
