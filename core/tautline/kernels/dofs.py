@@ -52,16 +52,18 @@ class Dofs(NamedTuple):
 
 LONG = 8
 """Unknowns of a series of runs, in the mean, from which on series are worth going through one by one."""
-RUN = 5
+RUN = 6
 """Numbers that tell a series of runs."""
+UNKNOWNS, PLACES, COUNT, REPEATS = 0, 2, 4, 5
+"""Where among them stand the first unknown, and behind it how far apart the first ones of two runs are; the same of the
+degrees of freedom; how many a run has; and how many runs there are."""
 
 
 def runs_of(free: np.ndarray) -> np.ndarray:
-    """Unknowns and degrees of freedom that follow one another side by side, in series of runs of one length (5 m,).
+    """Unknowns and degrees of freedom that follow one another side by side, in series of runs of one length (6 m,).
 
-    Of each series the first unknown, the first degree of freedom, and the count of a run; how many runs there are, and
-    how far apart they begin. A rope whose nodes hold their material has six of seven degrees of freedom free, again and
-    again. None where series are short: then each unknown is looked up.
+    A rope whose nodes hold their material has six of seven degrees of freedom free, again and again. None where series
+    are short: then each unknown is looked up.
     """
     starts = np.flatnonzero(np.diff(free, prepend=-2) != 1)
     counts, places = np.diff(starts, append=free.size), free[starts]
@@ -73,7 +75,7 @@ def runs_of(free: np.ndarray) -> np.ndarray:
     while i < starts.size and len(series) * LONG <= free.size:
         alike = i + 1 < starts.size and counts[i] == counts[i + 1]
         last = breaks[bisect_right(breaks, i)] if alike else i
-        series.append((starts[i], places[i], counts[i], last - i + 1, apart[i] if alike else 0))
+        series.append((starts[i], counts[i], places[i], apart[i] if alike else 0, counts[i], last - i + 1))
         i = last + 1
     is_worth_while = len(series) * LONG <= free.size
     return np.array(series if is_worth_while else [], dtype=np.int64).ravel()
@@ -99,41 +101,26 @@ SIX = 6
 
 
 @kernel
-def _expand_runs(runs, reduced, full):
+def _copy_runs(runs, source, read, target, written):
+    """Copy all runs; ``read`` and ``written`` say whether source and target are by `UNKNOWNS` or by `PLACES`."""
     for k in range(0, runs.size, RUN):
-        first, place, count = runs[k], runs[k + 1], runs[k + 2]
-        for _ in range(runs[k + 3]):
+        a, b, count = runs[k + read], runs[k + written], runs[k + COUNT]
+        for _ in range(runs[k + REPEATS]):
             if count == SIX:
-                four, a, b = load(reduced, first), reduced[first + 4], reduced[first + 5]
-                store(full, place, four)
-                full[place + 4], full[place + 5] = a, b
+                four, fifth, sixth = load(source, a), source[a + 4], source[a + 5]
+                store(target, b, four)
+                target[b + 4], target[b + 5] = fifth, sixth
             else:
                 for i in range(count):
-                    full[place + i] = reduced[first + i]
-            first += count
-            place += runs[k + 4]
-
-
-@kernel
-def _reduce_runs(runs, full, reduced):
-    for k in range(0, runs.size, RUN):
-        first, place, count = runs[k], runs[k + 1], runs[k + 2]
-        for _ in range(runs[k + 3]):
-            if count == SIX:
-                four, a, b = load(full, place), full[place + 4], full[place + 5]
-                store(reduced, first, four)
-                reduced[first + 4], reduced[first + 5] = a, b
-            else:
-                for i in range(count):
-                    reduced[first + i] = full[place + i]
-            first += count
-            place += runs[k + 4]
+                    target[b + i] = source[a + i]
+            a += runs[k + read + 1]
+            b += runs[k + written + 1]
 
 
 @kernel(forceinline=True)
 def expand(dofs, reduced, full):
     """Write reduced unknowns into the full vector; held degrees of freedom are left as they are."""
-    _expand_runs(dofs.runs, reduced, full)
+    _copy_runs(dofs.runs, reduced, UNKNOWNS, full, PLACES)
     if dofs.runs.size == 0:
         for i in range(dofs.free.size):
             full[dofs.free[i]] = reduced[i]
@@ -172,7 +159,7 @@ def keep_flowing(dofs, v, a):
 @kernel(forceinline=True)
 def reduce(dofs, full, reduced):
     """Sum full residuals into the reduced rows they belong to."""
-    _reduce_runs(dofs.runs, full, reduced)
+    _copy_runs(dofs.runs, full, PLACES, reduced, UNKNOWNS)
     if dofs.runs.size == 0:
         for i in range(dofs.free.size):
             reduced[i] = full[dofs.free[i]]

@@ -71,12 +71,12 @@ class MarkedBand(Pattern):
         self.marks = marks
 
     @functools.cached_property
-    def row(self) -> np.ndarray:  # type: ignore[override]
+    def row(self) -> np.ndarray:
         """Of each entry (k,)."""
         return np.repeat(np.arange(self.size, dtype=np.int32), self.degree)
 
     @functools.cached_property
-    def column(self) -> np.ndarray:  # type: ignore[override]
+    def column(self) -> np.ndarray:
         """Of each entry (k,)."""
         found = np.empty(int(self.degree.sum()), dtype=np.int32)
         half, end = self.marks.shape[1] // 2, 0

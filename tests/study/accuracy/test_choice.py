@@ -136,6 +136,23 @@ def test_two_runs_whose_forces_have_their_extremes_alone_in_common_are_not_enoug
     assert runs(0.09).estimates[1] < 0.01 and not runs(0.09).met
 
 
+def test_three_runs_whose_forces_draw_together_over_time_at_second_order_are_enough():
+    """Late by 16, 4 and 1 parts, runs differ by 12 and 3, and one is left. Late by 7, 4 and 1, who knows."""
+
+    def runs(*late):
+        made = choice_of([1e-4, 1e-5, 1e-6])
+        for i, each in enumerate(late):
+            history = made.made[i].seen.history._replace(force=np.cos(7.0 * (TIMES - each)))
+            made.made[i] = made.made[i]._replace(seen=made.made[i].seen._replace(history=history))
+        made.estimates[1:] = [0.05, max(made.errors().values())]  # the run before was not near
+        assert made.estimates[2] < 0.01
+        return made
+
+    part = 0.0027
+    assert runs(16.0 * part, 4.0 * part, part).met
+    assert not runs(7.0 * part, 4.0 * part, part).met
+
+
 def test_the_force_of_a_rope_that_falls_into_its_bearings_is_as_accurate_as_was_asked():
     """10 m of rope let go in a straight line: waves meet, and two runs agree by chance in how high they go.
 

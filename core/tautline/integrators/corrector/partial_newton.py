@@ -18,7 +18,7 @@ import numpy as np
 from tautline.integrators.state import FACTORISATIONS, worst_between
 from tautline.kernels import groups as over
 from tautline.kernels.changes import COUNT, FIRST, PAST, PLACED
-from tautline.kernels.dofs import RUN, expand, reduce
+from tautline.kernels.dofs import PLACES, REPEATS, RUN, UNKNOWNS, expand, reduce
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, any_of, gather, within
 from tautline.kernels.matrix import (
@@ -154,8 +154,8 @@ def aim(w, dofs, state, right_side, scale, tolerance, tried, slow):
 @kernel
 def _reduce_rows(dofs, full, reduced, first, last):
     """Take rows ``first`` to ``last`` - 1 out of a full vector; no row of a system with a window is tied."""
-    if dofs.runs.size == RUN and dofs.runs[3] == 1:
-        place = dofs.runs[1] - dofs.runs[0]
+    if dofs.runs.size == RUN and dofs.runs[REPEATS] == 1:
+        place = dofs.runs[PLACES] - dofs.runs[UNKNOWNS]
         for i in range(first, last):
             reduced[i] = full[place + i]
     else:
@@ -166,8 +166,8 @@ def _reduce_rows(dofs, full, reduced, first, last):
 @kernel
 def _expand_rows(dofs, reduced, full, first, last):
     """The other way."""
-    if dofs.runs.size == RUN and dofs.runs[3] == 1:
-        place = dofs.runs[1] - dofs.runs[0]
+    if dofs.runs.size == RUN and dofs.runs[REPEATS] == 1:
+        place = dofs.runs[PLACES] - dofs.runs[UNKNOWNS]
         for i in range(first, last):
             full[place + i] = reduced[i]
     else:

@@ -245,8 +245,8 @@ class Choice:
             return False
         # What the history of the last run is off by. Three show an order, which is that of positions: nothing changes
         # its sign. Two show none.
-        ratios, kind = [fine.divisor / coarse.divisor for coarse, fine in pairs], ("force", "position")[len(pairs) > 1]
-        error = self._error(between, ratios, kind)
+        kind = "position" if len(pairs) > 1 else "force"
+        error = self._error(between, [fine.divisor / coarse.divisor for coarse, fine in pairs], kind)
         return error > self.asked and between[0] > UNLIKELY * self._changes(*pairs[0]).get("force", math.inf)
 
     @property
