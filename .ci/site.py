@@ -101,8 +101,10 @@ def seen(site: Path, pages: dict[Path, Page]) -> list[str]:
             if page.evaluate("/\\$[^$]*\\\\[a-z]+[^$]*/.test(document.querySelector('article').innerText)"):
                 found.append(f"{path.name}: an equation was left as text")
         page.goto((site / "index.html").as_uri())
-        page.fill("input.md-search__input", "capstan")
-        page.wait_for_selector(".md-search-result__item", timeout=20000)
+        # By keys, as a reader does: the search listens to them. Text put in at once is found only where the page
+        # looks at the field between its being entered and filled, which a busy machine does not always do.
+        page.locator("input.md-search__input").press_sequentially("capstan")
+        page.wait_for_selector(".md-search-result__item", timeout=60000)
         browser.close()
     return found
 
