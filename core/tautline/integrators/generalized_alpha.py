@@ -8,19 +8,21 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.corrector.newton import DONE, SAME_STEP, Corrector, correct, corrector
-from tautline.integrators.state import WORST, book_losses, book_work, keep, observe_motion, restore, watch
+from tautline.integrators.state import WORST, book_losses, book_motion, book_work, watch
 from tautline.integrators.status import Status
 from tautline.integrators.stepping import Stepping, add
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import expand, prescribe
 from tautline.kernels.jit import kernel
-from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread
+from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spread, total, where, within
 from tautline.system.model import SolverSettings
 from tautline.system.system import System
 
 INACCURATE = int(Status.INACCURATE)
 HALVINGS_OF_AUTO = 24
 """Times that a step may be halved at least where the longest is as long as an output interval."""
+DEPTH = 3
+"""Steps whose accelerations are kept: a parabola goes through that of the state and two before it."""
 STILL = -1
 """Order of the prediction that nothing moves."""
 
@@ -31,8 +33,9 @@ class GeneralizedAlpha(NamedTuple):
     ``algebraic`` lists the unknowns that are multipliers; ``power`` (2,) is scratch; ``last_step`` (1,) the length of
     the last accepted step, s, 0 before the first. ``tolerance`` m bounds the error of a step, 0 for no bound;
     ``length`` (n,) is what length a change of an unknown counts as; ``control`` (2,) keeps the last error and the part
-    of the nominal step that is taken. ``history`` (2, n) are the accelerations of the two steps before the last, and
-    ``order`` (1,) of the polynomial that continues them best, or `STILL`.
+    of the nominal step that is taken. ``history`` (3, n) are the accelerations at the start of the last steps: in row
+    ``newest`` (1,) of the step under way, in the row before it (the last is before the first) of the one before, and so
+    on; ``order`` (1,) is that of the polynomial that continues them best, or `STILL`.
     """
 
     alpha_m: float
@@ -48,6 +51,7 @@ class GeneralizedAlpha(NamedTuple):
     length: np.ndarray
     control: np.ndarray
     history: np.ndarray
+    newest: np.ndarray
     order: np.ndarray
 
 
@@ -76,9 +80,9 @@ def alphas(rho_inf: float) -> tuple[float, float]:
 @kernel
 def _local_error(m, state, h):
     """Error of one step in position, m: (beta - 1/6) h^2 times the largest change of an acceleration."""
-    worst = 0.0
+    worst, before = 0.0, m.history[m.newest[0]]
     for i in range(state.q.size):
-        change = m.length[i] * abs(state.a[i] - state.keep[2, i])
+        change = m.length[i] * abs(state.a[i] - before[i])
         if change > worst:
             worst = change
             state.counters[WORST] = i
@@ -86,27 +90,100 @@ def _local_error(m, state, h):
 
 
 @kernel
-def _best_order(m, state, h, jumped):
-    """Remember the acceleration before the step; returns the order of polynomial that would have predicted the new one.
+def _predict(m, state, h, ratio):
+    """Predict the end of a step of length h from its start, which is remembered, to go back to.
+
+    The acceleration stays what it is, a_(t+1) = a_t in eq. 2.86, or becomes what the last few make likely: a polynomial
+    through them, or what would have nothing move.
+    """
+    n, order = state.q.size, m.order[0]
+    q0, v0, a0 = state.keep[0], state.keep[1], m.history[m.newest[0]]
+    old, oldest = m.history[(m.newest[0] + 2) % DEPTH], m.history[(m.newest[0] + 1) % DEPTH]
+    slope, bend = 1.0 if order > 0 else 0.0, 1.0 if order > 1 else 0.0
+    part = (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
+    # Products in the loop and no quotients, for which a processor takes ten times as long.
+    per_step, per_part = 1.0 / h, 1.0 / part
+    for i in range(0, n, LANES):
+        q, v, a = gather(state.q, i, n), gather(state.v, i, n), gather(state.a, i, n)
+        last, new = _auxiliary(m, a, gather(state.auxiliary, i, n), ratio)
+        if order == STILL:
+            stay = (-1.0 / m.beta) * (per_step * v + (0.5 - m.beta) * last)
+            rise = per_part * (stay - new)
+        else:
+            b = gather(old, i, n)
+            rise = slope * (a - b) + bend * (a - 2.0 * b + gather(oldest, i, n))
+        new += part * rise
+        scatter(q0, i, n, q)
+        scatter(v0, i, n, v)
+        scatter(a0, i, n, a)
+        scatter(state.q, i, n, q + h * v + h * h * ((0.5 - m.beta) * last + m.beta * new))
+        scatter(state.v, i, n, v + h * ((1.0 - m.gamma) * last + m.gamma * new))
+        scatter(state.a, i, n, a + rise)
+
+
+@kernel(forceinline=True)
+def _auxiliary(m, a, auxiliary, ratio):
+    """Auxiliary accelerations of eq. 2.86 at the start of a step, and at its end if the acceleration stays a.
+
+    The first is that at t + (alpha_m - alpha_f) h: for a step ``ratio`` times as long as the last it is moved along.
+    """
+    last = a + ratio * (auxiliary - a)
+    return last, (1.0 / (1.0 - m.alpha_m)) * (a - m.alpha_m * last)
+
+
+@kernel
+def _go_back(m, state):
+    """Go back to the start of the step."""
+    n, a0 = state.q.size, m.history[m.newest[0]]
+    for i in range(0, n, LANES):
+        scatter(state.q, i, n, gather(state.keep[0], i, n))
+        scatter(state.v, i, n, gather(state.keep[1], i, n))
+        scatter(state.a, i, n, gather(a0, i, n))
+
+
+@kernel
+def _accept(m, state, h, ratio, jumped):
+    """Close a step: the auxiliary acceleration, how the motion has oscillated, and how the next step predicts.
 
     What is smooth is continued by two orders more than the method's own prediction; what jumps or chatters is not, and
     no step in which a law has changed its status. Where a mode is far too fast for the step, its acceleration predicts
     a way that folds elements, and a folded element is in equilibrium too: better to predict that nothing moves.
     """
-    reach = h * h * m.beta * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
     n = state.q.size
-    moves = constants = lines = squares = spread(0.0)
+    q0, v0, a0 = state.keep[0], state.keep[1], m.history[m.newest[0]]
+    old, oldest = m.history[(m.newest[0] + 2) % DEPTH], m.history[(m.newest[0] + 1) % DEPTH]
+    part = (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
+    moves = constants = lines = squares = speeds = turns = spread(0.0)
     for i in range(0, n, LANES):
-        length = gather(m.length, i, n)
-        now, before = gather(state.a, i, n), gather(state.keep[2], i, n)
-        old, oldest = gather(m.history[0], i, n), gather(m.history[1], i, n)
-        moves = larger(moves, length * abs(gather(state.q, i, n) - gather(state.keep[0], i, n)))
-        constants = larger(constants, length * abs(now - before))
-        lines = larger(lines, length * abs(now - 2.0 * before + old))
-        squares = larger(squares, length * abs(now - 3.0 * before + 3.0 * old - oldest))
-        scatter(m.history[1], i, n, old)
-        scatter(m.history[0], i, n, before)
-    moved, constant, linear, square = largest(moves), largest(constants), largest(lines), largest(squares)
+        now, before = gather(state.a, i, n), gather(a0, i, n)
+        change = now - before
+        _, new = _auxiliary(m, before, gather(state.auxiliary, i, n), ratio)
+        scatter(state.auxiliary, i, n, new + part * change)
+        length, b = gather(m.length, i, n), gather(old, i, n)
+        moves = larger(moves, length * abs(gather(state.q, i, n) - gather(q0, i, n)))
+        constants = larger(constants, length * abs(change))
+        line = now - 2.0 * before + b
+        lines = larger(lines, length * abs(line))
+        squares = larger(squares, length * abs(line - before + 2.0 * b - gather(oldest, i, n)))
+        inertia = where(within(i, n), gather(state.inertia, i, n), 0.0)
+        v1, v2 = gather(v0, i, n), gather(state.v, i, n)
+        # The start counts as the end does, or what is let go would seem to begin without an acceleration.
+        speeds += inertia * (v1 * v1 + v2 * v2)
+        turns += inertia * (before * before + now * now)
+    book_motion(state, h, total(speeds), total(turns))
+    m.order[0] = _best_order(m, h, jumped, largest(moves), largest(constants), largest(lines), largest(squares))
+    m.newest[0] = (m.newest[0] + 1) % DEPTH
+    m.last_step[0] = h
+
+
+@kernel
+def _best_order(m, h, jumped, moved, constant, linear, square):
+    """The order of polynomial that would have predicted the acceleration at the end of a step.
+
+    ``moved`` is the largest way, m; ``constant``, ``linear`` and ``square`` are the largest errors of the polynomials
+    of order 0 to 2, m/s^2.
+    """
+    reach = h * h * m.beta * (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
     if moved < reach * constant and moved < reach * linear and moved < reach * square:
         return STILL
     if jumped:
@@ -137,28 +214,10 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     beta = (1.0 - m.alpha_m) / (m.beta * h * h * (1.0 - m.alpha_f))
     gamma = m.gamma / (m.beta * h)
     over.begin(groups, t, h, beta, gamma, state.full_q, state.full_v, state.full_a)
-    keep(state)
-    # The auxiliary is the acceleration at t + (alpha_m - alpha_f) h: for a step of another length it is moved along.
     ratio = h / m.last_step[0] if m.last_step[0] > 0.0 else 1.0
     if abs(ratio - 1.0) > SAME_STEP:
         m.order[0] = min(m.order[0], 0)
-    # Predict with the last acceleration, a_(t+1) = a_t in eq. 2.86, or with what the last few make likely.
-    slope = 1.0 if m.order[0] > 0 else 0.0
-    bend = 1.0 if m.order[0] > 1 else 0.0
-    for i in range(state.q.size):
-        last = state.a[i] + ratio * (state.auxiliary[i] - state.a[i])
-        new = (state.a[i] - m.alpha_m * last) / (1.0 - m.alpha_m)
-        state.auxiliary[i] = new
-        if m.order[0] == STILL:
-            stay = -(state.v[i] / h + (0.5 - m.beta) * last) / m.beta
-            rise = (1.0 - m.alpha_m) / (1.0 - m.alpha_f) * (stay - new)
-        else:
-            rise = slope * (state.a[i] - m.history[0, i])
-            rise += bend * (state.a[i] - 2.0 * m.history[0, i] + m.history[1, i])
-        new += (1.0 - m.alpha_f) / (1.0 - m.alpha_m) * rise
-        state.q[i] += h * state.v[i] + h * h * ((0.5 - m.beta) * last + m.beta * new)
-        state.v[i] += h * ((1.0 - m.gamma) * last + m.gamma * new)
-        state.a[i] += rise
+    _predict(m, state, h, ratio)
     prescribe(dofs, functions, t + h, state.full_q, state.full_v, state.full_a)
     status = correct(m.corrector, groups, dofs, state, t + h, beta, gamma)
     jumped = m.corrector.changed[1] > 0
@@ -169,25 +228,21 @@ def generalized_alpha_step(method, groups, dofs, functions, state, t, h):
     if status == DONE:
         status = watch(groups, dofs, state, t + h, m.corrector.changed)
     if status != DONE:
-        restore(state)
+        _go_back(m, state)
         prescribe(dofs, functions, t, state.full_q, state.full_v, state.full_a)
         expand(dofs, state.q, state.full_q)
         expand(dofs, state.v, state.full_v)
         expand(dofs, state.a, state.full_a)
         return status
-    m.last_step[0] = h
-    m.order[0] = _best_order(m, state, h, jumped)
     for i in m.algebraic:
         state.q[i] = 0.0
         state.v[i] = 0.0
-    for i in range(state.q.size):
-        state.auxiliary[i] += (1.0 - m.alpha_f) / (1.0 - m.alpha_m) * (state.a[i] - state.keep[2, i])
+    _accept(m, state, h, ratio, jumped)
     over.commit(groups, t + h, h, state.full_q, state.full_v, state.full_a)
     if over.may_switch(groups):
         _forget_what_is_held(dofs, state)
     book_losses(groups, state, t, h, m.power)
     book_work(groups, dofs, state, t + h, m.power)
-    observe_motion(state, state.keep[1], state.keep[2], h)
     return DONE
 
 
@@ -234,7 +289,7 @@ def _implicit(system: System, settings: SolverSettings, alpha_m: float, alpha_f:
     return GeneralizedAlpha(
         alpha_m, alpha_f, beta, gamma, halvings, iteration, np.zeros(2), np.zeros(1), system.algebraic,
         settings.step_error, length, np.array([0.0, 1.0]),
-        np.zeros((2, system.size)), np.zeros(1, np.int64),
+        np.zeros((DEPTH, system.size)), np.zeros(1, np.int64), np.zeros(1, np.int64),
     )  # fmt: skip
 
 

@@ -61,12 +61,12 @@ def new_state(system: System) -> State:
 
 
 @kernel
-def worst_between(residual, scale, counters, first, last):
-    """Largest residual of rows over its scale; its row goes to the counters; NaN counts as infinite."""
+def worst_between(residual, per_scale, counters, first, last):
+    """Largest residual of rows over its scale, given as 1 / scale; its row goes to the counters; NaN is infinite."""
     most, place = spread(0.0), spread(0.0)
     lost = spread(0.0)
     for i in range(first, last, LANES):
-        size = abs(gather(residual, i, last)) / gather(scale, i, last)
+        size = abs(gather(residual, i, last)) * gather(per_scale, i, last)
         place = where(size > most, i, place)
         most = larger(size, most)
         lost += 0.0 * size  # no number or infinite: neither becomes zero
@@ -78,20 +78,10 @@ def worst_between(residual, scale, counters, first, last):
     if total(lost) == 0.0:
         return worst
     for i in range(first, last):
-        if not np.isfinite(residual[i] / scale[i]):
+        if not np.isfinite(residual[i] * per_scale[i]):
             counters[WORST] = i
             break
     return np.inf
-
-
-@kernel
-def keep(state):
-    """Remember the state, to go back to."""
-    for i in range(state.q.size):
-        state.keep[0, i] = state.q[i]
-        state.keep[1, i] = state.v[i]
-        state.keep[2, i] = state.a[i]
-        state.keep[3, i] = state.auxiliary[i]
 
 
 @kernel
@@ -198,8 +188,14 @@ def observe_motion(state, v, a, h):
         v1, a1, v0, a0 = gather(state.v, i, n), gather(state.a, i, n), gather(v, i, n), gather(a, i, n)
         moved += inertia * (v1 * v1 + v0 * v0)
         turned += inertia * (a1 * a1 + a0 * a0)
-    state.ledger[MOVED] += 0.5 * h * total(moved)
-    state.ledger[TURNED] += 0.5 * h * total(turned)
+    book_motion(state, h, total(moved), total(turned))
+
+
+@kernel(forceinline=True)
+def book_motion(state, h, moved, turned):
+    """Add a step of length h, of which the sums of m v^2 and of m a^2 at both ends are given, to these integrals."""
+    state.ledger[MOVED] += 0.5 * h * moved
+    state.ledger[TURNED] += 0.5 * h * turned
 
 
 def oscillation_frequency(state: State) -> float:

@@ -119,7 +119,7 @@ def take_changed(w, dofs, state, changed):
 
 
 @kernel
-def aim(w, dofs, state, right_side, scale, tolerance, tried, slow):
+def aim(w, dofs, state, right_side, per_scale, tolerance, tried, slow):
     """Take the rows that are not in balance, and a margin; their residual goes into ``right_side`` (n,).
 
     Where rows at the edge of a part that increments were ``tried`` for are out of balance, the margin was too small,
@@ -129,9 +129,9 @@ def aim(w, dofs, state, right_side, scale, tolerance, tried, slow):
     first, last = n, 0
     end = at[ASKED_END]
     for b in range(at[ASKED], end, LANES):
-        if any_of(within(b, end) & (abs(gather(right_side, b, end)) > LITTLE * tolerance * gather(scale, b, end))):
+        if any_of(within(b, end) & (abs(gather(right_side, b, end)) * gather(per_scale, b, end) > LITTLE * tolerance)):
             for i in range(b, min(b + LANES, end)):
-                if abs(right_side[i]) > LITTLE * tolerance * scale[i]:
+                if abs(right_side[i]) * per_scale[i] > LITTLE * tolerance:
                     first, last = min(first, i), i + 1
     above = first < at[SOLVED] + w.band and at[SOLVED] > 0
     below = last > at[SOLVED_END] - w.band and at[SOLVED_END] < n
@@ -207,9 +207,9 @@ def balance_part(w, groups, dofs, state, t, right_side):
 
 
 @kernel
-def worst_of_part(w, residual, scale, counters):
+def worst_of_part(w, residual, per_scale, counters):
     """Largest residual of the rows that are asked for, over its scale."""
-    return worst_between(residual, scale, counters, w.at[ASKED], w.at[ASKED_END])
+    return worst_between(residual, per_scale, counters, w.at[ASKED], w.at[ASKED_END])
 
 
 # -- matrix and increments -------------------------------------------------------------------------------------------

@@ -41,7 +41,7 @@ def _take_changed(rows, dofs, state, changed):
 
 
 @kernel
-def _aim(rows, dofs, state, right_side, scale, tolerance, tried, slow):
+def _aim(rows, dofs, state, right_side, per_scale, tolerance, tried, slow):
     return slow
 
 
@@ -60,8 +60,8 @@ def _balance(rows, groups, dofs, state, t, right_side):
 
 
 @kernel
-def _worst(rows, residual, scale, counters):
-    return worst_between(residual, scale, counters, 0, residual.size)
+def _worst(rows, residual, per_scale, counters):
+    return worst_between(residual, per_scale, counters, 0, residual.size)
 
 
 @kernel
