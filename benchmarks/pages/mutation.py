@@ -63,12 +63,17 @@ MUTANTS = (
         "factor in the second rate of a wave that grows", ("kernels/test_time_function.py",),
     ),
     Mutant(
-        "core/tautline/elements/tension.py", "_residual", "force = carried * strain * factor",
+        "core/tautline/elements/tension.py", "tension_of_four", "force = carried * strain * factor",
         "force = carried * strain", "factor of engineering strain dropped", ("kernels/test_cable_groups.py",),
     ),
     Mutant(
-        "core/tautline/elements/bending.py", "_residual", "p[SECOND + 3] * h", "p[SECOND + 3] * h * h",
+        "core/tautline/elements/bending.py", "bending_of_four", "p[SECOND + 3] * h", "p[SECOND + 3] * h * h",
         "power of the length in the curvature", ("kernels/test_cable_groups.py",),
+    ),
+    Mutant(
+        "core/tautline/elements/cubic.py", "_add_in_a_row_with_mass", "_plus(s, m32, axis), _plus(d, m33, axis)",
+        "_plus(s, m31, axis), _plus(d, m33, axis)", "entry of the mass where terms go together",
+        ("kernels/test_elements_of_four.py",),
     ),
     Mutant(
         "core/tautline/elements/flow.py", "_residual", "2.0 * (l_d * v_l - u * v_x)", "2.0 * l_d * v_l - u * v_x",
@@ -102,8 +107,8 @@ MUTANTS = (
         ("kernels/test_cable_groups.py",),
     ),
     Mutant(
-        "core/tautline/integrators/generalized_alpha.py", "generalized_alpha_step",
-        "(state.a[i] - m.alpha_m * last) / (1.0 - m.alpha_m)", "(state.a[i] - m.alpha_f * last) / (1.0 - m.alpha_m)",
+        "core/tautline/integrators/generalized_alpha.py", "_auxiliary",
+        "* (a - m.alpha_m * last)", "* (a - m.alpha_f * last)",
         "one alpha for the other in the auxiliary acceleration", ("order/test_order.py",),
     ),
     Mutant(

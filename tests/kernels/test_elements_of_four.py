@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from tautline.elements.bending import BENDING, new_bending
+from tautline.elements.bending import BENDING, Bending, new_bending
+from tautline.elements.cable import Cable, Elastic
 from tautline.elements.cubic import members
 from tautline.elements.inertia import INERTIA, Inertia
-from tautline.elements.tension import TENSION, new_tension
+from tautline.elements.tension import TENSION, Tension, new_tension
 from tautline.kernels import groups as over
 from tautline.kernels import lanes
 from tautline.kernels.dofs import Dofs
-from tautline.kernels.groups import link
+from tautline.kernels.groups import link, members_of
 from tautline.kernels.hermite import gauss, table
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import dense, new_matrix
@@ -22,6 +23,11 @@ NODE = 7
 @entry
 def _residual(groups, q, v, a, r):
     over.residual(groups, 0.0, q, v, a, r)
+
+
+@entry
+def _force(groups, q, v, a, r):
+    over.force(groups, 0.0, q, v, a, r)
 
 
 @entry
@@ -128,3 +134,73 @@ def test_elements_beside_each_other_are_what_each_is_alone(count):
         assert np.allclose(residual, of_each, rtol=0.0, atol=1e-13 * np.abs(of_each).max())
         wanted = dense(matrix_of_each)
         assert np.allclose(dense(matrix), wanted, rtol=0.0, atol=1e-13 * np.abs(wanted).max())
+
+
+def _sums(groups, q, v, a, free, bandwidth):
+    """Residual, force without inertia, and tangent of some groups."""
+    linked = link(groups, "residual", "force", "smooth_tangent")
+    residual, force, matrix = np.zeros(q.size), np.zeros(q.size), new_matrix(free.free.size, bandwidth)
+    _residual(linked, q, v, a, residual)
+    _force(linked, q, v, a, force)
+    _tangent(linked, q, v, a, matrix, free)
+    return residual, force, dense(matrix)
+
+
+def _some_held(size, rng):
+    """The same unknowns but for some that are held, and two that are one."""
+    held = np.sort(rng.choice(size, size // 5, replace=False))
+    number = np.full(size, -1)
+    free = np.setdiff1d(np.arange(size), held)
+    number[free] = np.arange(free.size)
+    masters = [[number[i]] if number[i] >= 0 else [] for i in range(size)]
+    one, other = free[1], free[-1]
+    masters[other], number[other] = [number[one]], number[one]
+    flat = [m for each in masters for m in each]
+    start = np.concatenate([[0], np.cumsum([len(each) for each in masters])])
+    kept = free[:-1]
+    numbers = {"start": start, "unknown": np.array(flat), "number": number, "free": kept, "held": held}
+    numbers |= {"tied": np.array([other])}
+    whole = {name: np.ascontiguousarray(value, np.int64) for name, value in numbers.items()}
+    whole["factor"] = np.ones(len(flat))
+    empty = {name: np.zeros(0, float if name == "offset" else np.int64) for name in Dofs._fields if name not in whole}
+    return Dofs(**whole, **empty)
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("count", [1, 3, 4, 6, 9])
+def test_terms_of_the_same_elements_do_together_what_each_does_alone(count, held):
+    rng = np.random.default_rng(count)
+    groups, q, v, a = _rope(count, rng)
+    free = _some_held(q.size, rng) if held else _all_free(q.size)
+    tension, bending, inertia = groups(range(count))
+    alone = [_sums((one,), q, v, a, free, q.size - 1) for one in (tension, bending, inertia)]
+    for some, kinds in (((0, 1), {Elastic}), ((0, 1, 2), {Cable}), ((0, 2), {Tension, Inertia})):
+        chosen = tuple((tension, bending, inertia)[k] for k in some)
+        running = members_of(chosen)
+        assert {type(running.groups[i]) for i, _ in running.that_run("residual")} == kinds
+        for together, parts in zip(_sums(chosen, q, v, a, free, q.size - 1), zip(*alone, strict=True), strict=True):
+            wanted = sum(parts[k] for k in some)
+            assert np.allclose(together, wanted, rtol=0.0, atol=1e-13 * np.abs(wanted).max())
+
+
+def test_terms_of_other_elements_or_in_another_order_run_alone():
+    groups, *_ = _rope(5, np.random.default_rng(5))
+    tension, bending, inertia = groups(range(5))
+    _, some, _ = groups(range(3))
+    _, turned, _ = groups([1, 0, 2, 3, 4])
+    for other in (some, turned):
+        running = members_of((tension, other, inertia))
+        assert [type(running.groups[i]) for i, _ in running.that_run("residual")] == [Tension, Bending, Inertia]
+    # Two ropes: each term goes with those of its own rope, wherever it stands in the list.
+    apart, *_ = groups([4, 3])
+    running = members_of((tension, apart, bending, inertia))
+    assert running.parts == ((3, 0, 2),)
+    assert [type(running.groups[i]) for i, _ in running.that_run("residual")] == [Tension, Cable]
+
+
+def test_what_is_not_gone_through_together_is_asked_of_each_term():
+    tension, bending, inertia = _rope(4, np.random.default_rng(4))[0](range(4))
+    running = members_of((tension, bending, inertia))
+    for name in ("energy", "dissipation", "mass"):
+        kinds = [type(running.groups[i]) for i, _ in running.that_run(name)]
+        assert kinds == ([Inertia] if name == "mass" else [Tension, Bending, Inertia])

@@ -50,7 +50,7 @@ class Iteration:
 
     def aim(self, tried=False, slow=False):
         slow = aim(
-            self.window, self.system.dofs, self.state, self.right_side, self.system.scale, TOLERANCE, tried, slow
+            self.window, self.system.dofs, self.state, self.right_side, 1.0 / self.system.scale, TOLERANCE, tried, slow
         )
         return tuple(self.window.at[[SOLVED, SOLVED_END, ASKED, ASKED_END]]), slow
 

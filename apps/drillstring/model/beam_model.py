@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+import tautline.elements.cable  # noqa: F401  (terms of the same elements run together)
 from drillstring.drilling.end_groups import BLOCK, ROTATION, Along, groups_at_ends, is_driven
 from drillstring.groups.beam_contact import PAD, BeamContact
 from drillstring.groups.beam_eccentricity import OFF_AXIS, BeamEccentricity

@@ -25,6 +25,7 @@ from tautline.elements.cubic import (
     lengths_of,
     members,
     nodes_of,
+    nothing,
     place_of,
     row_of,
     scaled_sum,
@@ -152,36 +153,45 @@ def _properties(rows, each):
     )
 
 
+@kernel(forceinline=True)
+def bending_of_four(g, each, counts, i, j, shape, q, v, sums):
+    """Add to what works on r2 - r1, r1' and r2' of four elements, three lanes each, what their bending adds.
+
+    ``i`` and ``j`` are the places of their nodes, ``shape`` is what :func:`~tautline.elements.cubic.shape_of` returns.
+    """
+    on_chord, on_first, on_second = sums
+    length = lengths_of(q, i, j)
+    stiffness, damping, depth, damped = _properties(g.rows, each)
+    h = 1.0 / length
+    half = 0.5 * stiffness * counts
+    rates = shape
+    if damped:
+        rates = shape_of(v, i, j)
+    for k in range(g.points.shape[0]):
+        p = g.points[k]
+        # N' and N'' of position enter by its difference.
+        n1, n2, n3 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
+        m1, m2, m3 = p[SECOND + 2] * h * h, p[SECOND + 1] * h, p[SECOND + 3] * h
+        slope, turn = combined((n1, n2, n3), shape), combined((m1, m2, m3), shape)
+        square, by_a, by_b, by_c = derivatives_of(*products_of(slope, turn))
+        by_slope, by_turn = gradient_of(slope, turn, by_a, by_b, by_c)
+        force = p[WEIGHT] * length * half
+        if damped:
+            rate = dot(by_slope, combined((n1, n2, n3), rates)) + dot(by_turn, combined((m1, m2, m3), rates))
+            force = force + force * 0.5 * damping * rate / (square + depth)
+        on_chord = scaled_sum(scaled_sum(on_chord, n1 * force, by_slope), m1 * force, by_turn)
+        on_first = scaled_sum(scaled_sum(on_first, n2 * force, by_slope), m2 * force, by_turn)
+        on_second = scaled_sum(scaled_sum(on_second, n3 * force, by_slope), m3 * force, by_turn)
+    return on_chord, on_first, on_second
+
+
 @kernel
 def _residual(g, t, q, v, a, r):
     for n in range(0, g.rows.size, LANES):
         each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
-        length = lengths_of(q, i, j)
-        stiffness, damping, depth, damped = _properties(g.rows, each)
-        h = 1.0 / length
-        half = 0.5 * stiffness * counts
-        shape = rates = shape_of(q, i, j)
-        if damped:
-            rates = shape_of(v, i, j)
-        none = spread(0.0)
-        on_chord = on_first = on_second = (none, none, none)
-        for k in range(g.points.shape[0]):
-            p = g.points[k]
-            # N' and N'' of position enter by its difference.
-            n1, n2, n3 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
-            m1, m2, m3 = p[SECOND + 2] * h * h, p[SECOND + 1] * h, p[SECOND + 3] * h
-            slope, turn = combined((n1, n2, n3), shape), combined((m1, m2, m3), shape)
-            square, by_a, by_b, by_c = derivatives_of(*products_of(slope, turn))
-            by_slope, by_turn = gradient_of(slope, turn, by_a, by_b, by_c)
-            force = p[WEIGHT] * length * half
-            if damped:
-                rate = dot(by_slope, combined((n1, n2, n3), rates)) + dot(by_turn, combined((m1, m2, m3), rates))
-                force = force + force * 0.5 * damping * rate / (square + depth)
-            on_chord = scaled_sum(scaled_sum(on_chord, n1 * force, by_slope), m1 * force, by_turn)
-            on_first = scaled_sum(scaled_sum(on_first, n2 * force, by_slope), m2 * force, by_turn)
-            on_second = scaled_sum(scaled_sum(on_second, n3 * force, by_slope), m3 * force, by_turn)
-        add_forces(r, i, j, on_chord, on_first, on_second)
+        sums = bending_of_four(g, each, counts, i, j, shape_of(q, i, j), q, v, nothing())
+        add_forces(r, i, j, *sums)
 
 
 @kernel
@@ -292,40 +302,46 @@ def _sum_points_of_any(four, points):
                 store(four, row + 2 * AXES * LANES, f3)
 
 
+@kernel(forceinline=True)
+def write_bending_tangent(g, each, i, j, shape, q, v, cc, ck):
+    """Write how the bending of four elements changes with r2 - r1, r1' and r2' into ``g.four``."""
+    length = lengths_of(q, i, j)
+    stiffness, damping, depth, damped = _properties(g.rows, each)
+    h = 1.0 / length
+    rates = shape
+    if damped:
+        rates = shape_of(v, i, j)
+    for k in range(g.points.shape[0]):
+        p, at = g.points[k], BLOCK_OF_FOUR + k * POINT
+        first = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
+        second = p[SECOND + 2] * h * h, p[SECOND + 1] * h, p[SECOND + 3] * h
+        for l in range(AXES):
+            store(g.four, at + l * LANES, first[l])
+            store(g.four, at + (AXES + l) * LANES, second[l])
+        slope, turn = combined(first, shape), combined(second, shape)
+        # The elastic force is EJ / 2 times the gradient of kappa^2.
+        factor = 0.5 * p[WEIGHT] * length * stiffness
+        if damped:
+            square = store_hessian(slope, turn, factor, g.four, at + FUNCTIONS * LANES)
+            both, depth_of_all = (combined(first, rates), combined(second, rates)), square + depth
+            viscosity = 0.5 * damping / depth_of_all
+            _stress_of_four(
+                g.four, at + FUNCTIONS * LANES, factor, slope, turn, both, viscosity, -1.0 / depth_of_all, cc, ck
+            )
+        else:
+            store_hessian(slope, turn, ck * factor, g.four, at + FUNCTIONS * LANES)
+    if damped:
+        _sum_points_of_any(g.four, g.points.shape[0])
+    else:
+        _sum_points(g.four, g.points.shape[0])
+
+
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(0, g.rows.size, LANES):
         each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
-        length = lengths_of(q, i, j)
-        stiffness, damping, depth, damped = _properties(g.rows, each)
-        h = 1.0 / length
-        shape = rates = shape_of(q, i, j)
-        if damped:
-            rates = shape_of(v, i, j)
-        for k in range(g.points.shape[0]):
-            p, at = g.points[k], BLOCK_OF_FOUR + k * POINT
-            first = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
-            second = p[SECOND + 2] * h * h, p[SECOND + 1] * h, p[SECOND + 3] * h
-            for l in range(AXES):
-                store(g.four, at + l * LANES, first[l])
-                store(g.four, at + (AXES + l) * LANES, second[l])
-            slope, turn = combined(first, shape), combined(second, shape)
-            # The elastic force is EJ / 2 times the gradient of kappa^2.
-            factor = 0.5 * p[WEIGHT] * length * stiffness
-            if damped:
-                square = store_hessian(slope, turn, factor, g.four, at + FUNCTIONS * LANES)
-                both, depth_of_all = (combined(first, rates), combined(second, rates)), square + depth
-                viscosity = 0.5 * damping / depth_of_all
-                _stress_of_four(
-                    g.four, at + FUNCTIONS * LANES, factor, slope, turn, both, viscosity, -1.0 / depth_of_all, cc, ck
-                )  # fmt: skip
-            else:
-                store_hessian(slope, turn, ck * factor, g.four, at + FUNCTIONS * LANES)
-        if damped:
-            _sum_points_of_any(g.four, g.points.shape[0])
-        else:
-            _sum_points(g.four, g.points.shape[0])
+        write_bending_tangent(g, each, i, j, shape_of(q, i, j), q, v, cc, ck)
         add_blocks(matrix, dofs, g.four, 0, each, counts, i, j, g.block)
 
 

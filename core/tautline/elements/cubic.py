@@ -20,6 +20,7 @@ from tautline.kernels.lanes import (
     laid_flat,
     load,
     pack,
+    spread,
     store,
     transposed,
 )
@@ -142,6 +143,13 @@ def scaled_sum(x, s, y):
 
 
 @kernel(forceinline=True)
+def nothing():
+    """No force on r2 - r1, r1' and r2' of four elements yet."""
+    none = spread(0.0)
+    return (none, none, none), (none, none, none), (none, none, none)
+
+
+@kernel(forceinline=True)
 def add_forces(r, a, b, on_chord, on_first, on_second):
     """Add what works on r2 - r1, r1' and r2' of four elements to a residual."""
     x, y, z = on_chord
@@ -206,40 +214,90 @@ def corners_of(number, width, a, b):
 
 
 @kernel(forceinline=True)
-def _opposite(rows):
-    return -rows[0], -rows[1], -rows[2], -rows[3]
+def _add_column(flat, first, second, column, on_r1, on_s1, on_r2, on_s2):
+    """Add three lanes each to the rows of r1, r1', r2 and r2' in one column of four elements.
+
+    The rows of a node are added by four and two, for it is its node's other element that adds to them next.
+    """
+    add_at_places(flat, first, column, transposed(on_r1[0], on_r1[1], on_r1[2], on_s1[0]))
+    add_pairs_at_places(flat, first, column + LANES, on_s1[1], on_s1[2])
+    add_at_places(flat, second, column, transposed(on_r2[0], on_r2[1], on_r2[2], on_s2[0]))
+    add_pairs_at_places(flat, second, column + LANES, on_s2[1], on_s2[2])
+
+
+@kernel(forceinline=True)
+def _column_of_four(four, place, counts):
+    """What works on r2 - r1, r1' and r2' of four elements for one change of their shapes: three lanes each."""
+    step = SHAPE * LANES
+    return (
+        (counts * load(four, place), counts * load(four, place + step), counts * load(four, place + 2 * step)),
+        (counts * load(four, place + 3 * step), counts * load(four, place + 4 * step),
+         counts * load(four, place + 5 * step)),
+        (counts * load(four, place + 6 * step), counts * load(four, place + 7 * step),
+         counts * load(four, place + 8 * step)),
+    )  # fmt: skip
+
+
+@kernel(forceinline=True)
+def _opposite(x):
+    return -x[0], -x[1], -x[2]
 
 
 @kernel(forceinline=True)
 def _add_in_a_row(matrix, dofs, four, at, counts, a, b):
     """Add the derivatives of four elements to columns of the band, several rows of them at a time.
 
-    What works on r2 - r1 stands in r2's rows, and with the other sign in r1's. The rows of a node are added by four and
-    two, for it is its node's other element that adds to them next.
+    What works on r2 - r1 stands in r2's rows, and with the other sign in r1's.
     """
-    flat, width, step = laid_flat(matrix.band), matrix.band.shape[1], SHAPE * LANES
+    flat, width = laid_flat(matrix.band), matrix.band.shape[1]
     in_first, below_it, above_it, in_second = corners_of(dofs.number, width, a, b)
     for vector in range(AXES):
         # Columns of r1 and r2, of r1', of r2'.
         first, second = (in_first, below_it) if vector == 1 else (above_it, in_second)
         for y in range(AXES):
-            place = at + (AXES * vector + y) * LANES
-            d0, d1 = counts * load(four, place), counts * load(four, place + step)
-            d2, s0 = counts * load(four, place + 2 * step), counts * load(four, place + 3 * step)
-            s1, s2 = counts * load(four, place + 4 * step), counts * load(four, place + 5 * step)
-            t0, t1 = counts * load(four, place + 6 * step), counts * load(four, place + 7 * step)
-            t2 = counts * load(four, place + 8 * step)
-            on_first, on_second = transposed(-d0, -d1, -d2, s0), transposed(d0, d1, d2, t0)
+            d, s, t = _column_of_four(four, at + (AXES * vector + y) * LANES, counts)
             column = (y if vector == 0 else AXES + y) * (width - 1)
-            add_at_places(flat, first, column, on_first)
-            add_pairs_at_places(flat, first, column + LANES, s1, s2)
-            add_at_places(flat, second, column, on_second)
-            add_pairs_at_places(flat, second, column + LANES, t1, t2)
+            _add_column(flat, first, second, column, _opposite(d), s, d, t)
             if vector == 0:
-                add_at_places(flat, in_first, column, _opposite(on_first))
-                add_pairs_at_places(flat, in_first, column + LANES, -s1, -s2)
-                add_at_places(flat, below_it, column, _opposite(on_second))
-                add_pairs_at_places(flat, below_it, column + LANES, -t1, -t2)
+                _add_column(flat, in_first, below_it, column, d, _opposite(s), _opposite(d), _opposite(t))
+
+
+@kernel(forceinline=True)
+def _plus(x, s, axis):
+    """x + s e, for three lanes x and the unit vector along an axis."""
+    return x[0] + axis[0] * s, x[1] + axis[1] * s, x[2] + axis[2] * s
+
+
+@kernel(forceinline=True)
+def _add_in_a_row_with_mass(matrix, dofs, four, counts, mass, a, b):
+    """The same, with a mass matrix whose lower half by columns is ``mass``, the same along all axes."""
+    flat, width = laid_flat(matrix.band), matrix.band.shape[1]
+    in_first, below_it, above_it, in_second = corners_of(dofs.number, width, a, b)
+    (m11, m21, m31, m41), (m22, m32, m42), (m33, m43), (m44,) = mass
+    for y in range(AXES):
+        axis = 1.0 if y == 0 else 0.0, 1.0 if y == 1 else 0.0, 1.0 if y == 2 else 0.0
+        d, s, t = _column_of_four(four, y * LANES, counts)
+        column, opposite = y * (width - 1), _opposite(d)
+        _add_column(
+            flat, in_first, below_it, column,
+            _plus(d, m11, axis), _plus(_opposite(s), m21, axis), _plus(opposite, m31, axis),
+            _plus(_opposite(t), m41, axis),
+        )  # fmt: skip
+        _add_column(
+            flat, above_it, in_second, column,
+            _plus(opposite, m31, axis), _plus(s, m32, axis), _plus(d, m33, axis), _plus(t, m43, axis),
+        )  # fmt: skip
+        column += AXES * (width - 1)
+        d, s, t = _column_of_four(four, (AXES + y) * LANES, counts)
+        _add_column(
+            flat, in_first, below_it, column,
+            _plus(_opposite(d), m21, axis), _plus(s, m22, axis), _plus(d, m32, axis), _plus(t, m42, axis),
+        )  # fmt: skip
+        d, s, t = _column_of_four(four, (2 * AXES + y) * LANES, counts)
+        _add_column(
+            flat, above_it, in_second, column,
+            _plus(_opposite(d), m41, axis), _plus(s, m42, axis), _plus(d, m43, axis), _plus(t, m44, axis),
+        )  # fmt: skip
 
 
 @kernel(forceinline=True)
@@ -269,6 +327,18 @@ def add_blocks(matrix, dofs, four, at, each, counts, a, b, block):
             break
         _write_block(four, at, lane, block)
         add_block(matrix, dofs, a[lane], b[lane] - a[lane], 2 * AXES, block)
+
+
+@kernel(forceinline=True)
+def add_blocks_with_mass(matrix, dofs, four, counts, mass, a, b):
+    """The same with mass matrices, whose lower half by columns is ``mass``; the derivatives begin ``four``.
+
+    Returns whether it could: the unknowns of each node must be numbered one after the other.
+    """
+    if not nodes_in_a_row(dofs.number, matrix.band.shape[0], a, b):
+        return False
+    _add_in_a_row_with_mass(matrix, dofs, four, counts, mass, a, b)
+    return True
 
 
 @kernel

@@ -72,10 +72,11 @@ def _momentum(r1, s1, r2, s2):
 
 
 @kernel(forceinline=True)
-def _add_four(g, n, q, v, a, r, moving):
-    """Add inertia (where ``moving``), damping by mass, and less the load, of four elements from the n-th on."""
-    each, counts = members(n, g.rows.size)
-    i, j = nodes_of(g.rows, each)
+def inertia_of_four(g, each, counts, i, j, q, v, a, moving):
+    """Inertia (where ``moving``), damping by mass, less the load, of four elements on r1, r1', r2 and r2'.
+
+    ``i`` and ``j`` are the places of their nodes. Three lanes each come back.
+    """
     h = lengths_of(q, i, j) * counts
     w, x, y, z = g.rows[each[0]], g.rows[each[1]], g.rows[each[2]], g.rows[each[3]]
     m = pack(w.mass, x.mass, y.mass, z.mass) * h / 420.0
@@ -92,8 +93,20 @@ def _add_four(g, n, q, v, a, r, moving):
     on_x = _force_along(r1[0], s1[0], r2[0], s2[0], m, h, pack(w.load[0], x.load[0], y.load[0], z.load[0]))
     on_y = _force_along(r1[1], s1[1], r2[1], s2[1], m, h, pack(w.load[1], x.load[1], y.load[1], z.load[1]))
     on_z = _force_along(r1[2], s1[2], r2[2], s2[2], m, h, pack(w.load[2], x.load[2], y.load[2], z.load[2]))
-    add_to_vectors(r, i, (on_x[0], on_y[0], on_z[0]), (on_x[1], on_y[1], on_z[1]))
-    add_to_vectors(r, j, (on_x[2], on_y[2], on_z[2]), (on_x[3], on_y[3], on_z[3]))
+    return (
+        (on_x[0], on_y[0], on_z[0]), (on_x[1], on_y[1], on_z[1]), (on_x[2], on_y[2], on_z[2]),
+        (on_x[3], on_y[3], on_z[3]),
+    )  # fmt: skip
+
+
+@kernel(forceinline=True)
+def _add_four(g, n, q, v, a, r, moving):
+    """Add what works on four elements from the n-th on."""
+    each, counts = members(n, g.rows.size)
+    i, j = nodes_of(g.rows, each)
+    on_r1, on_s1, on_r2, on_s2 = inertia_of_four(g, each, counts, i, j, q, v, a, moving)
+    add_to_vectors(r, i, on_r1, on_s1)
+    add_to_vectors(r, j, on_r2, on_s2)
 
 
 @kernel(forceinline=True)
@@ -127,6 +140,20 @@ def _mass(g, q, matrix, dofs):
         add_scalars(matrix, dofs, e.a, e.b, 1.0, g.block)
 
 
+@kernel(forceinline=True)
+def mass_of_four(g, each, counts, i, j, q, cm, cc):
+    """The lower half, by columns, of the mass matrices of four elements times cm + cc times their damping."""
+    w, x, y, z = g.rows[each[0]], g.rows[each[1]], g.rows[each[2]], g.rows[each[3]]
+    h = lengths_of(q, i, j)
+    m = pack(w.mass, x.mass, y.mass, z.mass) * h * counts / 420.0
+    m = m * (cm + cc * pack(w.damping, x.damping, y.damping, z.damping))
+    own, turned = 156.0 * m, 4.0 * m * h * h
+    return (
+        (own, 22.0 * m * h, 54.0 * m, -13.0 * m * h), (turned, 13.0 * m * h, -3.0 * m * h * h),
+        (own, -22.0 * m * h), (turned,),
+    )  # fmt: skip
+
+
 @kernel
 def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     number, flat, width = dofs.number, laid_flat(matrix.band), matrix.band.shape[1]
@@ -134,28 +161,25 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
         if not nodes_in_a_row(number, matrix.band.shape[0], i, j):
-            _add_one_by_one(g, n, q, cm, cc, matrix, dofs)
+            add_mass_one_by_one(g, n, q, cm, cc, matrix, dofs)
             continue
-        w, x, y, z = g.rows[each[0]], g.rows[each[1]], g.rows[each[2]], g.rows[each[3]]
-        h = lengths_of(q, i, j)
-        m = pack(w.mass, x.mass, y.mass, z.mass) * h * counts / 420.0
-        m = m * (cm + cc * pack(w.damping, x.damping, y.damping, z.damping))
+        first, second, third, fourth = mass_of_four(g, each, counts, i, j, q, cm, cc)
         corners = corners_of(number, width, i, j)
-        add_scalar_in_a_row(flat, width, corners, 0, 0, 156.0 * m)
-        add_scalar_in_a_row(flat, width, corners, 1, 0, 22.0 * m * h)
-        add_scalar_in_a_row(flat, width, corners, 1, 1, 4.0 * m * h * h)
-        add_scalar_in_a_row(flat, width, corners, 2, 0, 54.0 * m)
-        add_scalar_in_a_row(flat, width, corners, 2, 1, 13.0 * m * h)
-        add_scalar_in_a_row(flat, width, corners, 2, 2, 156.0 * m)
-        add_scalar_in_a_row(flat, width, corners, 3, 0, -13.0 * m * h)
-        add_scalar_in_a_row(flat, width, corners, 3, 1, -3.0 * m * h * h)
-        add_scalar_in_a_row(flat, width, corners, 3, 2, -22.0 * m * h)
-        add_scalar_in_a_row(flat, width, corners, 3, 3, 4.0 * m * h * h)
+        add_scalar_in_a_row(flat, width, corners, 0, 0, first[0])
+        add_scalar_in_a_row(flat, width, corners, 1, 0, first[1])
+        add_scalar_in_a_row(flat, width, corners, 1, 1, second[0])
+        add_scalar_in_a_row(flat, width, corners, 2, 0, first[2])
+        add_scalar_in_a_row(flat, width, corners, 2, 1, second[1])
+        add_scalar_in_a_row(flat, width, corners, 2, 2, third[0])
+        add_scalar_in_a_row(flat, width, corners, 3, 0, first[3])
+        add_scalar_in_a_row(flat, width, corners, 3, 1, second[2])
+        add_scalar_in_a_row(flat, width, corners, 3, 2, third[1])
+        add_scalar_in_a_row(flat, width, corners, 3, 3, fourth[0])
 
 
 @kernel
-def _add_one_by_one(g, first, q, cm, cc, matrix, dofs):
-    """The same for up to four elements, wherever their unknowns are."""
+def add_mass_one_by_one(g, first, q, cm, cc, matrix, dofs):
+    """Add the mass matrices of up to four elements, times cm + cc times damping, wherever their unknowns are."""
     for n in range(first, min(first + LANES, g.rows.size)):
         e = g.rows[n]
         _write_block(e.mass, _length(q, e.a, e.b), g.block)

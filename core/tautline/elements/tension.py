@@ -26,6 +26,7 @@ from tautline.elements.cubic import (
     lengths_of,
     members,
     nodes_of,
+    nothing,
     row_of,
     scaled_sum,
     shape_of,
@@ -119,41 +120,98 @@ def _is_any(rows, each):
     )
 
 
+@kernel(forceinline=True)
+def tension_of_four(g, each, counts, i, j, shape, q, v, sums):
+    """Add to what works on r2 - r1, r1' and r2' of four elements, three lanes each, what their tension adds.
+
+    ``i`` and ``j`` are the places of their nodes, ``shape`` is what :func:`~tautline.elements.cubic.shape_of` returns.
+    """
+    on_chord, on_first, on_second = sums
+    length = lengths_of(q, i, j)
+    stiffness, damping, engineering, slack = _properties(g.rows, each)
+    damped, engineered, slackens = _is_any(g.rows, each)
+    h = 1.0 / length
+    rates = shape
+    if damped:
+        rates = shape_of(v, i, j)
+    for k in range(g.points.shape[0]):
+        p = g.points[k]
+        # The first functions of both positions are opposite: position enters by its difference.
+        n1, n2, n3 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
+        e = combined((n1, n2, n3), shape)
+        square = dot(e, e)
+        strain, factor = 0.5 * (square - 1.0), spread(1.0)
+        if engineered:
+            size = sqrt(square)
+            strain = strain + engineering * (size - 1.0 - strain)
+            factor = factor + engineering * (1.0 / size - factor)
+        carried = p[WEIGHT] * length * stiffness * counts
+        if slackens:
+            carried = where(slack * strain < 0.0, 0.0, carried)
+        if damped:
+            strain = strain + damping * factor * dot(e, combined((n1, n2, n3), rates))
+        force = carried * strain * factor
+        on_chord = scaled_sum(on_chord, n1 * force, e)
+        on_first = scaled_sum(on_first, n2 * force, e)
+        on_second = scaled_sum(on_second, n3 * force, e)
+    return on_chord, on_first, on_second
+
+
 @kernel
 def _residual(g, t, q, v, a, r):
     for n in range(0, g.rows.size, LANES):
         each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
-        length = lengths_of(q, i, j)
-        stiffness, damping, engineering, slack = _properties(g.rows, each)
-        damped, engineered, slackens = _is_any(g.rows, each)
-        h = 1.0 / length
-        shape = rates = shape_of(q, i, j)
+        sums = tension_of_four(g, each, counts, i, j, shape_of(q, i, j), q, v, nothing())
+        add_forces(r, i, j, *sums)
+
+
+@kernel(forceinline=True)
+def write_tension_tangent(g, each, i, j, shape, q, v, cc, ck):
+    """Write how the tension of four elements changes with r2 - r1, r1' and r2' into ``g.four``."""
+    length = lengths_of(q, i, j)
+    stiffness, damping, engineering, slack = _properties(g.rows, each)
+    damped, engineered, slackens = _is_any(g.rows, each)
+    h = 1.0 / length
+    rates = shape
+    if damped:
+        rates = shape_of(v, i, j)
+    none = spread(0.0)
+    for k in range(g.points.shape[0]):
+        p = g.points[k]
+        n1, n2, n3 = functions = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
+        e = combined(functions, shape)
+        square = dot(e, e)
+        strain, factor, bent = 0.5 * (square - 1.0), spread(1.0), none
+        if engineered:
+            size = sqrt(square)
+            strain = strain + engineering * (size - 1.0 - strain)
+            factor = factor + engineering * (1.0 / size - factor)
+            bent = -engineering / (square * size)
+        weight = p[WEIGHT] * length * stiffness
+        if slackens:
+            weight = where(slack * strain < 0.0, 0.0, weight)
+        # The force's change with e is along e e^T + mixed e e.^T + across I.
+        stress, along, mixed, e_d = strain, factor * factor, none, e
         if damped:
-            rates = shape_of(v, i, j)
-        none = spread(0.0)
-        on_chord = on_first = on_second = (none, none, none)
-        for k in range(g.points.shape[0]):
-            p = g.points[k]
-            # The first functions of both positions are opposite: position enters by its difference.
-            n1, n2, n3 = p[FIRST + 2] * h, p[FIRST + 1], p[FIRST + 3]
-            e = combined((n1, n2, n3), shape)
-            square = dot(e, e)
-            strain, factor = 0.5 * (square - 1.0), spread(1.0)
-            if engineered:
-                size = sqrt(square)
-                strain = strain + engineering * (size - 1.0 - strain)
-                factor = factor + engineering * (1.0 / size - factor)
-            carried = p[WEIGHT] * length * stiffness * counts
-            if slackens:
-                carried = where(slack * strain < 0.0, 0.0, carried)
-            if damped:
-                strain = strain + damping * factor * dot(e, combined((n1, n2, n3), rates))
-            force = carried * strain * factor
-            on_chord = scaled_sum(on_chord, n1 * force, e)
-            on_first = scaled_sum(on_first, n2 * force, e)
-            on_second = scaled_sum(on_second, n3 * force, e)
-        add_forces(r, i, j, on_chord, on_first, on_second)
+            e_d = combined(functions, rates)
+            rate = dot(e, e_d)
+            stress = strain + damping * factor * rate
+            along = along + damping * factor * bent * rate
+            mixed = ck * weight * damping * factor * factor
+        along = weight * (ck * (along + stress * bent) + cc * damping * factor * factor)
+        across = ck * weight * stress * factor
+        at = BLOCK_OF_FOUR + k * POINT
+        _store_products(g.four, at, n1, n2, n3)
+        for x in range(AXES):
+            for y in range(AXES):
+                change = along * e[x] * e[y]
+                if damped:
+                    change = change + mixed * e[x] * e_d[y]
+                if x == y:
+                    change = change + across
+                store(g.four, at + (PRODUCTS + AXES * x + y) * LANES, change)
+    _sum_points(g.four, g.points.shape[0])
 
 
 @kernel
@@ -161,49 +219,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(0, g.rows.size, LANES):
         each, counts = members(n, g.rows.size)
         i, j = nodes_of(g.rows, each)
-        length = lengths_of(q, i, j)
-        stiffness, damping, engineering, slack = _properties(g.rows, each)
-        damped, engineered, slackens = _is_any(g.rows, each)
-        h = 1.0 / length
-        shape = rates = shape_of(q, i, j)
-        if damped:
-            rates = shape_of(v, i, j)
-        none = spread(0.0)
-        for k in range(g.points.shape[0]):
-            p = g.points[k]
-            n1, n2, n3 = functions = p[FIRST + 2] * h, spread(p[FIRST + 1]), spread(p[FIRST + 3])
-            e = combined(functions, shape)
-            square = dot(e, e)
-            strain, factor, bent = 0.5 * (square - 1.0), spread(1.0), none
-            if engineered:
-                size = sqrt(square)
-                strain = strain + engineering * (size - 1.0 - strain)
-                factor = factor + engineering * (1.0 / size - factor)
-                bent = -engineering / (square * size)
-            weight = p[WEIGHT] * length * stiffness
-            if slackens:
-                weight = where(slack * strain < 0.0, 0.0, weight)
-            # The force's change with e is along e e^T + mixed e e.^T + across I.
-            stress, along, mixed, e_d = strain, factor * factor, none, e
-            if damped:
-                e_d = combined(functions, rates)
-                rate = dot(e, e_d)
-                stress = strain + damping * factor * rate
-                along = along + damping * factor * bent * rate
-                mixed = ck * weight * damping * factor * factor
-            along = weight * (ck * (along + stress * bent) + cc * damping * factor * factor)
-            across = ck * weight * stress * factor
-            at = BLOCK_OF_FOUR + k * POINT
-            _store_products(g.four, at, n1, n2, n3)
-            for x in range(AXES):
-                for y in range(AXES):
-                    change = along * e[x] * e[y]
-                    if damped:
-                        change = change + mixed * e[x] * e_d[y]
-                    if x == y:
-                        change = change + across
-                    store(g.four, at + (PRODUCTS + AXES * x + y) * LANES, change)
-        _sum_points(g.four, g.points.shape[0])
+        write_tension_tangent(g, each, i, j, shape_of(q, i, j), q, v, cc, ck)
         add_blocks(matrix, dofs, g.four, 0, each, counts, i, j, g.block)
 
 

@@ -45,7 +45,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from itertools import chain
+from itertools import chain, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -182,6 +182,61 @@ def _kernels_of(kind: type) -> Any:
 KERNELS_OF.append(_kernels_of)
 
 
+Join = Callable[..., Any]
+JOINTS: dict[tuple[type, ...], Join] = {}
+"""What makes one group of several that are gone through together, by their kinds."""
+
+
+def register_joint(kinds: tuple[type, ...], join: Join) -> None:
+    """Register what goes through groups of several kinds together, in place of each of them by itself.
+
+    Parameters
+    ----------
+    kinds : tuple of type
+        Kinds of groups.
+    join : callable
+        Takes a group of each of them, and returns one of a kind that is registered too, or None where they do not
+        belong together. It does what these would do one after the other: for the hooks that its kind offers it runs in
+        their place. It is made for running alone: what asks for the groups of a scene finds the others.
+    """
+    JOINTS[kinds] = join
+    for kind in kinds:
+        _forget(kind)
+
+
+class Members(NamedTuple):
+    """The groups of a scene and, behind them, those that join some; ``parts`` are the places of what each joins."""
+
+    groups: tuple[Any, ...]
+    parts: tuple[tuple[int, ...], ...]
+
+    def that_run(self, name: str) -> list[tuple[int, str]]:
+        """Places of the groups that run for a sum, with the sum whose code they run."""
+        codes = {i: code for i, g in enumerate(self.groups) if (code := _code_for(name, type(g))) is not None}
+        for place, parts in enumerate(self.parts, len(self.groups) - len(self.parts)):
+            # Where a part has nothing to run for a sum, as one that another sum is for, the joint does not run either.
+            replaced = parts if place in codes and all(i in codes for i in parts) else (place,)
+            for i in replaced:
+                codes.pop(i, None)
+        return list(codes.items())
+
+
+def members_of(groups: tuple[Any, ...]) -> Members:
+    """Groups, and what joins some of them; each is joined once at most."""
+    made: list[Any] = []
+    parts: list[tuple[int, ...]] = []
+    for kinds, join in JOINTS.items():
+        places = [[i for i, g in enumerate(groups) if type(g) is kind] for kind in kinds]
+        for chosen in product(*places):
+            if any(i in taken for taken in parts for i in chosen):
+                continue
+            joint = join(*(groups[i] for i in chosen))
+            if joint is not None:
+                made.append(joint)
+                parts.append(chosen)
+    return Members((*groups, *made), tuple(parts))
+
+
 def without_friction(groups: tuple[Any, ...]) -> tuple[Any, ...]:
     """The groups whose damping is no friction."""
     return tuple(g for g in groups if type(g) not in FRICTION)
@@ -208,24 +263,26 @@ def _code_for(name: str, kind: type) -> str | None:
 
 def hook_jobs(groups: tuple[Any, ...], *sums: str) -> list[Job]:
     """The kernels that :func:`link` needs for some sums, for `parallel_compile`; heavy sums belong at the end."""
-    forms = [form_of(g) for g in groups]
-    used = [(_code_for(name, type(g)), form) for name in sums for g, form in zip(groups, forms, strict=True)]
-    return list(dict.fromkeys((run_hook, _signature(ROWS[name], form)) for name, form in used if name is not None))
+    members = members_of(groups)
+    forms = [form_of(g) for g in members.groups]
+    used = [(code, forms[i]) for name in sums for i, code in members.that_run(name)]
+    return list(dict.fromkeys((run_hook, _signature(ROWS[code], form)) for code, form in used))
 
 
 def _signature(row: int, form: Form) -> tuple[Form, ...]:
     return ("literal", row), ("type", form), int, int
 
 
-Laid = tuple[list[list[int]], list[Any]]
-"""Words and forms of groups."""
+Laid = tuple[Members, list[list[int]], list[Any]]
+"""Groups and those that join them, their words and forms."""
 
 
 def laid_out(groups: tuple[Any, ...]) -> Laid:
     """What :func:`link` lays out of the groups, whichever sums it is asked for."""
     known: dict[int, tuple[list[int], Any]] = {}
-    both = [laid(g, known) for g in groups]
-    return [words for words, _ in both], [form for _, form in both]
+    members = members_of(groups)
+    both = [laid(g, known) for g in members.groups]
+    return members, [words for words, _ in both], [form for _, form in both]
 
 
 def link(groups: tuple[Any, ...], *sums: str, as_laid: Laid | None = None) -> Any:
@@ -243,10 +300,11 @@ def link(groups: tuple[Any, ...], *sums: str, as_laid: Laid | None = None) -> An
     """
     if UNCOMPILED:
         return groups
-    words, forms = as_laid or laid_out(groups)
-    known = next((one for one in tuple(_drafts) if one.sums == sums and one.forms == forms), None)
+    members, words, forms = as_laid or laid_out(groups)
+    same = sums, members.parts
+    known = next((one for one in tuple(_drafts) if (one.sums, one.parts) == same and one.forms == forms), None)
     if known is None:
-        known = _draft(groups, sums, words, forms)
+        known = _draft(members, sums, words, forms)
         _drafts.appendleft(known)
     table = known.table.copy()
     table[known.begin :] = list(chain.from_iterable(words))
@@ -259,6 +317,7 @@ class _Draft(NamedTuple):
     bytes from its own start at ``members``, and zeros for the groups themselves from ``begin`` on."""
 
     sums: tuple[str, ...]
+    parts: tuple[tuple[int, ...], ...]
     forms: list[Any]
     table: np.ndarray
     members: np.ndarray
@@ -269,25 +328,22 @@ _drafts: deque[_Draft] = deque(maxlen=16)
 """The last ones: variants of a scene have the same."""
 
 
-def _draft(groups: tuple[Any, ...], sums: tuple[str, ...], words: list[list[int]], forms: list[Any]) -> _Draft:
+def _draft(members: Members, sums: tuple[str, ...], words: list[list[int]], forms: list[Any]) -> _Draft:
     calls: list[list[tuple[int, int]]] = [[] for _ in SUMS]
     # A form is hashed part by part each time: once is enough.
     known = [_addresses.setdefault(form, {}) for form in forms]
     for name in sums:
-        for i, g in enumerate(groups):
-            code = _code_for(name, type(g))
-            if code is not None:
-                calls[ROWS[name]].append((_address_for(code, forms[i], known[i]), i))
+        calls[ROWS[name]] += [(_address_for(code, forms[i], known[i]), i) for i, code in members.that_run(name)]
     table = np.zeros(len(SUMS) + sum(1 + 2 * len(c) for c in calls) + sum(map(len, words)), dtype=np.int64)
     places = table.size - np.cumsum([len(w) for w in reversed(words)], dtype=np.int64)[::-1]
-    at, members = len(SUMS), []
+    at, referring = len(SUMS), []
     for row, one in enumerate(calls):
         table[row], table[at] = at, len(one)
         for k, (address, i) in enumerate(one):
             table[at + 1 + 2 * k : at + 3 + 2 * k] = address, 8 * places[i]
-            members.append(at + 2 + 2 * k)
+            referring.append(at + 2 + 2 * k)
         at += 1 + 2 * len(one)
-    return _Draft(sums, forms, table, np.array(members, np.int64), at)
+    return _Draft(sums, members.parts, forms, table, np.array(referring, np.int64), at)
 
 
 def _address_for(code: str, form: Form, of_form: dict[str, int]) -> int:

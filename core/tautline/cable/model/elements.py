@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+import tautline.elements.cable  # noqa: F401  (terms of the same elements run together)
 from tautline.cable.input.parts import Element
 from tautline.cable.model.layout import Layout
 from tautline.elements.bending import BENDING, FlowingBending, new_bending

@@ -1,0 +1,144 @@
+"""The terms of a cubic element that are of the same elements, gone through together.
+
+Tension and bending are functions of r2 - r1, r1' and r2' (eqs 2.48 and 2.49), and inertia works on the same nodes
+(eq. 2.44). Each by itself reads what it needs of all elements, and adds its forces to the nodes' and its derivatives to
+the matrix; together they do so once. A matrix of a long rope is larger than what a processor has at hand, and adding to
+it is most of the work of a tangent.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tautline.elements.bending import Bending, bending_of_four, write_bending_tangent
+from tautline.elements.cubic import (
+    BLOCK_OF_FOUR,
+    add_blocks,
+    add_blocks_with_mass,
+    add_forces,
+    add_to_vectors,
+    members,
+    nodes_of,
+    nothing,
+    scaled_sum,
+    shape_of,
+)
+from tautline.elements.inertia import Inertia, add_mass_one_by_one, inertia_of_four, mass_of_four
+from tautline.elements.tension import Tension, tension_of_four, write_tension_tangent
+from tautline.kernels.groups import register, register_joint
+from tautline.kernels.jit import kernel
+from tautline.kernels.lanes import LANES, load, store
+
+
+class Elastic(NamedTuple):
+    """Tension and bending whose elements, in their order, are the same."""
+
+    tension: Tension
+    bending: Bending
+
+
+class Cable(NamedTuple):
+    """Inertia, tension and bending whose elements, in their order, are the same."""
+
+    inertia: Inertia
+    elastic: Elastic
+
+
+def _are_the_same(*groups: Any) -> bool:
+    """Whether the elements of groups are between the same nodes, in the same order."""
+    first, *others = groups
+    return all(
+        other.rows.size == first.rows.size and all(np.array_equal(other.rows[end], first.rows[end]) for end in "ab")
+        for other in others
+    )
+
+
+def elastic(tension: Tension, bending: Bending) -> Elastic | None:
+    """Both together; None where they are not of the same elements."""
+    return Elastic(tension, bending) if _are_the_same(tension, bending) else None
+
+
+def cable(inertia: Inertia, tension: Tension, bending: Bending) -> Cable | None:
+    """All three together; None where they are not of the same elements."""
+    return Cable(inertia, Elastic(tension, bending)) if _are_the_same(inertia, tension, bending) else None
+
+
+@kernel(forceinline=True)
+def _forces_of_four(g, each, counts, i, j, q, v):
+    """What works on r2 - r1, r1' and r2' of four elements, three lanes each."""
+    shape = shape_of(q, i, j)
+    sums = tension_of_four(g.tension, each, counts, i, j, shape, q, v, nothing())
+    return bending_of_four(g.bending, each, counts, i, j, shape, q, v, sums)
+
+
+@kernel(forceinline=True)
+def _write_tangent(g, each, i, j, q, v, cc, ck):
+    """Write how these forces change with r2 - r1, r1' and r2' into ``four`` of the bending."""
+    shape, four, other = shape_of(q, i, j), g.bending.four, g.tension.four
+    write_tension_tangent(g.tension, each, i, j, shape, q, v, cc, ck)
+    write_bending_tangent(g.bending, each, i, j, shape, q, v, cc, ck)
+    for k in range(0, BLOCK_OF_FOUR, LANES):
+        store(four, k, load(four, k) + load(other, k))
+
+
+@kernel
+def _elastic_residual(g, t, q, v, a, r):
+    rows = g.tension.rows
+    for n in range(0, rows.size, LANES):
+        each, counts = members(n, rows.size)
+        i, j = nodes_of(rows, each)
+        add_forces(r, i, j, *_forces_of_four(g, each, counts, i, j, q, v))
+
+
+@kernel
+def _elastic_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    rows = g.tension.rows
+    for n in range(0, rows.size, LANES):
+        each, counts = members(n, rows.size)
+        i, j = nodes_of(rows, each)
+        _write_tangent(g, each, i, j, q, v, cc, ck)
+        add_blocks(matrix, dofs, g.bending.four, 0, each, counts, i, j, g.bending.block)
+
+
+@kernel(forceinline=True)
+def _add_residual(g, q, v, a, r, moving):
+    """Add all forces, those of inertia where ``moving``."""
+    rows = g.inertia.rows
+    for n in range(0, rows.size, LANES):
+        each, counts = members(n, rows.size)
+        i, j = nodes_of(rows, each)
+        chord, first, second = _forces_of_four(g.elastic, each, counts, i, j, q, v)
+        on_r1, on_s1, on_r2, on_s2 = inertia_of_four(g.inertia, each, counts, i, j, q, v, a, moving)
+        add_to_vectors(r, i, scaled_sum(on_r1, -1.0, chord), scaled_sum(on_s1, 1.0, first))
+        add_to_vectors(r, j, scaled_sum(on_r2, 1.0, chord), scaled_sum(on_s2, 1.0, second))
+
+
+@kernel
+def _residual(g, t, q, v, a, r):
+    _add_residual(g, q, v, a, r, True)
+
+
+@kernel
+def _force(g, t, q, v, a, r):
+    _add_residual(g, q, v, a, r, False)
+
+
+@kernel
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    rows, bending = g.inertia.rows, g.elastic.bending
+    for n in range(0, rows.size, LANES):
+        each, counts = members(n, rows.size)
+        i, j = nodes_of(rows, each)
+        _write_tangent(g.elastic, each, i, j, q, v, cc, ck)
+        mass = mass_of_four(g.inertia, each, counts, i, j, q, cm, cc)
+        if not add_blocks_with_mass(matrix, dofs, bending.four, counts, mass, i, j):
+            add_blocks(matrix, dofs, bending.four, 0, each, counts, i, j, bending.block)
+            add_mass_one_by_one(g.inertia, n, q, cm, cc, matrix, dofs)
+
+
+register(Elastic, residual=_elastic_residual, tangent=_elastic_tangent)
+register(Cable, residual=_residual, force=_force, tangent=_tangent)
+register_joint((Inertia, Tension, Bending), cable)
+register_joint((Tension, Bending), elastic)
