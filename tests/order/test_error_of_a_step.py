@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tautline.integrators.generalized_alpha import _local_error, alphas, coefficients
+from tautline.integrators.generalized_alpha import DEPTH, _local_error, alphas, coefficients
 
 
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.9, 1.0])
@@ -15,8 +15,9 @@ def test_the_stated_error_is_that_of_the_methods_formula_for_an_acceleration_tha
     h, begin, jerk, length = 0.03, np.array([2.0, -1.0, 0.5]), np.array([1.0, -40.0, 7.0]), np.array([1.0, 0.5, 2.0])
     exact = 0.5 * begin * h**2 + jerk * h**3 / 6.0
     method = h**2 * ((0.5 - beta) * begin + beta * (begin + jerk * h))
-    keep = np.zeros((4, 3))
-    keep[2] = begin
-    state = SimpleNamespace(q=np.zeros(3), a=begin + jerk * h, keep=keep, counters=np.zeros(8, np.int64))
-    stated = getattr(_local_error, "py_func", _local_error)(SimpleNamespace(beta=beta, length=length), state, h)
+    history = np.zeros((DEPTH, 3))
+    history[1] = begin
+    state = SimpleNamespace(q=np.zeros(3), a=begin + jerk * h, counters=np.zeros(8, np.int64))
+    scratch = SimpleNamespace(beta=beta, length=length, history=history, newest=np.array([1]))
+    stated = getattr(_local_error, "py_func", _local_error)(scratch, state, h)
     assert stated == pytest.approx(np.abs(length * (method - exact)).max(), rel=1e-9)

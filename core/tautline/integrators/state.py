@@ -28,9 +28,10 @@ class State(NamedTuple):
     """Reduced position, velocity, acceleration and the auxiliary one of eq. 2.86 (n,); the same in full (n_full,).
 
     ``residual`` is the full residual of the last accepted state: at held degrees of freedom it is the force that
-    holds them. ``keep`` (4, n) is the state at the start of the step, to go back to. ``inertia`` (n,) is the diagonal
-    of the mass matrix at the start of the run, zero for multipliers. ``entered`` (2, n_full) are the full position and
-    residual of the last entry in the ledger, ``middle`` (2, n_full) is scratch.
+    holds them. ``keep`` (4, n) is the state at the start of the step, to go back to; generalized-alpha has its
+    accelerations in a history of its own. ``inertia`` (n,) is the diagonal of the mass matrix at the start of the run,
+    zero for multipliers. ``entered`` (2, n_full) are the full position and residual of the last entry in the ledger,
+    ``middle`` (2, n_full) is scratch.
     """
 
     q: np.ndarray
@@ -82,6 +83,16 @@ def worst_between(residual, per_scale, counters, first, last):
             counters[WORST] = i
             break
     return np.inf
+
+
+@kernel
+def keep(state):
+    """Remember the state, to go back to."""
+    for i in range(state.q.size):
+        state.keep[0, i] = state.q[i]
+        state.keep[1, i] = state.v[i]
+        state.keep[2, i] = state.a[i]
+        state.keep[3, i] = state.auxiliary[i]
 
 
 @kernel

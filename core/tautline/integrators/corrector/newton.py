@@ -70,9 +70,8 @@ class Corrector(NamedTuple):
     over its scale, of which ``per_scale`` (n,) is 1 / scale: products take a tenth of the time of quotients.
     ``smooth`` is the tangent of the groups that do not switch, kept where others do, and ``factors`` those of the
     whole; ``made_for`` and ``factored_for`` (2,) are the beta' and gamma' that they belong to, zeros where they are out
-    of date. ``rounded`` (1,) is 1 after an increment that rounding
-    has made, and ``fastest`` (1,) the largest velocity when all rows were last solved for. ``rows`` are those of the
-    iteration under way.
+    of date. ``rounded`` (1,) is 1 after an increment that rounding has made, and ``fastest`` (1,) the largest
+    velocity when all rows were last solved for. ``rows`` are those of the iteration under way.
     """
 
     tolerance: float
