@@ -128,11 +128,10 @@ def aim(w, dofs, state, right_side, per_scale, tolerance, tried, slow):
     at, n = w.at, right_side.size
     first, last = n, 0
     end = at[ASKED_END]
+    # Rows are taken by fours in any case.
     for b in range(at[ASKED], end, LANES):
         if any_of(within(b, end) & (abs(gather(right_side, b, end)) * gather(per_scale, b, end) > LITTLE * tolerance)):
-            for i in range(b, min(b + LANES, end)):
-                if abs(right_side[i]) * per_scale[i] > LITTLE * tolerance:
-                    first, last = min(first, i), i + 1
+            first, last = min(first, b), min(b + LANES, end)
     above = first < at[SOLVED] + w.band and at[SOLVED] > 0
     below = last > at[SOLVED_END] - w.band and at[SOLVED_END] < n
     if tried and (above or below):
