@@ -297,7 +297,9 @@ class Run:
             if made[what] != now[what]:
                 raise ResultError(place, f"belongs to another {word}", cure)
         if wrong := recall(earlier.restart, *self._parts()):
-            raise ResultError(place, f"belongs to another scene: {wrong[0]} does not fit", cure)
+            by = earlier.attributes.get("version", "?")
+            cause = f"Tautline {by} wrote it, and Tautline {__version__} keeps another state: {wrong[0]} does not fit"
+            raise ResultError(place, cause, "run the scene from its start, or go on with the Tautline that wrote it")
         times = np.array(earlier["time"])
         # A run that failed has stored frames since the state that it remembers: they are run again.
         kept = times <= float(earlier.attributes.get("restart_time", times[-1])) * (1.0 + 1e-12)

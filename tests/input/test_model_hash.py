@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -9,6 +10,7 @@ from tautline.application.installed import Installed
 from tautline.cable.input.parts import BESIDES_MODEL, CableScene
 from tautline.cable.input.scene import with_values
 from tautline.results.errors import ResultError
+from tautline.results.result import Result
 from tautline.scene.errors import SceneError
 from tautline.scene.identity import model_hash
 from tautline.scene.model import validate
@@ -135,3 +137,16 @@ def test_a_run_is_not_gone_on_with_in_a_scene_of_a_hundred_times_the_drag():
     thick = changed(longer, ("mud", "drag"), 100.0 * longer.mud.drag)
     with pytest.raises(ResultError, match="belongs to another scene"):
         simulate(Installed().of(thick).build(thick), resume=result)
+
+
+def test_a_state_that_another_version_remembers_differently_is_refused_as_that(tmp_path):
+    scene = Installed().for_scene(DATA / "hoist.yaml").read(DATA / "hoist.yaml")
+    short = changed(changed(scene, ("solver", "end"), 0.1), ("output", "interval"), 0.05)
+    path = tmp_path / "hoist.nc"
+    simulate(Installed().of(short).build(short), path)
+    with h5py.File(path, "a") as file:
+        del file["restart/method.last_step"]
+    longer = changed(short, ("solver", "end"), 0.2)
+    with pytest.raises(ResultError, match=r"keeps another state: method\.last_step does not fit") as refused:
+        simulate(Installed().of(longer).build(longer), resume=Result(path))
+    assert "run the scene from its start" in refused.value.cure
