@@ -244,7 +244,7 @@ def without_friction(groups: tuple[Any, ...]) -> tuple[Any, ...]:
 
 def offers(groups: tuple[Any, ...], hook: str) -> bool:
     """Whether any of the groups has a kernel for this hook."""
-    return any(hook in KINDS[type(g)] for g in groups)
+    return any(hook in KINDS[type(g)] for g in (groups.groups if isinstance(groups, Members) else groups))
 
 
 def has_constant_mass(groups: tuple[Any, ...]) -> bool:
@@ -291,7 +291,7 @@ def link(groups: tuple[Any, ...], *sums: str, as_laid: Laid | None = None) -> An
     The list is one array of integers: for each sum the place of its own part, which is a count and, for every group
     that it sums over, the address of the code and that of the group; then the groups themselves. The groups' arrays are
     referred to and must live on; ``as_laid`` is what they were laid out as before. Without a compiler
-    (``NUMBA_DISABLE_JIT=1``) the groups themselves are the list.
+    (``NUMBA_DISABLE_JIT=1``) the groups and those that join them are the list.
 
     Raises
     ------
@@ -299,7 +299,7 @@ def link(groups: tuple[Any, ...], *sums: str, as_laid: Laid | None = None) -> An
         For a group that holds what compiled code cannot, and for one whose kind is not registered.
     """
     if UNCOMPILED:
-        return groups
+        return members_of(groups)
     members, words, forms = as_laid or laid_out(groups)
     same = sums, members.parts
     known = next((one for one in tuple(_drafts) if (one.sums, one.parts) == same and one.forms == forms), None)
@@ -383,10 +383,10 @@ def _over_groups(name: str) -> Kernel:
     names = ", ".join(arguments)
 
     def total(groups, *args):
-        for g in groups:
-            code = _code_for(name, type(g))
-            if code is not None:
-                KINDS[type(g)][SUMS[code].hook](g, *args)
+        members = groups if isinstance(groups, Members) else members_of(groups)
+        for i, code in members.that_run(name):
+            g = members.groups[i]
+            KINDS[type(g)][SUMS[code].hook](g, *args)
 
     loop = (
         f"def {name}(groups, {names}):\n"
