@@ -39,6 +39,13 @@ class Elastic(NamedTuple):
     bending: Bending
 
 
+class Rope(NamedTuple):
+    """Inertia and tension whose elements, in their order, are the same."""
+
+    inertia: Inertia
+    tension: Tension
+
+
 class Cable(NamedTuple):
     """Inertia, tension and bending whose elements, in their order, are the same."""
 
@@ -58,6 +65,11 @@ def _are_the_same(*groups: Any) -> bool:
 def elastic(tension: Tension, bending: Bending) -> Elastic | None:
     """Both together; None where they are not of the same elements."""
     return Elastic(tension, bending) if _are_the_same(tension, bending) else None
+
+
+def rope(inertia: Inertia, tension: Tension) -> Rope | None:
+    """Both together; None where they are not of the same elements."""
+    return Rope(inertia, tension) if _are_the_same(inertia, tension) else None
 
 
 def cable(inertia: Inertia, tension: Tension, bending: Bending) -> Cable | None:
@@ -103,42 +115,86 @@ def _elastic_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
 
 
 @kernel(forceinline=True)
-def _add_residual(g, q, v, a, r, moving):
-    """Add all forces, those of inertia where ``moving``."""
+def _add_with_inertia(r, g, each, counts, i, j, q, v, a, moving, elastic):
+    """Add what works on r2 - r1, r1' and r2' of four elements, and their inertia, where ``moving``, and weight."""
+    chord, first, second = elastic
+    on_r1, on_s1, on_r2, on_s2 = inertia_of_four(g, each, counts, i, j, q, v, a, moving)
+    add_to_vectors(r, i, scaled_sum(on_r1, -1.0, chord), scaled_sum(on_s1, 1.0, first))
+    add_to_vectors(r, j, scaled_sum(on_r2, 1.0, chord), scaled_sum(on_s2, 1.0, second))
+
+
+@kernel(forceinline=True)
+def _add_tangent(matrix, dofs, g, n, each, counts, i, j, q, cm, cc, four, block):
+    """Add the derivatives of four elements from the n-th on that stand in ``four``, and their mass matrices."""
+    mass = mass_of_four(g, each, counts, i, j, q, cm, cc)
+    if not add_blocks_with_mass(matrix, dofs, four, counts, mass, i, j):
+        add_blocks(matrix, dofs, four, 0, each, counts, i, j, block)
+        add_mass_one_by_one(g, n, q, cm, cc, matrix, dofs)
+
+
+@kernel(forceinline=True)
+def _add_cable(g, q, v, a, r, moving):
     rows = g.inertia.rows
     for n in range(0, rows.size, LANES):
         each, counts = members(n, rows.size)
         i, j = nodes_of(rows, each)
-        chord, first, second = _forces_of_four(g.elastic, each, counts, i, j, q, v)
-        on_r1, on_s1, on_r2, on_s2 = inertia_of_four(g.inertia, each, counts, i, j, q, v, a, moving)
-        add_to_vectors(r, i, scaled_sum(on_r1, -1.0, chord), scaled_sum(on_s1, 1.0, first))
-        add_to_vectors(r, j, scaled_sum(on_r2, 1.0, chord), scaled_sum(on_s2, 1.0, second))
+        elastic = _forces_of_four(g.elastic, each, counts, i, j, q, v)
+        _add_with_inertia(r, g.inertia, each, counts, i, j, q, v, a, moving, elastic)
 
 
 @kernel
-def _residual(g, t, q, v, a, r):
-    _add_residual(g, q, v, a, r, True)
+def _cable_residual(g, t, q, v, a, r):
+    _add_cable(g, q, v, a, r, True)
 
 
 @kernel
-def _force(g, t, q, v, a, r):
-    _add_residual(g, q, v, a, r, False)
+def _cable_force(g, t, q, v, a, r):
+    _add_cable(g, q, v, a, r, False)
 
 
 @kernel
-def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+def _cable_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     rows, bending = g.inertia.rows, g.elastic.bending
     for n in range(0, rows.size, LANES):
         each, counts = members(n, rows.size)
         i, j = nodes_of(rows, each)
         _write_tangent(g.elastic, each, i, j, q, v, cc, ck)
-        mass = mass_of_four(g.inertia, each, counts, i, j, q, cm, cc)
-        if not add_blocks_with_mass(matrix, dofs, bending.four, counts, mass, i, j):
-            add_blocks(matrix, dofs, bending.four, 0, each, counts, i, j, bending.block)
-            add_mass_one_by_one(g.inertia, n, q, cm, cc, matrix, dofs)
+        _add_tangent(matrix, dofs, g.inertia, n, each, counts, i, j, q, cm, cc, bending.four, bending.block)
+
+
+@kernel(forceinline=True)
+def _add_rope(g, q, v, a, r, moving):
+    rows = g.inertia.rows
+    for n in range(0, rows.size, LANES):
+        each, counts = members(n, rows.size)
+        i, j = nodes_of(rows, each)
+        elastic = tension_of_four(g.tension, each, counts, i, j, shape_of(q, i, j), q, v, nothing())
+        _add_with_inertia(r, g.inertia, each, counts, i, j, q, v, a, moving, elastic)
+
+
+@kernel
+def _rope_residual(g, t, q, v, a, r):
+    _add_rope(g, q, v, a, r, True)
+
+
+@kernel
+def _rope_force(g, t, q, v, a, r):
+    _add_rope(g, q, v, a, r, False)
+
+
+@kernel
+def _rope_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
+    rows, tension = g.inertia.rows, g.tension
+    for n in range(0, rows.size, LANES):
+        each, counts = members(n, rows.size)
+        i, j = nodes_of(rows, each)
+        write_tension_tangent(tension, each, i, j, shape_of(q, i, j), q, v, cc, ck)
+        _add_tangent(matrix, dofs, g.inertia, n, each, counts, i, j, q, cm, cc, tension.four, tension.block)
 
 
 register(Elastic, residual=_elastic_residual, tangent=_elastic_tangent)
-register(Cable, residual=_residual, force=_force, tangent=_tangent)
+register(Cable, residual=_cable_residual, force=_cable_force, tangent=_cable_tangent)
+register(Rope, residual=_rope_residual, force=_rope_force, tangent=_rope_tangent)
 register_joint((Inertia, Tension, Bending), cable)
 register_joint((Tension, Bending), elastic)
+register_joint((Inertia, Tension), rope)
