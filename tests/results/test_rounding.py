@@ -31,6 +31,24 @@ def test_other_figures_are_left_as_they_are(value):
     assert told(value, "N") == value and told(7, "m") == 7
 
 
+def test_places_are_asked_for_only_where_a_figure_could_be_their_rounding():
+    asked = []
+
+    class Places(dict):
+        def __getitem__(self, name):
+            asked.append(name)
+            return super().__getitem__(name)
+
+    places = Places(position=np.array([[0.0, -SIZE]]))
+    for value, known in ((0.3, []), (1e-15, ["position"])):
+        headline = {
+            "way": {"value": value, "unit": "m", "text": ""},
+            "force": {"value": 1e-12, "unit": "N", "text": ""},
+        }
+        found = without_rounding(headline, places, STEP)
+        assert asked == known and found["way"]["value"] == (value if value > 0.1 else 0.0)
+
+
 def test_each_of_a_list_has_its_own():
     assert unrounded([1.0, 1e-15, -1e-3], 1.0) == [1.0, 0.0, -1e-3]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -13,6 +14,8 @@ class Observer(Protocol):
     """Reads what an engineer asks about out of a model's frames; ``own`` is how many numbers its groups record."""
 
     own: int
+    on_demand: Callable[[Any], Mapping[str, np.ndarray]] | None
+    """As `observe`, each variable made when it is asked for, of frames that stay as they are; None: no such way."""
 
     def coordinates(self) -> dict[str, tuple[Any, np.ndarray, str, str]]:
         """Arrays that do not change with time."""

@@ -59,6 +59,7 @@ def build(scene: DrillstringScene) -> Model:
         coordinates=observer.coordinates(),
         attributes=attributes_of(scene, "drillstring", COORDINATE_UNITS),
         observe=observer.observe,
+        on_demand=observer.on_demand,
         headline=lambda result: headline(result, lumps, scene.top.weight),
         limits=lambda result: limits(result, scene, lumps),
         figure_units=FIGURES,

@@ -68,6 +68,8 @@ def _on_arc(well: Wellbore, points: np.ndarray, s: np.ndarray) -> np.ndarray:
 class BeamObserver:
     """Turns frames into variables; all of it vectorised over the frames of a batch."""
 
+    on_demand = None
+
     def __init__(
         self, scene: DrillstringScene, well: Wellbore, mesh: Lumps, points: Points, groups: tuple[Any, ...]
     ) -> None:

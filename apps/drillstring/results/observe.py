@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,8 +16,9 @@ from drillstring.results.places import LUMP, names_of_bodies, names_of_links
 from drillstring.results.whirl import whirl_figures
 from drillstring.string.lumps import Lumps
 from drillstring.well.wellbore import Wellbore
-from tautline.application.modelling import energies_of, energy_variables
+from tautline.application.modelling import ENERGIES, energies_of, energy_variables
 from tautline.lumped.curve import PER_BODY
+from tautline.results.on_demand import OnDemand, together
 from tautline.results.variable import Variable
 
 FIGURES = {
@@ -97,36 +101,44 @@ class Observer:
 
     def observe(self, frames: Any) -> dict[str, np.ndarray]:
         """Variables of a batch of frames, leading axis time."""
+        return dict(self.on_demand(frames))
+
+    def on_demand(self, frames: Any) -> Mapping[str, np.ndarray]:
+        """The same, each variable made when it is asked for; the frames have to stay as they are."""
         rows = frames.time.size
         q = frames.q.reshape(rows, -1, PER_BODY)
         v = frames.v.reshape(rows, -1, PER_BODY)
         s = self.lumps.measured_depth + q[:, :, 0]
+        curvature = functools.cache(lambda: self.well.curvature(s))
+        ends = observed_at_ends(frames, self.groups)
+        made: dict[str, Callable[[], Any]] = {
+            "position": lambda: self.well.point(s, q[:, :, 1], q[:, :, 2]),
+            "velocity": lambda: self._velocity(q, v, s, *curvature()),
+            "measured_depth": lambda: s,
+            "lateral_displacement": lambda: q[:, :, 1:3].copy(),
+            "rotation": lambda: q[:, :, 3].copy(),
+            "axial_velocity": lambda: v[:, :, 0].copy(),
+            "rotation_rate": lambda: v[:, :, 3].copy(),
+            "tension": lambda: self._tension(q, v, s, *curvature()),
+            "torque": lambda: self._torque(q, v),
+            **together(("contact_force", "friction_force", "friction_around"), lambda: self._contact(frames, q)),
+            "hook_load": lambda: -frames.residual[:, 0],
+            "surface_torque": lambda: self._surface_torque(frames),
+            "block_position": lambda: q[:, 0, 0].copy(),
+            "bit_speed": lambda: v[:, -1, 0].copy(),
+            "bit_depth": lambda: s[:, -1].copy(),
+            **together(ENERGIES, lambda: self._energies(frames)),
+        }
+        return OnDemand(made | {name: partial(ends.__getitem__, name) for name in ends})
+
+    def _energies(self, frames: Any) -> dict[str, np.ndarray]:
+        return energies_of(frames) | {"potential_energy": frames.energy[:, 2] - self.unstretched}
+
+    def _velocity(self, q, v, s, k1, k2) -> np.ndarray:
+        """Velocity of every lump, north, east, down."""
         m1, m2, t = self.well.frame(s)
-        k1, k2 = self.well.curvature(s)
         along = v[:, :, 0] * (1.0 - k1 * q[:, :, 1] - k2 * q[:, :, 2])
-        velocity = along[..., None] * t + v[:, :, 1, None] * m1 + v[:, :, 2, None] * m2
-        contact, friction, around = self._contact(frames, q, v, k1, k2)
-        return {
-            "position": self.well.point(s, q[:, :, 1], q[:, :, 2]),
-            "velocity": velocity,
-            "measured_depth": s,
-            "lateral_displacement": q[:, :, 1:3].copy(),
-            "rotation": q[:, :, 3].copy(),
-            "axial_velocity": v[:, :, 0].copy(),
-            "rotation_rate": v[:, :, 3].copy(),
-            "tension": self._tension(q, v, s, k1, k2),
-            "torque": self._torque(q, v),
-            "contact_force": contact,
-            "friction_force": friction,
-            "friction_around": around,
-            "hook_load": -frames.residual[:, 0],
-            "surface_torque": self._surface_torque(frames),
-            "block_position": q[:, 0, 0].copy(),
-            "bit_speed": v[:, -1, 0].copy(),
-            "bit_depth": s[:, -1].copy(),
-            **energies_of(frames),
-            "potential_energy": frames.energy[:, 2] - self.unstretched,
-        } | observed_at_ends(frames, self.groups)
+        return along[..., None] * t + v[:, :, 1, None] * m1 + v[:, :, 2, None] * m2
 
     def _tension(self, q, v, s, k1, k2) -> np.ndarray:
         """Effective tension of each link, from its chord (docs/lumped_string.md) and Kelvin-Voigt damping."""
@@ -152,16 +164,15 @@ class Observer:
         twist = np.diff(q[:, :, 3], axis=1) + self.links.damping * np.diff(v[:, :, 3], axis=1)
         return -self.links.springs.torsional * twist
 
-    def _contact(self, frames, q, v, k1, k2):
+    def _contact(self, frames, q) -> dict[str, np.ndarray]:
         """Normal force and friction along and around the hole; lump 0 touches nothing."""
         shape = q.shape[:2]
-        if self.contact is None:
-            return np.zeros(shape), np.zeros(shape), np.zeros(shape)
-        own = frames.own[:, : 3 * self.contact.springs.size].reshape(shape[0], -1, 3)
-        out = [np.zeros(shape) for _ in range(3)]
-        for k in range(3):
-            out[k][:, self.contact.springs.body] = own[:, :, k]
-        return out[0], out[1], out[2]
+        out = {name: np.zeros(shape) for name in ("contact_force", "friction_force", "friction_around")}
+        if self.contact is not None:
+            own = frames.own[:, : 3 * self.contact.springs.size].reshape(shape[0], -1, 3)
+            for k, each in enumerate(out.values()):
+                each[:, self.contact.springs.body] = own[:, :, k]
+        return out
 
     def _surface_torque(self, frames) -> np.ndarray:
         if self.drive is not None:

@@ -14,6 +14,8 @@ import numpy as np
 
 ROUNDED = 32.0 * float(np.finfo(float).eps)
 """Rounding of a figure over the size of what it is a difference of: some tens of operations."""
+FARTHEST = 1.0e9
+"""No place of a scene is farther away, m."""
 PLACES = ("position", "measured_depth", "well_position")
 """Variables of results that say where things are, m."""
 
@@ -39,10 +41,17 @@ def without_rounding(headline: Mapping[str, Mapping[str, Any]], result: Any, ste
     step : float
         Mean step, s.
     """
+    per_metre = {"m": 1.0, "m/s": 1.0 / step if step > 0.0 else 0.0}
+    # Places need not be known, which may have to be made for it, where every figure is far larger than their rounding.
+    could_be = any(
+        unrounded(figure["value"], FARTHEST * per_metre[figure["unit"]]) != figure["value"]
+        for figure in headline.values()
+        if figure.get("unit") in per_metre
+    )
     size = 0.0
-    if any(figure.get("unit") in ("m", "m/s") for figure in headline.values()):
+    if could_be:
         size = max((float(np.abs(result[name]).max(initial=0.0)) for name in PLACES if name in result), default=0.0)
-    scales = {"m": size, "m/s": size / step if step > 0.0 else 0.0}
+    scales = {unit: size * factor for unit, factor in per_metre.items()}
     return {
         name: {**figure, "value": unrounded(figure["value"], scales.get(str(figure.get("unit")), 0.0))}
         for name, figure in headline.items()
