@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tautline.elements.bending import BENDING, Bending, new_bending
-from tautline.elements.cable import Cable, Elastic, Rope
+from tautline.elements.cable import Cable, Elastic
 from tautline.elements.cubic import members
 from tautline.elements.inertia import INERTIA, Inertia
 from tautline.elements.tension import TENSION, Tension, new_tension
@@ -174,7 +174,7 @@ def test_terms_of_the_same_elements_do_together_what_each_does_alone(count, held
     free = _some_held(q.size, rng) if held else _all_free(q.size)
     tension, bending, inertia = groups(range(count))
     alone = [_sums((one,), q, v, a, free, q.size - 1) for one in (tension, bending, inertia)]
-    for some, kinds in (((0, 1), {Elastic}), ((0, 1, 2), {Cable}), ((0, 2), {Rope}), ((1, 2), {Bending, Inertia})):
+    for some, kinds in (((0, 1), {Elastic}), ((0, 1, 2), {Cable}), ((0, 2), {Cable}), ((1, 2), {Bending, Inertia})):
         chosen = tuple((tension, bending, inertia)[k] for k in some)
         running = members_of(chosen)
         assert {type(running.groups[i]) for i, _ in running.that_run("residual")} == kinds
@@ -190,11 +190,11 @@ def test_terms_of_other_elements_or_in_another_order_run_alone():
     _, turned, _ = groups([1, 0, 2, 3, 4])
     for other in (some, turned):
         running = members_of((tension, other, inertia))
-        assert [type(running.groups[i]) for i, _ in running.that_run("residual")] == [Bending, Rope]
+        assert [type(running.groups[i]) for i, _ in running.that_run("residual")] == [Bending, Cable]
     # Of a rope that is stiff in a part of it inertia is that of all elements: it runs alone.
     less, *_ = groups(range(3))
     running = members_of((tension, less, some, inertia))
-    assert [type(running.groups[i]) for i, _ in running.that_run("residual")] == [Elastic, Rope]
+    assert [type(running.groups[i]) for i, _ in running.that_run("residual")] == [Elastic, Cable]
     running = members_of((less, some, inertia))
     assert [type(running.groups[i]) for i, _ in running.that_run("residual")] == [Inertia, Elastic]
     # Two ropes: each term goes with those of its own rope, wherever it stands in the list.

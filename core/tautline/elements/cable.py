@@ -27,6 +27,7 @@ from tautline.elements.cubic import (
 )
 from tautline.elements.inertia import Inertia, add_mass_one_by_one, inertia_of_four, mass_of_four
 from tautline.elements.tension import Tension, tension_of_four, write_tension_tangent
+from tautline.kernels.dispatch import by_type
 from tautline.kernels.groups import register, register_joint
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import LANES, load, store
@@ -39,18 +40,11 @@ class Elastic(NamedTuple):
     bending: Bending
 
 
-class Rope(NamedTuple):
-    """Inertia and tension whose elements, in their order, are the same."""
-
-    inertia: Inertia
-    tension: Tension
-
-
 class Cable(NamedTuple):
-    """Inertia, tension and bending whose elements, in their order, are the same."""
+    """Inertia, and tension alone or with bending, whose elements, in their order, are the same."""
 
     inertia: Inertia
-    elastic: Elastic
+    elastic: Tension | Elastic
 
 
 def _are_the_same(*groups: Any) -> bool:
@@ -67,9 +61,9 @@ def elastic(tension: Tension, bending: Bending) -> Elastic | None:
     return Elastic(tension, bending) if _are_the_same(tension, bending) else None
 
 
-def rope(inertia: Inertia, tension: Tension) -> Rope | None:
+def rope(inertia: Inertia, tension: Tension) -> Cable | None:
     """Both together; None where they are not of the same elements."""
-    return Rope(inertia, tension) if _are_the_same(inertia, tension) else None
+    return Cable(inertia, tension) if _are_the_same(inertia, tension) else None
 
 
 def cable(inertia: Inertia, tension: Tension, bending: Bending) -> Cable | None:
@@ -78,21 +72,37 @@ def cable(inertia: Inertia, tension: Tension, bending: Bending) -> Cable | None:
 
 
 @kernel(forceinline=True)
-def _forces_of_four(g, each, counts, i, j, q, v):
-    """What works on r2 - r1, r1' and r2' of four elements, three lanes each."""
+def _pull(g, each, counts, i, j, q, v):
+    return tension_of_four(g, each, counts, i, j, shape_of(q, i, j), q, v, nothing())
+
+
+@kernel(forceinline=True)
+def _pull_and_bend(g, each, counts, i, j, q, v):
     shape = shape_of(q, i, j)
     sums = tension_of_four(g.tension, each, counts, i, j, shape, q, v, nothing())
     return bending_of_four(g.bending, each, counts, i, j, shape, q, v, sums)
 
 
 @kernel(forceinline=True)
-def _write_tangent(g, each, i, j, q, v, cc, ck):
-    """Write how these forces change with r2 - r1, r1' and r2' into ``four`` of the bending."""
+def _write_pull(g, each, i, j, q, v, cc, ck):
+    write_tension_tangent(g, each, i, j, shape_of(q, i, j), q, v, cc, ck)
+    return g.four, g.block
+
+
+@kernel(forceinline=True)
+def _write_both(g, each, i, j, q, v, cc, ck):
     shape, four, other = shape_of(q, i, j), g.bending.four, g.tension.four
     write_tension_tangent(g.tension, each, i, j, shape, q, v, cc, ck)
     write_bending_tangent(g.bending, each, i, j, shape, q, v, cc, ck)
     for k in range(0, BLOCK_OF_FOUR, LANES):
         store(four, k, load(four, k) + load(other, k))
+    return four, g.bending.block
+
+
+_forces_of_four = by_type({Tension: _pull, Elastic: _pull_and_bend})
+"""What works on r2 - r1, r1' and r2' of four elements, three lanes each."""
+_write_tangent = by_type({Tension: _write_pull, Elastic: _write_both})
+"""Write how these forces change with r2 - r1, r1' and r2'; returns where, and scratch (12, 12)."""
 
 
 @kernel
@@ -110,91 +120,48 @@ def _elastic_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     for n in range(0, rows.size, LANES):
         each, counts = members(n, rows.size)
         i, j = nodes_of(rows, each)
-        _write_tangent(g, each, i, j, q, v, cc, ck)
-        add_blocks(matrix, dofs, g.bending.four, 0, each, counts, i, j, g.bending.block)
-
-
-@kernel(forceinline=True)
-def _add_with_inertia(r, g, each, counts, i, j, q, v, a, moving, elastic):
-    """Add what works on r2 - r1, r1' and r2' of four elements, and their inertia, where ``moving``, and weight."""
-    chord, first, second = elastic
-    on_r1, on_s1, on_r2, on_s2 = inertia_of_four(g, each, counts, i, j, q, v, a, moving)
-    add_to_vectors(r, i, scaled_sum(on_r1, -1.0, chord), scaled_sum(on_s1, 1.0, first))
-    add_to_vectors(r, j, scaled_sum(on_r2, 1.0, chord), scaled_sum(on_s2, 1.0, second))
-
-
-@kernel(forceinline=True)
-def _add_tangent(matrix, dofs, g, n, each, counts, i, j, q, cm, cc, four, block):
-    """Add the derivatives of four elements from the n-th on that stand in ``four``, and their mass matrices."""
-    mass = mass_of_four(g, each, counts, i, j, q, cm, cc)
-    if not add_blocks_with_mass(matrix, dofs, four, counts, mass, i, j):
+        four, block = _write_tangent(g, each, i, j, q, v, cc, ck)
         add_blocks(matrix, dofs, four, 0, each, counts, i, j, block)
-        add_mass_one_by_one(g, n, q, cm, cc, matrix, dofs)
 
 
 @kernel(forceinline=True)
-def _add_cable(g, q, v, a, r, moving):
+def _add_forces(g, q, v, a, r, moving):
+    """Add all forces, those of inertia where ``moving``."""
     rows = g.inertia.rows
     for n in range(0, rows.size, LANES):
         each, counts = members(n, rows.size)
         i, j = nodes_of(rows, each)
-        elastic = _forces_of_four(g.elastic, each, counts, i, j, q, v)
-        _add_with_inertia(r, g.inertia, each, counts, i, j, q, v, a, moving, elastic)
+        chord, first, second = _forces_of_four(g.elastic, each, counts, i, j, q, v)
+        on_r1, on_s1, on_r2, on_s2 = inertia_of_four(g.inertia, each, counts, i, j, q, v, a, moving)
+        add_to_vectors(r, i, scaled_sum(on_r1, -1.0, chord), scaled_sum(on_s1, 1.0, first))
+        add_to_vectors(r, j, scaled_sum(on_r2, 1.0, chord), scaled_sum(on_s2, 1.0, second))
 
 
 @kernel
-def _cable_residual(g, t, q, v, a, r):
-    _add_cable(g, q, v, a, r, True)
+def _residual(g, t, q, v, a, r):
+    _add_forces(g, q, v, a, r, True)
 
 
 @kernel
-def _cable_force(g, t, q, v, a, r):
-    _add_cable(g, q, v, a, r, False)
+def _force(g, t, q, v, a, r):
+    _add_forces(g, q, v, a, r, False)
 
 
 @kernel
-def _cable_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    rows, bending = g.inertia.rows, g.elastic.bending
-    for n in range(0, rows.size, LANES):
-        each, counts = members(n, rows.size)
-        i, j = nodes_of(rows, each)
-        _write_tangent(g.elastic, each, i, j, q, v, cc, ck)
-        _add_tangent(matrix, dofs, g.inertia, n, each, counts, i, j, q, cm, cc, bending.four, bending.block)
-
-
-@kernel(forceinline=True)
-def _add_rope(g, q, v, a, r, moving):
+def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
     rows = g.inertia.rows
     for n in range(0, rows.size, LANES):
         each, counts = members(n, rows.size)
         i, j = nodes_of(rows, each)
-        elastic = tension_of_four(g.tension, each, counts, i, j, shape_of(q, i, j), q, v, nothing())
-        _add_with_inertia(r, g.inertia, each, counts, i, j, q, v, a, moving, elastic)
-
-
-@kernel
-def _rope_residual(g, t, q, v, a, r):
-    _add_rope(g, q, v, a, r, True)
-
-
-@kernel
-def _rope_force(g, t, q, v, a, r):
-    _add_rope(g, q, v, a, r, False)
-
-
-@kernel
-def _rope_tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
-    rows, tension = g.inertia.rows, g.tension
-    for n in range(0, rows.size, LANES):
-        each, counts = members(n, rows.size)
-        i, j = nodes_of(rows, each)
-        write_tension_tangent(tension, each, i, j, shape_of(q, i, j), q, v, cc, ck)
-        _add_tangent(matrix, dofs, g.inertia, n, each, counts, i, j, q, cm, cc, tension.four, tension.block)
+        four, block = _write_tangent(g.elastic, each, i, j, q, v, cc, ck)
+        mass = mass_of_four(g.inertia, each, counts, i, j, q, cm, cc)
+        if not add_blocks_with_mass(matrix, dofs, four, counts, mass, i, j):
+            add_blocks(matrix, dofs, four, 0, each, counts, i, j, block)
+            add_mass_one_by_one(g.inertia, n, q, cm, cc, matrix, dofs)
 
 
 register(Elastic, residual=_elastic_residual, tangent=_elastic_tangent)
-register(Cable, residual=_cable_residual, force=_cable_force, tangent=_cable_tangent)
-register(Rope, residual=_rope_residual, force=_rope_force, tangent=_rope_tangent)
+register(Cable, residual=_residual, force=_force, tangent=_tangent)
 register_joint((Inertia, Tension, Bending), cable)
 register_joint((Tension, Bending), elastic)
 register_joint((Inertia, Tension), rope)

@@ -197,7 +197,7 @@ def register_joint(kinds: tuple[type, ...], join: Join) -> None:
     join : callable
         Takes a group of each of them, and returns one of a kind that is registered too, or None where they do not
         belong together. It does what these would do one after the other: for the hooks that its kind offers it runs in
-        their place. It is made for running alone: what asks for the groups of a scene finds the others.
+        their place. Only sums see it: who asks for the groups of a scene finds the others.
     """
     JOINTS[kinds] = join
     for kind in kinds:
@@ -214,7 +214,7 @@ class Members(NamedTuple):
         """Places of the groups that run for a sum, with the sum whose code they run."""
         codes = {i: code for i, g in enumerate(self.groups) if (code := _code_for(name, type(g))) is not None}
         for place, parts in enumerate(self.parts, len(self.groups) - len(self.parts)):
-            # Where a part has nothing to run for a sum, as one that another sum is for, the joint does not run either.
+            # For a sum to which one of its parts adds nothing a joint does not run: the other parts run alone.
             replaced = parts if place in codes and all(i in codes for i in parts) else (place,)
             for i in replaced:
                 codes.pop(i, None)
