@@ -33,6 +33,7 @@ from tautline.kernels.lanes import (
     scatter,
     sqrt,
     store,
+    store_fields,
     total,
     where,
     within,
@@ -222,11 +223,11 @@ def _residual(g, t, q, v, a, r):
         if any_of(presses):
             along, around = resist(g.law, i, last, c)
             slide, dx, dy, turn = load_rows(a, above + i, above + last)
-            note(g.law, i, last, c, c.beta * slide, c.ex * dy - c.ey * dx + gather(g.springs.radius, i, last) * turn)
+            radius, viscous, _, _ = load_fields(g.springs.radius, i, last)
+            note(g.law, i, last, c, c.beta * slide, c.ex * dy - c.ey * dx + radius * turn)
             along, around = where(presses, along, 0.0), where(presses, around, 0.0)
             _, _, _, spin = load_rows(v, above + i, above + last)
-            viscous = where(presses, gather(g.springs.viscous, i, last), 0.0)
-            about = viscous * spin - gather(g.springs.radius, i, last) * around
+            about = where(presses, viscous, 0.0) * spin - radius * around
             add_rows(
                 r, above + i, above + last, -c.beta * along, c.normal * c.ex + around * c.ey,
                 c.normal * c.ey - around * c.ex, about,
@@ -308,7 +309,7 @@ def _dissipation(g, t, q, v, p):
         c = _touch_of_four(g, i, last, above, q, v)
         stiffness, _, clearance, _ = load_fields(g.springs.stiffness, i, last)
         _, _, _, spin = load_rows(v, above + i, above + last)
-        mean_along, mean_around = gather(g.springs.mean_along, i, last), gather(g.springs.mean_around, i, last)
+        _, _, mean_along, mean_around = load_fields(g.springs.along, i, last)
         lost = (c.normal - stiffness * larger(c.offset - clearance, 0.0)) * c.rate
         rubbed = gather(g.springs.viscous, i, last) * spin * spin - mean_along * c.along - mean_around * c.around
         lost += where(c.normal > 0.0, rubbed, 0.0)
@@ -333,11 +334,10 @@ def _commit(g, t, h, q, v, a):
                     if lane(still, k - i) > 0.0:
                         a[PER_BODY * (above + k)] = 0.0
         along, around = where(presses, along, 0.0), where(presses, around, 0.0)
-        scatter(rows.mean_along, i, last, along + share * (gather(rows.along, i, last) - along))
-        scatter(rows.mean_around, i, last, around + share * (gather(rows.around, i, last) - around))
+        before, about, _, _ = load_fields(rows.along, i, last)
+        means = along + share * (before - along), around + share * (about - around)
+        store_fields(rows.along, i, last, along, around, *means)
         scatter(rows.normal, i, last, c.normal)
-        scatter(rows.along, i, last, along)
-        scatter(rows.around, i, last, around)
 
 
 @kernel

@@ -42,13 +42,13 @@ PROJECTED = np.dtype(
     [
         (name, np.float64)
         for name in (
-            "static", "kinetic", "mass", "links", "force_a", "force_c", "slip_a", "slip_c", "nx", "ny", "factor", "c",
-            "rate_a", "rate_c", "seen_a", "seen_c", "mass_c", "ratio",
+            "force_a", "force_c", "slip_a", "slip_c", "nx", "ny", "factor", "c", "rate_a", "rate_c", "seen_a", "seen_c",
+            "mass", "mass_c", "ratio", "links", "static", "kinetic",
         )
     ]
     + [(name, np.int64) for name in ("settled", "status", "dropped", "reversed", "forced")]
 )  # fmt: skip
-"""Exact Coulomb friction at a contact: static and kinetic factor; lump's mass kg and link stiffness N/m; force N and
+"""Fours of numbers are read and written together. Exact Coulomb friction at a contact: static and kinetic factor; lump's mass kg and link stiffness N/m; force N and
 slip m/s at the last accepted step; of the step under way: direction, factor, stiffness c N s/m; then the status settled
 and under way, whether the factor dropped (of what came to rest: whether rest was refused) or the slip reversed in it,
 and how often it was forced to stick. ``mass`` and ``mass_c`` kg are what a slip along and around sets in motion,

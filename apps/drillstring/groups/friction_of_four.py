@@ -35,6 +35,7 @@ from tautline.kernels.lanes import (
     negated,
     scatter,
     sqrt,
+    store_fields,
     where,
     within,
 )
@@ -63,24 +64,23 @@ def slip_of(touch, k):
 @kernel(forceinline=True)
 def _ready_projection(law, i, last, h, beta, gamma, touch, along_rate, around_rate):
     rows = law.rows
-    static, kinetic, mass, links = load_fields(rows.static, i, last)
+    static, kinetic = gather(rows.static, i, last), gather(rows.kinetic, i, last)
     force_a, force_c, _, _ = load_fields(rows.force_a, i, last)
+    _, _, _, c = load_fields(rows.nx, i, last)
     sticks = equals(rows.settled, i, last, STICK)
     change(rows.status, i, last, sticks, HELD)
     change(rows.status, i, last, negated(sticks), SLIP)
-    scatter(rows.factor, i, last, where(sticks, static, kinetic))
     for k in range(i, min(i + LANES, last)):
         rows[k].dropped = rows[k].reversed = rows[k].forced = 0
-    scatter(rows.slip_a, i, last, touch.along)
-    scatter(rows.slip_c, i, last, touch.around)
+    store_fields(rows.force_a, i, last, force_a, force_c, touch.along, touch.around)
     if gamma > 0.0:
-        scatter(rows.c, i, last, (STIFFNESS / gamma) * (mass * beta + links))
-        scatter(rows.ratio, i, last, where(sticks, beta / gamma, beta / gamma))
+        mass, mass_c, _, links = load_fields(rows.mass, i, last)
+        c = (STIFFNESS / gamma) * (mass * beta + links)
+        store_fields(rows.mass, i, last, mass, mass_c, beta / gamma, links)
     free = (force_a == 0.0) & (force_c == 0.0)
     x, y = where(free, touch.along, -force_a), where(free, touch.around, -force_c)
     # Of the direction only the sign of its product with the slip is ever asked for.
-    scatter(rows.nx, i, last, x)
-    scatter(rows.ny, i, last, y)
+    store_fields(rows.nx, i, last, x, y, where(sticks, static, kinetic), c)
 
 
 @kernel(forceinline=True)
@@ -107,19 +107,16 @@ def _at_rest(law, i, last, touch, x, y):
     """Size squared, of the force (x, y) of :func:`_trial` or of that without the lumps' own inertia, the lesser."""
     whole = x * x + y * y
     rate_a, rate_c, seen_a, seen_c = load_fields(law.rows.rate_a, i, last)
-    ratio = gather(law.rows.ratio, i, last)
-    x = x + gather(law.rows.mass, i, last) * (rate_a + ratio * (touch.along - seen_a))
-    y = y + gather(law.rows.mass_c, i, last) * (rate_c + ratio * (touch.around - seen_c))
+    mass, mass_c, ratio, _ = load_fields(law.rows.mass, i, last)
+    x = x + mass * (rate_a + ratio * (touch.along - seen_a))
+    y = y + mass_c * (rate_c + ratio * (touch.around - seen_c))
     without = x * x + y * y
     return where(whole < without, whole, without)
 
 
 @kernel(forceinline=True)
 def _note_projection(law, i, last, touch, along_rate, around_rate):
-    scatter(law.rows.rate_a, i, last, along_rate)
-    scatter(law.rows.rate_c, i, last, around_rate)
-    scatter(law.rows.seen_a, i, last, touch.along)
-    scatter(law.rows.seen_c, i, last, touch.around)
+    store_fields(law.rows.rate_a, i, last, along_rate, around_rate, touch.along, touch.around)
 
 
 @kernel(forceinline=True)
@@ -127,10 +124,11 @@ def _restless_projection(law, i, last, touch, converged):
     rows = law.rows
     slips, presses = equals(rows.status, i, last, SLIP), touch.normal > 0.0
     x, y, square, factor = _trial(law, i, last, touch)
-    limit = factor * touch.normal
-    still = _at_rest(law, i, last, touch, x, y) <= limit * limit
-    sticks = presses & equals(rows.status, i, last, STICK) & still
-    nx, ny, _, _ = load_fields(rows.nx, i, last)
+    sticks = presses & equals(rows.status, i, last, STICK)
+    if any_of(sticks):
+        limit = factor * touch.normal
+        sticks = sticks & (_at_rest(law, i, last, touch, x, y) <= limit * limit)
+    nx, ny, _, c = load_fields(rows.nx, i, last)
     # Of pipe that is clear of the wall nothing is to be done once its direction of slip is forgotten.
     clear = negated(presses) & slips & (nx == 0.0) & (ny == 0.0)
     slides = presses & slips
@@ -144,8 +142,7 @@ def _restless_projection(law, i, last, touch, converged):
         change(rows.status, i, last, held, STICK)
     if any_of(goes_on):
         turned = goes_on & (square > 0.0)
-        scatter(rows.nx, i, last, where(turned, x, nx))
-        scatter(rows.ny, i, last, where(turned, y, ny))
+        store_fields(rows.nx, i, last, where(turned, x, nx), where(turned, y, ny), factor, c)
     return within(i, last) & negated(clear | sticks | held | goes_on)
 
 
@@ -164,8 +161,8 @@ def _accept_projection(law, i, last, touch):
     along, around = _resist_projection(law, i, last, touch)
     along, around = where(presses, along, 0.0), where(presses, around, 0.0)
     slips = negated(presses) | equals(rows.status, i, last, SLIP)
-    scatter(rows.force_a, i, last, along)
-    scatter(rows.force_c, i, last, around)
+    _, _, slip_a, slip_c = load_fields(rows.force_a, i, last)
+    store_fields(rows.force_a, i, last, along, around, slip_a, slip_c)
     change(rows.settled, i, last, slips, SLIP)
     change(rows.settled, i, last, negated(slips), STICK)
     return along, around
@@ -174,8 +171,9 @@ def _accept_projection(law, i, last, touch):
 @kernel(forceinline=True)
 def _arrest_projection(law, i, last, touch, along, along_rate):
     held = within(i, last) & (touch.normal > 0.0) & equals(law.rows.settled, i, last, STICK)
-    along = where(held, along - gather(law.rows.mass, i, last) * along_rate, along)
-    scatter(law.rows.force_a, i, last, where(touch.normal > 0.0, along, 0.0))
+    if any_of(held):
+        along = where(held, along - gather(law.rows.mass, i, last) * along_rate, along)
+        scatter(law.rows.force_a, i, last, where(touch.normal > 0.0, along, 0.0))
     return along, held
 
 

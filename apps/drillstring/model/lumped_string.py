@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+import tautline.lumped.string  # noqa: F401 - bodies, links and bends run together
 from drillstring.groups.contact import SPRING, WallContact, nothing_kept
 from drillstring.groups.drag import Drag
 from drillstring.groups.friction import BANDED, PROJECTED, SLIP, STICK, Karnopp, Projection, Regularised

@@ -57,6 +57,34 @@ def _hole(g, i, q):
     )
 
 
+@kernel(forceinline=True)
+def turned_of_four(stiff, one, arc1, three, arc3):
+    """How far the hole turns about both axes from bodies ``one`` to bodies ``three``, half of it, rad, in lanes."""
+    half = 0.5 * stiff
+    return (
+        half * (arc3[2] + arc3[0] * three[0] - arc1[2] - arc1[0] * one[0]),
+        half * (arc3[3] + arc3[1] * three[0] - arc1[3] - arc1[1] * one[0]),
+    )
+
+
+@kernel(forceinline=True)
+def forces_of_four(f, d, above, below, stiff, arc1, arc3):
+    """Forces by (x, u, v) of three bodies: f times the gradient of the energy, whose gradient by vectors (8,) is d."""
+    half, upper, lower = 0.5 * stiff, d[0], d[3]
+    # The turning of the hole from body to body changes as the ends move along it.
+    along1 = upper * above[0] - half * (d[6] * arc1[0] + d[7] * arc1[1])
+    along3 = lower * below[3] + half * (d[6] * arc3[0] + d[7] * arc3[1])
+    return (
+        (f * along1, f * (upper * above[1] - d[1]), f * (upper * above[2] - d[2])),
+        (
+            f * (upper * above[3] + lower * below[0]),
+            f * (upper * above[4] + lower * below[1] + d[1] - d[4]),
+            f * (upper * above[5] + lower * below[2] + d[2] - d[5]),
+        ),
+        (f * along3, f * (lower * below[4] + d[4]), f * (lower * below[5] + d[5])),
+    )
+
+
 @kernel
 def _residual(g, t, q, v, a, r):
     first, last = members(g.curve, SPAN, g.stiffness.size)
@@ -66,25 +94,16 @@ def _residual(g, t, q, v, a, r):
         arc3 = held_arcs(g.curve, i + 2, last + 2)
         a1, above = chord_between(one, arc1, two, arc2)
         a2, below = chord_between(two, arc2, three, arc3)
-        half = 0.5 * g.stiff
-        h1 = half * (arc3[2] + arc3[0] * three[0] - arc1[2] - arc1[0] * one[0])
-        h2 = half * (arc3[3] + arc3[1] * three[0] - arc1[3] - arc1[1] * one[0])
         _, d = generated.bend_gradient(
             gather(g.length, i, last) + a1, two[1] - one[1], two[2] - one[2],
-            gather(g.length, i + 1, last + 1) + a2, three[1] - two[1], three[2] - two[2], h1, h2,
+            gather(g.length, i + 1, last + 1) + a2, three[1] - two[1], three[2] - two[2],
+            *turned_of_four(g.stiff, one, arc1, three, arc3),
         )  # fmt: skip
         f = gather(g.stiffness, i, last)
-        # The turning of the hole from body to body changes as the ends move along it.
-        upper, lower = d[0], d[3]
-        along1 = upper * above[0] - half * (d[6] * arc1[0] + d[7] * arc1[1])
-        along3 = lower * below[3] + half * (d[6] * arc3[0] + d[7] * arc3[1])
-        add_rows(r, i, last, f * along1, f * (upper * above[1] - d[1]), f * (upper * above[2] - d[2]), 0.0)
-        add_rows(
-            r, i + 1, last + 1, f * (upper * above[3] + lower * below[0]),
-            f * (upper * above[4] + lower * below[1] + d[1] - d[4]),
-            f * (upper * above[5] + lower * below[2] + d[2] - d[5]), 0.0,
-        )  # fmt: skip
-        add_rows(r, i + 2, last + 2, f * along3, f * (lower * below[4] + d[4]), f * (lower * below[5] + d[5]), 0.0)
+        on1, on2, on3 = forces_of_four(f, d, above, below, g.stiff, arc1, arc3)
+        add_rows(r, i, last, *on1, 0.0)
+        add_rows(r, i + 1, last + 1, *on2, 0.0)
+        add_rows(r, i + 2, last + 2, *on3, 0.0)
 
 
 def bend_slopes() -> Slopes:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.kernels.dispatch import by_type
 from tautline.kernels.dofs import add_block, add_entry
 from tautline.kernels.groups import register
 from tautline.kernels.jit import kernel
@@ -58,37 +59,44 @@ def _begin(g, t, h, beta, gamma, q, v, a):
     hold_arcs(g.curve, q)
 
 
+@kernel(forceinline=True)
+def _on_centred(g, i, last, arcs, q, v, a):
+    mass, polar, transverse, lateral = load_fields(g.lumps.mass, i, last)
+    weight, along, across, about = load_fields(g.lumps.weight, i, last)
+    k1, k2, _, _ = arcs
+    (x, u, w, th), (dx, du, dw, dth) = q, v
+    g1, g2, g3 = downward_of_four(g.curve, i, last, x)
+    r0, r1, r2, r3 = generated.body_residual(
+        mass, polar, transverse, lateral, weight, k1, k2, g1, g2, g3, u, w, th, dx, du, dw, dth, *a
+    )
+    return r0 + along * dx, r1 + across * du, r2 + across * dw, r3 + about * dth
+
+
+@kernel(forceinline=True)
+def _on_eccentric(g, i, last, arcs, q, v, a):
+    mass, polar, transverse, lateral = load_fields(g.lumps.mass, i, last)
+    weight, along, across, about = load_fields(g.lumps.weight, i, last)
+    e1, e2 = gather(g.lumps.e1, i, last), gather(g.lumps.e2, i, last)
+    k1, k2, _, _ = arcs
+    (x, u, w, th), (dx, du, dw, dth) = q, v
+    g1, g2, g3 = downward_of_four(g.curve, i, last, x)
+    r0, r1, r2, r3 = generated.eccentric_body_residual(
+        mass, polar, transverse, lateral, weight, e1, e2, k1, k2, g1, g2, g3, u, w, th, dx, du, dw, dth, *a
+    )
+    return r0 + along * dx, r1 + across * du, r2 + across * dw, r3 + about * dth
+
+
+on_bodies = by_type({Bodies: _on_centred, EccentricBodies: _on_eccentric})
+"""M a - F (4,) of bodies i to i + 3, in lanes, with the arcs that they are held to and their rows of q, v and a."""
+
+
 @kernel
 def _residual(g, t, q, v, a, r):
     first, last = members(g.curve, ALONE, g.lumps.size)
     for i in range(first, last, LANES):
-        mass, polar, transverse, lateral = load_fields(g.lumps.mass, i, last)
-        weight, along, across, about = load_fields(g.lumps.weight, i, last)
-        k1, k2, _, _ = held_arcs(g.curve, i, last)
-        (x, u, w, th), (dx, du, dw, dth) = load_rows(q, i, last), load_rows(v, i, last)
-        g1, g2, g3 = downward_of_four(g.curve, i, last, x)
-        r0, r1, r2, r3 = generated.body_residual(
-            mass, polar, transverse, lateral, weight, k1, k2, g1, g2, g3, u, w, th, dx, du, dw, dth,
-            *load_rows(a, i, last),
-        )  # fmt: skip
-        add_rows(r, i, last, r0 + along * dx, r1 + across * du, r2 + across * dw, r3 + about * dth)
-
-
-@kernel
-def _eccentric_residual(g, t, q, v, a, r):
-    first, last = members(g.curve, ALONE, g.lumps.size)
-    for i in range(first, last, LANES):
-        mass, polar, transverse, lateral = load_fields(g.lumps.mass, i, last)
-        weight, along, across, about = load_fields(g.lumps.weight, i, last)
-        e1, e2 = gather(g.lumps.e1, i, last), gather(g.lumps.e2, i, last)
-        k1, k2, _, _ = held_arcs(g.curve, i, last)
-        (x, u, w, th), (dx, du, dw, dth) = load_rows(q, i, last), load_rows(v, i, last)
-        g1, g2, g3 = downward_of_four(g.curve, i, last, x)
-        r0, r1, r2, r3 = generated.eccentric_body_residual(
-            mass, polar, transverse, lateral, weight, e1, e2, k1, k2, g1, g2, g3, u, w, th, dx, du, dw, dth,
-            *load_rows(a, i, last),
-        )  # fmt: skip
-        add_rows(r, i, last, r0 + along * dx, r1 + across * du, r2 + across * dw, r3 + about * dth)
+        arcs = held_arcs(g.curve, i, last)
+        rows = load_rows(q, i, last), load_rows(v, i, last), load_rows(a, i, last)
+        add_rows(r, i, last, *on_bodies(g, i, last, arcs, *rows))
 
 
 @kernel
@@ -218,7 +226,7 @@ register(
 register(
     EccentricBodies,
     begin=_begin,
-    residual=_eccentric_residual,
+    residual=_residual,
     mass=_eccentric_mass,
     tangent=_eccentric_tangent,
     energy=_eccentric_energy,

@@ -248,6 +248,22 @@ def _gradient_kernels(
     ]  # fmt: skip
 
 
+def _link_and_bend() -> str:
+    """One kernel for the gradients of a link and of the bend below it: the length of the link is found once."""
+    stretch, by_link = link_stretch()
+    energy, by_bend = bending_energy()
+    l0, (a, du, dv) = sp.Symbol("l0"), by_link
+    upper = dict(zip(by_bend[:3], (l0 + a, du, dv), strict=True))
+    outputs = [("value", stretch)] + [(f"d{i}", sp.diff(stretch, c)) for i, c in enumerate(by_link)]
+    outputs += [(f"b{i}", sp.diff(energy, c).subs(upper, simultaneous=True)) for i, c in enumerate(by_bend)]
+    bent = ", ".join(f"b{i}" for i in range(len(by_bend)))
+    return _function(
+        "link_and_bend_gradient", "l0, a, du, dv, w4, w5, w6, w7, w8",
+        "Return the stretch of a link, m, its gradient (3,), and that (8,) of the energy of the bend below over EI / lb.",
+        outputs, f"value, (d0, d1, d2), ({bent})",
+    )  # fmt: skip
+
+
 def source() -> str:
     """The whole text of ``generated.py``, without its hash line."""
     parts = ["from tautline.kernels.jit import kernel\nfrom tautline.kernels.lanes import cos, sin, sqrt\n"]
@@ -260,6 +276,7 @@ def source() -> str:
     parts += _gradient_kernels("link_stretch", "the stretch of a link, m", "l0, a, du, dv", *link_stretch(), {})
     arguments = ", ".join(f"w{i}" for i in range(1, 9))
     parts += _gradient_kernels("bend", "the bending energy over EI / lb", arguments, *bending_energy(), {})
+    parts.append(_link_and_bend())
     return "\n\n".join(parts)
 
 

@@ -1,4 +1,4 @@
-"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation 5ad0c0678f598d5d."""
+"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation 027a62fb48f27a7a."""
 
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import cos, sin, sqrt
@@ -664,3 +664,48 @@ def bend_hessian(w1, w2, w3, w4, w5, w6, w7, w8, hessian):
     hessian[5, 7] = -c61*over2
     hessian[6, 6] = 1.0
     hessian[7, 7] = 1.0
+
+
+@kernel
+def link_and_bend_gradient(l0, a, du, dv, w4, w5, w6, w7, w8):
+    """Return the stretch of a link, m, its gradient (3,), and that (8,) of the energy of the bend below over EI / lb."""
+    c0 = a + l0
+    c1 = (c0*c0)
+    c2 = (du*du)
+    c3 = (dv*dv)
+    c4 = c2 + c3
+    root1 = sqrt(c1 + c4)
+    over1 = 1.0/root1
+    c5 = (w4*w4)
+    c6 = (w5*w5)
+    c7 = (w6*w6)
+    root2 = sqrt(c5 + c6 + c7)
+    over2 = 1.0/root2
+    c8 = 1.0/(l0 + root1)
+    c9 = c8*((a*a) + 2.0*a*l0 + c4)
+    c10 = c8*(-c9*over1 + 2.0)
+    c11 = (over1*over1)
+    c12 = c0*over1 - over2*w4
+    c13 = -du*over1 + over2*w5 + w7
+    c14 = c0*c11
+    c15 = c14*du
+    c16 = -dv*over1 + over2*w6 + w8
+    c17 = c16*dv
+    c18 = c11*du
+    c19 = (over2*over2)
+    c20 = c19*w4
+    c21 = c16*w6
+    c22 = c19*w5
+    value = c9
+    d0 = c0*c10
+    d1 = c10*du
+    d2 = c10*dv
+    b0 = over1*(-c12*(c1*c11 - 1.0) + c13*c15 + c14*c17)
+    b1 = over1*(-c12*c15 + c13*(c11*c2 - 1.0) + c17*c18)
+    b2 = over1*(-c12*c14*dv + c13*c18*dv + c16*(c11*c3 - 1.0))
+    b3 = over2*(c12*(c19*c5 - 1.0) - c13*c20*w5 - c20*c21)
+    b4 = over2*(c12*c19*w4*w5 - c13*(c19*c6 - 1.0) - c21*c22)
+    b5 = over2*(c12*c19*w4*w6 - c13*c22*w6 - c16*(c19*c7 - 1.0))
+    b6 = c13
+    b7 = c16
+    return value, (d0, d1, d2), (b0, b1, b2, b3, b4, b5, b6, b7)

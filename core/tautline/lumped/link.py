@@ -49,10 +49,7 @@ def stretch_of(g, i, q):
     a, slope = chord_of(g.curve, i, q)
     du, dv = across(i, q)
     stretch, d = generated.link_stretch_gradient(g.springs[i].length, a, du, dv)
-    return stretch, (
-        d[0] * slope[0], d[0] * slope[1] - d[1], d[0] * slope[2] - d[2],
-        d[0] * slope[3], d[0] * slope[4] + d[1], d[0] * slope[5] + d[2],
-    )  # fmt: skip
+    return stretch, by_bodies(d, slope)
 
 
 @kernel
@@ -64,17 +61,22 @@ def _rate(i, v, gradient):
 
 
 @kernel(forceinline=True)
+def by_bodies(d, slope):
+    """Gradient (6,) by (x, u, v) of both bodies, of what has the gradient d (3,) by the chord, du and dv."""
+    return (
+        d[0] * slope[0], d[0] * slope[1] - d[1], d[0] * slope[2] - d[2],
+        d[0] * slope[3], d[0] * slope[4] + d[1], d[0] * slope[5] + d[2],
+    )  # fmt: skip
+
+
+@kernel(forceinline=True)
 def _four(g, i, last, q):
     """Stretch of links i to i + 3, m, its gradient (6,), and the twist, rad, in lanes."""
     above, below = load_rows(q, i, last), load_rows(q, i + 1, last + 1)
     a, slope = chord_between(above, held_arcs(g.curve, i, last), below, held_arcs(g.curve, i + 1, last + 1))
     length = gather(g.springs.length, i, last)
     stretch, d = generated.link_stretch_gradient(length, a, below[1] - above[1], below[2] - above[2])
-    gradient = (
-        d[0] * slope[0], d[0] * slope[1] - d[1], d[0] * slope[2] - d[2],
-        d[0] * slope[3], d[0] * slope[4] + d[1], d[0] * slope[5] + d[2],
-    )  # fmt: skip
-    return stretch, gradient, below[3] - above[3]
+    return stretch, by_bodies(d, slope), below[3] - above[3]
 
 
 @kernel(forceinline=True)
@@ -85,17 +87,23 @@ def _rate_of_four(i, last, v, d):
     return rate, below[3] - above[3]
 
 
+@kernel(forceinline=True)
+def pull_of_four(g, i, last, v, stretch, d, twist):
+    """Tension, N, and torque, N m, of links i to i + 3, in lanes, of :func:`_four`'s figures."""
+    axial, torsional = gather(g.springs.axial, i, last), gather(g.springs.torsional, i, last)
+    if g.damping > 0.0:
+        rate, turning = _rate_of_four(i, last, v, d)
+        stretch += g.damping * rate
+        twist += g.damping * turning
+    return axial * stretch, torsional * twist
+
+
 @kernel
 def _residual(g, t, q, v, a, r):
     first, last = members(g.curve, SPAN, g.springs.size)
     for i in range(first, last, LANES):
         stretch, d, twist = _four(g, i, last, q)
-        axial, torsional = gather(g.springs.axial, i, last), gather(g.springs.torsional, i, last)
-        if g.damping > 0.0:
-            rate, turning = _rate_of_four(i, last, v, d)
-            stretch += g.damping * rate
-            twist += g.damping * turning
-        tension, torque = axial * stretch, torsional * twist
+        tension, torque = pull_of_four(g, i, last, v, stretch, d, twist)
         add_rows(r, i, last, tension * d[0], tension * d[1], tension * d[2], -torque)
         add_rows(r, i + 1, last + 1, tension * d[3], tension * d[4], tension * d[5], torque)
 

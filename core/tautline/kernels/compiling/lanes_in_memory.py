@@ -160,6 +160,26 @@ def _load_fields(context, builder, sig, args):
     return context.make_tuple(builder, sig.return_type, _transposed(builder, rows))
 
 
+@lowered(memory.store_fields, lambda args: types.none if _is_vector(args[0]) else None)
+def _store_fields(context, builder, sig, args):
+    array, i, last = args[:3]
+    rows = _transposed(builder, [as_lanes(context, builder, x, t) for x, t in zip(args[3:], sig.args[3:], strict=True)])
+
+    def write(k: int) -> None:
+        at = _pointer(context, builder, sig.args[0], array, builder.add(i, i.type(k)))
+        builder.store(rows[k], builder.bitcast(at, NUMBERS.as_pointer()), align=8)
+
+    with builder.if_else(builder.icmp_signed("<=", builder.add(i, i.type(LANES)), last), likely=True) as (all_, some):
+        with all_:
+            for k in range(LANES):
+                write(k)
+        with some:
+            for k in range(LANES - 1):
+                with builder.if_then(builder.icmp_signed("<", builder.add(i, i.type(k)), last)):
+                    write(k)
+    return context.get_dummy_value()
+
+
 @lowered(memory.add_rows, lambda args: types.none if _is_vector(args[0]) and args[0].layout == "C" else None)
 def _add_rows(context, builder, sig, args):
     array, i, last = args[:3]

@@ -51,6 +51,7 @@ from tautline.kernels.lanes.memory import (
     same_rows,
     scatter,
     store,
+    store_fields,
     transposed,
 )
 
@@ -84,6 +85,7 @@ __all__ = [
     "spread",
     "sqrt",
     "store",
+    "store_fields",
     "total",
     "transposed",
     "where",

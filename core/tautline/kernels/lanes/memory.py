@@ -61,6 +61,16 @@ def load_fields(array, i, last):
     return tuple(rows[:, k].copy() for k in range(LANES))
 
 
+def store_fields(array, i, last, a, b, c, d):
+    """Write lanes over four successive fields of records i to i + 3, those before ``last``; see `load_fields`.
+
+    A processor waits long where it reads four numbers at once that it has just written one by one.
+    """
+    n = min(LANES, last - i)
+    fields = np.lib.stride_tricks.as_strided(array, (array.size, LANES), (*array.strides, 8))
+    fields[i : i + n] = np.column_stack([np.broadcast_to(x, LANES) for x in (a, b, c, d)])[:n]
+
+
 def add_rows(array, i, last, a, b, c, d):
     """Add four lanes to the columns of rows i to i + 3, before ``last``, of four numbers each, laid flat."""
     n = min(LANES, last - i)
