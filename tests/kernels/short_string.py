@@ -200,6 +200,13 @@ def residual(groups, state, t=0.0):
     return force(groups, state, t)[0]
 
 
+def residual_together(groups, state, t=0.0):
+    """Residual (n,) of all groups in one sum, as a run asks for it."""
+    r = np.zeros(state.q.size)
+    _add_force(over.link(groups, *PARTS), t, *state, r, np.zeros(3))
+    return r
+
+
 def energy(groups, state, t=0.0):
     return force(groups, state, t)[1]
 

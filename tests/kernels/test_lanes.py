@@ -9,6 +9,7 @@ from test_contact_groups import SPRING, WallContact
 from drillstring.groups.contact import nothing_kept
 from drillstring.groups.drag import Drag
 from drillstring.groups.friction import PROJECTED, SLIP, STICK, Projection
+from tautline.kernels.groups import members_of
 from tautline.kernels.jit import entry
 from tautline.kernels.lanes import (
     LANES,
@@ -35,11 +36,13 @@ from tautline.kernels.lanes import (
     sin,
     sqrt,
     store,
+    store_fields,
     total,
     transposed,
     where,
     within,
 )
+from tautline.lumped.string import String
 from tautline.system.records import records
 
 COUNTS = (1, 3, 4, 5, 8, 11)
@@ -63,6 +66,7 @@ def _all_at_once(q, r, rows, out, sums):
         add_rows(r, i, last, x * sin(1000.0 * y), cos(z), -c * w, d)
         scatter(out, i, last, e * x)
         scatter(rows.kind, i, last, where(first, 7, 8))
+        store_fields(rows.b, i, last, b * x, 3.0, -a, y)
         sums[0] += total(where(within(i, last), x, 0.0))
         sums[1] = max(sums[1], largest(y))
         keep_rows(q, i, last, kept, 0)
@@ -187,6 +191,45 @@ def test_forces_on_a_lump_are_the_same_asked_for_it_alone(count, well):
             alone = string.residual((group,), state).reshape(-1, PER_BODY)[i]
             np.testing.assert_allclose(alone, whole[i], rtol=1e-13, atol=1e-13, err_msg=type(group).__name__)
         seats.window[:] = 0, PER_BODY * count
+
+
+@pytest.mark.parametrize("well", ["vertical", "spatial"])
+@pytest.mark.parametrize("damping", [0.0, 0.3])
+@pytest.mark.parametrize("count", [3, 4, 5, 6, 7, 9, 13])
+def test_a_string_does_together_what_its_bodies_links_and_bends_do_alone(count, damping, well):
+    (plain, eccentric, links, bends, drag, wall), seats, state = _long_string(count, well, 3)
+    links = links._replace(damping=damping)
+    for bodies in (plain, eccentric):
+        groups = (wall, bends, links, drag, bodies)
+        running = members_of(groups)
+        assert {type(running.groups[i]) for i, _ in running.that_run("residual")} == {WallContact, Drag, String}
+        wanted, found = string.residual(groups, state), string.residual_together(groups, state)
+        np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-13 * np.abs(wanted).max())
+        for first in range(count):
+            for last in range(first + 1, count + 1):
+                seats.window[:] = PER_BODY * first, PER_BODY * last
+                inside = string.residual_together(groups, state)[PER_BODY * first : PER_BODY * last]
+                whole = wanted[PER_BODY * first : PER_BODY * last]
+                np.testing.assert_allclose(inside, whole, rtol=0.0, atol=1e-13 * np.abs(wanted).max())
+        seats.window[:] = 0, PER_BODY * count
+
+
+def test_bodies_links_and_bends_that_are_not_of_one_string_run_alone():
+    (bodies, _, links, bends, *_), seats, state = _long_string(6, "spatial", 4)
+    rng = np.random.default_rng(4)
+    other = string.curve(WELLS["spatial"], state, seats.seats.place.copy())
+    shorter = string.links(string.curve(WELLS["spatial"], state, seats.seats.place[:-1].copy()), rng)
+    for groups in (
+        (bodies, links, string.bends(other, rng)), (bodies, string.links(other, rng), bends), (bodies, shorter, bends),
+        (bodies, links, bends._replace(length=1.1 * bends.length)), (bodies, links), (links, bends),
+    ):  # fmt: skip
+        running = members_of(groups)
+        assert running.parts == ()
+        assert all(running.groups[i] is g for (i, _), g in zip(running.that_run("residual"), groups, strict=True))
+    (bodies, _, links, *_), seats, _ = _long_string(2, "spatial", 5)
+    straight = string.bends(seats, rng)
+    assert straight.stiffness.size == 0
+    assert members_of((bodies, links, straight)).parts == ()
 
 
 @pytest.mark.parametrize("count", [3, 6, 11])

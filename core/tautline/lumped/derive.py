@@ -259,7 +259,7 @@ def _link_and_bend() -> str:
     bent = ", ".join(f"b{i}" for i in range(len(by_bend)))
     return _function(
         "link_and_bend_gradient", "l0, a, du, dv, w4, w5, w6, w7, w8",
-        "Return the stretch of a link, m, its gradient (3,), and that (8,) of the energy of the bend below over EI / lb.",
+        "Return a link's stretch, m, its gradient (3,), and that (8,) of the energy of the bend below over EI / lb.",
         outputs, f"value, (d0, d1, d2), ({bent})",
     )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation 027a62fb48f27a7a."""
+"""Written by ``python -m tautline.lumped.derive``: do not edit. Derivation f2b66341793596ca."""
 
 from tautline.kernels.jit import kernel
 from tautline.kernels.lanes import cos, sin, sqrt
@@ -668,7 +668,7 @@ def bend_hessian(w1, w2, w3, w4, w5, w6, w7, w8, hessian):
 
 @kernel
 def link_and_bend_gradient(l0, a, du, dv, w4, w5, w6, w7, w8):
-    """Return the stretch of a link, m, its gradient (3,), and that (8,) of the energy of the bend below over EI / lb."""
+    """Return a link's stretch, m, its gradient (3,), and that (8,) of the energy of the bend below over EI / lb."""
     c0 = a + l0
     c1 = (c0*c0)
     c2 = (du*du)

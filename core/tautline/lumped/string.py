@@ -69,7 +69,11 @@ def _residual(g, t, q, v, a, r):
                 r, i + 1, links + 1, on2[0] + tension * d[3], on2[1] + tension * d[4], on2[2] + tension * d[5], torque
             )
             add_rows(r, i + 2, links + 1, *on3, 0.0)
-            on_x, on_u, on_v = on_x + on1[0] + tension * d[0], on_u + on1[1] + tension * d[1], on_v + on1[2] + tension * d[2]
+            on_x, on_u, on_v = (
+                on_x + on1[0] + tension * d[0],
+                on_u + on1[1] + tension * d[1],
+                on_v + on1[2] + tension * d[2],
+            )
             about = about - torque
         add_rows(r, i, last, on_x, on_u, on_v, about)
 
