@@ -48,12 +48,12 @@ PROJECTED = np.dtype(
     ]
     + [(name, np.int64) for name in ("settled", "status", "dropped", "reversed", "forced")]
 )  # fmt: skip
-"""Fours of numbers are read and written together. Exact Coulomb friction at a contact: static and kinetic factor; lump's mass kg and link stiffness N/m; force N and
+"""Exact Coulomb friction at a contact: static and kinetic factor; lump's mass kg and link stiffness N/m; force N and
 slip m/s at the last accepted step; of the step under way: direction, factor, stiffness c N s/m; then the status settled
 and under way, whether the factor dropped (of what came to rest: whether rest was refused) or the slip reversed in it,
 and how often it was forced to stick. ``mass`` and ``mass_c`` kg are what a slip along and around sets in motion,
 ``rate_a`` and ``rate_c`` m/s^2 the slip's rates where it was ``seen_a``, ``seen_c`` m/s, and ``ratio`` 1/s of the
-change of a rate to that of the slip within a step."""
+change of a rate to that of the slip within a step. Fours of them, in this order, are read and written together."""
 
 BANDED = np.dtype(
     [
