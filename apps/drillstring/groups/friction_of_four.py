@@ -123,27 +123,30 @@ def _note_projection(law, i, last, touch, along_rate, around_rate):
 def _restless_projection(law, i, last, touch, converged):
     rows = law.rows
     slips, presses = equals(rows.status, i, last, SLIP), touch.normal > 0.0
-    x, y, square, factor = _trial(law, i, last, touch)
-    sticks = presses & equals(rows.status, i, last, STICK)
-    if any_of(sticks):
+    content = presses & equals(rows.status, i, last, STICK)
+    if any_of(content):
+        x, y, _, factor = _trial(law, i, last, touch)
         limit = factor * touch.normal
-        sticks = sticks & (_at_rest(law, i, last, touch, x, y) <= limit * limit)
-    nx, ny, _, c = load_fields(rows.nx, i, last)
-    # Of pipe that is clear of the wall nothing is to be done once its direction of slip is forgotten.
-    clear = negated(presses) & slips & (nx == 0.0) & (ny == 0.0)
+        content = content & (_at_rest(law, i, last, touch, x, y) <= limit * limit)
+    if any_of(negated(presses)):
+        # Of pipe that is clear of the wall nothing is to be done once its direction of slip is forgotten.
+        nx, ny, _, _ = load_fields(rows.nx, i, last)
+        content = content | (negated(presses) & slips & (nx == 0.0) & (ny == 0.0))
     slides = presses & slips
     if converged:
         _, _, slip_a, slip_c = load_fields(rows.force_a, i, last)
         goes_on = equals(rows.settled, i, last, SLIP) & (touch.along * slip_a + touch.around * slip_c >= 0.0)
-        return within(i, last) & negated(clear | sticks | (slides & goes_on))
+        return within(i, last) & negated(content | (slides & goes_on))
     held = presses & equals(rows.status, i, last, HELD)
-    goes_on = slides & (touch.along * nx + touch.around * ny >= 0.0)
     if any_of(held):
         change(rows.status, i, last, held, STICK)
+    nx, ny, factor, c = load_fields(rows.nx, i, last)
+    goes_on = slides & (touch.along * nx + touch.around * ny >= 0.0)
     if any_of(goes_on):
+        x, y, square, _ = _trial(law, i, last, touch)
         turned = goes_on & (square > 0.0)
         store_fields(rows.nx, i, last, where(turned, x, nx), where(turned, y, ny), factor, c)
-    return within(i, last) & negated(clear | sticks | held | goes_on)
+    return within(i, last) & negated(content | held | goes_on)
 
 
 @kernel(forceinline=True)
