@@ -28,13 +28,19 @@ from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lanes import LANES
 from tautline.kernels.memory import form_of
 from tautline.kernels.separate import Code, apart, code_of, separate
+from tautline.kernels.vector import copy
 
-EXCHANGED, PACKED, REACH = 7, 8, 9
+EXCHANGED, PACKED, REACH, MAY_BE_ROUNDED, ROUNDED, DOUBTED = range(7, 13)
 """Places among the ``integers`` of factors: how many rows of the band were exchanged; what is known of the blocks
-(`FRESH` and so on), and how many of them stand beside each other."""
+(`FRESH` and so on), and how many of them stand beside each other; whether they may be rounded to single precision,
+whether they are, and whether it is doubted that they serve so."""
 FRESH, TRIED, IN_BLOCKS, AGAIN = range(4)
 """Factors that nothing was solved with yet; once, or that are expected to be used often; those that are packed; and
 those that were used since."""
+MANY = 2**19
+"""Numbers of blocks from which they are rounded: 4 MB of doubles, which no core has at hand."""
+LEFT = 0.01
+"""Share of the right side that a solution by rounded blocks may leave."""
 COLUMNS = 2048
 """Of a band that are looked at together."""
 
@@ -67,7 +73,8 @@ class Factors(NamedTuple):
     positions are of one size then, and rows are seldom exchanged, which would fill the band: only where a pivot is
     below ``threshold`` of its column's largest entry. ``column`` (3 k + 1,) is scratch. ``blocks`` are the band's
     factors once more, as they are quickest to solve with (band_blocks.py). With a ``window``, which is scratch, they
-    are made so from the start, if no row has to be exchanged (block_elimination.py).
+    are made so from the start, if no row has to be exchanged (block_elimination.py). ``singles`` are the blocks in
+    single precision, in place of the others where these are many and whoever solves improves the solution.
     """
 
     matrix: Matrix
@@ -84,6 +91,7 @@ class Factors(NamedTuple):
     threshold: float
     blocks: np.ndarray
     window: np.ndarray
+    singles: np.ndarray
 
 
 def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
@@ -94,16 +102,27 @@ def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
     )
 
 
-def new_factors(size: int, bandwidth: int, border: int = 0, threshold: float = CAREFUL) -> Factors:
-    """Zero matrix with room for its factors."""
+def new_factors(
+    size: int, bandwidth: int, border: int = 0, threshold: float = CAREFUL, improved: bool = False
+) -> Factors:
+    """Zero matrix with room for its factors.
+
+    Where whoever solves finds what a solution leaves, and solves for it again (``improved``), blocks of which there
+    are `MANY` are rounded to single precision: they are read from memory once for each solution.
+    """
+    in_blocks = threshold == CAREFUL and goes_in_blocks(bandwidth)
+    blocks = room_for_blocks(size - border, bandwidth) if bandwidth > NARROW else 0
+    rounded = improved and in_blocks and border == 0 and blocks >= MANY
+    integers = np.zeros(13, np.int32)
+    integers[MAY_BE_ROUNDED] = int(rounded)
     return Factors(
         new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
         np.zeros((border, size - border)), *(np.zeros(size - border, np.int32) for _ in range(3)),
-        np.zeros(size - border), np.zeros(size - border), np.zeros(10, np.int32),
-        np.zeros(3 * bandwidth + 1), threshold,
-        np.zeros(room_for_blocks(size - border, bandwidth) if bandwidth > NARROW else 0),
+        np.zeros(size - border), np.zeros(size - border), integers, np.zeros(3 * bandwidth + 1), threshold,
+        np.zeros(blocks),
         # What is renewed in part, or whose pivots are counted, is eliminated row by row.
-        np.zeros(room_for_window(bandwidth) if threshold == CAREFUL and goes_in_blocks(bandwidth) else 0),
+        np.zeros(room_for_window(bandwidth) if in_blocks else 0),
+        np.zeros(blocks if rounded else 0, np.float32),
     )  # fmt: skip
 
 
@@ -119,7 +138,7 @@ def cut(factors: Factors, first: int, last: int) -> Factors:
     }
     own = {
         "matrix": Matrix(band, none, none, np.zeros((0, 0))), "columns": none, "blocks": np.zeros(0),
-        "window": np.zeros(0),
+        "window": np.zeros(0), "singles": np.zeros(0, np.float32),
     }  # fmt: skip
     return factors._replace(**own, **each)
 
@@ -206,22 +225,46 @@ def _substitute(f, n, k, x):
             _pack(f, 0, count)
         f.integers[PACKED] = min(f.integers[PACKED] + 1, AGAIN)
         if f.integers[PACKED] >= IN_BLOCKS:
-            solve_by_blocks(f.blocks, f.scale, f.integers[REACH], n, k, 0, count, x)
+            if f.integers[ROUNDED] == 1:
+                _solve_by_singles(f, x)
+            else:
+                solve_by_blocks(f.blocks, f.scale, f.integers[REACH], n, k, 0, count, x)
             return
     substitute(
         f.matrix.band, f.pivots, f.above, f.below, f.inverse, f.scale, f.integers[EXCHANGED] > 0, n, k, x
     )  # fmt: skip
 
 
-@separate(int, FACTORS, late=True)
-def _factorise_in_blocks(f):
+@separate(type(None), FACTORS, VECTOR, late=True)
+def _solve_by_singles(f, x):
+    """Solve by blocks of single precision."""
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    solve_by_blocks(f.singles, f.scale, f.integers[REACH], n, k, 0, (n + LANES - 1) // LANES, x)
+
+
+@kernel(forceinline=True)
+def _make_blocks(f, blocks):
     """Make the band's factors in blocks. Returns 0, or 1 where a row has to be exchanged for that."""
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    reach = factorise_in_blocks(f.matrix.band, f.scale, f.blocks, f.window, f.threshold, n, k)
+    reach = factorise_in_blocks(f.matrix.band, f.scale, blocks, f.window, f.threshold, n, k)
     if reach < 0:
         return 1
     f.integers[EXCHANGED], f.integers[PACKED], f.integers[REACH] = 0, IN_BLOCKS, reach
     return 0
+
+
+@separate(int, FACTORS, late=True)
+def _factorise_in_blocks(f):
+    """The same, of double precision."""
+    f.integers[ROUNDED] = 0
+    return _make_blocks(f, f.blocks)
+
+
+@separate(int, FACTORS, late=True)
+def _factorise_in_singles(f):
+    """The same, rounded to single precision."""
+    f.integers[ROUNDED] = 1
+    return _make_blocks(f, f.singles)
 
 
 @separate(int, FACTORS, late=True)
@@ -230,6 +273,7 @@ def _factorise_by_rows(f):
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     # Where the factors before these were used often, these will be: they are packed before their first use.
     f.integers[PACKED] = TRIED if f.integers[PACKED] == AGAIN else FRESH
+    f.integers[ROUNDED] = 0
     equilibrate(f.matrix.band, f.scale, n, k)
     find_envelope(f.matrix.band, f.below, f.right, n, k)
     row, f.integers[EXCHANGED] = eliminate(
@@ -316,7 +360,7 @@ def _without_border(f):
     """Factors of the band alone, in the same memory."""
     return Factors(
         f.matrix, f.pivots, f.corner_pivots[:0], f.columns, f.above, f.below, f.right, f.inverse, f.scale, f.integers,
-        f.column, f.threshold, f.blocks, f.window,
+        f.column, f.threshold, f.blocks, f.window, f.singles,
     )  # fmt: skip
 
 
@@ -352,8 +396,10 @@ def _goes_in_blocks(f):
 def factorise_matrix(factors):
     """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
     f = factors
-    row = 0
-    if not _goes_in_blocks(f) or _factorise_in_blocks(f) != 0:
+    row = failed = 0
+    if _goes_in_blocks(f):
+        failed = _factorise_in_singles(f) if f.integers[MAY_BE_ROUNDED] == 1 else _factorise_in_blocks(f)
+    if failed != 0 or not _goes_in_blocks(f):
         row = _factorise_by_rows(f)
     if row == 0 and f.corner_pivots.size > 0:
         row = _factorise_border(f)
@@ -366,7 +412,10 @@ def code_for(factors: Factors) -> list[Code]:
     Where a row has to be exchanged, elimination by rows is compiled when it is called.
     """
     in_blocks = factors.window.size > 0 and factors.threshold >= CAREFUL
-    called = [_factorise_in_blocks if in_blocks else _factorise_by_rows]
+    if factors.singles.size > 0:
+        called = [_factorise_in_singles, _solve_by_singles]
+    else:
+        called = [_factorise_in_blocks if in_blocks else _factorise_by_rows]
     if factors.blocks.size > 0 and not in_blocks:
         called.append(_pack)
     if factors.corner_pivots.size > 0:
@@ -376,6 +425,59 @@ def code_for(factors: Factors) -> list[Code]:
 
 factorise_apart = apart(factorise_matrix, int, FACTORS)
 """The same for what calls it seldom; see `solve_apart`."""
+
+
+@kernel
+def solve_for(factors, x, right_side):
+    """Solve A x = b for an iteration that improves the solution; ``x`` and then ``right_side`` (n,) hold b.
+
+    Where it is doubted that rounded factors serve, their first solution is put to the test.
+    """
+    integers = factors.integers
+    doubted = integers[ROUNDED] == 1 and integers[DOUBTED] == 1 and integers[PACKED] == IN_BLOCKS
+    copy(x, right_side)
+    solve_apart(factors, x)
+    if doubted:
+        _make_sure(factors, x, right_side)
+
+
+@kernel
+def doubt(factors):
+    """Doubt that rounded factors serve: the next that are made are tested."""
+    factors.integers[DOUBTED] = 1
+
+
+@separate(type(None), FACTORS, VECTOR, VECTOR, late=True)
+def _make_sure(f, x, right_side):
+    """Keep a solution by rounded factors that leaves little of the right side, or make factors of double precision.
+
+    They are double from then on.
+    """
+    f.integers[DOUBTED] = 0
+    if _left_over(f, x, right_side) <= LEFT:
+        return
+    f.integers[MAY_BE_ROUNDED] = 0
+    factorise_apart(f)
+    copy(right_side, x)
+    solve_apart(f, x)
+
+
+@kernel
+def _left_over(f, x, right_side):
+    """The largest part of a row of b - A x, scaled as the matrix is, over that of b; blocks leave the band as it is."""
+    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    # One over the pivots is asked for by nobody who solves in blocks.
+    left = f.inverse
+    copy(right_side, left)
+    for j in range(n):
+        first, last = max(0, j - k), min(n, j + k + 1)
+        for i in range(first, last):
+            left[i] -= f.matrix.band[j, 2 * k + i - j] * x[j]
+    most = largest = 0.0
+    for i in range(n):
+        most = max(most, abs(f.scale[i] * right_side[i]))
+        largest = max(largest, abs(f.scale[i] * left[i]))
+    return largest / most if most > 0.0 else 0.0
 
 
 def dense(matrix: Matrix) -> np.ndarray:

@@ -39,6 +39,7 @@ from tautline.kernels.matrix import (
     Matrix,
     clear,
     copy_matrix,
+    doubt,
     factorise_apart,
     new_factors,
     new_matrix,
@@ -110,7 +111,7 @@ def corrector(
         float(tolerance), float(contraction), int(full), float(unit), int(by_energy), int(max_iterations),
         1.0 / system.scale,
         new_matrix(n, system.bandwidth, system.border),
-        new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL),
+        new_factors(n, system.bandwidth, system.border, BOLD if isinstance(rows, Window) else CAREFUL, improved=True),
         np.zeros(n), np.zeros(n), np.zeros(2), np.zeros(2),
         new_changed(), np.zeros(1, np.int64), np.zeros(1), rows,
     )  # fmt: skip
@@ -184,6 +185,8 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
         slow = aim(c.rows, dofs, state, c.increment, c.per_scale, c.tolerance, previous < np.inf, slow)
         if slow:
             # Factors of this very step that contract badly tell of a way that bends: they are not worth keeping.
+            if contraction < c.contraction:
+                doubt(c.factors)
             contraction = FRESH_SHARE * c.contraction
         row = _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow)
         if row != 0:

@@ -14,8 +14,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.dispatch import by_type
 from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import kernel
-from tautline.kernels.matrix import solve_apart
-from tautline.kernels.vector import copy
+from tautline.kernels.matrix import solve_for
 from tautline.system.system import System
 
 
@@ -86,8 +85,7 @@ def _close_room(rows, factors, dofs, state):
 
 @kernel
 def _solve(rows, factors, increment, right_side):
-    copy(increment, right_side)
-    solve_apart(factors, increment)
+    solve_for(factors, increment, right_side)
     return 0, increment.size
 
 

@@ -48,16 +48,26 @@ def _clamped(builder: Any, i: Any, k: int, last: Any) -> Any:
     return builder.select(builder.icmp_signed("<", place, end), place, end)
 
 
+_SINGLES = ir.VectorType(ir.FloatType(), LANES)
+"""Four numbers of single precision."""
+
+
 @lowered(memory.load, lambda args: LANE if _is_vector(args[0]) and args[0].layout == "C" else None)
 def _load(context, builder, sig, args):
-    at = builder.bitcast(_pointer(context, builder, sig.args[0], args[0], args[1]), NUMBERS.as_pointer())
-    return builder.load(at, align=8)
+    at = _pointer(context, builder, sig.args[0], args[0], args[1])
+    if sig.args[0].dtype == types.float32:
+        return builder.fpext(builder.load(builder.bitcast(at, _SINGLES.as_pointer()), align=4), NUMBERS)
+    return builder.load(builder.bitcast(at, NUMBERS.as_pointer()), align=8)
 
 
 @lowered(memory.store, lambda args: types.none if _is_vector(args[0]) and args[0].layout == "C" else None)
 def _store(context, builder, sig, args):
-    at = builder.bitcast(_pointer(context, builder, sig.args[0], args[0], args[1]), NUMBERS.as_pointer())
-    builder.store(as_lanes(context, builder, args[2], sig.args[2]), at, align=8)
+    at = _pointer(context, builder, sig.args[0], args[0], args[1])
+    x = as_lanes(context, builder, args[2], sig.args[2])
+    if sig.args[0].dtype == types.float32:
+        builder.store(builder.fptrunc(x, _SINGLES), builder.bitcast(at, _SINGLES.as_pointer()), align=4)
+    else:
+        builder.store(x, builder.bitcast(at, NUMBERS.as_pointer()), align=8)
     return context.get_dummy_value()
 
 

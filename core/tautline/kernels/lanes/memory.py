@@ -17,12 +17,12 @@ def laid_flat(array):
 
 
 def load(array, i):
-    """Entries i to i + 3 of an array without gaps."""
-    return array[i : i + LANES].copy()
+    """Entries i to i + 3 of an array without gaps, of single precision too."""
+    return array[i : i + LANES].astype(float)
 
 
 def store(array, i, x):
-    """Write lanes over entries i to i + 3 of an array without gaps."""
+    """Write lanes over entries i to i + 3 of an array without gaps; into one of single precision they are rounded."""
     array[i : i + LANES] = x
 
 
