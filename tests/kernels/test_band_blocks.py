@@ -3,14 +3,22 @@
 import numpy as np
 import pytest
 
+from tautline.kernels import matrix
 from tautline.kernels.factors.band import BOLD
+from tautline.kernels.jit import entry
 from tautline.kernels.matrix import (
+    DOUBTED,
     IN_BLOCKS,
+    LEFT,
+    MAY_BE_ROUNDED,
     PACKED,
+    ROUNDED,
+    doubt,
     factorise_matrix,
     new_factors,
     new_matrix,
     renew_matrix,
+    solve_for,
     solve_matrix,
     solve_rows,
 )
@@ -126,9 +134,11 @@ def test_elimination_in_blocks_solves_as_dense_algebra_and_leaves_the_band_as_it
     np.testing.assert_allclose(full @ _solved(factors, b), b, rtol=0.0, atol=1e-13)
 
 
-@pytest.mark.parametrize("free", [1e-2, 1e-4, 1e-6])
-def test_of_a_beam_that_nearly_nothing_holds_the_equations_are_solved_to_rounding(free):
-    """Stiff along and soft across, as strings are, and turned: an inverse of a pivot has few digits right."""
+def _free_beam(free):
+    """A beam that nearly nothing holds, stiff along and soft across, as strings are, and turned; and its bandwidth.
+
+    An inverse of a pivot has few digits right.
+    """
     n, k = 800, 11
     bend = np.diff(np.eye(n // 4), n=2, axis=0)
     along = np.diff(np.eye(n // 4), axis=0)
@@ -139,6 +149,13 @@ def test_of_a_beam_that_nearly_nothing_holds_the_equations_are_solved_to_roundin
     for i in range(0, n, 4):
         full[i : i + 4] = turn[i // 4] @ full[i : i + 4]
         full[:, i : i + 4] = full[:, i : i + 4] @ turn[i // 4].T
+    return full, k
+
+
+@pytest.mark.parametrize("free", [1e-2, 1e-4, 1e-6])
+def test_of_a_beam_that_nearly_nothing_holds_the_equations_are_solved_to_rounding(free):
+    full, k = _free_beam(free)
+    n = len(full)
     factors = new_factors(n, k)
     _write(full, factors.matrix, k)
     assert factorise_matrix(factors) == 0
@@ -186,3 +203,71 @@ def test_where_a_row_has_to_be_exchanged_elimination_in_blocks_leaves_it_to_that
     assert factors.integers[PACKED] < IN_BLOCKS
     b = np.random.default_rng(8).standard_normal(n)
     np.testing.assert_allclose(_solved(factors, b), np.linalg.solve(full, b), rtol=1e-9, atol=1e-12)
+
+
+@entry
+def _solve_for(factors, x, right_side, doubtful):
+    if doubtful:
+        doubt(factors)
+    solve_for(factors, x, right_side)
+
+
+def _rounded(full, k, monkeypatch):
+    """Factors of single precision; made, as those of few unknowns never are."""
+    with monkeypatch.context() as few:
+        few.setattr(matrix, "MANY", 1)
+        factors = new_factors(len(full), k, improved=True)
+    _write(full, factors.matrix, k)
+    assert factorise_matrix(factors) == 0
+    return factors
+
+
+@pytest.mark.parametrize(("n", "k"), [(48, 10), (203, 12), (6, 6), (100, 23)])
+def test_rounded_blocks_give_seven_digits_and_improve_what_is_left_to_the_last(n, k, monkeypatch):
+    full = _band(n, k)
+    factors = _rounded(full, k, monkeypatch)
+    assert (factors.integers[ROUNDED], factors.integers[PACKED]) == (1, IN_BLOCKS)
+    assert not np.any(factors.blocks)
+    b = np.random.default_rng(5).standard_normal(n)
+    x = _solved(factors, b)
+    left = [np.abs(full @ x - b).max()]
+    for _ in range(3):
+        x -= _solved(factors, full @ x - b)
+        left.append(np.abs(full @ x - b).max())
+    assert 1e-10 < left[0] < 1e-6
+    assert left[-1] < 1e-14
+
+
+@pytest.mark.parametrize("free", [1.0, 1e-6])
+@pytest.mark.parametrize("doubtful", [False, True])
+def test_rounded_factors_that_are_doubted_are_kept_where_they_serve_and_made_double_where_not(
+    free, doubtful, monkeypatch
+):
+    full, k = _free_beam(free)
+    factors, exact = _rounded(full, k, monkeypatch), new_factors(len(full), k)
+    _write(full, exact.matrix, k)
+    factorise_matrix(exact)
+    b = np.random.default_rng(8).standard_normal(len(full))
+    x, kept = b.copy(), np.zeros(len(full))
+    _solve_for(factors, x, kept, doubtful)
+    assert np.array_equal(kept, b)
+    left = np.abs(exact.scale * (full @ x - b)).max() / np.abs(exact.scale * b).max()
+    stays = free == 1.0 or not doubtful
+    assert (factors.integers[ROUNDED], factors.integers[MAY_BE_ROUNDED]) == (int(stays), int(stays))
+    assert (left <= LEFT) == (free == 1.0 or doubtful)
+    if not stays:
+        assert np.array_equal(x, _solved(exact, b))
+    # What was found to serve, or made anew, is not tested again.
+    assert factors.integers[DOUBTED] == 0
+
+
+def test_few_factors_and_those_of_a_border_or_of_one_solution_are_not_rounded(monkeypatch):
+    assert new_factors(600, 11, improved=True).singles.size == 0
+    monkeypatch.setattr(matrix, "MANY", 1)
+    assert new_factors(600, 11, improved=True).singles.size > 0
+    for factors in (
+        new_factors(600, 11), new_factors(600, 11, 1, improved=True), new_factors(600, 3, improved=True),
+        new_factors(600, 11, threshold=BOLD, improved=True), new_factors(600, 5, improved=True),
+    ):  # fmt: skip
+        assert factors.singles.size == 0
+        assert factors.integers[MAY_BE_ROUNDED] == 0

@@ -98,6 +98,20 @@ def test_lanes_give_what_arrays_give_and_leave_all_beyond_the_last_member_alone(
 
 
 @entry
+def _in_single(x, singles, out):
+    for i in range(0, x.size, LANES):
+        store(singles, i, 0.1 + load(x, i))
+        store(out, i, 3.0 * load(singles, i))
+
+
+def test_in_an_array_of_single_precision_lanes_are_rounded_and_read_as_they_stand():
+    x, out, singles = np.random.default_rng(6).standard_normal(12), np.zeros(12), np.zeros(12, np.float32)
+    _in_single(x, singles, out)
+    assert np.array_equal(singles, (0.1 + x).astype(np.float32))
+    assert np.array_equal(out, 3.0 * singles.astype(float))
+
+
+@entry
 def _to_places(x, out, places):
     """Columns of lanes added as rows: by fours to places that overlap, and by pairs."""
     for i in range(0, x.size, 4 * LANES):
