@@ -128,6 +128,15 @@ MUTANTS = (
         "index of the stretch's gradient", ("kernels/test_string_groups.py",),
     ),
     Mutant(
+        "core/tautline/lumped/string.py", "_residual",
+        "where(within(i, bends), gather(g.bends.stiffness, i, count - 2), 0.0)", "gather(g.bends.stiffness, i, count - 2)",
+        "bends below the last link", ("kernels/test_lanes.py",),
+    ),
+    Mutant(
+        "core/tautline/kernels/matrix.py", "_make_sure", "<= LEFT", "<= 1.0 / LEFT**2",
+        "test of factors that are rounded", ("kernels/test_band_blocks.py", "order/test_rounded_factors.py"),
+    ),
+    Mutant(
         "apps/drillstring/groups/friction.py", "_settle_events", "limit = f.static * touch.normal",
         "limit = f.kinetic * touch.normal", "factor that holds what has come to rest",
         ("kernels/test_coming_to_rest.py", "kernels/test_contact_groups.py"),
