@@ -129,7 +129,8 @@ MUTANTS = (
     ),
     Mutant(
         "core/tautline/lumped/string.py", "_residual",
-        "where(within(i, bends), gather(g.bends.stiffness, i, count - 2), 0.0)", "gather(g.bends.stiffness, i, count - 2)",
+        "where(within(i, bends), gather(g.bends.stiffness, i, count - 2), 0.0)",
+        "gather(g.bends.stiffness, i, count - 2)",
         "bends below the last link", ("kernels/test_lanes.py",),
     ),
     Mutant(
