@@ -134,7 +134,7 @@ MUTANTS = (
         "bends below the last link", ("kernels/test_lanes.py",),
     ),
     Mutant(
-        "core/tautline/kernels/matrix.py", "_make_sure", "<= LEFT", "<= 1.0 / LEFT**2",
+        "core/tautline/integrators/corrector/rounded_factors.py", "_make_sure", "<= LEFT", "<= 1.0 / LEFT**2",
         "test of factors that are rounded", ("kernels/test_band_blocks.py", "order/test_rounded_factors.py"),
     ),
     Mutant(

@@ -3,22 +3,20 @@
 import numpy as np
 import pytest
 
+from tautline.integrators.corrector.rounded_factors import LEFT, doubt, solve_for
 from tautline.kernels import matrix
 from tautline.kernels.factors.band import BOLD
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import (
     DOUBTED,
     IN_BLOCKS,
-    LEFT,
     MAY_BE_ROUNDED,
     PACKED,
     ROUNDED,
-    doubt,
     factorise_matrix,
     new_factors,
     new_matrix,
     renew_matrix,
-    solve_for,
     solve_matrix,
     solve_rows,
 )

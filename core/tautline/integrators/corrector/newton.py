@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.corrector.partial_newton import Window
+from tautline.integrators.corrector.rounded_factors import doubt
 from tautline.integrators.corrector.rows import (
     AllRows,
     aim,
@@ -39,7 +40,6 @@ from tautline.kernels.matrix import (
     Matrix,
     clear,
     copy_matrix,
-    doubt,
     factorise_apart,
     new_factors,
     new_matrix,

@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 from tautline.integrators.corrector import partial_newton as part
 from tautline.integrators.corrector.partial_newton import Window, is_worth_while, new_window
+from tautline.integrators.corrector.rounded_factors import solve_for
 from tautline.integrators.state import worst_between
 from tautline.kernels import groups as over
 from tautline.kernels.dispatch import by_type
 from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import kernel
-from tautline.kernels.matrix import solve_for
 from tautline.system.system import System
 
 
