@@ -100,14 +100,16 @@ def _predict(m, state, h, ratio):
     q0, v0, a0 = state.keep[0], state.keep[1], m.history[m.newest[0]]
     old, oldest = m.history[(m.newest[0] + 2) % DEPTH], m.history[(m.newest[0] + 1) % DEPTH]
     slope, bend = 1.0 if order > 0 else 0.0, 1.0 if order > 1 else 0.0
-    part = (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
+    alpha_m, beta, gamma = m.alpha_m, m.beta, m.gamma
+    share = 1.0 / (1.0 - alpha_m)
+    part = (1.0 - m.alpha_f) * share
     # Products in the loop and no quotients, for which a processor takes ten times as long.
-    per_step, per_part = 1.0 / h, 1.0 / part
+    per_step, per_part, squared = 1.0 / h, 1.0 / part, h * h
     for i in range(0, n, LANES):
         q, v, a = gather(state.q, i, n), gather(state.v, i, n), gather(state.a, i, n)
-        last, new = _auxiliary(m, a, gather(state.auxiliary, i, n), ratio)
+        last, new = _auxiliary(alpha_m, share, a, gather(state.auxiliary, i, n), ratio)
         if order == STILL:
-            stay = (-1.0 / m.beta) * (per_step * v + (0.5 - m.beta) * last)
+            stay = (-1.0 / beta) * (per_step * v + (0.5 - beta) * last)
             rise = per_part * (stay - new)
         else:
             b = gather(old, i, n)
@@ -116,19 +118,20 @@ def _predict(m, state, h, ratio):
         scatter(q0, i, n, q)
         scatter(v0, i, n, v)
         scatter(a0, i, n, a)
-        scatter(state.q, i, n, q + h * v + h * h * ((0.5 - m.beta) * last + m.beta * new))
-        scatter(state.v, i, n, v + h * ((1.0 - m.gamma) * last + m.gamma * new))
+        scatter(state.q, i, n, q + h * v + squared * ((0.5 - beta) * last + beta * new))
+        scatter(state.v, i, n, v + h * ((1.0 - gamma) * last + gamma * new))
         scatter(state.a, i, n, a + rise)
 
 
 @kernel(forceinline=True)
-def _auxiliary(m, a, auxiliary, ratio):
+def _auxiliary(alpha_m, share, a, auxiliary, ratio):
     """Auxiliary accelerations of eq. 2.86 at the start of a step, and at its end if the acceleration stays a.
 
     The first is that at t + (alpha_m - alpha_f) h: for a step ``ratio`` times as long as the last it is moved along.
+    ``share`` is 1 / (1 - alpha_m): as long as arrays are written to, nobody else may find that it stays the same.
     """
     last = a + ratio * (auxiliary - a)
-    return last, (1.0 / (1.0 - m.alpha_m)) * (a - m.alpha_m * last)
+    return last, share * (a - alpha_m * last)
 
 
 @kernel
@@ -152,12 +155,13 @@ def _accept(m, state, h, ratio, jumped):
     n = state.q.size
     q0, v0, a0 = state.keep[0], state.keep[1], m.history[m.newest[0]]
     old, oldest = m.history[(m.newest[0] + 2) % DEPTH], m.history[(m.newest[0] + 1) % DEPTH]
-    part = (1.0 - m.alpha_f) / (1.0 - m.alpha_m)
+    alpha_m, share = m.alpha_m, 1.0 / (1.0 - m.alpha_m)
+    part = (1.0 - m.alpha_f) * share
     moves = constants = lines = squares = speeds = turns = spread(0.0)
     for i in range(0, n, LANES):
         now, before = gather(state.a, i, n), gather(a0, i, n)
         change = now - before
-        _, new = _auxiliary(m, before, gather(state.auxiliary, i, n), ratio)
+        _, new = _auxiliary(alpha_m, share, before, gather(state.auxiliary, i, n), ratio)
         scatter(state.auxiliary, i, n, new + part * change)
         length, b = gather(m.length, i, n), gather(old, i, n)
         moves = larger(moves, length * abs(gather(state.q, i, n) - gather(q0, i, n)))

@@ -146,10 +146,11 @@ def book_losses(groups, state, t, h, power):
     powers at both ends is not: where a motion is faster than the step, its velocity changes sign from end to end, and
     the body hardly moves, but force times velocity is large at both ends.
     """
+    per_step = 1.0 / h
     for i in range(state.full_q.size):
         moved = state.full_q[i] - state.entered[0, i]
         state.middle[0, i] = state.entered[0, i] + 0.5 * moved
-        state.middle[1, i] = moved / h
+        state.middle[1, i] = moved * per_step
     power.fill(0.0)
     over.dissipation(groups, t + 0.5 * h, state.middle[0], state.middle[1], power)
     state.ledger[DISSIPATED] += h * power[0]
