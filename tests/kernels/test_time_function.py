@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter
 from scipy.integrate import quad
 
-from tautline.kernels.time_function import MANY, sample, value_at
+from tautline.kernels.jit import entry
+from tautline.kernels.time_function import MANY, evaluate, sample, value_at
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Chirp, Constant, Harmonic, Ramp, Spectrum, Sum, Table, Velocity, time_function
 from tautline.system.time_functions import FunctionRequest, compile_functions, jonswap
@@ -187,6 +188,32 @@ def test_functions_of_a_scene_do_not_mix():
     together = compile_functions([FunctionRequest(model) for model in models])
     for i, model in enumerate(models):
         assert value_at(together, i, 3.21) == value_at(compiled(model), 0, 3.21)
+
+
+@entry
+def _evaluate(functions, i, t, out):
+    out[0], out[1], out[2] = evaluate(functions, i, t)
+
+
+def test_in_the_time_loop_a_function_of_nothing_is_zero_and_the_others_are_what_they_are():
+    nothing, still = Constant(value=0.0), Constant(value=2.5)
+    models = [
+        nothing,
+        SPEEDS,
+        still,
+        FUNCTIONS["harmonic"],
+        nothing,
+        Sum(terms=(nothing, still)),
+        Ramp(to=0.0, over=1.0),
+    ]
+    asked = [FunctionRequest(model, integrate, 20.0) for model in models for integrate in (False, True)]
+    functions, out = compile_functions(asked), np.full(3, np.nan)
+    for i in range(len(asked)):
+        for t in (0.0, 2.5, 11.0):
+            _evaluate(functions, i, t, out)
+            assert out == pytest.approx(value_at(functions, i, t), rel=1e-14, abs=1e-15)
+            if i in (0, 1, 8, 9):
+                assert not np.any(out)
 
 
 def test_no_functions_make_empty_arrays():

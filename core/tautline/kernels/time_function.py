@@ -159,6 +159,8 @@ def evaluate(functions, i, t):
     """
     if functions.entry[i] != -1 or functions.sums.row[i] >= 0:
         return evaluate_any(functions, i, t)
+    if functions.track_from[i] == functions.track_to[i] and functions.wave_from[i] == functions.wave_to[i]:
+        return 0.0, 0.0, 0.0  # of nothing, such as the rotation of a string that is held
     few = Written(
         functions.track_from, functions.track_to, functions.break_from, functions.breaks, functions.origins,
         functions.coefficients, functions.wave_from, functions.wave_to, functions.waves,
