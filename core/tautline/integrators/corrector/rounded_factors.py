@@ -26,7 +26,7 @@ LEFT = 0.01
 """Share of the right side that a solution by rounded blocks may leave."""
 
 
-@kernel
+@kernel(forceinline=True)
 def solve_for(factors, x, right_side):
     """Solve A x = b for an iteration that improves the solution; ``x`` and then ``right_side`` (n,) hold b.
 
