@@ -108,7 +108,7 @@ MUTANTS = (
     ),
     Mutant(
         "core/tautline/integrators/generalized_alpha.py", "_auxiliary",
-        "* (a - m.alpha_m * last)", "* (a - m.alpha_f * last)",
+        "* (a - alpha_m * last)", "* (a - m.alpha_f * last)",
         "one alpha for the other in the auxiliary acceleration", ("order/test_order.py",),
     ),
     Mutant(

@@ -102,7 +102,7 @@ def _predict(m, state, h, ratio):
     slope, bend = 1.0 if order > 0 else 0.0, 1.0 if order > 1 else 0.0
     alpha_m, beta, gamma = m.alpha_m, m.beta, m.gamma
     share = 1.0 / (1.0 - alpha_m)
-    part = (1.0 - m.alpha_f) * share
+    part = (1.0 - m.alpha_f) / (1.0 - alpha_m)
     # Products in the loop and no quotients, for which a processor takes ten times as long.
     per_step, per_part, squared = 1.0 / h, 1.0 / part, h * h
     for i in range(0, n, LANES):
@@ -156,7 +156,7 @@ def _accept(m, state, h, ratio, jumped):
     q0, v0, a0 = state.keep[0], state.keep[1], m.history[m.newest[0]]
     old, oldest = m.history[(m.newest[0] + 2) % DEPTH], m.history[(m.newest[0] + 1) % DEPTH]
     alpha_m, share = m.alpha_m, 1.0 / (1.0 - m.alpha_m)
-    part = (1.0 - m.alpha_f) * share
+    part = (1.0 - m.alpha_f) / (1.0 - alpha_m)
     moves = constants = lines = squares = speeds = turns = spread(0.0)
     for i in range(0, n, LANES):
         now, before = gather(state.a, i, n), gather(a0, i, n)
