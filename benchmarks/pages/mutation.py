@@ -134,8 +134,8 @@ MUTANTS = (
         "bends below the last link", ("kernels/test_lanes.py",),
     ),
     Mutant(
-        "core/tautline/integrators/corrector/rounded_factors.py", "_make_sure", "<= LEFT", "<= 1.0 / LEFT**2",
-        "test of factors that are rounded", ("kernels/test_band_blocks.py", "order/test_rounded_factors.py"),
+        "core/tautline/integrators/corrector/single_precision.py", "_make_sure", "<= LEFT", "<= 1.0 / LEFT**2",
+        "test of factors that are rounded", ("kernels/test_band_blocks.py", "order/test_single_precision.py"),
     ),
     Mutant(
         "apps/drillstring/groups/friction.py", "_settle_events", "limit = f.static * touch.normal",

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from tautline.integrators.corrector.rounded_factors import LEFT, doubt, solve_for
+from tautline.integrators.corrector.single_precision import LEFT, doubt, solve_for
 from tautline.kernels import matrix
 from tautline.kernels.factors.band import BOLD
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import (
     DOUBTED,
     IN_BLOCKS,
-    MAY_BE_ROUNDED,
+    MAY_BE_SINGLE,
     PACKED,
-    ROUNDED,
+    SINGLE,
     factorise_matrix,
     new_factors,
     new_matrix,
@@ -224,7 +224,7 @@ def _rounded(full, k, monkeypatch):
 def test_rounded_blocks_give_seven_digits_and_improve_what_is_left_to_the_last(n, k, monkeypatch):
     full = _band(n, k)
     factors = _rounded(full, k, monkeypatch)
-    assert (factors.integers[ROUNDED], factors.integers[PACKED]) == (1, IN_BLOCKS)
+    assert (factors.integers[SINGLE], factors.integers[PACKED]) == (1, IN_BLOCKS)
     assert not np.any(factors.blocks)
     b = np.random.default_rng(5).standard_normal(n)
     x = _solved(factors, b)
@@ -238,7 +238,7 @@ def test_rounded_blocks_give_seven_digits_and_improve_what_is_left_to_the_last(n
 
 @pytest.mark.parametrize("free", [1.0, 1e-6])
 @pytest.mark.parametrize("doubtful", [False, True])
-def test_rounded_factors_that_are_doubted_are_kept_where_they_serve_and_made_double_where_not(
+def test_single_precision_that_are_doubted_are_kept_where_they_serve_and_made_double_where_not(
     free, doubtful, monkeypatch
 ):
     full, k = _free_beam(free)
@@ -251,7 +251,7 @@ def test_rounded_factors_that_are_doubted_are_kept_where_they_serve_and_made_dou
     assert np.array_equal(kept, b)
     left = np.abs(exact.scale * (full @ x - b)).max() / np.abs(exact.scale * b).max()
     stays = free == 1.0 or not doubtful
-    assert (factors.integers[ROUNDED], factors.integers[MAY_BE_ROUNDED]) == (int(stays), int(stays))
+    assert (factors.integers[SINGLE], factors.integers[MAY_BE_SINGLE]) == (int(stays), int(stays))
     assert (left <= LEFT) == (free == 1.0 or doubtful)
     if not stays:
         assert np.array_equal(x, _solved(exact, b))
@@ -268,4 +268,4 @@ def test_few_factors_and_those_of_a_border_or_of_one_solution_are_not_rounded(mo
         new_factors(600, 11, threshold=BOLD, improved=True), new_factors(600, 5, improved=True),
     ):  # fmt: skip
         assert factors.singles.size == 0
-        assert factors.integers[MAY_BE_ROUNDED] == 0
+        assert factors.integers[MAY_BE_SINGLE] == 0

@@ -29,7 +29,7 @@ from tautline.kernels.lanes import LANES
 from tautline.kernels.memory import form_of
 from tautline.kernels.separate import Code, apart, code_of, separate
 
-EXCHANGED, PACKED, REACH, MAY_BE_ROUNDED, ROUNDED, DOUBTED = range(7, 13)
+EXCHANGED, PACKED, REACH, MAY_BE_SINGLE, SINGLE, DOUBTED = range(7, 13)
 """Places among the ``integers`` of factors: how many rows of the band were exchanged; what is known of the blocks
 (`FRESH` and so on), and how many of them stand beside each other; whether they may be rounded to single precision,
 whether they are, and whether it is doubted that they serve so."""
@@ -111,7 +111,7 @@ def new_factors(
     blocks = room_for_blocks(size - border, bandwidth) if bandwidth > NARROW else 0
     rounded = improved and in_blocks and border == 0 and blocks >= MANY
     integers = np.zeros(13, np.int32)
-    integers[MAY_BE_ROUNDED] = int(rounded)
+    integers[MAY_BE_SINGLE] = int(rounded)
     return Factors(
         new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
         np.zeros((border, size - border)), *(np.zeros(size - border, np.int32) for _ in range(3)),
@@ -222,7 +222,7 @@ def _substitute(f, n, k, x):
             _pack(f, 0, count)
         f.integers[PACKED] = min(f.integers[PACKED] + 1, AGAIN)
         if f.integers[PACKED] >= IN_BLOCKS:
-            if f.integers[ROUNDED] == 1:
+            if f.integers[SINGLE] == 1:
                 _solve_by_singles(f, x)
             else:
                 solve_by_blocks(f.blocks, f.scale, f.integers[REACH], n, k, 0, count, x)
@@ -253,14 +253,14 @@ def _make_blocks(f, blocks):
 @separate(int, FACTORS, late=True)
 def _factorise_in_blocks(f):
     """The same, of double precision."""
-    f.integers[ROUNDED] = 0
+    f.integers[SINGLE] = 0
     return _make_blocks(f, f.blocks)
 
 
 @separate(int, FACTORS, late=True)
 def _factorise_in_singles(f):
     """The same, rounded to single precision."""
-    f.integers[ROUNDED] = 1
+    f.integers[SINGLE] = 1
     return _make_blocks(f, f.singles)
 
 
@@ -270,7 +270,7 @@ def _factorise_by_rows(f):
     n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
     # Where the factors before these were used often, these will be: they are packed before their first use.
     f.integers[PACKED] = TRIED if f.integers[PACKED] == AGAIN else FRESH
-    f.integers[ROUNDED] = 0
+    f.integers[SINGLE] = 0
     equilibrate(f.matrix.band, f.scale, n, k)
     find_envelope(f.matrix.band, f.below, f.right, n, k)
     row, f.integers[EXCHANGED] = eliminate(
@@ -393,11 +393,10 @@ def _goes_in_blocks(f):
 def factorise_matrix(factors):
     """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
     f = factors
-    row = failed = 0
+    failed = 1
     if _goes_in_blocks(f):
-        failed = _factorise_in_singles(f) if f.integers[MAY_BE_ROUNDED] == 1 else _factorise_in_blocks(f)
-    if failed != 0 or not _goes_in_blocks(f):
-        row = _factorise_by_rows(f)
+        failed = _factorise_in_singles(f) if f.integers[MAY_BE_SINGLE] == 1 else _factorise_in_blocks(f)
+    row = _factorise_by_rows(f) if failed != 0 else 0
     if row == 0 and f.corner_pivots.size > 0:
         row = _factorise_border(f)
     return row

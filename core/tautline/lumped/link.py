@@ -43,6 +43,15 @@ class Links(NamedTuple):
     scratch: np.ndarray
 
 
+@kernel(forceinline=True)
+def by_bodies(d, slope):
+    """Gradient (6,) by (x, u, v) of both bodies, of what has the gradient d (3,) by the chord, du and dv."""
+    return (
+        d[0] * slope[0], d[0] * slope[1] - d[1], d[0] * slope[2] - d[2],
+        d[0] * slope[3], d[0] * slope[4] + d[1], d[0] * slope[5] + d[2],
+    )  # fmt: skip
+
+
 @kernel
 def stretch_of(g, i, q):
     """Stretch of link i, m, and its gradient (6,) by (x, u, v) of both bodies."""
@@ -58,15 +67,6 @@ def _rate(i, v, gradient):
     for k in range(BOTH):
         rate += gradient[k] * v[place(i, k)]
     return rate
-
-
-@kernel(forceinline=True)
-def by_bodies(d, slope):
-    """Gradient (6,) by (x, u, v) of both bodies, of what has the gradient d (3,) by the chord, du and dv."""
-    return (
-        d[0] * slope[0], d[0] * slope[1] - d[1], d[0] * slope[2] - d[2],
-        d[0] * slope[3], d[0] * slope[4] + d[1], d[0] * slope[5] + d[2],
-    )  # fmt: skip
 
 
 @kernel(forceinline=True)

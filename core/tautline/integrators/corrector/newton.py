@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from tautline.integrators.corrector.partial_newton import Window
-from tautline.integrators.corrector.rounded_factors import doubt
 from tautline.integrators.corrector.rows import (
     AllRows,
     aim,
@@ -28,6 +27,7 @@ from tautline.integrators.corrector.rows import (
     take_changed,
     worst_row,
 )
+from tautline.integrators.corrector.single_precision import doubt
 from tautline.integrators.state import FACTORISATIONS, ITERATIONS, ROWS, WORST
 from tautline.integrators.status import Status
 from tautline.kernels import groups as over

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from tautline.integrators.corrector import partial_newton as part
 from tautline.integrators.corrector.partial_newton import Window, is_worth_while, new_window
-from tautline.integrators.corrector.rounded_factors import solve_for
+from tautline.integrators.corrector.single_precision import solve_for
 from tautline.integrators.state import worst_between
 from tautline.kernels import groups as over
 from tautline.kernels.dispatch import by_type

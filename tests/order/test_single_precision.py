@@ -21,7 +21,7 @@ def _swing(n, length, EA, EJ, **solver):
 
 
 @pytest.mark.parametrize(("scene", "serve"), [(SOFT, True), (STIFF, False)], ids=["soft", "stiff"])
-def test_a_run_with_rounded_factors_is_that_with_others_to_the_iterations_tolerance(scene, serve, monkeypatch):
+def test_a_run_with_single_precision_is_that_with_others_to_the_iterations_tolerance(scene, serve, monkeypatch):
     exact = _swing(**scene)
     made = []
 
@@ -34,7 +34,7 @@ def test_a_run_with_rounded_factors_is_that_with_others_to_the_iterations_tolera
     rounded = _swing(**scene)
     assert made[-1].singles.size > 0
     # Where they do not serve they are found out within the run, and are double from then on.
-    assert (made[-1].integers[matrix.ROUNDED], made[-1].integers[matrix.MAY_BE_ROUNDED]) == (int(serve), int(serve))
+    assert (made[-1].integers[matrix.SINGLE], made[-1].integers[matrix.MAY_BE_SINGLE]) == (int(serve), int(serve))
     size = np.abs(np.asarray(exact["position"])).max()
     np.testing.assert_allclose(rounded["position"], exact["position"], rtol=0.0, atol=1e-10 * size)
     assert rounded.attributes["newton_iterations"] <= 1.01 * exact.attributes["newton_iterations"]

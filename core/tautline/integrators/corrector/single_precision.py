@@ -12,9 +12,9 @@ from tautline.kernels.matrix import (
     DOUBTED,
     FACTORS,
     IN_BLOCKS,
-    MAY_BE_ROUNDED,
+    MAY_BE_SINGLE,
     PACKED,
-    ROUNDED,
+    SINGLE,
     VECTOR,
     factorise_apart,
     solve_apart,
@@ -33,7 +33,7 @@ def solve_for(factors, x, right_side):
     Where it is doubted that rounded factors serve, their first solution is put to the test.
     """
     integers = factors.integers
-    doubted = integers[ROUNDED] == 1 and integers[DOUBTED] == 1 and integers[PACKED] == IN_BLOCKS
+    doubted = integers[SINGLE] == 1 and integers[DOUBTED] == 1 and integers[PACKED] == IN_BLOCKS
     copy(x, right_side)
     solve_apart(factors, x)
     if doubted:
@@ -55,7 +55,7 @@ def _make_sure(f, x, right_side):
     f.integers[DOUBTED] = 0
     if _left_over(f, x, right_side) <= LEFT:
         return
-    f.integers[MAY_BE_ROUNDED] = 0
+    f.integers[MAY_BE_SINGLE] = 0
     factorise_apart(f)
     copy(right_side, x)
     solve_apart(f, x)
