@@ -27,7 +27,7 @@ def factors_of(matrix, k, threshold=CAREFUL):
     factors = new_factors(n, k, threshold=threshold)
     for j in range(n):
         for i in range(max(0, j - k), min(n, j + k + 1)):
-            factors.matrix.band[j, 2 * k + i - j] = matrix[i, j]
+            factors.matrix.band[j, k + i - j] = matrix[i, j]
     return factors
 
 
@@ -131,11 +131,12 @@ def test_factors_renewed_where_the_matrix_changes_are_those_of_the_whole_and_no_
     before = chain(rng, n, k)
     after = before.copy()
     after[first:last, first:last] = chain(rng, last - first, k) * stiffness
-    factors, whole, source = factors_of(before, k), factors_of(after, k), factors_of(after, k).matrix
+    factors, whole = factors_of(before, k, BOLD), factors_of(after, k, BOLD)
     assert factorise_matrix(factors) == 0 and factorise_matrix(whole) == 0
-    made = renew_matrix(factors, source, first, last)
+    factors.matrix.band[...] = whole.matrix.band
+    made = renew_matrix(factors, first, last)
     assert last - first <= made <= min(n, last - first + 16 * k)
-    entries, expected = factors.matrix.band[:, k:], whole.matrix.band[:, k:]
+    entries, expected = factors.lu[:, k:], whole.lu[:, k:]
     assert np.allclose(entries, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
     assert np.allclose(factors.inverse, whole.inverse, rtol=1e-13, atol=0)
     b = rng.standard_normal(n)
@@ -151,11 +152,14 @@ def test_factors_are_not_renewed_where_a_row_has_to_be_or_was_exchanged():
     after[30, 30] = 0.0
     factors = factors_of(before, 3)
     assert factorise_matrix(factors) == 0
-    assert renew_matrix(factors, factors_of(after, 3).matrix, 30, 31) == -1
+    factors.matrix.band[...] = factors_of(after, 3).matrix.band
+    assert renew_matrix(factors, 30, 31) == -1
     factors = factors_of(after, 3)
     assert factorise_matrix(factors) == 0 and factors.integers[EXCHANGED] > 0
-    assert renew_matrix(factors, factors_of(before, 3).matrix, 32, 33) == -1
-    assert renew_matrix(factors, factors_of(after, 3).matrix, 50, 51) > 0
+    factors.matrix.band[...] = factors_of(before, 3).matrix.band
+    assert renew_matrix(factors, 32, 33) == -1
+    factors.matrix.band[...] = factors_of(after, 3).matrix.band
+    assert renew_matrix(factors, 50, 51) > 0
 
 
 @pytest.mark.parametrize(("first", "last"), [(0, 40), (130, 170), (260, 300), (0, 300)])
@@ -163,7 +167,7 @@ def test_solving_for_a_part_of_the_rows_leaves_an_error_at_its_edges_only(first,
     rng = np.random.default_rng(7)
     n, k = 300, 5
     matrix = chain(rng, n, k)
-    factors = factors_of(matrix, k)
+    factors = factors_of(matrix, k, BOLD)
     assert factorise_matrix(factors) == 0
     middle = slice((first + last) // 2 - 1, (first + last) // 2 + 1)
     b = np.zeros(n)

@@ -130,7 +130,7 @@ def test_a_matrix_by_rows_is_a_copy_and_knows_whether_it_vanishes(part):
     matrix = new_matrix(9, 2, 2)
     assert rows_of(matrix).vanishes and rows_of(new_matrix(0, 0)).vanishes
     assert (rows_of(new_matrix(0, 0)) @ np.zeros(0)).size == 0
-    matrix[part][-1, 3 if part == 0 else -1] = 2.0
+    matrix[part][-1, 1 if part == 0 else -1] = 2.0
     rows = rows_of(matrix)
     before = rows @ np.ones(9)
     matrix[part][:] = 0.0

@@ -86,7 +86,7 @@ def test_lapack_is_loaded_for_a_matrix_with_a_border_only(border, loaded):
         "import numpy as np\n"
         "from tautline.kernels.matrix import factorise_matrix, new_factors, solve_matrix\n"
         f"factors, x = new_factors(3, 1, {border}), np.ones(3)\n"
-        "factors.matrix.band[:, 2] = 2.0\n"
+        "factors.matrix.band[:, 1] = 2.0\n"
         "factors.matrix.corner[:] = 4.0\n"
         "assert factorise_matrix(factors) == 0\n"
         "solve_matrix(factors, x)\n"

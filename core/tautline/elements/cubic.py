@@ -202,7 +202,7 @@ def corners_of(number, width, a, b):
     First those in the first node's columns: its own rows and the second's; then those in the second's columns. An entry
     a rows down and b columns on is b (width - 1) + a places further.
     """
-    centre = 2 * ((width - 1) // 3)
+    centre = width // 2
     i0, i1, i2, i3 = number[a[0]], number[a[1]], number[a[2]], number[a[3]]
     j0, j1, j2, j3 = number[b[0]], number[b[1]], number[b[2]], number[b[3]]
     own = i0 * width + centre, i1 * width + centre, i2 * width + centre, i3 * width + centre

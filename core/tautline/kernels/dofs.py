@@ -248,7 +248,7 @@ def _add_block_to_band(matrix, dofs, first, stride, width, block):
             if row == TIED or row >= n:
                 _add_any_block(matrix, dofs, first, stride, width, block)
                 return
-    centre = 2 * ((matrix.band.shape[1] - 1) // 3)
+    centre = matrix.band.shape[1] // 2
     for left in range(nodes):
         for j in range(width):
             column = number[first + stride * left + j]

@@ -22,7 +22,7 @@ from tautline.kernels.factors.band import (
     substitute_between,
 )
 from tautline.kernels.factors.band_blocks import pack, room_for_blocks, solve_by_blocks
-from tautline.kernels.factors.block_elimination import factorise_in_blocks, goes_in_blocks, room_for_window
+from tautline.kernels.factors.block_elimination import factorise_in_blocks, room_for_window
 from tautline.kernels.factors.lapack import factorise_dense_inside, solve_dense_inside
 from tautline.kernels.jit import entry, kernel
 from tautline.kernels.lanes import LANES
@@ -45,7 +45,7 @@ COLUMNS = 2048
 class Matrix(NamedTuple):
     """A matrix of n banded and m border unknowns.
 
-    ``band`` (n, 3 k + 1) with entry (i, j) at ``band[j, 2 k + i - j]``; ``right[j]`` (m, n) the border's columns;
+    ``band`` (n, 2 k + 1) with entry (i, j) at ``band[j, k + i - j]``; ``right[j]`` (m, n) the border's columns;
     ``lower[i]`` (m, n) its rows; ``corner`` (m, m) with entry (i, j) at ``corner[j, i]``.
     """
 
@@ -62,19 +62,21 @@ VECTOR = form_of(np.zeros(0))
 
 
 class Factors(NamedTuple):
-    """A matrix that is factorised in place, and the scratch for it.
+    """A matrix, room for its factors, and the scratch for it. The band stays as it is, the border does not.
 
+    ``lu`` (n, 3 k + 1) is room for the band's factors by rows, with k places more for what exchanges of rows fill.
     ``columns[j]`` (m, n) is the band's inverse times the border's column j. ``above`` and ``below`` (n,) say how far
     from the diagonal a column of the band's factors goes, ``right`` (n,) is the last column that a row reaches, and
     ``inverse`` (n,) is one over their diagonal. ``scale`` (n,) has made the diagonal of the band one: slopes and
     positions are of one size then, and rows are seldom exchanged, which would fill the band: only where a pivot is
-    below ``threshold`` of its column's largest entry. ``column`` (3 k + 1,) is scratch. ``blocks`` are the band's
+    below ``threshold`` of its column's largest entry. ``column`` (2 k + 1,) is scratch. ``blocks`` are the band's
     factors once more, as they are quickest to solve with (band_blocks.py). With a ``window``, which is scratch, they
     are made so from the start, if no row has to be exchanged (block_elimination.py). ``singles`` are the blocks in
     single precision, in place of the others where these are many and whoever solves improves the solution.
     """
 
     matrix: Matrix
+    lu: np.ndarray
     pivots: np.ndarray
     corner_pivots: np.ndarray
     columns: np.ndarray
@@ -95,7 +97,7 @@ def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
     """Zero matrix of ``size`` unknowns, the last ``border`` of which are no part of the band."""
     n = size - border
     return Matrix(
-        np.zeros((n, 3 * bandwidth + 1)), np.zeros((border, n)), np.zeros((border, n)), np.zeros((border, border))
+        np.zeros((n, 2 * bandwidth + 1)), np.zeros((border, n)), np.zeros((border, n)), np.zeros((border, border))
     )
 
 
@@ -107,15 +109,17 @@ def new_factors(
     Where whoever solves finds what a solution leaves, and solves for it again (``improved``), blocks of which there
     are `MANY` are rounded to single precision: they are read from memory once for each solution.
     """
-    in_blocks = threshold == CAREFUL and goes_in_blocks(bandwidth)
+    in_blocks = threshold == CAREFUL and bandwidth > NARROW
     blocks = room_for_blocks(size - border, bandwidth) if bandwidth > NARROW else 0
     rounded = improved and in_blocks and border == 0 and blocks >= MANY
     integers = np.zeros(13, np.int32)
     integers[MAY_BE_SINGLE] = int(rounded)
     return Factors(
-        new_matrix(size, bandwidth, border), np.zeros(size - border, np.int32), np.zeros(border, np.int32),
+        # The system gives memory where something is written: for factors by rows only to who makes them.
+        new_matrix(size, bandwidth, border), np.zeros((size - border, 3 * bandwidth + 1)),
+        np.zeros(size - border, np.int32), np.zeros(border, np.int32),
         np.zeros((border, size - border)), *(np.zeros(size - border, np.int32) for _ in range(3)),
-        np.zeros(size - border), np.zeros(size - border), integers, np.zeros(3 * bandwidth + 1), threshold,
+        np.zeros(size - border), np.zeros(size - border), integers, np.zeros(2 * bandwidth + 1), threshold,
         np.zeros(blocks),
         # What is renewed in part, or whose pivots are counted, is eliminated row by row.
         np.zeros(room_for_window(bandwidth) if in_blocks else 0),
@@ -131,7 +135,8 @@ def cut(factors: Factors, first: int, last: int) -> Factors:
     """Rows and columns ``first`` to ``last`` - 1 of a matrix without a border, as one of its own in the same memory."""
     band, none = factors.matrix.band[first:last], np.zeros((0, last - first))
     each = {
-        name: getattr(factors, name)[first:last] for name in ("pivots", "above", "below", "right", "inverse", "scale")
+        name: getattr(factors, name)[first:last]
+        for name in ("lu", "pivots", "above", "below", "right", "inverse", "scale")
     }
     own = {
         "matrix": Matrix(band, none, none, np.zeros((0, 0))), "columns": none, "blocks": np.zeros(0),
@@ -194,7 +199,7 @@ def add_at(matrix, row, column, x):
     """Add x to an entry."""
     n = matrix.band.shape[0]
     if row < n and column < n:
-        matrix.band[column, 2 * ((matrix.band.shape[1] - 1) // 3) + row - column] += x
+        matrix.band[column, matrix.band.shape[1] // 2 + row - column] += x
     elif row < n:
         matrix.right[column - n, row] += x
     elif column < n:
@@ -206,10 +211,8 @@ def add_at(matrix, row, column, x):
 @separate(type(None), FACTORS, int, int, late=True)
 def _pack(f, first, last):
     """Make blocks ``first`` to ``last`` - 1 of the band's factors."""
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
-    f.integers[REACH] = pack(
-        f.matrix.band, f.above, f.below, f.inverse, f.scale, f.blocks, n, k, first, last, f.integers[REACH]
-    )
+    n, k = f.matrix.band.shape[0], f.matrix.band.shape[1] // 2
+    f.integers[REACH] = pack(f.lu, f.above, f.below, f.inverse, f.scale, f.blocks, n, k, first, last, f.integers[REACH])
 
 
 @kernel(forceinline=True)
@@ -228,21 +231,21 @@ def _substitute(f, n, k, x):
                 solve_by_blocks(f.blocks, f.scale, f.integers[REACH], n, k, 0, count, x)
             return
     substitute(
-        f.matrix.band, f.pivots, f.above, f.below, f.inverse, f.scale, f.integers[EXCHANGED] > 0, n, k, x
+        f.lu, f.pivots, f.above, f.below, f.inverse, f.scale, f.integers[EXCHANGED] > 0, n, k, x
     )  # fmt: skip
 
 
 @separate(type(None), FACTORS, VECTOR, late=True)
 def _solve_by_singles(f, x):
     """Solve by blocks of single precision."""
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    n, k = f.matrix.band.shape[0], f.matrix.band.shape[1] // 2
     solve_by_blocks(f.singles, f.scale, f.integers[REACH], n, k, 0, (n + LANES - 1) // LANES, x)
 
 
 @kernel(forceinline=True)
 def _make_blocks(f, blocks):
     """Make the band's factors in blocks. Returns 0, or 1 where a row has to be exchanged for that."""
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    n, k = f.matrix.band.shape[0], f.matrix.band.shape[1] // 2
     reach = factorise_in_blocks(f.matrix.band, f.scale, blocks, f.window, f.threshold, n, k)
     if reach < 0:
         return 1
@@ -266,27 +269,27 @@ def _factorise_in_singles(f):
 
 @separate(int, FACTORS, late=True)
 def _factorise_by_rows(f):
-    """Make the band's factors in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    """Make the band's factors by rows. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
+    n, k = f.matrix.band.shape[0], f.matrix.band.shape[1] // 2
     # Where the factors before these were used often, these will be: they are packed before their first use.
     f.integers[PACKED] = TRIED if f.integers[PACKED] == AGAIN else FRESH
     f.integers[SINGLE] = 0
-    equilibrate(f.matrix.band, f.scale, n, k)
-    find_envelope(f.matrix.band, f.below, f.right, n, k)
+    equilibrate(f.matrix.band, f.lu, f.scale, n, k)
+    find_envelope(f.lu, f.below, f.right, n, k)
     row, f.integers[EXCHANGED] = eliminate(
-        f.matrix.band, f.pivots, f.above, f.below, f.right, f.inverse, f.threshold, n, k
+        f.lu, f.pivots, f.above, f.below, f.right, f.inverse, f.threshold, n, k
     )  # fmt: skip
     return row
 
 
 @entry
-def renew_matrix(factors, matrix, first, last):
-    """Factorise anew what a change of rows and columns ``first`` to ``last`` - 1 makes of a matrix without a border.
+def renew_matrix(factors, first, last):
+    """Factorise anew what a change of rows and columns ``first`` to ``last`` - 1 has made of a matrix without a border.
 
     Returns the columns that were made, or -1 where all has to be factorised.
     """
-    n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
-    made = renew(matrix.band, factors, n, k, first, last)
+    n, k = factors.matrix.band.shape[0], factors.matrix.band.shape[1] // 2
+    made = renew(factors, n, k, first, last)
     if made > 0 and factors.integers[PACKED] >= IN_BLOCKS:
         begin = max(0, first - k)
         beside = (k + LANES - 1) // LANES
@@ -303,7 +306,7 @@ def solve_rows(factors, x, first, last):
     to stand where blocks of `LANES` rows do.
     """
     f = factors
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    n, k = f.matrix.band.shape[0], f.matrix.band.shape[1] // 2
     if f.integers[PACKED] >= IN_BLOCKS:
         begin, end = first // LANES, (last + LANES - 1) // LANES
         solve_by_blocks(f.blocks, f.scale, f.integers[REACH], n, k, begin, end, x)
@@ -312,7 +315,7 @@ def solve_rows(factors, x, first, last):
         x[j] = 0.0
     for j in range(first, last):
         x[j] *= f.scale[j]
-    substitute_between(f.matrix.band, f.pivots, f.above, f.below, f.inverse, first, last, k, x)
+    substitute_between(f.lu, f.pivots, f.above, f.below, f.inverse, first, last, k, x)
     for j in range(first, last):
         x[j] *= f.scale[j]
 
@@ -327,7 +330,7 @@ def solve_matrix(factors, x):
 def solve_inside(factors, x):
     """The same, written out where it is called: for a few unknowns the call is most of the work."""
     f = factors
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    n, k = f.matrix.band.shape[0], f.matrix.band.shape[1] // 2
     _substitute(f, n, k, x)
     if f.corner_pivots.size > 0:
         _solve_border(f, x)
@@ -356,8 +359,8 @@ solve_apart = apart(solve_matrix, type(None), FACTORS, VECTOR)
 def _without_border(f):
     """Factors of the band alone, in the same memory."""
     return Factors(
-        f.matrix, f.pivots, f.corner_pivots[:0], f.columns, f.above, f.below, f.right, f.inverse, f.scale, f.integers,
-        f.column, f.threshold, f.blocks, f.window, f.singles,
+        f.matrix, f.lu, f.pivots, f.corner_pivots[:0], f.columns, f.above, f.below, f.right, f.inverse, f.scale,
+        f.integers, f.column, f.threshold, f.blocks, f.window, f.singles,
     )  # fmt: skip
 
 
@@ -391,7 +394,7 @@ def _goes_in_blocks(f):
 
 @entry
 def factorise_matrix(factors):
-    """Factorise in place. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
+    """Make the factors. Returns 0, or k > 0 where the k-th pivot is exactly zero."""
     f = factors
     failed = 1
     if _goes_in_blocks(f):
@@ -426,11 +429,11 @@ factorise_apart = apart(factorise_matrix, int, FACTORS)
 def dense(matrix: Matrix) -> np.ndarray:
     """The matrix (n + m, n + m) in full."""
     n, m = matrix.band.shape[0], matrix.corner.shape[0]
-    k = (matrix.band.shape[1] - 1) // 3
+    k = matrix.band.shape[1] // 2
     full = np.zeros((n + m, n + m))
     for j in range(n):
         first, last = max(0, j - k), min(n, j + k + 1)
-        full[first:last, j] = matrix.band[j, 2 * k + first - j : 2 * k + last - j]
+        full[first:last, j] = matrix.band[j, k + first - j : k + last - j]
     full[:n, n:], full[n:, :n], full[n:, n:] = matrix.right.T, matrix.lower, matrix.corner.T
     return full
 
@@ -470,9 +473,9 @@ class Rows(NamedTuple):
 
 def rows_of(matrix: Matrix) -> Rows:
     """The matrix by rows, for products; a copy."""
-    n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
+    n, k = matrix.band.shape[0], matrix.band.shape[1] // 2
     padded = np.zeros((n + 2 * k, 2 * k + 1))
-    padded[k : k + n] = matrix.band[:, k:]
+    padded[k : k + n] = matrix.band
     # Along a row each entry stands one column of the matrix further, and one place less deep in it.
     down, along = padded.strides
     band = as_strided(padded.ravel()[2 * k :], (n, 2 * k + 1), (down, down - along)).copy()
@@ -484,11 +487,11 @@ def sizes_of_rows(matrix: Matrix, x: np.ndarray) -> np.ndarray:
 
     Of a large matrix nothing is copied but some columns at a time, which stay in the processor's cache.
     """
-    n, k, x = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3, np.abs(x)
+    n, k, x = matrix.band.shape[0], matrix.band.shape[1] // 2, np.abs(x)
     padded = np.zeros(n + 2 * k)
     for first in range(0, n, COLUMNS):
         last = min(n, first + COLUMNS)
-        sizes = np.abs(matrix.band[first:last, k:]) * x[first:last, None]
+        sizes = np.abs(matrix.band[first:last]) * x[first:last, None]
         for i in range(2 * k + 1):
             padded[first + i : last + i] += sizes[:, i]
     inner = padded[k : k + n] + np.abs(matrix.right.T) @ x[n:]
@@ -497,8 +500,8 @@ def sizes_of_rows(matrix: Matrix, x: np.ndarray) -> np.ndarray:
 
 def diagonal(matrix: Matrix) -> np.ndarray:
     """The diagonal (n + m,)."""
-    k = (matrix.band.shape[1] - 1) // 3
-    return np.concatenate((matrix.band[:, 2 * k], np.diagonal(matrix.corner)))
+    k = matrix.band.shape[1] // 2
+    return np.concatenate((matrix.band[:, k], np.diagonal(matrix.corner)))
 
 
 def sparse(matrix: Matrix):
@@ -508,9 +511,9 @@ def sparse(matrix: Matrix):
     n = matrix.band.shape[0]
     if n == 0:
         return csr_array(matrix.corner.T)
-    k = (matrix.band.shape[1] - 1) // 3
+    k = matrix.band.shape[1] // 2
     offsets = np.arange(-k, k + 1)
-    band = dia_array((np.array([matrix.band[:, 2 * k - d] for d in offsets]), offsets), shape=(n, n))
+    band = dia_array((np.array([matrix.band[:, k - d] for d in offsets]), offsets), shape=(n, n))
     if matrix.corner.size == 0:
         return band
     return block_array(
@@ -521,7 +524,7 @@ def sparse(matrix: Matrix):
 @kernel
 def size_of_row(matrix, row, x):
     """Sum over a row of its entries' sizes times those of x (n + m,): what its product can be at most."""
-    n, k, m = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3, matrix.corner.shape[0]
+    n, k, m = matrix.band.shape[0], matrix.band.shape[1] // 2, matrix.corner.shape[0]
     found = 0.0
     if row >= n:
         for i in range(n):
@@ -530,7 +533,7 @@ def size_of_row(matrix, row, x):
             found += abs(matrix.corner[j, row - n] * x[n + j])
         return found
     for i in range(max(0, row - k), min(n, row + k + 1)):
-        found += abs(matrix.band[i, 2 * k + row - i] * x[i])
+        found += abs(matrix.band[i, k + row - i] * x[i])
     for j in range(m):
         found += abs(matrix.right[j, row] * x[n + j])
     return found
@@ -539,7 +542,7 @@ def size_of_row(matrix, row, x):
 @kernel
 def hold_row(matrix, row):
     """Make a row that of the unit matrix: its unknown stays where it is."""
-    n, k, m = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3, matrix.corner.shape[0]
+    n, k, m = matrix.band.shape[0], matrix.band.shape[1] // 2, matrix.corner.shape[0]
     if row >= n:
         for i in range(n):
             matrix.lower[row - n, i] = 0.0
@@ -548,23 +551,23 @@ def hold_row(matrix, row):
         matrix.corner[row - n, row - n] = 1.0
         return
     for i in range(max(0, row - k), min(n, row + k + 1)):
-        matrix.band[i, 2 * k + row - i] = 0.0
+        matrix.band[i, k + row - i] = 0.0
     for j in range(m):
         matrix.right[j, row] = 0.0
-    matrix.band[row, 2 * k] = 1.0
+    matrix.band[row, k] = 1.0
 
 
 def _along(matrix: Matrix, row: int, first: int, last: int) -> np.ndarray:
     """Entries of a row in columns ``first`` to ``last`` - 1 of the band, a view: each lies a column further."""
     width = matrix.band.shape[1]
-    begin = 2 * ((width - 1) // 3) + row + first * (width - 1)
+    begin = width // 2 + row + first * (width - 1)
     step = max(1, width - 1)
     return matrix.band.reshape(-1)[begin : begin + (last - first - 1) * step + 1 : step]
 
 
 def replace_by_identity(matrix: Matrix, row: int) -> None:
     """Make a row that of the unit matrix: its unknown stays where it is."""
-    n, k = matrix.band.shape[0], (matrix.band.shape[1] - 1) // 3
+    n, k = matrix.band.shape[0], matrix.band.shape[1] // 2
     if row >= n:
         matrix.lower[row - n] = 0.0
         matrix.corner[:, row - n] = 0.0
@@ -572,4 +575,4 @@ def replace_by_identity(matrix: Matrix, row: int) -> None:
         return
     _along(matrix, row, max(0, row - k), min(n, row + k + 1))[:] = 0.0
     matrix.right[:, row] = 0.0
-    matrix.band[row, 2 * k] = 1.0
+    matrix.band[row, k] = 1.0

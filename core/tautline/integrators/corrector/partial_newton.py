@@ -26,7 +26,6 @@ from tautline.kernels.matrix import (
     add_columns,
     clear_columns,
     copy_columns,
-    copy_matrix,
     new_matrix,
     renew_matrix,
     solve_matrix,
@@ -51,14 +50,13 @@ class Window(NamedTuple):
     """The rows of the iteration under way, of a system with a window, and scratch for them.
 
     ``asked`` (2,) is the system's window, in full degrees of freedom; ``at`` (7,) are the rows, in reduced ones;
-    ``band`` is their coupling. ``whole`` is the matrix that was factorised, ``beside`` a place to make a part of it,
-    and ``own`` (n_full,) a part of the residual.
+    ``band`` is their coupling. ``beside`` is a place to make a part of the matrix, and ``own`` (n_full,) a part of the
+    residual.
     """
 
     asked: np.ndarray
     at: np.ndarray
     band: int
-    whole: Matrix
     beside: Matrix
     own: np.ndarray
 
@@ -72,7 +70,7 @@ def new_window(system: System) -> Window:
     """Make the scratch for a system that has a window."""
     n, k = system.size, system.bandwidth
     at = np.array([0, n, 0, n, n, 0, LEAST_MARGIN * k])
-    return Window(system.window, at, k, new_matrix(n, k), new_matrix(n, k), np.zeros(system.q.size))
+    return Window(system.window, at, k, new_matrix(n, k), np.zeros(system.q.size))
 
 
 # -- which rows ------------------------------------------------------------------------------------------------------
@@ -80,7 +78,7 @@ def new_window(system: System) -> Window:
 
 @kernel
 def _is_part(w):
-    return w.at[SOLVED_END] - w.at[SOLVED] < w.whole.band.shape[0]
+    return w.at[SOLVED_END] - w.at[SOLVED] < w.beside.band.shape[0]
 
 
 @kernel
@@ -235,7 +233,7 @@ def _widen(w, first, last):
 @kernel
 def _forget(w):
     """The factors are those of the matrix as it is."""
-    w.at[STALE], w.at[STALE_END] = w.whole.band.shape[0], 0
+    w.at[STALE], w.at[STALE_END] = w.beside.band.shape[0], 0
 
 
 @kernel
@@ -269,9 +267,9 @@ def renew_part(w, groups, dofs, state, t, beta, gamma, slow, smooth, factors):
         if last - first >= PART * state.q.size:
             return False
         _make_beside(w, groups, dofs, state, t, beta, gamma, first, last, False)
-        copy_columns(smooth, w.whole, first, last)
-        add_columns(w.beside, w.whole, first, last)
-        if renew_matrix(factors, w.whole, first, last) < 0:
+        copy_columns(smooth, factors.matrix, first, last)
+        add_columns(w.beside, factors.matrix, first, last)
+        if renew_matrix(factors, first, last) < 0:
             return False
         _forget(w)
         state.counters[FACTORISATIONS] += 1
@@ -283,13 +281,12 @@ def renew_part(w, groups, dofs, state, t, beta, gamma, slow, smooth, factors):
 def room_in_window(w, factors, state):
     """Where to make the matrix of all rows, which are asked for until it is there."""
     w.asked[0], w.asked[1] = 0, state.full_q.size
-    return w.whole
+    return factors.matrix
 
 
 @kernel
 def close_room(w, factors, dofs, state):
-    """Write the matrix to where it is factorised, and keep it."""
-    copy_matrix(w.whole, factors.matrix)
+    """Go back to the rows that were asked for: the matrix is there."""
     _forget(w)
     _ask(w, dofs, state, w.at[ASKED], w.at[ASKED_END])
 

@@ -64,14 +64,14 @@ def _make_sure(f, x, right_side):
 @kernel
 def _left_over(f, x, right_side):
     """The largest part of a row of b - A x, scaled as the matrix is, over that of b; blocks leave the band as it is."""
-    n, k = f.matrix.band.shape[0], (f.matrix.band.shape[1] - 1) // 3
+    n, k = f.matrix.band.shape[0], f.matrix.band.shape[1] // 2
     # One over the pivots is asked for by nobody who solves in blocks.
     left = f.inverse
     copy(right_side, left)
     for j in range(n):
         first, last = max(0, j - k), min(n, j + k + 1)
         for i in range(first, last):
-            left[i] -= f.matrix.band[j, 2 * k + i - j] * x[j]
+            left[i] -= f.matrix.band[j, k + i - j] * x[j]
     most = largest = 0.0
     for i in range(n):
         most = max(most, abs(f.scale[i] * right_side[i]))

@@ -151,11 +151,11 @@ def _by_pivots(system: System, factors: Factors) -> Stability:
     band, corner = factors.matrix.band, factors.matrix.corner
     if not _symmetric(factors.matrix, k):
         return UNKNOWN
-    size = np.abs(np.concatenate([band[:, 2 * k], np.diagonal(corner)]))
+    size = np.abs(np.concatenate([band[:, k], np.diagonal(corner)]))
     stiffest = max(float(size[: n - border].max(initial=0.0)), float(np.abs(corner).max(initial=0.0)), 1e-300)
     shift = NEUTRAL * np.where(size > 0.0, size, 1.0)
     shift[system.algebraic] = -SPRING / stiffest
-    band[:, 2 * k] += shift[: n - border]
+    band[:, k] += shift[: n - border]
     corner[np.arange(border), np.arange(border)] += shift[n - border :]
     left = corner.T.copy()
     if factorise_matrix(factors):
@@ -181,11 +181,11 @@ def _symmetric(matrix: Matrix, k: int) -> bool:
     # Rows of zeros beyond the last: entry (j + d, j) and its mirror (j, j + d) are at [j, d] for every j and d.
     band, size = np.zeros((n + k, width)), np.ones(n + k)
     band[:n] = matrix.band
-    size[:n] = np.sqrt(np.abs(matrix.band[:, 2 * k]))
+    size[:n] = np.sqrt(np.abs(matrix.band[:, k]))
     size[size == 0.0] = 1.0
     step = band.itemsize
-    low = np.ndarray((n, k + 1), float, band, 2 * k * step, (width * step, step))
-    high = np.ndarray((n, k + 1), float, band, 2 * k * step, (width * step, (width - 1) * step))
+    low = np.ndarray((n, k + 1), float, band, k * step, (width * step, step))
+    high = np.ndarray((n, k + 1), float, band, k * step, (width * step, (width - 1) * step))
     both = size[:n, None] * np.ndarray((n, k + 1), float, size, 0, (step, step))
     if not bool((np.abs(low - high) <= SKEW * both).all()):
         return False

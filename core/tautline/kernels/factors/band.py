@@ -1,12 +1,13 @@
-"""LU factors of a band, in place: Gaussian elimination that keeps to the band's envelope and exchanges few rows.
+"""LU factors of a band: Gaussian elimination that keeps to the band's envelope and exchanges few rows.
 
 LAPACK's dgbtrf exchanges rows for the largest pivot of a column, which fills the band to half as much again, and works
 on the whole width of it; most columns of a chain of elements reach less far. Here rows are exchanged only where the
 diagonal is below a ``threshold`` of the largest entry under it, as sparse solvers do, and every column stops where its
 envelope does. On the bands of this project, some tens of unknowns wide, that is twice as fast as the call.
 
-Band storage is LAPACK's: entry (i, j) at ``band[j, 2 k + i - j]``, shape (n, 3 k + 1), the first k places of a row
-being room for what exchanges of rows fill. So are the factors: multipliers stay where they were made.
+A band of k diagonals on either side is stored by columns: entry (i, j) at ``band[j, k + i - j]``, shape (n, 2 k + 1).
+The factors stand as LAPACK has them: entry (i, j) at ``lu[j, 2 k + i - j]``, shape (n, 3 k + 1), the first k places of
+a column being room for what exchanges of rows fill. Multipliers stay where they were made.
 """
 
 from __future__ import annotations
@@ -27,25 +28,30 @@ NARROW = 3
 
 
 @kernel
-def equilibrate(band, scale, n, k):
-    """Scale rows and columns by one over the square root of the diagonal; ``scale`` (n,) keeps by what."""
+def equilibrate(band, lu, scale, n, k):
+    """Write the band to where it is factorised, rows and columns times one over the square root of the diagonal.
+
+    ``scale`` (n,) keeps by what.
+    """
     for j in range(n):
-        size = abs(band[j, 2 * k])
+        size = abs(band[j, k])
         scale[j] = 1.0 / sqrt(size) if size > 0.0 else 1.0
     for j in range(n):
-        column = band[j]
+        column, scaled = band[j], lu[j]
         first, last = max(0, j - k), min(n, j + k + 1)
+        for i in range(k):
+            scaled[i] = 0.0
         for i in range(first, last):
-            column[2 * k + i - j] *= scale[i] * scale[j]
+            scaled[2 * k + i - j] = column[k + i - j] * (scale[i] * scale[j])
 
 
 @kernel
-def find_envelope(band, below, right, n, k):
+def find_envelope(lu, below, right, n, k):
     """Find the last row of each column that is not zero, and the last column of each row."""
     for j in range(n):
         right[j] = j
     for j in range(n):
-        column = band[j]
+        column = lu[j]
         above = min(j, k)
         while above > 0 and column[2 * k - above] == 0.0:
             above -= 1
@@ -57,13 +63,13 @@ def find_envelope(band, below, right, n, k):
 
 
 @kernel
-def eliminate(band, pivots, above, below, right, inverse, threshold, n, k):
-    """Factorise a band in place.
+def eliminate(lu, pivots, above, below, right, inverse, threshold, n, k):
+    """Factorise in place.
 
     Parameters
     ----------
-    band : (n, 3 k + 1) array
-        The matrix; its factors on return.
+    lu : (n, 3 k + 1) array
+        The matrix as :func:`equilibrate` writes it; its factors on return.
     pivots : (n,) int32 array
         On return, the row that was exchanged for each, counted from one.
     above, below : (n,) int32 arrays
@@ -80,10 +86,10 @@ def eliminate(band, pivots, above, below, right, inverse, threshold, n, k):
     row, exchanged : int
         0, or j > 0 where the j-th pivot is exactly zero; and how many rows were exchanged.
     """
-    flat, width, centre = laid_flat(band), band.shape[1], 2 * k
+    flat, width, centre = laid_flat(lu), lu.shape[1], 2 * k
     bottom, reach, exchanged = 0, -1, 0
     for j in range(n):
-        column = band[j]
+        column = lu[j]
         bottom = max(bottom, below[j])
         m = bottom - j
         size = abs(column[centre])
@@ -128,7 +134,7 @@ def eliminate(band, pivots, above, below, right, inverse, threshold, n, k):
 
 
 @kernel
-def renew(source, factors, n, k, first, last):
+def renew(factors, n, k, first, last):
     """Make the factors anew where the matrix has changed, and as far beyond as that reaches.
 
     A change fades from column to column of the factors as a push does along a rope. What is left of it is below their
@@ -136,20 +142,20 @@ def renew(source, factors, n, k, first, last):
 
     Parameters
     ----------
-    source : (n, 3 k + 1) array
-        The matrix as it is now, its entries within ``first`` to ``last`` - 1 other than those that were factorised.
     factors : Factors
-        Its factors, from :func:`equilibrate` and :func:`eliminate`.
+        The matrix as it is now, its entries within ``first`` to ``last`` - 1 other than those that were factorised; and
+        the factors of these, from :func:`equilibrate` and :func:`eliminate`.
 
     Returns
     -------
     int
         Columns that were made, or -1 where a row would have to be exchanged: then all is to be factorised anew.
     """
-    band, pivots, scale, column = factors.matrix.band, factors.pivots, factors.scale, factors.column
+    band, lu = factors.matrix.band, factors.lu
+    pivots, scale, column = factors.pivots, factors.scale, factors.column
     above, below, inverse = factors.above, factors.below, factors.inverse
     for j in range(first, last):
-        size = abs(source[j, 2 * k])
+        size = abs(band[j, k])
         scale[j] = 1.0 / sqrt(size) if size > 0.0 else 1.0
     # The scale of a row stands in all columns that it reaches.
     begin, same = max(0, first - k), 0
@@ -159,13 +165,13 @@ def renew(source, factors, n, k, first, last):
     for j in range(begin, n):
         top, bottom = max(0, j - k), min(n - 1, j + k)
         for i in range(top, bottom + 1):
-            column[k + i - j] = source[j, 2 * k + i - j] * scale[i] * scale[j]
+            column[k + i - j] = band[j, k + i - j] * scale[i] * scale[j]
         for p in range(top, j):
             y = column[k + p - j]
             if y != 0.0:
                 at = k + p - j
                 for i in range(1, below[p] + 1):
-                    column[at + i] -= y * band[p, 2 * k + i]
+                    column[at + i] -= y * lu[p, 2 * k + i]
         pivot, largest = column[k], 0.0
         for i in range(1, bottom - j + 1):
             largest = max(largest, abs(column[k + i]))
@@ -176,10 +182,10 @@ def renew(source, factors, n, k, first, last):
             column[k + i] *= h
         difference = most = 0.0
         for i in range(top, bottom + 1):
-            old, new = band[j, 2 * k + i - j], column[k + i - j]
+            old, new = lu[j, 2 * k + i - j], column[k + i - j]
             difference = max(difference, abs(new - old))
             most = max(most, abs(new))
-            band[j, 2 * k + i - j] = new
+            lu[j, 2 * k + i - j] = new
         inverse[j] = h
         above[j] = j - top
         below[j] = bottom - j
@@ -190,20 +196,20 @@ def renew(source, factors, n, k, first, last):
 
 
 @kernel(forceinline=True)
-def substitute(band, pivots, above, below, inverse, scale, exchanged, n, k, x):
+def substitute(lu, pivots, above, below, inverse, scale, exchanged, n, k, x):
     """Solve by the factors; ``x`` (n,) holds the right side before and the solution after."""
     for j in range(n):
         x[j] *= scale[j]
     if k == NARROW and not exchanged:
-        _substitute_narrow(band, inverse, n, x)
+        _substitute_narrow(lu, inverse, n, x)
     else:
-        substitute_between(band, pivots, above, below, inverse, 0, n, k, x)
+        substitute_between(lu, pivots, above, below, inverse, 0, n, k, x)
     for j in range(n):
         x[j] *= scale[j]
 
 
 @kernel
-def substitute_between(band, pivots, above, below, inverse, first, last, k, x):
+def substitute_between(lu, pivots, above, below, inverse, first, last, k, x):
     """Solve for rows ``first`` to ``last`` - 1 of a scaled matrix, those beyond being zero on both sides.
 
     Up to k places of ``x`` on either side of these are scratch.
@@ -215,11 +221,11 @@ def substitute_between(band, pivots, above, below, inverse, first, last, k, x):
         if row != j:
             x[row] = x[j]
             x[j] = y
-        column = band[j]
+        column = lu[j]
         for i in range(1, below[j] + 1):
             x[j + i] -= column[2 * k + i] * y
     for j in range(last - 1, first - 1, -1):
-        column = band[j]
+        column = lu[j]
         y = x[j] * inverse[j]
         x[j] = y
         top, place = j - above[j], 2 * k - above[j]
@@ -228,7 +234,7 @@ def substitute_between(band, pivots, above, below, inverse, first, last, k, x):
 
 
 @kernel
-def _substitute_narrow(band, inverse, n, x):
+def _substitute_narrow(lu, inverse, n, x):
     """The same for three diagonals each side, as bars have: what the next rows wait for stays in registers.
 
     Each row waits for the one before it. So all that need not wait is kept out of its way: the products with the
@@ -236,14 +242,14 @@ def _substitute_narrow(band, inverse, n, x):
     """
     y, y1, y2 = x[0], x[1] if n > 1 else 0.0, x[2] if n > 2 else 0.0
     for j in range(n):
-        column = band[j]
+        column = lu[j]
         x[j] = inverse[j] * y
         y3 = x[j + 3] if j + 3 < n else 0.0
         y, y1, y2 = y1 - column[7] * y, y2 - column[8] * y, y3 - column[9] * y
     y, y1, y2 = x[n - 1], x[n - 2] if n > 1 else 0.0, x[n - 3] if n > 2 else 0.0
     h1, h2 = inverse[n - 2] if n > 1 else 0.0, inverse[n - 3] if n > 2 else 0.0
     for j in range(n - 1, -1, -1):
-        column = band[j]
+        column = lu[j]
         x[j] = y
         y3, h3 = (x[j - 3], inverse[j - 3]) if j > 2 else (0.0, 0.0)
         y, y1, y2 = y1 - (column[5] * h1) * y, y2 - (column[4] * h2) * y, y3 - (column[3] * h3) * y

@@ -95,11 +95,11 @@ def _write_multipliers(flat, width, centre, i, beside, below, n, l0, l1, l2, for
 
 
 @kernel
-def pack(band, above, below, inverse, scale, blocks, n, k, first, last, reach):
+def pack(lu, above, below, inverse, scale, blocks, n, k, first, last, reach):
     """Make blocks ``first`` to ``last`` - 1 of factors without exchanged rows; returns how far blocks reach, at least
     ``reach``.
     """
-    flat, width, centre = laid_flat(band), band.shape[1], 2 * k
+    flat, width, centre = laid_flat(lu), lu.shape[1], 2 * k
     most = reach_of_band(k)
     forward, backward = halves(blocks, n, most)
     for b in range(first, last):

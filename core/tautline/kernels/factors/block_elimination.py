@@ -33,6 +33,7 @@ from tautline.kernels.lanes import (
     sqrt,
     store,
     where,
+    within,
 )
 
 LARGEST = 100.0
@@ -42,11 +43,6 @@ LARGEST = 100.0
 def room_for_window(bandwidth: int) -> int:
     """Numbers of the blocks that one block of pivots reaches, of the inverse of one, and of a mark for each row."""
     return (1 + reach_of(bandwidth)) ** 2 * BLOCK + BLOCK + 1 + reach_of(bandwidth)
-
-
-def goes_in_blocks(bandwidth: int) -> bool:
-    """Whether what a block reads beyond the band is zero: with five diagonals it would be another column."""
-    return bandwidth >= LANES and 2 * bandwidth >= LANES * reach_of(bandwidth) + LANES - 1
 
 
 @kernel(forceinline=True)
@@ -67,22 +63,27 @@ def _write_scale(band, scale, i, n, k):
     last = n - 1
     sizes = abs(
         pack(
-            band[min(i, last), 2 * k], band[min(i + 1, last), 2 * k],
-            band[min(i + 2, last), 2 * k], band[min(i + 3, last), 2 * k],
+            band[min(i, last), k], band[min(i + 1, last), k], band[min(i + 2, last), k], band[min(i + 3, last), k],
         )
     )  # fmt: skip
     scatter(scale, i, n, where(sizes > 0.0, 1.0 / sqrt(sizes), 1.0))
 
 
 @kernel(forceinline=True)
-def _read_block(flat, width, centre, scale, b, d, n, window, to):
-    """Read the scaled block of rows b and columns d of the band; beyond the last unknown stands the unit matrix."""
+def _read_block(flat, k, scale, b, d, n, window, to):
+    """Read the scaled block of rows b and columns d of the band; beyond the last unknown stands the unit matrix.
+
+    What is beyond the band's edge are other columns: zeros are read there.
+    """
     i = LANES * b
     of_rows = gather(scale, i, n)
     for c in range(LANES):
         j = LANES * d + c
         if j < n:
-            store(window, to + LANES * c, load(flat, j * width + centre + i - j) * of_rows * scale[j])
+            column = load(flat, 2 * k * j + k + i)
+            if i - j + LANES - 1 > k or j - i > k:
+                column = where(within(i, j + k + 1) & negated(within(i, j - k)), column, 0.0)
+            store(window, to + LANES * c, column * of_rows * scale[j])
         else:
             store(window, to + LANES * c, spread(0.0))
             window[to + LANES * c + c] = 1.0 if b == d else 0.0
@@ -104,13 +105,13 @@ def _write_columns(x, at, columns):
 @kernel(forceinline=True)
 def _read_reach(band, scale, head, span, p, n, k, window):
     """Read the blocks of the last row and column that the pivots of block p reach; those before were read earlier."""
-    flat, width, most = laid_flat(band), band.shape[1], span - 1
+    flat, most = laid_flat(band), span - 1
     e = p + most
     _write_scale(band, scale, LANES * e, n, k)
     for j in range(max(0, -p), most):
-        _read_block(flat, width, 2 * k, scale, e, p + j, n, window, _block(head, span, most, j))
-        _read_block(flat, width, 2 * k, scale, p + j, e, n, window, _block(head, span, j, most))
-    _read_block(flat, width, 2 * k, scale, e, e, n, window, _block(head, span, most, most))
+        _read_block(flat, k, scale, e, p + j, n, window, _block(head, span, most, j))
+        _read_block(flat, k, scale, p + j, e, n, window, _block(head, span, j, most))
+    _read_block(flat, k, scale, e, e, n, window, _block(head, span, most, most))
 
 
 @kernel(forceinline=True)
@@ -233,8 +234,8 @@ def factorise_in_blocks(band, scale, blocks, window, threshold, n, k):
 
     Parameters
     ----------
-    band : (n, 3 k + 1) array
-        The matrix, as in band.py, with zeros in the room for exchanges of rows.
+    band : (n, 2 k + 1) array
+        The matrix, as in band.py.
     scale : (n,) array
         On return, what rows and columns were multiplied by: one over the square root of the diagonal.
     blocks : (m,) array
