@@ -299,6 +299,7 @@ def test_axial_frequencies_are_those_of_a_bar_with_a_mass_at_its_end():
 def shipped(name, *edits):
     document = yaml.safe_load((SCENES / f"{name}.yaml").read_text())
     document["solver"]["end"] = 4.0
+    document["solver"]["tolerance"] = 1e-11  # what iterations leave is far below what is compared
     for edit in edits:
         edit(document)
     return document
