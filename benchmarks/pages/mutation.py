@@ -98,6 +98,11 @@ MUTANTS = (
         ("kernels/test_band_blocks.py",),
     ),
     Mutant(
+        "core/tautline/kernels/matrix.py", "_clear_up_to", "first, last = matrix.cleared[0],",
+        "first, last = matrix.cleared[0] + 1,", "column of a tangent that is not cleared",
+        ("kernels/test_clearing.py", "kernels/test_matrix.py"),
+    ),
+    Mutant(
         "core/tautline/constraints/penalty.py", "_residual", "(value_of(e, i, q) + e.offset[i])", "value_of(e, i, q)",
         "offset of a spring's equation dropped", ("kernels/test_cable_groups.py",),
     ),

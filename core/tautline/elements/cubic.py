@@ -24,6 +24,7 @@ from tautline.kernels.lanes import (
     store,
     transposed,
 )
+from tautline.kernels.matrix import have_cleared
 
 NODE, MATERIAL, VECTORS, AXES = 7, 6, 4, 3
 """Unknowns of a node; place of p among them; vectors of an element; components of a vector."""
@@ -196,6 +197,15 @@ def nodes_in_a_row(number, n, a, b):
 
 
 @kernel(forceinline=True)
+def have_columns(matrix, number, a, b):
+    """Have the columns of the nodes of four elements be cleared in the band, before something is added to them."""
+    last = 0
+    for k in range(LANES):
+        last = max(last, number[a[k]], number[b[k]])
+    have_cleared(matrix, last + 2 * AXES)
+
+
+@kernel(forceinline=True)
 def corners_of(number, width, a, b):
     """Where the blocks of two nodes of four elements begin in a band (n, width) laid flat.
 
@@ -320,6 +330,7 @@ def add_blocks(matrix, dofs, four, at, each, counts, a, b, block):
     Members that are the last one over again, which stand for those that there are not, count nothing.
     """
     if nodes_in_a_row(dofs.number, matrix.band.shape[0], a, b):
+        have_columns(matrix, dofs.number, a, b)
         _add_in_a_row(matrix, dofs, four, at, counts, a, b)
         return
     for lane in range(LANES):
@@ -337,6 +348,7 @@ def add_blocks_with_mass(matrix, dofs, four, counts, mass, a, b):
     """
     if not nodes_in_a_row(dofs.number, matrix.band.shape[0], a, b):
         return False
+    have_columns(matrix, dofs.number, a, b)
     _add_in_a_row_with_mass(matrix, dofs, four, counts, mass, a, b)
     return True
 

@@ -14,6 +14,7 @@ from tautline.elements.cubic import (
     add_scalars,
     add_to_vectors,
     corners_of,
+    have_columns,
     lengths_of,
     members,
     nodes_in_a_row,
@@ -163,6 +164,7 @@ def _tangent(g, t, q, v, a, cm, cc, ck, matrix, dofs):
         if not nodes_in_a_row(number, matrix.band.shape[0], i, j):
             add_mass_one_by_one(g, n, q, cm, cc, matrix, dofs)
             continue
+        have_columns(matrix, number, i, j)
         first, second, third, fourth = mass_of_four(g, each, counts, i, j, q, cm, cc)
         corners = corners_of(number, width, i, j)
         add_scalar_in_a_row(flat, width, corners, 0, 0, first[0])

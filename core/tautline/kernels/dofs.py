@@ -14,7 +14,7 @@ import numpy as np
 
 from tautline.kernels.jit import kernel, stands_for
 from tautline.kernels.lanes import load, store
-from tautline.kernels.matrix import add_at
+from tautline.kernels.matrix import add_at, have_cleared
 from tautline.kernels.memory import form_of
 from tautline.kernels.teaching import is_array
 from tautline.kernels.time_function import evaluate
@@ -253,6 +253,7 @@ def _add_block_to_band(matrix, dofs, first, stride, width, block):
         for j in range(width):
             column = number[first + stride * left + j]
             if column >= 0:
+                have_cleared(matrix, column + 1)
                 for right in range(nodes):
                     for i in range(width):
                         row = number[first + stride * right + i]

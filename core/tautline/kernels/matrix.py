@@ -38,6 +38,8 @@ FRESH, TRIED, IN_BLOCKS, AGAIN = range(4)
 those that were used since."""
 MANY = 2**19
 """Numbers of blocks from which they are rounded: 4 MB of doubles, which no core has at hand."""
+AHEAD = 64
+"""Columns that are cleared ahead of those that something is added to."""
 COLUMNS = 2048
 """Of a band that are looked at together."""
 
@@ -46,16 +48,18 @@ class Matrix(NamedTuple):
     """A matrix of n banded and m border unknowns.
 
     ``band`` (n, 2 k + 1) with entry (i, j) at ``band[j, k + i - j]``; ``right[j]`` (m, n) the border's columns;
-    ``lower[i]`` (m, n) its rows; ``corner`` (m, m) with entry (i, j) at ``corner[j, i]``.
+    ``lower[i]`` (m, n) its rows; ``corner`` (m, m) with entry (i, j) at ``corner[j, i]``. ``cleared`` (1,) counts the
+    columns of the band that stand as they are; those behind them hold what was, and count as zero (`clear_as_filled`).
     """
 
     band: np.ndarray
     right: np.ndarray
     lower: np.ndarray
     corner: np.ndarray
+    cleared: np.ndarray
 
 
-MATRIX = form_of(Matrix(*(np.zeros((0, 0)) for _ in range(4))))
+MATRIX = form_of(Matrix(*(np.zeros((0, 0)) for _ in range(4)), np.zeros(1, np.int64)))
 """The form of :class:`Matrix`."""
 VECTOR = form_of(np.zeros(0))
 """That of a vector."""
@@ -97,8 +101,9 @@ def new_matrix(size: int, bandwidth: int, border: int = 0) -> Matrix:
     """Zero matrix of ``size`` unknowns, the last ``border`` of which are no part of the band."""
     n = size - border
     return Matrix(
-        np.zeros((n, 2 * bandwidth + 1)), np.zeros((border, n)), np.zeros((border, n)), np.zeros((border, border))
-    )
+        np.zeros((n, 2 * bandwidth + 1)), np.zeros((border, n)), np.zeros((border, n)), np.zeros((border, border)),
+        np.array([n], np.int64),
+    )  # fmt: skip
 
 
 def new_factors(
@@ -139,8 +144,8 @@ def cut(factors: Factors, first: int, last: int) -> Factors:
         for name in ("lu", "pivots", "above", "below", "right", "inverse", "scale")
     }
     own = {
-        "matrix": Matrix(band, none, none, np.zeros((0, 0))), "columns": none, "blocks": np.zeros(0),
-        "window": np.zeros(0), "singles": np.zeros(0, np.float32),
+        "matrix": Matrix(band, none, none, np.zeros((0, 0)), np.array([last - first], np.int64)), "columns": none,
+        "blocks": np.zeros(0), "window": np.zeros(0), "singles": np.zeros(0, np.float32),
     }  # fmt: skip
     return factors._replace(**own, **each)
 
@@ -148,10 +153,35 @@ def cut(factors: Factors, first: int, last: int) -> Factors:
 @kernel
 def clear(matrix):
     """Set all entries to zero."""
-    matrix.band.fill(0.0)
+    clear_as_filled(matrix)
+    have_cleared(matrix, matrix.band.shape[0])
+
+
+@kernel
+def clear_as_filled(matrix):
+    """Set all entries to zero, columns of the band when something is first added to them, or by `have_cleared`.
+
+    A large band does not stay at hand from clearing to filling: to bring it twice takes a third of the time of both.
+    """
+    matrix.cleared[0] = 0
     matrix.right.fill(0.0)
     matrix.lower.fill(0.0)
     matrix.corner.fill(0.0)
+
+
+@kernel(forceinline=True)
+def have_cleared(matrix, columns):
+    """Have as many columns of the band be cleared: what adds to a column sees to that first."""
+    if columns > matrix.cleared[0]:
+        _clear_up_to(matrix, columns)
+
+
+@kernel
+def _clear_up_to(matrix, columns):
+    """Clear the next columns, a few more than are asked for."""
+    first, last = matrix.cleared[0], min(matrix.band.shape[0], columns + AHEAD)
+    matrix.band[first:last].fill(0.0)
+    matrix.cleared[0] = last
 
 
 @kernel
@@ -199,6 +229,7 @@ def add_at(matrix, row, column, x):
     """Add x to an entry."""
     n = matrix.band.shape[0]
     if row < n and column < n:
+        have_cleared(matrix, column + 1)
         matrix.band[column, matrix.band.shape[1] // 2 + row - column] += x
     elif row < n:
         matrix.right[column - n, row] += x

@@ -38,9 +38,10 @@ from tautline.kernels.lanes import LANES, gather, larger, largest, scatter, spre
 from tautline.kernels.matrix import (
     Factors,
     Matrix,
-    clear,
+    clear_as_filled,
     copy_matrix,
     factorise_apart,
+    have_cleared,
     new_factors,
     new_matrix,
 )
@@ -227,8 +228,9 @@ def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
     switches = over.may_switch(groups)
     smooth = c.smooth if switches else matrix
     if c.made_for[0] == 0.0 or not switches:
-        clear(smooth)
+        clear_as_filled(smooth)
         over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, smooth, dofs)
+        have_cleared(smooth, smooth.band.shape[0])
         c.made_for[0] = beta
         c.made_for[1] = gamma
     if switches:
