@@ -13,7 +13,7 @@ import numpy as np
 
 from tautline.cable.input.couplings import APART, coupling_gap, value_of
 from tautline.cable.input.geometry import Drawn, arc_lengths, chord, drawn_of
-from tautline.cable.input.material import material_coordinates
+from tautline.cable.input.material import element_lengths, material_coordinates
 from tautline.cable.input.parts import CableScene, Element, Node, Place, Tie
 from tautline.cable.input.syntax.nodal import item_of
 from tautline.scene.errors import SceneWarning
@@ -45,8 +45,7 @@ def warnings(scene: CableScene) -> list[SceneWarning]:
 
 def figures(scene: CableScene) -> dict[str, Any]:
     """Figures of the cable for ``check --json``: counts, unstretched length m, mass kg, RK4's critical step s."""
-    p = material_coordinates(scene)
-    lengths = [_length(element, p) for element in scene.elements]
+    lengths = element_lengths(scene).tolist()
     ropes = sum(element.rhoA * length for element, length in zip(scene.elements, lengths, strict=True))
     points = sum(item_of(part).mass(part) * len(part.nodes) for part in scene.nodal)
     parts = ("nodes", "elements", "ties", "couplings", "forces", "anchors", "springs", "masses", "motions")
@@ -64,10 +63,6 @@ Sentences = Iterator[tuple[Place, str]]
 
 def _key(element: Element) -> str:
     return "nodes7" if element.kind == "cubic" else "nodes4"
-
-
-def _length(element: Element, p: dict[int, float]) -> float:
-    return p[element.nodes[1]] - p[element.nodes[0]]
 
 
 @functools.cache
@@ -93,24 +88,26 @@ def _fastest(scene: CableScene) -> tuple[float, Place]:
     kept = scene.__dict__.setdefault(MADE, {})
     if FASTEST not in kept:
         with np.errstate(all="ignore"):
-            found = [(0.0, ()), *_squares(scene, material_coordinates(scene))]
+            found = [(0.0, ()), *_squares(scene)]
         kept[FASTEST] = max((entry for entry in found if math.isfinite(entry[0])), key=lambda entry: entry[0])
     return kept[FASTEST]
 
 
-def _squares(scene: CableScene, p: dict[int, float]) -> list[tuple[float, Place]]:
+def _squares(scene: CableScene) -> list[tuple[float, Place]]:
     """Squared frequencies of the parts; infinite or undefined for numbers that are no cable's."""
     found: list[tuple[float, Place]] = []
+    lengths = element_lengths(scene)
     for kind in ("cubic", "linear"):
-        some = [element for element in scene.elements if element.kind == kind and element.rhoA > 0.0]
+        some = [i for i, element in enumerate(scene.elements) if element.kind == kind and element.rhoA > 0.0]
         if some:
             axial, bending, _ = _unit_element(kind)
-            EA, EJ, density = np.array([(element.EA, element.EJ, element.rhoA) for element in some]).T
-            length = np.array([_length(element, p) for element in some])
+            elements = [scene.elements[i] for i in some]
+            EA, EJ, density = (np.array([getattr(e, name) for e in elements]) for name in ("EA", "EJ", "rhoA"))
+            length = lengths[some]
             squares = axial * EA / (density * length**2) + bending * EJ / (density * length**4)
             fastest = int(np.argmax(np.where(np.isfinite(squares), squares, 0.0)))
-            found.append((float(squares[fastest]), some[fastest].place))
-    ease = _ease(scene, p)
+            found.append((float(squares[fastest]), elements[fastest].place))
+    ease = _ease(scene, lengths)
     for tie in scene.ties:
         if tie.stiffness is not None and tie.what in (0, 2):
             both = sum(ease.get(node, (0.0, 0.0))[tie.what // 2] for node in tie.nodes)
@@ -123,15 +120,14 @@ def _squares(scene: CableScene, p: dict[int, float]) -> list[tuple[float, Place]
     return found
 
 
-def _ease(scene: CableScene, p: dict[int, float]) -> dict[int, tuple[float, float]]:
+def _ease(scene: CableScene, lengths: np.ndarray) -> dict[int, tuple[float, float]]:
     """How easily r and r' of the nodes move that springs join, at most: 1/kg and 1/(kg m^2), by node id."""
     sprung = {node for tie in scene.ties if tie.stiffness is not None for node in tie.nodes}
     sprung |= {node for part in scene.nodal if item_of(part).stiffness(part) > 0.0 for node in part.nodes}
     ease: dict[int, tuple[float, float]] = {}
-    for element in scene.elements if sprung else ():
+    for element, length in zip(scene.elements, lengths, strict=True) if sprung else ():
         if element.rhoA == 0.0 or sprung.isdisjoint(element.nodes):
             continue
-        length = np.float64(_length(element, p))
         mass, (easy, turning) = element.rhoA * length, _unit_element(element.kind)[2]
         for node in element.nodes:
             # A node between two elements is harder to move than the end of either.
@@ -197,10 +193,10 @@ def _frames(scene: CableScene) -> Sentences:
 @warning("cable")
 def _lengths(scene: CableScene) -> Sentences:
     """Elements that begin stretched or backwards, and ends without mass."""
-    p, nodes = material_coordinates(scene), {node.id: node for node in scene.nodes}
+    nodes = {node.id: node for node in scene.nodes}
     heavy = set(scene.heavy_nodes)
     heavy |= {node for element in scene.elements if element.rhoA > 0.0 for node in element.nodes}
-    lengths = np.array([_length(element, p) for element in scene.elements])
+    lengths = element_lengths(scene)
     drawn = drawn_of(scene)
     arcs = arc_lengths(drawn, lengths)
     loose = {node.id for node in scene.nodes if node.id not in heavy and not all(node.held[:3])}
@@ -374,8 +370,7 @@ def _twice(scene: CableScene) -> Sentences:
 
 @warning("cable")
 def _penalties(scene: CableScene) -> Sentences:
-    p = material_coordinates(scene)
-    stiffest = max(element.EA / _length(element, p) for element in scene.elements)
+    stiffest = float((np.array([element.EA for element in scene.elements]) / element_lengths(scene)).max())
     for tie in scene.ties:
         if tie.what == 0 and tie.stiffness is not None and tie.stiffness > STIFF_PENALTY * stiffest > 0.0:
             text = (

@@ -6,6 +6,7 @@ import heapq
 import math
 from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from tautline.cable.input.parts import CableScene, Element, Place
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.model import MADE
 
-COORDINATES = "material coordinates"
+COORDINATES, LENGTHS = "material coordinates", "lengths of elements"
 """Where a scene keeps them."""
 ALIKE = 1.0e-6
 """Share of its length by which p along an element with a length may be off: positions are rounded."""
@@ -40,15 +41,24 @@ def material_coordinates(scene: CableScene) -> dict[int, float]:
     SceneError
         Where p does not grow along an element, or an element's length cannot be told.
     """
-    # Warnings, checks and the builder ask the same scene a dozen times, and a scene does not change.
+    return dict(_kept(scene)[COORDINATES])
+
+
+def element_lengths(scene: CableScene) -> np.ndarray:
+    """Material in each element at the start (m,), m; raises what `material_coordinates` does."""
+    return _kept(scene)[LENGTHS].copy()
+
+
+def _kept(scene: CableScene) -> dict[str, Any]:
+    """What the scene keeps: warnings, checks and the builder ask it a dozen times, and a scene does not change."""
     kept = scene.__dict__.setdefault(MADE, {})
     if COORDINATES not in kept:
-        kept[COORDINATES] = _found(scene)
-    return dict(kept[COORDINATES])
+        kept[COORDINATES], kept[LENGTHS] = _found(scene)
+    return kept
 
 
-def _found(scene: CableScene) -> dict[int, float]:
-    """Material coordinates of all nodes, by node id, m; raises SceneError."""
+def _found(scene: CableScene) -> tuple[dict[int, float], np.ndarray]:
+    """Material coordinates of all nodes, by node id, m, and by how much they grow along each element (m,), m."""
     fixed = known_coordinates(scene)
     nodes = {node.id: node for node in scene.nodes}
     # Of an element between known nodes the length does not matter.
@@ -68,7 +78,7 @@ def _found(scene: CableScene) -> dict[int, float]:
     problems = [_backwards(scene, scene.elements[i], p) for i in wrong] or list(_contradictions(scene, grown))
     if problems:
         raise SceneError(problems)
-    return {node.id: p[node.id] for node in scene.nodes}
+    return {node.id: p[node.id] for node in scene.nodes}, grown
 
 
 def _along_elements(scene: CableScene, fixed: dict[int, float], lengths: dict[int, float]) -> dict[int, float]:
@@ -221,7 +231,7 @@ def _fill_from_ties(chains: _Chains, waiting: list[list[int]], links: _Links, p:
     tied: list[int] = []
 
     def note(nodes: Iterable[int]) -> None:
-        for node in nodes:
+        for node in nodes if links.links else ():
             for other in links.beside(node):
                 if other in place and other not in p:
                     heapq.heappush(tied, place[other])

@@ -107,8 +107,11 @@ def _quadrature(element: Element) -> str:
     return element.quadrature or ("lobatto" if element.EJ > 0.0 else "gauss")
 
 
-def _ends(layout: Layout, elements: Sequence[Element]) -> dict[str, list[int]]:
+def _ends(layout: Layout, elements: Sequence[Element]) -> dict[str, Any]:
     """Where both nodes of each element stand."""
+    if len(elements) == len(layout.scene.elements):
+        a, b = layout.starts[layout.ends].T
+        return {"a": a, "b": b}
     start = layout.start
     return {"a": [start[e.nodes[0]] for e in elements], "b": [start[e.nodes[1]] for e in elements]}
 
