@@ -2,7 +2,7 @@
 
 from numba.core import types
 
-from tautline.kernels.compiling.records import Record
+from tautline.kernels.compiling.types.records import Record
 
 
 def in_numba(kind):

@@ -85,7 +85,7 @@ MUTANTS = (
         ("kernels/test_shared_flow.py", "kernels/test_pipes.py"),
     ),
     Mutant(
-        "core/tautline/kernels/compiling/lanes.py", "_turned", "_words(2)", "_words(1)",
+        "core/tautline/kernels/compiling/types/lanes.py", "_turned", "_words(2)", "_words(1)",
         "quadrant in which a sine in lanes changes its sign", ("kernels/test_lanes.py",), False,
     ),
     Mutant(

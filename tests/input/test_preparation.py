@@ -22,7 +22,7 @@ from tautline.application.installed import Installed
 from tautline.cli.run import run
 from tautline.cli.verbs import make_app
 from tautline.kernels import memory
-from tautline.kernels.compiling.kinds import kind_of
+from tautline.kernels.compiling.types.kinds import kind_of
 from tautline.kernels.jit import Kernel
 from tautline.scene.identity import model_hash
 

@@ -8,8 +8,8 @@ import pytest
 from numba import config, typeof
 from numba_types import in_numba
 
-from tautline.kernels.compiling.kinds import kind_of
 from tautline.kernels.compiling.signatures import signature_of
+from tautline.kernels.compiling.types.kinds import kind_of
 from tautline.kernels.jit import entry
 from tautline.kernels.memory import form_of
 

@@ -9,7 +9,7 @@ from numba.core import cgutils, types
 from numba.core.typing import signature
 
 from tautline.kernels.compiling.kernels import intrinsic_for
-from tautline.kernels.compiling.kinds import kind_of
+from tautline.kernels.compiling.types.kinds import kind_of
 from tautline.kernels.memory import Form
 from tautline.kernels.separate import StandIn, find
 

@@ -9,7 +9,7 @@ from numba.core import cgutils, types
 from numba.np.arrayobj import make_array, populate_array
 
 from tautline.kernels.compiling.kernels import intrinsic_for
-from tautline.kernels.compiling.kinds import kind_of
+from tautline.kernels.compiling.types.kinds import kind_of
 from tautline.kernels.groups import CALLS, KINDS, ROWS, SUMS, apply
 
 

@@ -13,8 +13,8 @@ from numba.extending import overload
 
 from tautline.kernels.compiling.caching import PartCache
 from tautline.kernels.compiling.inlined import compiler_for
-from tautline.kernels.compiling.kinds import form_of_returned, kind_of
 from tautline.kernels.compiling.signatures import signature_of
+from tautline.kernels.compiling.types.kinds import form_of_returned, kind_of
 from tautline.kernels.machine.code import Stored
 from tautline.kernels.machine.settings import PLAIN
 from tautline.kernels.machine.sources import is_ours

@@ -13,8 +13,8 @@ from typing import Any
 
 from numba.core import types
 
-from tautline.kernels.compiling.lanes import LanesType, MaskType
 from tautline.kernels.compiling.target import refresh_where_grown
+from tautline.kernels.compiling.types.lanes import LanesType, MaskType
 
 OPERANDS = (
     types.Number, types.Boolean, LanesType, MaskType, types.Array, types.BaseTuple, types.SliceType, types.NoneType,

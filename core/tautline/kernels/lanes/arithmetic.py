@@ -1,6 +1,6 @@
 """What is done with four numbers in one register of the processor, as NumPy does it where nothing is compiled.
 
-An operator or a function has one code for lanes and for plain numbers (:mod:`tautline.kernels.compiling.lanes`).
+An operator or a function has one code for lanes and for plain numbers (:mod:`tautline.kernels.compiling.types.lanes`).
 """
 
 from __future__ import annotations
@@ -86,4 +86,4 @@ def pack(a, b, c, d):
     return np.array([a, b, c, d], dtype=float)
 
 
-taught("lanes")
+taught("types.lanes")

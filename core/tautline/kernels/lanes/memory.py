@@ -1,6 +1,6 @@
 """Lanes from memory and to it: members side by side, rows of four numbers, fields of records, and members anywhere.
 
-This is what NumPy does where nothing is compiled; see :mod:`tautline.kernels.compiling.lanes_in_memory`.
+This is what NumPy does where nothing is compiled; see :mod:`tautline.kernels.compiling.types.lanes_in_memory`.
 """
 
 from __future__ import annotations
@@ -134,4 +134,4 @@ def add_pairs_at_places(array, places, offset, a, b):
         array[place + offset : place + offset + 2] += one, other
 
 
-taught("lanes_in_memory")
+taught("types.lanes_in_memory")

@@ -8,7 +8,7 @@ import numpy as np
 from numba.core import types
 from numba.np.numpy_support import from_dtype
 
-from tautline.kernels.compiling.records import Record
+from tautline.kernels.compiling.types.records import Record
 from tautline.kernels.memory import Form
 
 NUMBERS = {float: types.float64, int: types.int64, bool: types.boolean, type(None): types.none}

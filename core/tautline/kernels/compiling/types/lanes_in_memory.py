@@ -12,7 +12,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.np.arrayobj import make_array, populate_array
 
-from tautline.kernels.compiling.lanes import (
+from tautline.kernels.compiling.types.lanes import (
     BITS,
     INDEX,
     LANE,
