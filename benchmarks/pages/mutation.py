@@ -56,7 +56,8 @@ class Mutant(NamedTuple):
 MUTANTS = (
     Mutant(
         "core/tautline/elements/inertia.py", "_momentum", "22.0 * r1 + 4.0 * s1 + 13.0 * r2 - 3.0 * s2",
-        "22.0 * r1 + 4.0 * s1 + 13.0 * r2 + 3.0 * s2", "sign in the consistent mass", ("kernels/test_cable_groups.py",),
+        "22.0 * r1 + 4.0 * s1 + 13.0 * r2 + 3.0 * s2", "sign in the consistent mass",
+        ("kernels/elements/test_cable_groups.py",),
     ),
     Mutant(
         "core/tautline/kernels/time_function.py", "_written", "2.0 * de * dg", "de * dg",
@@ -64,25 +65,25 @@ MUTANTS = (
     ),
     Mutant(
         "core/tautline/elements/tension.py", "tension_of_four", "force = carried * strain * factor",
-        "force = carried * strain", "factor of engineering strain dropped", ("kernels/test_cable_groups.py",),
+        "force = carried * strain", "factor of engineering strain dropped", ("kernels/elements/test_cable_groups.py",),
     ),
     Mutant(
         "core/tautline/elements/bending.py", "bending_of_four", "p[SECOND + 3] * h", "p[SECOND + 3] * h * h",
-        "power of the length in the curvature", ("kernels/test_cable_groups.py",),
+        "power of the length in the curvature", ("kernels/elements/test_cable_groups.py",),
     ),
     Mutant(
         "core/tautline/elements/cubic.py", "_add_in_a_row_with_mass", "_plus(s, m32, axis), _plus(d, m33, axis)",
         "_plus(s, m31, axis), _plus(d, m33, axis)", "entry of the mass where terms go together",
-        ("kernels/test_elements_of_four.py",),
+        ("kernels/elements/test_elements_of_four.py",),
     ),
     Mutant(
         "core/tautline/elements/flow.py", "_residual", "2.0 * (l_d * v_l - u * v_x)", "2.0 * l_d * v_l - u * v_x",
-        "factor 2 of the Coriolis acceleration", ("kernels/test_cable_groups.py",),
+        "factor 2 of the Coriolis acceleration", ("kernels/elements/test_cable_groups.py",),
     ),
     Mutant(
         "core/tautline/elements/shared_flow.py", "_residual", "0.5 * u * u * (s2 * s2 - s1 * s1)",
         "0.5 * u * u * (s2 * s2 + s1 * s1)", "momentum of the water at a hose's ends, on its flow",
-        ("kernels/test_shared_flow.py", "kernels/test_pipes.py"),
+        ("kernels/elements/test_shared_flow.py", "kernels/elements/test_pipes.py"),
     ),
     Mutant(
         "core/tautline/kernels/compiling/types/lanes.py", "_turned", "_words(2)", "_words(1)",
@@ -90,26 +91,26 @@ MUTANTS = (
     ),
     Mutant(
         "core/tautline/kernels/factors/band.py", "eliminate", "last = max(reach, right[j])", "last = right[j]",
-        "fill by an exchanged row forgotten", ("kernels/test_band.py", "kernels/test_matrix.py"),
+        "fill by an exchanged row forgotten", ("kernels/matrices/test_band.py", "kernels/matrices/test_matrix.py"),
     ),
     Mutant(
         "core/tautline/kernels/factors/band_blocks.py", "solve_by_blocks", "min(reach, last - 1 - b) + 1",
         "min(reach, last - 1 - b)", "farthest block of the back substitution left out",
-        ("kernels/test_band_blocks.py",),
+        ("kernels/matrices/test_band_blocks.py",),
     ),
     Mutant(
         "core/tautline/kernels/matrix.py", "_clear_up_to", "first, last = matrix.cleared[0],",
         "first, last = matrix.cleared[0] + 1,", "column of a tangent that is not cleared",
-        ("kernels/test_clearing.py", "kernels/test_matrix.py"),
+        ("kernels/matrices/test_clearing.py", "kernels/matrices/test_matrix.py"),
     ),
     Mutant(
         "core/tautline/constraints/penalty.py", "_residual", "(value_of(e, i, q) + e.offset[i])", "value_of(e, i, q)",
-        "offset of a spring's equation dropped", ("kernels/test_cable_groups.py",),
+        "offset of a spring's equation dropped", ("kernels/elements/test_cable_groups.py",),
     ),
     Mutant(
         "core/tautline/constraints/multiplier.py", "_tangent", "_add(g, cm, ck * beta, matrix, dofs)",
         "_add(g, cm, ck, matrix, dofs)", "scale of the constraints' rows",
-        ("kernels/test_cable_groups.py",),
+        ("kernels/elements/test_cable_groups.py",),
     ),
     Mutant(
         "core/tautline/integrators/generalized_alpha.py", "_auxiliary",
@@ -126,11 +127,11 @@ MUTANTS = (
     ),
     Mutant(
         "core/tautline/lumped/generated.py", "body_residual", "-c10*c11 -", "-m*sd*c11 -",
-        "factor 2 of the Coriolis force of Kane's string", ("kernels/test_string_groups.py",),
+        "factor 2 of the Coriolis force of Kane's string", ("kernels/strings/test_string_groups.py",),
     ),
     Mutant(
         "core/tautline/lumped/link.py", "_residual", "tension * d[3], tension * d[4]", "tension * d[3], tension * d[1]",
-        "index of the stretch's gradient", ("kernels/test_string_groups.py",),
+        "index of the stretch's gradient", ("kernels/strings/test_string_groups.py",),
     ),
     Mutant(
         "core/tautline/lumped/string.py", "_residual",
@@ -140,16 +141,16 @@ MUTANTS = (
     ),
     Mutant(
         "core/tautline/integrators/corrector/single_precision.py", "_make_sure", "<= LEFT", "<= 1.0 / LEFT**2",
-        "test of factors that are rounded", ("kernels/test_band_blocks.py", "order/test_single_precision.py"),
+        "test of factors that are rounded", ("kernels/matrices/test_band_blocks.py", "order/test_single_precision.py"),
     ),
     Mutant(
         "apps/drillstring/groups/friction.py", "_settle_events", "limit = f.static * touch.normal",
         "limit = f.kinetic * touch.normal", "factor that holds what has come to rest",
-        ("kernels/test_coming_to_rest.py", "kernels/test_contact_groups.py"),
+        ("kernels/strings/test_coming_to_rest.py", "kernels/strings/test_contact_groups.py"),
     ),
     Mutant(
         "apps/drillstring/drilling/bit_rock.py", "_advance_rock", "0.5 * (t - b.time) * (b.drilled + g.value[RATE])",
-        "(t - b.time) * b.drilled", "order of the hole's depth in time", ("kernels/test_bit_groups.py",),
+        "(t - b.time) * b.drilled", "order of the hole's depth in time", ("kernels/strings/test_bit_groups.py",),
     ),
     Mutant(
         "apps/crane/groups/span.py", "_flow", "(kinetic + dot(p, t)) / size", "(kinetic - dot(p, t)) / size",

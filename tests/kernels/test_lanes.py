@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-import short_string as string
-from short_string import PER_BODY, WELLS
+from kernels.strings import short_string as string
+from kernels.strings.short_string import PER_BODY, WELLS
 from test_contact_groups import SPRING, WallContact
 
 from drillstring.groups.contact import nothing_kept

@@ -1,8 +1,8 @@
 """What explicit methods ask for where nothing is accelerated: the residual without M a."""
 
-import cable_groups as rope
 import numpy as np
 import pytest
+from kernels.elements import cable_groups as rope
 
 from tautline.kernels import groups as over
 from tautline.kernels.groups import KINDS, link

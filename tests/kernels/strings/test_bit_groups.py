@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-import short_string as string
+from kernels.strings import short_string as string
 
 from drillstring.drilling.bit_group import OWN
 from drillstring.drilling.bit_numbers import BIT, rate_at, torque_at, weight_at

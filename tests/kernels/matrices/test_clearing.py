@@ -11,7 +11,7 @@ from tautline.kernels import groups as over
 from tautline.kernels.jit import entry
 from tautline.kernels.matrix import AHEAD, add_at, clear, clear_as_filled, have_cleared, new_matrix
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 SCENES = sorted(
     path.stem for path in DATA.glob("*.yaml") if "solver:" in path.read_text() or "GeneralizedAlpha" in path.read_text()
 )

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-import short_string as string
+from kernels.strings import short_string as string
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 

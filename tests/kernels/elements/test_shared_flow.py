@@ -1,9 +1,9 @@
 """Elements through which material flows at one rate: the row of that rate too, which a drive of a hose answers for."""
 
-import cable_groups as rope
 import numpy as np
 import pytest
-from cable_groups import CUBIC, STARTS, ask, close, new_state
+from kernels.elements import cable_groups as rope
+from kernels.elements.cable_groups import CUBIC, STARTS, ask, close, new_state
 
 from tautline.elements.cubic import MATERIAL
 from tautline.elements.shared_flow import SharedFlow, unit_matrices

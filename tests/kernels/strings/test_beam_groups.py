@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-import short_string as string
-from short_string import WELLS, State
+from kernels.strings import short_string as string
+from kernels.strings.short_string import WELLS, State
 from test_contact_groups import LAWS
 
 from drillstring.groups.beam_contact import PAD, BeamContact

@@ -1,9 +1,9 @@
 """Damping of bending without spin against its definition: complex steps of the curvature vector, no formula shared."""
 
-import cable_groups as rope
 import numpy as np
 import pytest
-from cable_groups import CUBIC, SHAPES, ask, close, new_state, parts
+from kernels.elements import cable_groups as rope
+from kernels.elements.cable_groups import CUBIC, SHAPES, ask, close, new_state, parts
 
 from tautline.elements.bending_damping import VISCOUS, BendingDamping
 from tautline.kernels.hermite import gauss, table

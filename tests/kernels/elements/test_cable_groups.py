@@ -5,10 +5,22 @@ Residuals agree to 1e-10, tangents to 1e-9 of the largest entry: production and 
 by rounding only (1e-14 here). Groups without a reference are held against differences of fourth order, 1e-7.
 """
 
-import cable_groups as rope
 import numpy as np
 import pytest
-from cable_groups import CUBIC, KINDS, LINEAR, SHAPES, State, ask, close, derivative, moved, new_state, parts
+from kernels.elements import cable_groups as rope
+from kernels.elements.cable_groups import (
+    CUBIC,
+    KINDS,
+    LINEAR,
+    SHAPES,
+    State,
+    ask,
+    close,
+    derivative,
+    moved,
+    new_state,
+    parts,
+)
 from of_the_suite import studies
 from references import ale_ancf as reference
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-import short_string as string
-from short_string import PER_BODY, WELLS
+from kernels.strings import short_string as string
+from kernels.strings.short_string import PER_BODY, WELLS
 
 from drillstring.drilling.top_drive import TopDrive
 from drillstring.groups.contact import SPRING, WallContact
