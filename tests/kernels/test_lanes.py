@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from kernels.strings import short_string as string
 from kernels.strings.short_string import PER_BODY, WELLS
-from test_contact_groups import SPRING, WallContact
 
-from drillstring.groups.contact import nothing_kept
+from drillstring.groups.contact import SPRING, WallContact, nothing_kept
 from drillstring.groups.drag import Drag
 from drillstring.groups.friction import PROJECTED, SLIP, STICK, Projection
 from tautline.kernels.groups import members_of
