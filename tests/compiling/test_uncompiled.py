@@ -15,12 +15,12 @@ from tautline.results.result import Result
 DATA = Path(__file__).parents[2] / "data"
 HERE = Path(__file__).parents[1] / "kernels"
 SOME = {
-    "test_string_groups.py": "spatial and 1 and not one and (power or difference and (damped or stiff))",
-    "test_contact_groups.py": "(spatial and 1 and power) or drag or drive or load",
-    "test_unknowns.py": "transpose or transformed",
-    "test_band.py": "numpy",
-    "test_matrix.py": "dense or singular",
-    "test_cable_groups.py": "residual and anyhow and not gradient",
+    "strings/test_string_groups.py": "spatial and 1 and not one and (power or difference and (damped or stiff))",
+    "strings/test_contact_groups.py": "(spatial and 1 and power) or drag or drive or load",
+    "matrices/test_unknowns.py": "transpose or transformed",
+    "matrices/test_band.py": "numpy",
+    "matrices/test_matrix.py": "dense or singular",
+    "elements/test_cable_groups.py": "residual and anyhow and not gradient",
 }
 
 

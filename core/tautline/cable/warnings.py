@@ -370,7 +370,8 @@ def _twice(scene: CableScene) -> Sentences:
 
 @warning("cable")
 def _penalties(scene: CableScene) -> Sentences:
-    stiffest = float((np.array([element.EA for element in scene.elements]) / element_lengths(scene)).max())
+    with np.errstate(all="ignore"):
+        stiffest = float((np.array([element.EA for element in scene.elements]) / element_lengths(scene)).max())
     for tie in scene.ties:
         if tie.what == 0 and tie.stiffness is not None and tie.stiffness > STIFF_PENALTY * stiffest > 0.0:
             text = (
