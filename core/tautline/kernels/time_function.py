@@ -130,23 +130,8 @@ def copy_of(functions: TimeFunctions) -> TimeFunctions:
     return TimeFunctions(*parts)
 
 
-class Written(NamedTuple):
-    """The arrays of :class:`TimeFunctions` that a function made of tracks and waves needs: a third of all."""
-
-    track_from: np.ndarray
-    track_to: np.ndarray
-    break_from: np.ndarray
-    breaks: np.ndarray
-    origins: np.ndarray
-    coefficients: np.ndarray
-    wave_from: np.ndarray
-    wave_to: np.ndarray
-    waves: np.ndarray
-
-
 FUNCTIONS = form_of(no_functions())
 """The form of :class:`TimeFunctions`."""
-WRITTEN = form_of(Written(*(getattr(no_functions(), name) for name in Written._fields)))
 THREE = (tuple, float, float, float)
 
 
@@ -154,24 +139,20 @@ THREE = (tuple, float, float, float)
 def evaluate(functions, i, t):
     """Return ``(f, df, ddf)`` of function `i` at time `t`: its value, rate and second rate.
 
-    Either kind of function is compiled apart from its callers. To hand over all arrays takes a tenth of a microsecond.
-    What moves with a frame, or is a sum of many waves, most scenes do not have, and do not compile.
+    Either kind of function is compiled apart from its callers. What moves with a frame, or is a sum of many waves, most
+    scenes do not have, and do not compile.
     """
     if functions.entry[i] != -1 or functions.sums.row[i] >= 0:
         return evaluate_any(functions, i, t)
     if functions.track_from[i] == functions.track_to[i] and functions.wave_from[i] == functions.wave_to[i]:
         return 0.0, 0.0, 0.0  # of nothing, such as the rotation of a string that is held
-    few = Written(
-        functions.track_from, functions.track_to, functions.break_from, functions.breaks, functions.origins,
-        functions.coefficients, functions.wave_from, functions.wave_to, functions.waves,
-    )  # fmt: skip
-    return evaluate_written(few, i, t)
+    return evaluate_written(functions, i, t)
 
 
-@separate(THREE, WRITTEN, int, float)
-def evaluate_written(written, i, t):
+@separate(THREE, FUNCTIONS, int, float)
+def evaluate_written(functions, i, t):
     """The same of a function that is tracks and a few waves."""
-    return _written(written, i, t)
+    return _written(functions, i, t)
 
 
 @separate(THREE, FUNCTIONS, int, float, late=True)

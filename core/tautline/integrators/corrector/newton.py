@@ -15,12 +15,12 @@ from tautline.integrators.corrector.partial_newton import Window
 from tautline.integrators.corrector.rows import (
     AllRows,
     aim,
+    ask_as_before,
+    ask_for_all,
     balance,
-    close_room,
     expand_rows,
     heed_place,
     renew_factors,
-    room_for_matrix,
     rows_of,
     solve_for_increment,
     take_all,
@@ -224,25 +224,37 @@ def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
         c.factored_for[0] = 0.0
         if slow:
             c.made_for[0] = 0.0
-    matrix = room_for_matrix(c.rows, c.factors, state)
-    switches = over.may_switch(groups)
-    smooth = c.smooth if switches else matrix
-    if c.made_for[0] == 0.0 or not switches:
-        clear_as_filled(smooth)
-        over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, smooth, dofs)
-        have_cleared(smooth, smooth.band.shape[0])
-        c.made_for[0] = beta
-        c.made_for[1] = gamma
-    if switches:
-        copy_matrix(smooth, matrix)
-    over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, matrix, dofs)
-    close_room(c.rows, c.factors, dofs, state)
+    ask_for_all(c.rows, state)
+    if over.may_switch(groups):
+        if c.made_for[0] == 0.0:
+            _make_smooth(c.smooth, groups, dofs, state, t, beta, gamma)
+            c.made_for[0] = beta
+            c.made_for[1] = gamma
+        _add_switching(c.smooth, c.factors.matrix, groups, dofs, state, t, beta, gamma)
+    else:
+        _make_smooth(c.factors.matrix, groups, dofs, state, t, beta, gamma)
+    ask_as_before(c.rows, dofs, state)
     state.counters[FACTORISATIONS] += 1
     row = factorise_apart(c.factors)
     if row == 0:
         c.factored_for[0] = beta
         c.factored_for[1] = gamma
     return row
+
+
+@kernel
+def _make_smooth(smooth, groups, dofs, state, t, beta, gamma):
+    """Make the tangent of the groups that do not switch."""
+    clear_as_filled(smooth)
+    over.smooth_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, smooth, dofs)
+    have_cleared(smooth, smooth.band.shape[0])
+
+
+@kernel
+def _add_switching(smooth, matrix, groups, dofs, state, t, beta, gamma):
+    """Make the whole tangent of that of the groups that do not switch."""
+    copy_matrix(smooth, matrix)
+    over.switching_tangent(groups, t, state.full_q, state.full_v, state.full_a, beta, gamma, 1.0, matrix, dofs)
 
 
 @kernel

@@ -278,14 +278,13 @@ def renew_part(w, groups, dofs, state, t, beta, gamma, slow, smooth, factors):
 
 
 @kernel
-def room_in_window(w, factors, state):
-    """Where to make the matrix of all rows, which are asked for until it is there."""
+def ask_for_all(w, state):
+    """Ask for all rows, to make the matrix of all."""
     w.asked[0], w.asked[1] = 0, state.full_q.size
-    return factors.matrix
 
 
 @kernel
-def close_room(w, factors, dofs, state):
+def ask_as_before(w, dofs, state):
     """Go back to the rows that were asked for: the matrix is there."""
     _forget(w)
     _ask(w, dofs, state, w.at[ASKED], w.at[ASKED_END])

@@ -74,12 +74,7 @@ def _renew(rows, groups, dofs, state, t, beta, gamma, slow, smooth, factors):
 
 
 @kernel
-def _room(rows, factors, state):
-    return factors.matrix
-
-
-@kernel
-def _close_room(rows, factors, dofs, state):
+def _ask_as_before(rows, dofs, state):
     return
 
 
@@ -97,7 +92,7 @@ balance = by_type({AllRows: _balance, Window: part.balance_part})
 worst_row = by_type({AllRows: _worst, Window: part.worst_of_part})
 heed_place = by_type({AllRows: _heed_nothing, Window: part.heed_place})
 renew_factors = by_type({AllRows: _renew, Window: part.renew_part})
-room_for_matrix = by_type({AllRows: _room, Window: part.room_in_window})
-close_room = by_type({AllRows: _close_room, Window: part.close_room})
+ask_for_all = by_type({AllRows: _take_all, Window: part.ask_for_all})
+ask_as_before = by_type({AllRows: _ask_as_before, Window: part.ask_as_before})
 solve_for_increment = by_type({AllRows: _solve, Window: part.solve_part})
 """What an iteration does with its rows; the functions for a window tell what each is for."""

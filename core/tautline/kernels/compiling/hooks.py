@@ -10,6 +10,7 @@ from numba.np.arrayobj import make_array, populate_array
 
 from tautline.kernels.compiling.kernels import intrinsic_for
 from tautline.kernels.compiling.types.kinds import kind_of
+from tautline.kernels.compiling.types.records import Record
 from tautline.kernels.groups import CALLS, KINDS, ROWS, SUMS, apply
 
 
@@ -48,19 +49,24 @@ def _is_vector(t: types.Type) -> bool:
 
 
 def _packet(context: Any, given: tuple[types.Type, ...]) -> ir.Type:
-    """How the arguments of a hook lie in memory: vectors as pointer and size, all else as numba holds it."""
+    """How the arguments of a hook lie in memory: vectors as pointer and size, records by their address, all else as
+    numba holds it. A matrix and the map of unknowns are a hundred words, of which a group uses a few."""
     size = context.get_value_type(types.intp)
-    return ir.LiteralStructType(
-        [
-            ir.LiteralStructType([context.get_data_type(t.dtype).as_pointer(), size])
-            if _is_vector(t)
-            else context.get_value_type(t)
-            for t in given
-        ]
-    )
+
+    def part(t: types.Type) -> ir.Type:
+        if isinstance(t, Record):
+            return size
+        if _is_vector(t):
+            return ir.LiteralStructType([context.get_data_type(t.dtype).as_pointer(), size])
+        return context.get_value_type(t)
+
+    return ir.LiteralStructType([part(t) for t in given])
 
 
 def _packed(context: Any, builder: Any, x: Any, t: types.Type) -> Any:
+    if isinstance(t, Record):
+        place = context.data_model_manager[t].as_argument(builder, x)
+        return builder.ptrtoint(place, context.get_value_type(types.intp))
     if not _is_vector(t):
         return x
     array = make_array(t)(context, builder, x)
@@ -70,6 +76,8 @@ def _packed(context: Any, builder: Any, x: Any, t: types.Type) -> Any:
 
 
 def _unpacked(context: Any, builder: Any, x: Any, t: types.Type) -> Any:
+    if isinstance(t, Record):
+        return builder.load(builder.inttoptr(x, context.get_value_type(t).as_pointer()))
     if not _is_vector(t):
         return x
     array = make_array(t)(context, builder)

@@ -76,11 +76,19 @@ def _recorded(context: Any, builder: Any, given: types.BaseNamedTuple, wanted: R
 
 
 def _place_of(builder: ir.IRBuilder, value: ir.Value) -> ir.Value | None:
-    """Address of what was handed over, or was read where Python has laid it out, and of a part of it."""
+    """Address of what was handed over, or was read where Python has laid it out, and of a part of it.
+
+    What was put into a tuple and taken out of it again, as arguments are, is found where it came from.
+    """
     if isinstance(value, instructions.LoadInstr):
         (place,) = value.operands
         return place if isinstance(place, (ir.Argument, instructions.CastInstr)) else None
     if isinstance(value, instructions.ExtractValue):
-        whole = _place_of(builder, value.aggregate)
-        return None if whole is None else cgutils.gep_inbounds(builder, whole, 0, *value.indices)
+        whole, indices = value.aggregate, list(value.indices)
+        while isinstance(whole, instructions.InsertValue) and whole.indices[0] != indices[0]:
+            whole = whole.aggregate
+        if isinstance(whole, instructions.InsertValue):
+            return _place_of(builder, whole.value) if list(whole.indices) == indices else None
+        place = _place_of(builder, whole)
+        return None if place is None else cgutils.gep_inbounds(builder, place, 0, *indices)
     return None
