@@ -224,3 +224,19 @@ def derivative(f, x, step=2e-3):
 def rate(f, step=2e-3):
     """Derivative of f(x) at x = 0, for a number x."""
     return derivative(lambda x: f(x[0]), np.zeros(1), step)[..., 0]
+
+
+def close(one, other):
+    """Whether a difference quotient is what it stands for."""
+    return np.allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(one).max(initial=0.0) + 1e-9)
+
+
+def check_tangent(groups, state):
+    """Compare each part of the tangent with differences of the residual, and a mixture with its parts; the parts."""
+    _, _, parts = evaluate(groups, state)
+    for field, name in zip(state._fields, ("stiffness", "damping", "mass"), strict=True):
+        slope = derivative(lambda x, field=field: residual(groups, state._replace(**{field: x})), getattr(state, field))
+        assert close(parts[name], slope), name
+    mixed = 0.7 * parts["mass"] - 1.3 * parts["damping"] + 2.1 * parts["stiffness"]
+    assert np.allclose(parts["mixed"], mixed, rtol=0, atol=1e-13 * max(1.0, np.abs(mixed).max()))
+    return parts

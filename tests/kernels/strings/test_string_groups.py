@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from kernels.strings import short_string as string
-from kernels.strings.short_string import PER_BODY, PLACES, WELLS
+from kernels.strings.short_string import PER_BODY, PLACES, WELLS, check_tangent, close
 
 from drillstring.well import wellbore
 
@@ -27,20 +27,8 @@ def case(request):
     return (KINDS[kind](string.curve(WELLS[well], state), rng),), state
 
 
-def close(one, other):
-    return np.allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(one).max(initial=0.0) + 1e-9)
-
-
 def test_each_part_of_the_tangent_is_the_difference_of_the_residual(case):
-    groups, state = case
-    _, _, parts = string.evaluate(groups, state)
-    for field, name in zip(state._fields, ("stiffness", "damping", "mass"), strict=True):
-        slope = string.derivative(
-            lambda x, field=field: string.residual(groups, state._replace(**{field: x})), getattr(state, field)
-        )
-        assert close(parts[name], slope), name
-    mixed = 0.7 * parts["mass"] - 1.3 * parts["damping"] + 2.1 * parts["stiffness"]
-    assert np.allclose(parts["mixed"], mixed, rtol=0, atol=1e-13 * max(1.0, np.abs(mixed).max()))
+    check_tangent(*case)
 
 
 @pytest.mark.parametrize(("first", "last"), [(0, 3), (5, 6), (7, 9), (12, 16)])
