@@ -3,7 +3,8 @@
 A scene is run with steps that grow shorter, from the interval of its frames on: with three times as many, and then with
 as many as the estimated error needs, so that the third run should be the last. Two runs show no order: their difference
 is taken as of a method of second order, or of first for a force and where dry friction may act, with a safety factor of
-two (of RK4 1.25). Three runs show one (the grid convergence index of Roache, see `tautline.study.trials.step_error`).
+two (of RK4 1.25). Three runs show one (the grid convergence index of Roache, see `tautline.study.trials.step_error`),
+of a force and with friction too where their differences have one shape (`tautline.study.accuracy.shape`).
 The run is taken as soon as its error is no more than what was asked for. Where dry friction may act, the runs have to
 agree in position far better than that, or the estimate before has to be near: steps may miss alike which contact slips
 first. Where the implicit method would need far more steps than an explicit one needs to be stable, that is taken,
@@ -32,6 +33,7 @@ from tautline.scene.limits import without_limits
 from tautline.scene.methods import explicit_like, implicit_like, method_of
 from tautline.simulation import simulate
 from tautline.study.accuracy.grid import critical_at_start
+from tautline.study.accuracy.shape import order_of_one_shape
 from tautline.study.trials.errors import apart, ends_apart, motion
 from tautline.study.trials.history import History, Watched, watch
 from tautline.study.trials.step_error import (
@@ -59,9 +61,10 @@ FIRST = 3.0
 EXPECTED, EXPECTED_WITH_FRICTION = 1.5, 1.2
 """Orders by which the next run is expected to be better, from the estimate of the last: without friction or where it
 decides nothing, and where it may. They are low ones, for a run that just misses what was asked for costs another."""
-LEAST, MOST = 2.0, 8.0
-"""How many times as many steps the next run takes at least, and at most. Two runs whose steps are nearer to each other
-tell less of an error: with 1.5 times as many, some scenes took two more runs in place of one."""
+LEAST, MOST, MOST_OF_FORCE = 2.0, 8.0, 4.0
+"""How many times as many steps the next run takes at least, at most, and at most where the force alone needs them:
+three runs near to each other show its order. Two whose steps are nearer than twice tell less of an error: with 1.5
+times as many, some scenes took two more runs in place of one."""
 SAFETY_OF_TWO = 2.0
 """Factor of safety of an estimate from two runs; Roache takes three, with the order of the method."""
 UNLIKE, ALIKE = 0.5, 0.3
@@ -95,8 +98,14 @@ SECONDS, STEPS = 3600.0, 1.0e8
 TWIST = 0.05
 """Twist of a string, rad, from which it is looked at."""
 KINDS = ("position", "force", "twist")
-NONE = np.zeros(0)
-"""The forces of a scene without any."""
+NONE = np.zeros((0, 0))
+"""The forces of a scene without any, and of runs that nothing is compared with any more."""
+COMPARED = 3
+"""Runs that are compared: the last ones."""
+NEAR_TWO = 1.7
+"""Order over times from which three runs with dry friction have no error of a slip in them."""
+SURE = 0.9
+"""Share of an order that is shown over times, by which the next run is expected to be better."""
 
 
 class Seen(NamedTuple):
@@ -108,14 +117,13 @@ class Seen(NamedTuple):
         The path of the point, and the force that varies most.
     turned : History or None
         The same frames with a string's twist, rad, in place of the force; None where nothing turns.
-    highest, lowest : ndarray, shape (n,)
-        Of each force during the run, N; empty where a scene has none.
+    forces : ndarray, shape (m, n)
+        All forces of the kind, N, at the times of the frames; empty where a scene has none.
     """
 
     history: History
     turned: History | None
-    highest: np.ndarray = NONE
-    lowest: np.ndarray = NONE
+    forces: np.ndarray = NONE
 
 
 class Made(NamedTuple):
@@ -180,6 +188,8 @@ class Choice:
             seen = look_at(result, self.watched)
         except ResultError as error:
             self.why = error.cause
+        for i in [i for i, run in enumerate(self.made) if run.seen is not None][: 1 - COMPARED]:
+            self.made[i] = _without_forces(self.made[i])
         step = self.interval / divisor
         cpu = float(result.attributes.get("cpu_time", 0.0))
         self.made.append(Made(method, divisor, step, round(self.end / step), cpu, seen))
@@ -209,7 +219,7 @@ class Choice:
 
         ``careful`` ones are no less than a large difference of the last two runs; the next step follows from others.
         """
-        found = {}
+        found, orders = {}, self._orders_shown()
         for kind in KINDS:
             pairs = self._pairs(kind)
             shown = [self._changes(coarse, fine).get(kind) for coarse, fine in pairs]
@@ -217,7 +227,8 @@ class Choice:
             if known and len(known) == len(pairs):
                 # The first of three may have nothing in common with two others that agree.
                 known = known[:1] if known[-1] > UNLIKE and known[0] <= ALIKE else known
-                error = self._error(known, [fine.divisor / coarse.divisor for coarse, fine in pairs], kind)
+                ratios = [fine.divisor / coarse.divisor for coarse, fine in pairs]
+                error = self._error(known, ratios, kind, orders.get(kind))
                 found[kind] = max(error, known[0]) if careful and known[0] > ALIKE else error
         return found
 
@@ -245,8 +256,9 @@ class Choice:
             return False
         # What the history of the last run is off by. Three show an order, which is that of positions: nothing changes
         # its sign. Two show none.
+        ratios = [fine.divisor / coarse.divisor for coarse, fine in pairs]
         kind = "position" if len(pairs) > 1 else "force"
-        error = self._error(between, [fine.divisor / coarse.divisor for coarse, fine in pairs], kind)
+        error = self._error(between, ratios, kind, self._orders_shown().get("force"))
         return error > self.asked and between[0] > UNLIKELY * self._changes(*pairs[0]).get("force", math.inf)
 
     @property
@@ -316,7 +328,7 @@ class Choice:
         """
         if not self.made or self.made[-1].seen is None:
             return []
-        runs = self._like(self.made[-1].method)[-3:]
+        runs = self._like(self.made[-1].method)[-COMPARED:]
         pairs = list(itertools.pairwise(runs))[::-1]
         return [pair for pair in pairs if kind == "position" or pair[0].divisor >= 1.0]
 
@@ -325,7 +337,30 @@ class Choice:
         force = self.watched.force
         return changes(coarse.seen, fine.seen, self.watched.extent, force.number if force is not None else None)
 
-    def _error(self, shown: list[float], ratios: list[float], kind: str) -> float:
+    def _orders_shown(self) -> dict[str, float]:
+        """The orders by which the last three runs converge over time, by kind, of those that show one.
+
+        Where dry friction may act none counts unless all of motion and force are near two: what slips too late is an
+        error of a lower order, and a slip that three runs miss alike is in none of their differences.
+        """
+        runs = self._like(self.made[-1].method)[-COMPARED:]
+        if len(runs) < COMPARED or self.made[-1].seen is None:
+            return {}
+        first, second, third = (run.divisor for run in runs)
+        found: dict[str, float] = {}
+        for kind in KINDS:
+            histories = [_over_time(run.seen, kind, self.watched) for run in runs if run.seen is not None]
+            known = [history for history in histories if history is not None]
+            order = order_of_one_shape(known, (third / second, second / first)) if len(known) == COMPARED else None
+            if order is not None:
+                found[kind] = order
+            elif known and kind != "twist" and self.friction:
+                return {}
+        return {} if self.friction and min(found.values(), default=0.0) < NEAR_TWO else found
+
+    def _error(self, shown: list[float], ratios: list[float], kind: str, order: float | None) -> float:
+        if len(shown) > 1 and order is not None:
+            return from_longer(shown, ratios, order, order)
         if len(shown) == 1:
             # Two runs show no order. That of the explicit method is higher than the one taken here.
             safety = SAFETY if method_of(self.made[-1].method).explicit else SAFETY_OF_TWO
@@ -349,9 +384,13 @@ class Choice:
             return math.ceil(EXPLICIT_RATIO * last.divisor)
         if not math.isfinite(self.estimates[-1]):
             return finer(FIRST * last.divisor)
+        errors, orders = self.errors(careful=False), self._orders_shown()
         order = EXPECTED_WITH_FRICTION if self.friction and not self._calm else EXPECTED
-        wanted = (max(self.errors(careful=False).values()) / self.asked) ** (1.0 / order)
-        return finer(last.divisor * min(max(wanted, LEAST), MOST))
+        if all(kind in orders for kind in errors):
+            order = SURE * min(orders.values())
+        wanted = (max(errors.values()) / self.asked) ** (1.0 / order)
+        most = MOST_OF_FORCE if self.friction and self._calm else MOST
+        return finer(last.divisor * min(max(wanted, LEAST), most))
 
     def _stalls(self, method: str) -> bool:
         """Whether the last estimates of a method fall no more from run to run; large ones, below all before them."""
@@ -379,6 +418,21 @@ class Choice:
         if self.end / self.interval * divisor > STEPS:
             return f"a more accurate run takes more than {STEPS:.0e} steps"
         return f"it is not reached in {RUNS} runs" if len(self.made) >= RUNS else ""
+
+
+def _without_forces(run: Made) -> Made:
+    """A run that nothing is compared with any more: forces may be most of what a result holds."""
+    return run if run.seen is None else run._replace(seen=run.seen._replace(forces=NONE))
+
+
+def _over_time(seen: Seen, kind: str, watched: Watched | None) -> np.ndarray | None:
+    """What is compared of a run, at the times of its frames; None where it has nothing of the kind."""
+    if kind == "position":
+        return seen.history.position
+    if kind == "twist":
+        return None if seen.turned is None else seen.turned.force
+    number = None if watched is None or watched.force is None else watched.force.number
+    return None if number is None or number >= seen.forces.shape[1] else seen.forces[:, number]
 
 
 def _between(coarse: Seen, fine: Seen) -> float | None:
@@ -425,21 +479,19 @@ def changes(coarse: Seen, fine: Seen, extent: float, force: int | None) -> dict[
         Number of the force that is compared; None where a scene has none.
     """
     found = differences(coarse, fine, extent)
-    if "force" in found and force is not None and fine.highest.size:
-        ends = [np.array([seen.lowest[force], seen.highest[force]]) for seen in (coarse, fine)]
-        found["force"] = ends_apart(*ends)
+    if "force" in found and force is not None and min(coarse.forces.size, fine.forces.size):
+        found["force"] = ends_apart(coarse.forces[:, force], fine.forces[:, force])
     return found
 
 
 def look_at(result: Result, watched: Watched) -> Seen:
     """What of a run is compared."""
     history = watched.of(result)
-    forces = np.zeros((1, 0)) if watched.force is None else np.asarray(result[watched.force.variable], float)
-    highest, lowest = forces.max(axis=0), forces.min(axis=0)
+    forces = NONE if watched.force is None else np.asarray(result[watched.force.variable], float)
     if "torque" not in result or "rotation" not in result or result["rotation"].ndim != 2:
-        return Seen(history, None, highest, lowest)
+        return Seen(history, None, forces)
     rotation = np.asarray(result["rotation"], float)
-    return Seen(history, history._replace(force=rotation[:, -1] - rotation[:, 0]), highest, lowest)
+    return Seen(history, history._replace(force=rotation[:, -1] - rotation[:, 0]), forces)
 
 
 def run_to_accuracy(
