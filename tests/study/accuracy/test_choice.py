@@ -180,6 +180,18 @@ def test_three_runs_whose_forces_draw_together_over_time_at_second_order_are_eno
     assert not runs(7.0 * part, 4.0 * part, part).met
 
 
+def test_extremes_that_agree_twice_by_chance_are_not_enough_unless_the_run_before_was_near_enough():
+    def met(before):
+        made = choice_of([1e-4, 1e-5, 1e-6])
+        for i, late in enumerate((0.09, 0.0, 0.09)):
+            force = np.cos(7.0 * (TIMES - late))
+            made.made[i] = made.made[i]._replace(seen=with_force(made.made[i].seen.history, force))
+        made.estimates[1:] = [before, 0.004]
+        return made.met
+
+    assert met(0.009) is True and met(0.02) is False
+
+
 def test_of_a_force_that_converges_alike_at_all_times_the_error_is_of_the_order_that_it_shows():
     """Of first order, as a force counts otherwise, five times as much would be stated."""
 

@@ -84,7 +84,8 @@ EXPLICIT_SHARE, EXPLICIT_RATIO = 0.8, 1.5
 CALM = 0.3
 """Share of the error asked for below which errors of position and twist show that friction decides nothing here."""
 NEAR = 3.0
-"""Times the error asked for that the estimate before the last may be, where it may be chance that the last is small."""
+"""Times the error asked for that the estimate before the last may be, where friction may have made the last small by
+chance; where extremes of a force alone agree it is no more than was asked for."""
 UNLIKELY = 3.0
 """Times the difference of its extremes that two histories of a force may be apart, root mean square, over its range."""
 FAILURES, RUNS = 5, 14
@@ -242,9 +243,11 @@ class Choice:
         if last.seen is None or runs < 2 or not self.estimates[-1] <= self.asked:
             return False
         # Which contact slips first may be missed by some steps alike: one small estimate may be chance. So may extremes
-        # of a force be alike in two runs that have little else in common.
-        certain = (not self.friction or self._calm) and not self._by_chance
-        return certain or (runs > 2 and self.estimates[-2] <= NEAR * self.asked)
+        # of a force be alike in two runs that have little else in common, and the estimate before may be one of these.
+        chance = self._by_chance
+        certain = (not self.friction or self._calm) and not chance
+        near = (1.0 if chance else NEAR) * self.asked
+        return certain or (runs > 2 and self.estimates[-2] <= near)
 
     @property
     def _by_chance(self) -> bool:
@@ -313,6 +316,8 @@ class Choice:
             return f"an accuracy of {asked} was asked for, and there is nothing to judge it by: {why}"
         errors = self.errors()
         known = f"the estimate is {100.0 * max(errors.values()):.2g} %" if errors else "nothing is known of the error"
+        if errors and max(errors.values()) <= self.asked:
+            known += ", which may be chance,"
         return (
             f"an accuracy of {asked} was asked for and is not reached: {known} with {self.made[-1].method} and steps "
             f"of {self.made[-1].step:.3g} s. {self.why[:1].upper()}{self.why[1:]}"
