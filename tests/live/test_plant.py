@@ -195,3 +195,81 @@ def test_linearising_leaves_the_simulation_where_it_was():
     before = sim.save()
     sim.linearise(["winch.pay_out_speed"], ["winch.tension"])
     assert np.array_equal(before.block, sim.save().block)
+
+
+DRIVEN = """
+title: a string in free space turned by a drive
+well: {sections: [{hold: 1200 m}], diameter: 0.3, wall: none}
+string: [{name: pipe, length: rest, od: 0.127, id: 0.1086}]
+material: {youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}
+damping: {structural: 3 ms, rotation: 20}
+top: {rotation: {controller: {kind: pi, speed: 60 rpm, proportional: 300, integral: 200, inertia: 2000}}}
+model: {kind: lumped, elements: 6}
+solver: {method: generalized-alpha, rho_inf: 0.8, step: 2 ms, end: 60 s}
+output: {interval: 50 ms}
+"""
+
+REAMED = """
+title: a string that reams in a slant hole, its beam pressed into a stiff wall by a hundredth of a millimetre
+well: {inclination: 60 deg, sections: [{hold: 600 m}], diameter: 0.2159 m,
+       wall: {stiffness: 1.0e9, damping: 1.0e6, friction: 0.2}}
+string: [{name: pipe, length: rest, od: 0.127, id: 0.1086, tool_joint_od: 0.165}]
+material: {youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}
+damping: {structural: 20 ms, translation: 50, rotation: 5}
+top: {block: {velocity: -0.3 m/s}, rotation: 30 rpm}
+model: {kind: ale-ancf, elements: 4}
+solver: {method: generalized-alpha, rho_inf: 0.5, step: 2 ms, end: 30 s}
+output: {interval: 50 ms}
+"""
+
+
+def test_what_a_drive_notes_at_the_end_of_a_step_answers_as_its_equation_says():
+    """T = P (Omega - phi.) + I int(Omega - phi.) dt, and what turns the string is T less the drive's own inertia."""
+    sim = tautline.Simulation(tautline.read(DRIVEN), inputs=["top.rotary_speed"])
+    sim.advance(20.0)
+    frequency = np.array([0.02, 0.1, 0.3, 1.0])
+    s = 2j * np.pi * frequency
+    plant = sim.linearise(["top.rotary_speed"], ["drive_torque", "surface_torque", "top.rotary_speed"])
+    drive, surface, speed = plant.response(frequency)[:, :, 0].T
+    torque = (300.0 + 200.0 / s) * (1.0 - speed)
+    assert np.abs(drive / torque - 1.0).max() < 1e-6
+    assert np.abs(surface / (torque - 2000.0 * s * speed) - 1.0).max() < 1e-6
+
+
+def test_outputs_of_a_beam_that_lies_on_a_stiff_wall_answer_as_those_of_a_run():
+    """A step of 1e-5 of a slope would lift the middle of the beam off its wall."""
+    sim = tautline.Simulation(tautline.read(REAMED), inputs=["top.block_speed", "top.rotary_speed"])
+    for name, value in (("top.block_speed", -0.3), ("top.rotary_speed", np.pi)):
+        sim.inputs[name] = (value, 0.0)
+    sim.advance(30.0)
+    outputs = ["top.hook_load", "surface_torque"]
+    slow = sim.linearise(["top.block_speed"], outputs).response(1e-4)[0, :, 0].real
+    seen = []
+    for change in (0.001, -0.001):
+        other = sim.copy()
+        other.inputs["top.block_speed"] = (-0.3 + change, 0.0)
+        other.advance(30.0)
+        seen.append([float(other[name]) for name in outputs])
+    run = (np.array(seen[0]) - np.array(seen[1])) / 0.002
+    assert np.abs(slow / run - 1.0).max() < 1e-3
+
+
+def test_a_bit_on_bottom_answers_with_its_torque_and_the_bottom_is_said_to_be_held():
+    """The torque on rock is the weight's times a factor that the speed of turning alone decides."""
+    sim = tautline.Simulation(DATA / "drilling.yaml")
+    sim.advance(20.0)
+    weight, torque = float(sim["bit.weight"]), float(sim["bit.torque"])
+    assert weight > 0.0
+    with pytest.warns(UserWarning, match="holds the bottom of the hole still"):
+        plant = sim.linearise([], ["bit.weight", "bit.torque"])
+    assert plant.held == ("the bottom of the hole",)
+    presses = np.flatnonzero(np.abs(plant.C[0]) > 1e-6 * np.abs(plant.C[0]).max())
+    assert presses.size and np.abs(plant.C[1, presses] / plant.C[0, presses] / (torque / weight) - 1.0).max() < 1e-5
+
+
+def test_a_bit_off_bottom_holds_nothing_and_sums_over_time_are_refused():
+    sim = tautline.Simulation(tautline.read(DRIVEN))
+    assert sim.linearise([], []).held == ()
+    for name in ("external_work", "dissipated_energy"):
+        with pytest.raises(SimulationError, match=f"{name} is a sum over time"):
+            sim.linearise([], [name])

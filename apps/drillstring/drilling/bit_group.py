@@ -139,5 +139,12 @@ HOOKS = {
     "begin": _begin, "switch": _switch, "residual": _residual, "tangent": _tangent, "energy": _energy,
     "dissipation": _dissipation, "commit": _commit, "record": _record,
 }  # fmt: skip
+
+
+def _bottom(g: RockBit | BladeBit) -> str:
+    """The bottom goes on while the bit is on it."""
+    return "the bottom of the hole" if g.row[0].placed == 1 and g.value[WEIGHT] > 0.0 else ""
+
+
 for kind in (RockBit, BladeBit):
-    register(kind, friction=True, **HOOKS)
+    register(kind, friction=True, memory=_bottom, **HOOKS)

@@ -94,6 +94,10 @@ CONSTANT_MASS: set[type] = set()
 """Kinds whose mass matrix does not depend on positions."""
 FRICTION: set[type] = set()
 """Kinds whose damping is friction: its force is bounded, however steep it is where it turns."""
+Memory = Callable[[Any], str]
+"""What says of a group what moves on with a run and is no unknown."""
+MEMORY: dict[type, Memory] = {}
+"""Kinds that may have such a thing."""
 
 
 class Sum(NamedTuple):
@@ -132,7 +136,9 @@ INSTEAD = {"force": "residual"}
 """The sum whose hook stands in for one that a kind does not offer: both have the same arguments."""
 
 
-def register(kind: type, *, constant_mass: bool = False, friction: bool = False, **hooks: Kernel) -> None:
+def register(
+    kind: type, *, constant_mass: bool = False, friction: bool = False, memory: Memory | None = None, **hooks: Kernel
+) -> None:
     """Register the kernels of a kind of group.
 
     Parameters
@@ -143,6 +149,9 @@ def register(kind: type, *, constant_mass: bool = False, friction: bool = False,
         Whether its mass matrix does not depend on positions.
     friction : bool
         Whether its damping is friction, which bounds its force.
+    memory : callable or None
+        Takes a group, and says what of it moves on with a run and is no unknown, such as the bottom of a hole; empty
+        where nothing does.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -160,6 +169,8 @@ def register(kind: type, *, constant_mass: bool = False, friction: bool = False,
         CONSTANT_MASS.add(kind)
     if friction:
         FRICTION.add(kind)
+    if memory is not None:
+        MEMORY[kind] = memory
 
 
 _addresses: dict[Any, dict[str, int]] = {}

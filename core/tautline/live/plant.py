@@ -13,6 +13,7 @@ steps, to rounding (W. Squire and G. Trapp, SIAM Review 40, 1998).
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -20,9 +21,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import null_space
 
-from tautline.integrators.equations import SUMS, evaluate_full
+from tautline.integrators.equations import SUMS, evaluate_full, settle
 from tautline.integrators.time_loop import record_now
 from tautline.kernels.dofs import HELD, TIED, Dofs
+from tautline.kernels.groups import MEMORY
 from tautline.kernels.matrix import dense, new_matrix
 from tautline.kernels.moving_frame import places_of
 from tautline.kernels.time_function import sample_all
@@ -34,6 +36,15 @@ STENCIL = ((1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0))
 """Central differences of fourth order: steps, and the weight of the difference over each."""
 SMALL = 1.0e-5
 """Step of differences, m or rad, and the same times a frequency for speeds."""
+FINER, FINEST = 0.1, 1.0e-5
+"""By how much a step is made smaller where it meets a kink, and share of the first one that it stays above."""
+KINK = 1.0e-4
+"""Share of a derivative by which those of one and of two steps differ if a kink lies between, such as where a beam that
+lies on its wall by less than the step leaves it."""
+ROUNDED = 1.0e-12
+"""Share of an output that may be rounding."""
+SUMS_OVER_TIME = ("external_work", "dissipated_energy")
+"""Outputs that grow with the run."""
 NOTHING = 1.0e-9
 """Share of an output's largest derivative below which one is rounding."""
 
@@ -54,6 +65,8 @@ class Plant:
         Of inputs and outputs.
     time : float
         When, s.
+    held : tuple of str
+        What goes on in a run and is held still here, such as the bottom of a hole.
     """
 
     A: np.ndarray
@@ -66,6 +79,7 @@ class Plant:
     outputs: tuple[str, ...]
     units: dict[str, str]
     time: float
+    held: tuple[str, ...] = ()
 
     def to_scipy(self) -> Any:
         """A, B, C and D as `scipy.signal.StateSpace`; E has no place there."""
@@ -104,9 +118,10 @@ class _Linearisation:
         self.names, self.told = inputs, outputs
         self.inputs: list[Input] = [sim.inputs.handle(name) for name in inputs]
         self.outputs: list[Output] = [sim.outputs.handle(name) for name in outputs]
+        self._refuse_sums()
         self.sim = sim.copy()
         self.system, self.state, self.t = self.sim.model.system, self.sim._state, sim.time
-        self.groups = self.system.link(SUMS)
+        self.groups, self.laws = self.system.link(SUMS), self.system.link(("commit",))
         dofs, functions = self.system.dofs, self.system.functions
         held = [int(dofs.held[k]) for k in dofs.driven]
         self.held, self.motion = held, [int(dofs.motion[k]) for k in dofs.driven]
@@ -114,6 +129,21 @@ class _Linearisation:
         self.n = self.system.size
         self.functions = functions
         self.a = self.b = np.zeros((0, 0))
+
+        self.held_still = tuple(filter(None, (MEMORY[type(g)](g) for g in self.system.groups if type(g) in MEMORY)))
+        for thing in self.held_still:
+            warnings.warn(
+                f"linearise holds {thing} still, which goes on in a run. It is no state of A, B, C, D: they tell of what "
+                "is fast beside it, and not of low frequencies",
+                stacklevel=4,
+            )
+
+    def _refuse_sums(self) -> None:
+        """Refuse outputs that are sums over time: no state and no input says what they are."""
+        for one in self.outputs:
+            if one.variable in SUMS_OVER_TIME or one.name in SUMS_OVER_TIME:
+                cause = f"{one.name} is a sum over time: no A, B, C, D can say what it is"
+                raise SimulationError(cause, "take a power, a force or a speed in its place")
 
     # -- the matrices --------------------------------------------------------------------------------------------------
 
@@ -213,7 +243,7 @@ class _Linearisation:
         units = {name: one.steering.unit for name, one in zip(self.names, self.inputs, strict=True)}
         units |= {part: one.unit for one in self.outputs for part in _parts(one)}
         told = tuple(part for one in self.outputs for part in _parts(one))
-        return Plant(a, b, c, d, e, self._state_names(), tuple(self.names), told, units, self.t)
+        return Plant(a, b, c, d, e, self._state_names(), tuple(self.names), told, units, self.t, self.held_still)
 
     def _project(self) -> None:
         """Coordinates within the constraints, and the equations in them, divided by the mass."""
@@ -337,35 +367,53 @@ class _Linearisation:
         return np.concatenate(parts) if parts else np.zeros(0)
 
     def _differences(self, dq, dv, da, values) -> dict[str, np.ndarray]:
+        """Derivatives of the compiled outputs along a direction, by steps that no kink lies in."""
         largest = max(float(np.abs(dq).max(initial=0.0)), float(np.abs(dv).max(initial=0.0)) / self._rate)
         largest = largest or float(np.abs(da).max(initial=0.0)) / self._rate**2 or 1.0
-        step = SMALL / largest
+        step, least = SMALL / largest, FINEST * SMALL / largest
+        while True:
+            (one, size), (two, _) = (self._central(times * step, dq, dv, da, values) for times in (1.0, 2.0))
+            kinked = any(
+                (np.abs(one[name] - two[name]) > KINK * np.abs(one[name]).max() + ROUNDED * size[name] / step).any()
+                for name in one
+                if np.size(one[name])
+            )
+            if not kinked or step * FINER < least:
+                return {name: (4.0 * one[name] - two[name]) / 3.0 for name in one}
+            step *= FINER
+
+    def _central(self, h, dq, dv, da, values) -> tuple[dict[str, np.ndarray], dict[str, float]]:
+        """Central differences of the compiled outputs along a direction, and how large these are."""
         state = self.state
+        noted = self.sim._memory.read()
         kept = [array.copy() for array in (state.full_q, state.full_v, state.full_a, state.residual)]
-        found: dict[str, np.ndarray] = {one.name: 0.0 for one in self.outputs if one.places is None}
+        compiled = [one for one in self.outputs if one.places is None]
+        found: dict[str, np.ndarray] = {one.name: np.zeros(one.shape) for one in compiled}
+        size = dict.fromkeys(found, 0.0)
         steered = [(f, s, i) for i, one in enumerate(self.inputs) for s, f in one.members]
         at = {f: sample_all(self.functions, [f], np.array([self.t]))[0, 0] for f, _, _ in steered}
-        for times, weight in STENCIL:
-            for sign in (1.0, -1.0):
-                h = sign * times * step
-                for array, before, change in zip(
-                    (state.full_q, state.full_v, state.full_a), kept, (dq, dv, da), strict=False
-                ):
-                    array[:] = before + h * change
-                for function, steering, i in steered:
-                    self.sim.inputs.hold(function, self.t, at[function] + h * steering.factor * values[:, i])
-                self._residual()
-                record_now(self.sim._run.method, self.system, state, self.t, self.sim._frames.rows[0])
-                frame = self.sim.model.observe(self.sim._frames)
-                for one in self.outputs:
-                    if one.places is None:
-                        value = np.array(one.value(frame), dtype=float)
-                        found[one.name] = found[one.name] + sign * weight / step * value
+        for sign in (1.0, -1.0):
+            for array, before, change in zip(
+                (state.full_q, state.full_v, state.full_a), kept, (dq, dv, da), strict=False
+            ):
+                array[:] = before + sign * h * change
+            for function, steering, i in steered:
+                self.sim.inputs.hold(function, self.t, at[function] + sign * h * steering.factor * values[:, i])
+            self._residual()
+            # What a law notes at the end of a step, such as a drive its torque and a contact its force, is of now.
+            settle(self.laws, state, self.t)
+            record_now(self.sim._run.method, self.system, state, self.t, self.sim._frames.rows[0])
+            frame = self.sim.model.observe(self.sim._frames)
+            for one in compiled:
+                value = np.array(one.value(frame), dtype=float)
+                found[one.name] = found[one.name] + 0.5 * sign / h * value
+                size[one.name] = max(size[one.name], float(np.abs(value).max(initial=0.0)))
+            self.sim._memory.write(noted)
         for array, before in zip((state.full_q, state.full_v, state.full_a, state.residual), kept, strict=True):
             array[:] = before
         for function in at:
             self.sim.inputs.hold(function, self.t, at[function])
-        return found
+        return found, size
 
     @property
     def _rate(self) -> float:
