@@ -80,12 +80,16 @@ def _terminate(number: int, frame: object) -> None:
 
 @contextmanager
 def ended_by_signal() -> Iterator[None]:
-    """Take SIGTERM as Ctrl-C: for a process that is a command of ours, and where nobody else handles the signal."""
-    if not _in_main_thread() or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
-        yield
-        return
-    signal.signal(signal.SIGTERM, _terminate)
+    """Take SIGTERM and SIGHUP, which a terminal sends that is closed, as Ctrl-C.
+
+    For a process that is a command of ours, and where nobody else handles them: `nohup` has SIGHUP ignored.
+    """
+    ends = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
+    taken = [one for one in ends if _in_main_thread() and signal.getsignal(one) is signal.SIG_DFL]
+    for one in taken:
+        signal.signal(one, _terminate)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        for one in taken:
+            signal.signal(one, signal.SIG_DFL)

@@ -150,3 +150,53 @@ def test_what_is_not_there_is_refused(rehearsal, here, option, value, said):
     code, _, told = here("twin", SCENE, *(part for pair in arguments.items() for part in pair))
     assert code == 2
     assert said in told
+
+
+def test_a_record_replaces_a_record_and_nothing_else(rehearsal, here, tmp_path):
+    words = ["record", SCENE, "--map", rehearsal / "map.yaml", "--end", "0.2 s", "-o"]
+    scene = tmp_path / "mine.yaml"
+    scene.write_text("mine")
+    for target, cause in (
+        (scene, "exists and is not a record: it would be lost"), (tmp_path, "is a folder"),
+        (tmp_path / "nowhere" / "r.csv", "there is no folder"),
+    ):  # fmt: skip
+        code, _, err = here(*map(str, words), str(target))
+        assert code == 2 and cause in " ".join(err.split())
+    assert scene.read_text() == "mine" and [one.name for one in tmp_path.iterdir()] == ["mine.yaml"]
+    for _ in range(2):
+        assert here(*map(str, words), str(tmp_path / "r.csv"))[0] == 0
+
+
+@pytest.mark.parametrize(
+    "option, given, cause",
+    [
+        ("--noise", "nan", "zero or more"), ("--noise", "-5 %", "zero or more"), ("--jitter", "inf", "zero or more"),
+        ("--dropout", "1.5", "more than all rows"), ("--rate", "1e12", "a record has 1e+08 at most"),
+    ],
+)  # fmt: skip
+def test_numbers_that_a_record_cannot_have_are_refused_and_nothing_is_written(
+    rehearsal, here, tmp_path, option, given, cause
+):
+    words = ["record", SCENE, "--map", str(rehearsal / "map.yaml"), "-o", str(tmp_path / "r.csv"), f"{option}={given}"]
+    code, _, err = here(*words)
+    assert code == 2 and cause in " ".join(err.split()) and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "column, absurd", [(1, "1e300"), (2, "-1e160"), (3, "3.4028235e38"), (2, "9.969209968386869e36")]
+)
+def test_a_reading_that_no_sensor_shows_is_none_and_the_twin_goes_on(rehearsal, here, tmp_path, column, absurd):
+    """As one that is missing: what other programs write for a missing value is such a number."""
+    lines = (rehearsal / "r.csv").read_text().splitlines()
+    told = {}
+    for name, reading in (("absurd", absurd), ("missing", "")):
+        cells = lines[20].split(",")
+        cells[column] = reading
+        source = tmp_path / f"{name}.csv"
+        source.write_text("\n".join([*lines[:20], ",".join(cells), *lines[21:]]) + "\n")
+        words = ["twin", SCENE, "--map", str(rehearsal / "map.yaml"), "--source", str(source), "-q"]
+        code, _, err = here(*words, "-o", str(tmp_path / f"{name}.nc"))
+        assert code == 0, err
+        told[name] = tautline.Result.read(tmp_path / f"{name}.nc")
+    for name in ("estimate payload.mass", "input winch.pay_out", "winch.tension", "payload.position"):
+        assert np.array_equal(told["absurd"][name], told["missing"][name], equal_nan=True), name

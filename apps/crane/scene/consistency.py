@@ -36,7 +36,7 @@ def check_consistency(scene: Scene) -> None:
     """
     checks: tuple[Callable[[Scene], Iterable[Fault]], ...] = (
         _names, _ends, _references, _cycles, _bodies, _neighbours, _mesh, _drums, _water, _ground, _start,
-        _compensation, _computable,
+        _level, _compensation, _computable,
     )  # fmt: skip
     for check in checks:
         raise_all(check(scene))
@@ -215,6 +215,14 @@ def _ground(scene: Scene) -> Iterator[Fault]:
 def _start(scene: Scene) -> Iterator[Fault]:
     if scene.start == "static" and not any(scene.gravity):
         yield ("start",), "there is no rest to be found without gravity", "give gravity, or start: as drawn"
+
+
+def _level(scene: Scene) -> Iterator[Fault]:
+    """Water lies level, and lifts along z: it does not know of gravity that leans."""
+    x, y, z = scene.gravity
+    if scene.water is not None and (x != 0.0 or y != 0.0 or z > 0.0):
+        cause = f"[{x:g}, {y:g}, {z:g}] does not point down along z, and the surface of the water is level"
+        yield ("gravity",), cause, "write [0, 0, -9.81], or leave out `water:`"
 
 
 def _compensation(scene: Scene) -> Iterator[Fault]:

@@ -9,6 +9,9 @@ if TYPE_CHECKING:
     from tautline.results.result import Result
     from tautline.view.space.appearance import Look
 
+LARGEST = 1.0e6
+"""Factor that nobody can mean to give."""
+
 
 def in_space(
     result: Result,
@@ -62,6 +65,9 @@ def in_units_of(result: Result, look: Look) -> Look:
 
 def look_of(view: str | None, exaggerate: float | None) -> Look:
     """What an application must know of what is asked for."""
+    from tautline.results.errors import ResultError
     from tautline.view.space.appearance import Look
 
+    if exaggerate is not None and not exaggerate < LARGEST:
+        raise ResultError("--exaggerate", f"{exaggerate:g} is no factor", "give a number above zero, such as 50")
     return Look(view or "", exaggerate)

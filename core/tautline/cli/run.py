@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
@@ -84,8 +84,9 @@ def run(app: typer.Typer, arguments: Sequence[str] | None = None) -> NoReturn:
     with collected_rarely() if ours else nullcontext(), ended_by_signal() if ours else nullcontext():
         code = _outcome(app, given)
     try:
-        sys.stdout.flush()
-    except BrokenPipeError:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except OSError:
         abandon_output()
     sys.exit(int(code))
 
@@ -110,7 +111,8 @@ def _outcome(app: typer.Typer, given: list[str]) -> int:
     if code == ExitCode.INTERRUPTED:
         say("\ninterrupted", "yellow")
         if as_json:
-            print_json({"status": "interrupted"})
+            with suppress(SceneError):
+                print_json({"status": "interrupted"})
     return code if isinstance(code, int) else ExitCode.DONE
 
 
@@ -129,7 +131,8 @@ def _refused(error: Exception, app: typer.Typer, as_json: bool) -> ExitCode:
         code, status = ExitCode.STOPPED_EARLY, "stopped: the result could not be written"
     say(str(SceneError(problems)), "red")
     if as_json:
-        print_json({"status": status, "problems": [vars(problem) for problem in problems]})
+        with suppress(SceneError):  # where it is standard output that cannot be written
+            print_json({"status": status, "problems": [vars(problem) for problem in problems]})
     return code
 
 

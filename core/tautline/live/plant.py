@@ -133,8 +133,8 @@ class _Linearisation:
         self.held_still = tuple(filter(None, (MEMORY[type(g)](g) for g in self.system.groups if type(g) in MEMORY)))
         for thing in self.held_still:
             warnings.warn(
-                f"linearise holds {thing} still, which goes on in a run. It is no state of A, B, C, D: they tell of what "
-                "is fast beside it, and not of low frequencies",
+                f"linearise holds {thing} still, which goes on in a run. It is no state of A, B, C, D: they tell of "
+                "what is fast beside it, and not of low frequencies",
                 stacklevel=4,
             )
 

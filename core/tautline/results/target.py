@@ -10,8 +10,12 @@ from tautline.results.errors import ResultError
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of every HDF5 file, which NetCDF-4 is."""
+OURS = "tautline"
+"""How the attribute ``format`` of our files begins."""
 FIGURES = (".png", ".svg", ".pdf")
 """Endings of figures."""
+RECORD = b"time [s]"
+"""How records of sensors begin that `record` has written."""
 PAGES, DOCTYPE = (".html", ".htm"), b"<!doctype html"
 """Endings of web pages, and how they begin."""
 
@@ -51,6 +55,31 @@ def check_target(path: str | Path) -> Path:
         raise ResultError(path, f"cannot be written: {error.strerror}", cure) from None
     except ValueError as error:
         raise ResultError(path, f"cannot be written: {error}", "give another name with -o") from None
+    return path
+
+
+def check_record(path: Path) -> Path:
+    """Check that a record of sensors may be written to a path, and return it; an earlier one there may be replaced.
+
+    Raises
+    ------
+    ResultError
+        If the folder is missing or not writable, or the path is a folder or a file that is no record of ours.
+    """
+    check_folder(path)
+    try:
+        if path.is_dir():
+            raise ResultError(path, "is a folder", f"name a file in it: -o {path / 'record.csv'}")
+        if path.exists():
+            with path.open("rb") as file:
+                start = file.read(len(RECORD))
+            if start and start != RECORD:
+                raise ResultError(path, "exists and is not a record: it would be lost", "name another file with -o")
+        if not os.access(path if path.exists() else path.parent, os.W_OK):
+            raise ResultError(path, "cannot be written: permission denied", "give another name or folder with -o")
+    except OSError as error:
+        cure = "give another name or folder with -o"
+        raise ResultError(path, f"cannot be written: {error.strerror}", cure) from None
     return path
 
 
@@ -132,3 +161,17 @@ def _check_replaceable(path: Path) -> None:
         start = file.read(len(SIGNATURE))
     if start and start != SIGNATURE:
         raise ResultError(path, "exists and is not a result: it would be lost", "name another file with -o")
+    if start and not _is_result(path):
+        cause = "is a NetCDF file, but not a Tautline result: it would be lost"
+        raise ResultError(path, cause, "name another file with -o")
+
+
+def _is_result(path: Path) -> bool:
+    """Whether a file is a result of ours, or one that cannot be opened: damaged, or written to at this time."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            return str(file.attrs.get("format", "")).startswith(OURS)
+    except OSError:
+        return True

@@ -70,7 +70,7 @@ class Table(Model):
     file: FileName | None = None
     column: str | None = None
     interpolation: Annotated[
-        Literal["linear", "cubic"] | None, Field(description="default: linear for a velocity, cubic for a position")
+        Literal["linear", "cubic"] | None, Field(description="default: linear for a velocity, cubic for a position, a force, a torque or a share")
     ] = None
 
     @model_validator(mode="after")

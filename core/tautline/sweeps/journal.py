@@ -161,7 +161,7 @@ class Journal:
         self._lock.give_back()
 
 
-OWN = (f".{NAME}.lock", NAME, "sweep.nc", "sweep.csv", "percentiles.csv")
+OWN = (f".{NAME}.lock", NAME)
 """Files of ours that a folder without a journal may hold."""
 
 

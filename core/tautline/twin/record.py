@@ -21,6 +21,8 @@ from tautline.twin.operation import Operation
 
 KINDS = ("stuck", "lost", "bias", "drift", "scale", "clip", "spike")
 """Faults of a sensor."""
+MOST_ROWS = 1.0e8
+"""Rows that a record may have."""
 EXAMPLE = "write COLUMN:KIND:FROM:TO[:SIZE], such as rope_tension:bias:20:30:5"
 
 
@@ -115,6 +117,9 @@ def record(
         if fault.column not in known:
             raise option_error("--fault", fault.column, "there is no such column", nearest(fault.column, sorted(known)))
     last = sim.model.solver.end if end is None else end
+    if last * sensing.rate > MOST_ROWS:
+        cause = f"is {last * sensing.rate:.2g} rows, and a record has {MOST_ROWS:.0e} at most"
+        raise option_error("--rate", f"{sensing.rate:g}", cause, "give fewer rows a second, or an earlier --end")
     earlier: deque[tuple[float, np.ndarray]] = deque()
     for k in range(int(np.floor(last * sensing.rate + 1e-9)) + 1):
         time = k / sensing.rate

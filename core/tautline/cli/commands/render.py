@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Catalogue
-from tautline.application.space import in_units_of, look_of
+from tautline.application.space import LARGEST, in_units_of, look_of
 from tautline.cli.output.console import print_json, say
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     ResultError
         If something asked for is unknown, a file cannot be written, or there is nothing to draw with.
     """
+    from tautline.results.errors import ResultError
     from tautline.results.result import Result
     from tautline.statistics.store import check_whole
 
@@ -39,6 +40,9 @@ def render(catalogue: Catalogue, path: Path, asked: dict[str, Any], as_json: boo
     if asked["movie"] is not None or asked["html"] is not None:
         check_whole(result, "a film")
     look = in_units_of(result, look_of(asked["view"], asked["exaggerate"]))
+    for option in ("radius", "speed"):
+        if asked[option] is not None and not asked[option] < LARGEST:
+            raise ResultError(f"--{option}", f"{asked[option]:g} is no factor", "give a number above zero, such as 2")
     appearance = catalogue.for_result(result).appearance(result, look)
     written: list[Path] = []
     if asked["html"] is not None:

@@ -10,6 +10,9 @@ from tautline.application.installed import Catalogue
 from tautline.cli.output.console import print_text, say
 from tautline.scene.errors import Problem, SceneError
 
+SCHEMA = frozenset({"$schema", "$defs", "properties"})
+"""Keys by one of which a JSON schema is known."""
+
 
 def _refuse(where: str, cause: str, cure: str) -> SceneError:
     return SceneError([Problem(where, None, "", None, cause, cure)])
@@ -49,8 +52,21 @@ def schema(catalogue: Catalogue, output: Path | None) -> None:
         print_text(text)
         return
     # A schema is made anew with every version: an earlier one is simply replaced, anything else is not.
-    write(output, text, force=output.suffix == ".json")
+    earlier = _is_schema(output)
+    if output.is_file() and not earlier:
+        raise _refuse(str(output), "exists and is no schema: it would be lost", "name another with -o")
+    write(output, text, force=earlier)
     say(f"wrote {output}", "green")
+
+
+def _is_schema(path: Path) -> bool:
+    """Whether a file is a JSON schema, or an object of some by name."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+    except (OSError, ValueError):
+        return False
+    parts = [found, *found.values()] if isinstance(found, dict) else []
+    return any(isinstance(part, dict) and not SCHEMA.isdisjoint(part) for part in parts)
 
 
 def write(path: Path, text: str, force: bool) -> None:

@@ -16,6 +16,7 @@ from tautline.cli.options.lists import number, numbers, one_of, words
 from tautline.cli.output.console import console, print_json, say
 from tautline.cli.output.first_run import compiling
 from tautline.cli.run import Ended, ExitCode
+from tautline.scene.errors import Problem, SceneError
 from tautline.scene.methods import named as method_named
 from tautline.scene.values.printed import significant
 
@@ -73,6 +74,10 @@ def study(catalogue: Catalogue, path: Path, output: Path | None, asked: dict[str
     except Interrupted:
         say("interrupted", "yellow")
         raise Ended(ExitCode.INTERRUPTED) from None
+    refused = [row.trial.sentence for row in found.rows if row.trial.status == "refused"]
+    if refused and len(refused) == len(found.rows):
+        cause = f"no setting can be run: {refused[0]}"
+        raise SceneError([Problem(str(path), None, "", None, cause, "give other steps, methods or elements")])
     _report(path, stem, found, as_json)
     if found.interrupted:
         say("interrupted", "yellow")
@@ -126,6 +131,8 @@ def stem_of(path: Path, output: Path | None, word: str) -> Path:
         if file.is_dir() or (file.exists() and not os.access(file, os.W_OK)):
             cause = "is a folder" if file.is_dir() else "is write-protected"
             raise ResultError(file, cause, "name others with -o")
+        if not file.exists() and not os.access(file.parent, os.W_OK):
+            raise ResultError(file, "cannot be written: permission denied", "name another folder with -o")
     return stem
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import time as clock
 from collections.abc import Sequence
 from pathlib import Path
@@ -209,6 +210,7 @@ def record(
     from pydantic_core import PydanticCustomError
 
     from tautline.integrators.status import StoppedEarly
+    from tautline.results.target import check_record
     from tautline.scene.values.quantity import Quantity
     from tautline.twin.map import read_map
     from tautline.twin.record import Sensing, read_fault
@@ -221,13 +223,16 @@ def record(
         if text is None:
             return default
         try:
-            return float(text)
+            value = float(text)
         except ValueError:
             try:
-                return float(Quantity(unit).read(text))
+                value = float(Quantity(unit).read(text))
             except PydanticCustomError as error:
                 cure = str((error.context or {}).get("cure", ""))
                 raise option_error(option, text, error.message(), cure) from None
+        if not 0.0 <= value < math.inf:
+            raise option_error(option, text, "is to be zero or more, and finite", "give such a number")
+        return value
 
     sensing = Sensing(
         rate=number("--rate", given["rate"], "Hz", 10.0), noise=number("--noise", given["noise"], "", 0.0),
@@ -237,7 +242,10 @@ def record(
     )  # fmt: skip
     if not sensing.rate > 0.0:
         raise option_error("--rate", str(given["rate"]), "is no rate", "give rows a second, such as 10 Hz")
+    if sensing.dropout > 1.0:
+        raise option_error("--dropout", str(given["dropout"]), "is more than all rows", "give a share from 0 to 1")
     until = number("--end", end, "s", float("nan"))
+    check_record(output)
     rows = recorded(scene, read, sensing, None if until != until else until)
     first = next(rows)
     columns = [one.column for one in read.sensors]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import json
 import math
@@ -12,14 +13,23 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from tautline.scene.errors import SceneError
+
 
 @functools.cache
 def console() -> Console:
     """Return the console on standard error."""
     from rich.console import Console
 
+    class Lasting(Console):
+        """One whose reader may go away: what is computed goes on."""
+
+        def on_broken_pipe(self) -> None:
+            self.quiet = True
+            _point_at_nothing(sys.stderr)
+
     # What stands between two colons, as in 60:100:20, is no emoji.
-    return Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
+    return Lasting(stderr=True, highlight=False, soft_wrap=True, emoji=False)
 
 
 def say(text: str, style: str = "") -> None:
@@ -46,14 +56,37 @@ def print_json(value: dict[str, Any]) -> None:
 
 
 def print_text(text: str) -> None:
-    """Write to standard output; a reader that went away is no error."""
+    """Write to standard output; a reader that went away is no error.
+
+    Raises
+    ------
+    SceneError
+        If it is closed or cannot be written, as on a full disk.
+    """
     try:
+        if sys.stdout is None:
+            raise OSError(errno.EBADF, "it is closed")
         sys.stdout.write(text)
         sys.stdout.flush()
     except BrokenPipeError:
         abandon_output()
+    except OSError as error:
+        abandon_output()
+        raise _unwritable(error) from None
+
+
+def _unwritable(error: OSError) -> SceneError:
+    from tautline.scene.errors import Problem, SceneError
+
+    cause = f"cannot be written: {error.strerror}"
+    return SceneError([Problem("standard output", None, "", None, cause, "point it at a file on a disk with room")])
 
 
 def abandon_output() -> None:
     """Point standard output at nothing, so that the interpreter's last flush cannot fail either."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    _point_at_nothing(sys.stdout)
+
+
+def _point_at_nothing(stream: Any) -> None:
+    if stream is not None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -11,6 +11,7 @@ what lets the inputs be smoothed from both sides (:mod:`tautline.twin.signals.sm
 | a stamp far ahead | it waits for the next row: if that goes on from it there was a gap, else it is left out |
 | stamps that go on from an earlier time | the clock was set back: time goes on from where it was |
 | no readable stamp | it is left out, and counted |
+| a reading beyond 1e30 | it counts as missing, and the row is counted |
 """
 
 from __future__ import annotations
@@ -37,6 +38,9 @@ CLOCK_WRONG = 1e-3
 """Rate of the source's clock beside ours that is reported."""
 CLOCK_TIME = 60.0
 """Over how long that is found, s."""
+
+ABSURD = 1.0e30
+"""Reading from which one is none: what other programs write for a missing value is one (9.97e36, 3.4e38)."""
 
 
 @dataclass
@@ -68,7 +72,8 @@ class Rows:
     Attributes
     ----------
     counts : Counter
-        What was put right, by kind: late, doubled, out of order, future, no stamp, gaps, clock set back.
+        What was put right, by kind: late, doubled, out of order, future, no stamp, gaps, clock set back, and rows
+        with an absurd reading, which counts as missing.
     interval : float
         The sample interval, s; NaN until it is known.
     """
@@ -111,7 +116,12 @@ class Rows:
         if not np.isfinite(time):
             self.counts["no stamp"] += 1
             return
-        row = Row(time + self.shift, np.array([values.get(c, np.nan) for c in self.columns], float), arrived)
+        read = np.array([values.get(c, np.nan) for c in self.columns], float)
+        absurd = np.abs(read) >= ABSURD
+        if absurd.any():
+            self.counts["with an absurd reading"] += 1
+            read[absurd] = np.nan
+        row = Row(time + self.shift, read, arrived)
         if self.live:
             self._compare_clocks(time, arrived)
         if self._suspect is not None:

@@ -1,0 +1,114 @@
+"""Files of others are never lost, and standard output that cannot be written is told in one sentence."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import pytest
+from cli.in_process import commands_of
+
+from crane.application import Crane
+
+SCENE = "data/hoist.yaml"
+
+
+@pytest.fixture
+def here(capsys):
+    """The command in this process: exit code, standard output, standard error."""
+    return commands_of(Crane(), capsys)
+
+
+def said(err):
+    """What was printed for people, in one line."""
+    return " ".join(err.split())
+
+
+def test_a_netcdf_file_of_another_program_is_not_replaced_by_a_result(here, tmp_path):
+    waves = tmp_path / "hoist.nc"
+    with h5py.File(waves, "w") as file:
+        file["Hs"] = [1.0, 2.0]
+    before = waves.read_bytes()
+    code, _, err = here("simulate", SCENE, "-q", "--no-verify", "--end", "0.1", "-o", str(waves))
+    assert code == 2 and "not a Tautline result: it would be lost" in said(err)
+    assert waves.read_bytes() == before
+
+
+def test_an_earlier_result_is_replaced(here, tmp_path):
+    for _ in range(2):
+        code = here("simulate", SCENE, "-q", "--no-verify", "--end", "0.1", "-o", str(tmp_path / "hoist.nc"))[0]
+        assert code == 0
+
+
+def test_a_schema_replaces_a_schema_and_no_other_json(here, tmp_path):
+    mine, made = tmp_path / "mine.json", tmp_path / "schema.json"
+    mine.write_text('{"important": 1}')
+    code, _, err = here("schema", "-o", str(mine))
+    assert code == 2 and "exists and is no schema: it would be lost" in said(err)
+    assert mine.read_text() == '{"important": 1}'
+    assert [here("schema", "-o", str(made))[0] for _ in range(2)] == [0, 0]
+
+
+def test_a_table_of_others_in_the_folder_of_a_sweep_is_not_replaced(here, tmp_path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "sweep.csv").write_text("mine")
+    sweep = tmp_path / "s.yaml"
+    scene = Path(SCENE).absolute()
+    sweep.write_text(f"scene: {scene}\nvary:\n  bodies[0].mass: [4000, 6000]\n  solver.end: [0.1]\n")
+    code, _, err = here("sweep", str(sweep), "-q", "-o", str(folder))
+    assert code == 2 and "exists and holds other files" in said(err)
+    assert (folder / "sweep.csv").read_text() == "mine"
+
+
+@pytest.mark.parametrize("words", [("check", SCENE, "--json"), ("schema",)])
+@pytest.mark.parametrize("way, cause", [("> /dev/full", "No space left"), (">&-", "it is closed")])
+def test_standard_output_that_cannot_be_written_is_told_in_one_sentence(words, way, cause):
+    command = " ".join([sys.executable, "-m", "crane.main", *words, way])
+    found = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
+    assert found.returncode == 2
+    assert f"standard output: cannot be written: {cause}" in found.stderr
+    assert "Traceback" not in found.stderr and "fault of the program" not in found.stderr
+
+
+def test_a_run_goes_on_where_the_reader_of_its_words_goes_away(tmp_path):
+    target = tmp_path / "hoist.nc"
+    run = f"{sys.executable} -m crane.main simulate {SCENE} --no-verify --end 0.5 -o {target}"
+    script = f"({run}; echo $? > {tmp_path}/code) 2>&1 | head -c 1"
+    subprocess.run(["bash", "-c", script], capture_output=True, timeout=120)
+    assert (tmp_path / "code").read_text().strip() == "0" and target.exists()
+
+
+@pytest.mark.parametrize("option", ["--exaggerate=inf", "--exaggerate=1e300", "--radius=inf"])
+def test_a_factor_that_nobody_can_mean_is_refused(here, tmp_path, option):
+    result = tmp_path / "hoist.nc"
+    assert here("simulate", SCENE, "-q", "--no-verify", "--end", "0.1", "-o", str(result))[0] == 0
+    code, _, err = here("render", str(result), "--image", "last", "-o", str(tmp_path / "picture.png"), option)
+    assert code == 2 and "is no factor" in said(err)
+    assert [one.name for one in tmp_path.iterdir()] == ["hoist.nc"]
+
+
+def test_a_study_of_which_no_setting_can_be_run_writes_nothing(here, tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["crane"])
+    code, _, err = here("study", SCENE, "--steps", "1e-12", "--quick", "-o", str(tmp_path / "s"))
+    assert code == 2 and "no setting can be run" in said(err)
+    assert not list(tmp_path.iterdir())
+
+
+def test_water_under_gravity_that_leans_is_refused(here, tmp_path):
+    scene = tmp_path / "leaning.yaml"
+    text = """
+rope: {mass_per_length: 2, axial_stiffness: 1.0e7, diameter: 50 mm}
+bodies: [{name: p, mass: 20, position: [10, 0, -30]}]
+path: [{anchor: {name: a, position: [0, 0, 0]}}, {end: {name: h, body: p}}]
+gravity: [3, 0, -9]
+water: {surface: 50, density: 1025}
+mesh: {elements_per_span: 4}
+solver: {step: 10 ms, end: 0.1 s}
+output: {interval: 50 ms}
+"""
+    scene.write_text(text)
+    code, _, err = here("check", str(scene))
+    assert code == 2 and "does not point down along z" in said(err)
+    scene.write_text(text.replace("[3, 0, -9]", "[0, 0, -9]"))
+    assert here("check", str(scene))[0] == 0
