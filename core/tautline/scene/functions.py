@@ -70,7 +70,8 @@ class Table(Model):
     file: FileName | None = None
     column: str | None = None
     interpolation: Annotated[
-        Literal["linear", "cubic"] | None, Field(description="default: linear for a velocity, cubic for a position, a force, a torque or a share")
+        Literal["linear", "cubic"] | None,
+        Field(description="default: linear for a velocity, cubic for a position, a force, a torque or a share"),
     ] = None
 
     @model_validator(mode="after")
