@@ -8,6 +8,7 @@ import h5py
 import pytest
 from cli.in_process import commands_of
 
+import tautline
 from crane.application import Crane
 
 SCENE = "data/hoist.yaml"
@@ -112,3 +113,17 @@ output: {interval: 50 ms}
     assert code == 2 and "does not point down along z" in said(err)
     scene.write_text(text.replace("[3, 0, -9]", "[0, 0, -9]"))
     assert here("check", str(scene))[0] == 0
+
+
+def test_a_result_of_another_kind_of_scene_is_named_as_that(here, tmp_path):
+    made = tmp_path / "well.nc"
+    tautline.simulate("data/jwell.yaml", path=made, end=0.1)
+    for verb in (("plot", "-o", str(tmp_path / "figures")), ("render", "--image", "last")):
+        code, _, err = here(verb[0], str(made), *verb[1:])
+        assert code == 2 and "is no result of a scene of `crane`" in said(err)
+    assert [one.name for one in tmp_path.iterdir()] == ["well.nc"]
+
+
+def test_a_list_that_the_scene_does_not_have_is_not_called_a_mapping(here, tmp_path):
+    code, _, err = here("check", SCENE, "--set", "Bodies[0].mass=1")
+    assert code == 2 and "there is no list of this name" in said(err)

@@ -71,7 +71,17 @@ class Single:
         return self.application, self.application.read(path)
 
     def for_result(self, result: Result) -> Application:
-        """Return the one application."""
+        """Return the one application; raises SceneError for a result of a scene that is another's."""
+        from tautline.scene.reading.document import Document
+
+        path, text = str(result.path), str(result.attributes.get("scene", ""))
+        try:
+            root = Document.parse(text, path).root
+        except SceneError:
+            return self.application
+        if isinstance(root, dict) and root and not self.application.recognises(root):
+            cure = "take the command that made it, or `tautline`, which knows all"
+            raise SceneError([Problem(path, None, "", None, f"is no result of a scene of `{self.name}`", cure)])
         return self.application
 
 

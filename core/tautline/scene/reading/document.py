@@ -231,6 +231,8 @@ def _no_place(place: Any, part: Key) -> tuple[str, str] | None:
         if isinstance(part, str):
             return "this is a list, not a mapping", "name one of its entries by a number in brackets, the first by [0]"
         return "there is no such entry", f"{len(place)} in all, counted from 0: to add one, give the whole list"
+    if place == {}:
+        return "there is no list of this name", "check the name; small and capital letters differ"
     if isinstance(place, dict):
         return "is a mapping, not a list", f"known: {', '.join(map(shorten, place))}"
     return "there is no such key: what it should be in is a single value", "check the name, or give a whole mapping"
