@@ -88,5 +88,8 @@ def test_an_application_without_an_appearance_is_told_so(span):
     class Bare:
         name, title = "bare", "Nothing to see."
 
+        def recognises(self, root):
+            return True
+
     with pytest.raises(ResultError, match=r"results of bare have no appearance.*--csv"):
         export(Single(Bare()), span, None, True, False, (), Look(), False)

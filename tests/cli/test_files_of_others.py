@@ -120,7 +120,7 @@ def test_a_result_of_another_kind_of_scene_is_named_as_that(here, tmp_path):
     tautline.simulate("data/jwell.yaml", path=made, end=0.1)
     for verb in (("plot", "-o", str(tmp_path / "figures")), ("render", "--image", "last")):
         code, _, err = here(verb[0], str(made), *verb[1:])
-        assert code == 2 and "is no result of a scene of `crane`" in said(err)
+        assert code == 2 and "is the result of a scene of `drillstring`, and not of `crane`" in said(err)
     assert [one.name for one in tmp_path.iterdir()] == ["well.nc"]
 
 

@@ -80,8 +80,11 @@ class Single:
         except SceneError:
             return self.application
         if isinstance(root, dict) and root and not self.application.recognises(root):
-            cure = "take the command that made it, or `tautline`, which knows all"
-            raise SceneError([Problem(path, None, "", None, f"is no result of a scene of `{self.name}`", cure)])
+            others = (one.name for one in Installed().all() if one.name != self.name and one.recognises(root))
+            other = next(others, None)
+            if other is not None:
+                cause = f"is the result of a scene of `{other}`, and not of `{self.name}`"
+                raise SceneError([Problem(path, None, "", None, cause, f"take `{other}`, or `tautline`")])
         return self.application
 
 
