@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import null_space
+from scipy.sparse import csr_array
 
 from tautline.integrators.equations import SUMS, evaluate_full, settle
 from tautline.integrators.time_loop import record_now
@@ -126,6 +127,7 @@ class _Linearisation:
         held = [int(dofs.held[k]) for k in dofs.driven]
         self.held, self.motion = held, [int(dofs.motion[k]) for k in dofs.driven]
         self.extended = _with_held_free(dofs, held)
+        self.places = _followers(self.extended, self.system.size + len(held))
         self.n = self.system.size
         self.functions = functions
         self.a = self.b = np.zeros((0, 0))
@@ -344,13 +346,7 @@ class _Linearisation:
 
     def _full(self, reduced: np.ndarray, moved: np.ndarray) -> np.ndarray:
         """Full vector of a change of the unknowns and of what is held."""
-        dofs = self.extended
-        x = np.concatenate((reduced, moved))
-        full = np.zeros(dofs.number.size)
-        for i in range(full.size):
-            part = slice(dofs.start[i], dofs.start[i + 1])
-            known = dofs.unknown[part] >= 0
-            full[i] = dofs.factor[part][known] @ x[dofs.unknown[part][known]]
+        full: np.ndarray = self.places @ np.concatenate((reduced, moved))
         return full
 
     def _along(self, dq: np.ndarray, dv: np.ndarray, da: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -426,6 +422,14 @@ def _parts(output: Output) -> list[str]:
     if output.shape == ():
         return [output.name]
     return [f"{output.name}[{','.join(map(str, place))}]" for place in np.ndindex(*output.shape)]
+
+
+def _followers(dofs: Dofs, unknowns: int) -> csr_array:
+    """How all degrees of freedom follow the unknowns (full, unknowns)."""
+    known = dofs.unknown >= 0
+    rows = np.repeat(np.arange(dofs.number.size), np.diff(dofs.start))
+    size = (dofs.number.size, unknowns)
+    return csr_array((dofs.factor[known], (rows[known], dofs.unknown[known])), shape=size)
 
 
 def _with_held_free(dofs: Dofs, held: list[int]) -> Dofs:
