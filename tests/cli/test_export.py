@@ -86,10 +86,7 @@ def test_what_contradicts_itself_is_refused_and_writes_nothing(span, output, vtk
 
 def test_an_application_without_an_appearance_is_told_so(span):
     class Bare:
-        name, title = "bare", "Nothing to see."
+        name, title = "cable", "Nothing to see."
 
-        def recognises(self, root):
-            return True
-
-    with pytest.raises(ResultError, match=r"results of bare have no appearance.*--csv"):
+    with pytest.raises(ResultError, match=r"results of cable have no appearance.*--csv"):
         export(Single(Bare()), span, None, True, False, (), Look(), False)

@@ -89,8 +89,7 @@ def test_a_factor_that_nobody_can_mean_is_refused(here, tmp_path, option):
     assert [one.name for one in tmp_path.iterdir()] == ["hoist.nc"]
 
 
-def test_a_study_of_which_no_setting_can_be_run_writes_nothing(here, tmp_path, monkeypatch):
-    monkeypatch.setattr(sys, "argv", ["crane"])
+def test_a_study_of_which_no_setting_can_be_run_writes_nothing(here, tmp_path):
     code, _, err = here("study", SCENE, "--steps", "1e-12", "--quick", "-o", str(tmp_path / "s"))
     assert code == 2 and "no setting can be run" in said(err)
     assert not list(tmp_path.iterdir())
@@ -120,10 +119,20 @@ def test_a_result_of_another_kind_of_scene_is_named_as_that(here, tmp_path):
     tautline.simulate("data/jwell.yaml", path=made, end=0.1)
     for verb in (("plot", "-o", str(tmp_path / "figures")), ("render", "--image", "last")):
         code, _, err = here(verb[0], str(made), *verb[1:])
-        assert code == 2 and "is the result of a scene of `drillstring`, and not of `crane`" in said(err)
+        assert code == 2 and "is the result of a scene of drillstring, and not of crane" in said(err)
     assert [one.name for one in tmp_path.iterdir()] == ["well.nc"]
 
 
 def test_a_list_that_the_scene_does_not_have_is_not_called_a_mapping(here, tmp_path):
     code, _, err = here("check", SCENE, "--set", "Bodies[0].mass=1")
     assert code == 2 and "there is no list of this name" in said(err)
+
+
+def test_a_record_may_go_into_a_pipe(tmp_path):
+    """It is not read before it is written, which would wait for ever."""
+    (tmp_path / "map.yaml").write_text("sensors:\n  - {column: pull, unit: kN, output: winch.tension, sd: 0.5 kN}\n")
+    verb = (
+        f"{sys.executable} -m crane.main record {SCENE} --map {tmp_path}/map.yaml --end 0.2 -o /dev/stdout | head -n 1"
+    )
+    found = subprocess.run(["bash", "-c", verb], capture_output=True, text=True, timeout=120)
+    assert found.stdout == "time [s],pull [kN]\n", found.stderr

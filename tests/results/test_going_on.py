@@ -106,7 +106,7 @@ ENDS = [
 That both ways of telling it come to the same is of no application."""
 MORE_ENDS = [
     ("jwell", signal.SIGTERM), ("jwell", signal.SIGINT), ("hoist", signal.SIGKILL), ("hose", signal.SIGKILL),
-    ("reeled_span", signal.SIGINT),
+    ("reeled_span", signal.SIGINT), ("hoist", signal.SIGHUP),
 ]  # fmt: skip
 
 

@@ -72,19 +72,10 @@ class Single:
 
     def for_result(self, result: Result) -> Application:
         """Return the one application; raises SceneError for a result of a scene that is another's."""
-        from tautline.scene.reading.document import Document
-
-        path, text = str(result.path), str(result.attributes.get("scene", ""))
-        try:
-            root = Document.parse(text, path).root
-        except SceneError:
-            return self.application
-        if isinstance(root, dict) and root and not self.application.recognises(root):
-            others = (one.name for one in Installed().all() if one.name != self.name and one.recognises(root))
-            other = next(others, None)
-            if other is not None:
-                cause = f"is the result of a scene of `{other}`, and not of `{self.name}`"
-                raise SceneError([Problem(path, None, "", None, cause, f"take `{other}`, or `tautline`")])
+        made_by = str(result.attributes.get("application", ""))
+        if made_by and made_by != self.name and any(one.name == made_by for one in Installed().all()):
+            cause = f"is the result of a scene of {made_by}, and not of {self.name}"
+            raise SceneError([Problem(str(result.path), None, "", None, cause, "take `tautline`, which knows all")])
         return self.application
 
 

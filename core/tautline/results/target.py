@@ -70,7 +70,7 @@ def check_record(path: Path) -> Path:
     try:
         if path.is_dir():
             raise ResultError(path, "is a folder", f"name a file in it: -o {path / 'record.csv'}")
-        if path.exists():
+        if path.is_file():  # a pipe, such as /dev/stdout, would wait to be read
             with path.open("rb") as file:
                 start = file.read(len(RECORD))
             if start and start != RECORD:
