@@ -67,7 +67,7 @@ def test_a_table_of_others_in_the_folder_of_a_sweep_is_not_replaced(here, tmp_pa
 def test_standard_output_that_cannot_be_written_is_told_in_one_sentence(words, way, cause):
     command = " ".join([sys.executable, "-m", "crane.main", *words, way])
     found = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
-    assert found.returncode == 2
+    assert found.returncode == 3
     assert f"standard output: cannot be written: {cause}" in found.stderr
     assert "Traceback" not in found.stderr and "fault of the program" not in found.stderr
 
@@ -136,3 +136,20 @@ def test_a_record_may_go_into_a_pipe(tmp_path):
     )
     found = subprocess.run(["bash", "-c", verb], capture_output=True, text=True, timeout=120)
     assert found.stdout == "time [s],pull [kN]\n", found.stderr
+
+
+def test_a_dash_is_no_name_of_a_result(here, tmp_path, monkeypatch):
+    scene = str(Path(SCENE).absolute())
+    monkeypatch.chdir(tmp_path)
+    code, _, err = here("simulate", scene, "-q", "--no-verify", "--end", "0.1", "-o", "-")
+    assert code == 2 and "-o result.nc" in said(err)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "example"),
+    [("--step", "5kg", "a time such as 1 ms"), ("--accuracy", "0", "a share such as 1 %")],
+)
+def test_an_option_says_by_an_example_what_it_takes(here, option, value, example):
+    code, _, err = here("simulate", SCENE, option, value)
+    assert code == 2 and f"{option} {value}: " in said(err) and example in said(err)

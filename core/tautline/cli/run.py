@@ -13,6 +13,7 @@ from tautline.cli.output import duration
 from tautline.cli.output.console import abandon_output, print_json, say
 from tautline.interruption import ended_by_signal
 from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
+from tautline.results.errors import WriteError
 from tautline.scene.errors import Problem, SceneError
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ def _outcome(app: typer.Typer, given: list[str]) -> int:
     if code == ExitCode.INTERRUPTED:
         say("\ninterrupted", "yellow")
         if as_json:
-            with suppress(SceneError):
+            with suppress(WriteError):
                 print_json({"status": "interrupted"})
     return code if isinstance(code, int) else ExitCode.DONE
 
@@ -127,11 +128,11 @@ def _refused(error: Exception, app: typer.Typer, as_json: bool) -> ExitCode:
             return ExitCode.INTERRUPTED
         code, status = ExitCode.INTERNAL_ERROR, "internal error"
         problems = [_unexpected(error)]
-    elif type(error).__name__ == "WriteError":
+    elif isinstance(error, WriteError):
         code, status = ExitCode.STOPPED_EARLY, "stopped: the result could not be written"
     say(str(SceneError(problems)), "red")
     if as_json:
-        with suppress(SceneError):  # where it is standard output that cannot be written
+        with suppress(WriteError):  # where it is standard output that cannot be written
             print_json({"status": status, "problems": [vars(problem) for problem in problems]})
     return code
 

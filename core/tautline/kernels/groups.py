@@ -94,9 +94,9 @@ CONSTANT_MASS: set[type] = set()
 """Kinds whose mass matrix does not depend on positions."""
 FRICTION: set[type] = set()
 """Kinds whose damping is friction: its force is bounded, however steep it is where it turns."""
-Memory = Callable[[Any], str]
+Keeper = Callable[[Any], str]
 """What says of a group what moves on with a run and is no unknown."""
-MEMORY: dict[type, Memory] = {}
+MEMORY: dict[type, Keeper] = {}
 """Kinds that may have such a thing."""
 
 
@@ -137,7 +137,12 @@ INSTEAD = {"force": "residual"}
 
 
 def register(
-    kind: type, *, constant_mass: bool = False, friction: bool = False, memory: Memory | None = None, **hooks: Kernel
+    kind: type,
+    *,
+    constant_mass: bool = False,
+    friction: bool = False,
+    memory: Keeper | None = None,
+    **hooks: Kernel,
 ) -> None:
     """Register the kernels of a kind of group.
 

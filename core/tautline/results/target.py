@@ -38,6 +38,8 @@ def check_target(path: str | Path) -> Path:
         table, a picture, a scene or a page.
     """
     path = Path(path)
+    if str(path) == "-":
+        raise ResultError(path, "is no file, and a result is one", "name it, -o result.nc; --json prints the report")
     check_folder(path)
     try:
         if path.is_dir():

@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 from physics.lifting.crane_scenes import GRAVITY, drum, fall, hoist, imbalance, ran, solved
+from references.checks.test_slack import BOUNCING, HEAVING
 from references.slack import Snap, snap_tension, snap_tension_green
-from references.test_slack import BOUNCING, HEAVING
 
 MASS, STIFFNESS, LENGTH, DROP = 5000.0, 8.0e7, 25.0, 0.5
 SPEED = np.sqrt(2.0 * GRAVITY * DROP)

@@ -8,6 +8,13 @@ from typing import Any
 
 from tautline.scene.errors import option_error
 
+EXAMPLES = {
+    "s": "a time such as 1 ms", "Hz": "a frequency such as 10 Hz", "m": "a length such as 100 m",
+    "m/s": "a speed such as 0.5 m/s", "rad/s": "a speed such as 60 rpm", "": "a number, or a share such as 1 %",
+}  # fmt: skip
+"""What an option of a unit takes, for the message about what it does not take."""
+AS_A_LIST = "give entries between commas, such as 1ms,0.5ms"
+
 
 def words(text: str | None, option: str, known: Callable[[str], str]) -> list[str]:
     """Words between commas, each as `known` reads it; empty for None.
@@ -40,7 +47,7 @@ def numbers(text: str | None, option: str, unit: str) -> list[float]:
         except ValidationError as error:
             raise ValueError(str(error.errors()[0]["msg"])) from None
 
-    return _each(text, option, read)
+    return _each(text, option, read, f"give {EXAMPLES[unit]}" if unit in EXAMPLES else "see --help")
 
 
 def seconds(text: str | None, option: str, known: Sequence[str] = ()) -> float | str | None:
@@ -131,18 +138,17 @@ def _plain(word: str) -> Any:
         return word
 
 
-def _each(text: str | None, option: str, read: Callable[[str], Any]) -> list[Any]:
+def _each(text: str | None, option: str, read: Callable[[str], Any], cure: str = "see --help") -> list[Any]:
     if text is None:
         return []
     found: list[Any] = []
     for word in (part.strip() for part in text.split(",")):
         try:
             if not word:
-                raise ValueError("an entry is empty")
+                raise option_error(option, text, "an entry is empty", AS_A_LIST)
             found.append(read(word))
         except ValueError as error:
-            cure = "give entries between commas, such as 1ms,0.5ms" if "empty" in str(error) else "see --help"
-            raise option_error(option, word or text, str(error), cure) from None
+            raise option_error(option, word, str(error), cure) from None
     return list(dict.fromkeys(found))
 
 

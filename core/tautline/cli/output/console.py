@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from tautline.scene.errors import SceneError
+    from tautline.results.errors import WriteError
 
 
 @functools.cache
@@ -60,7 +60,7 @@ def print_text(text: str) -> None:
 
     Raises
     ------
-    SceneError
+    WriteError
         If it is closed or cannot be written, as on a full disk.
     """
     try:
@@ -75,11 +75,11 @@ def print_text(text: str) -> None:
         raise _unwritable(error) from None
 
 
-def _unwritable(error: OSError) -> SceneError:
-    from tautline.scene.errors import Problem, SceneError
+def _unwritable(error: OSError) -> WriteError:
+    from tautline.results.errors import WriteError
 
     cause = f"cannot be written: {error.strerror}"
-    return SceneError([Problem("standard output", None, "", None, cause, "point it at a file on a disk with room")])
+    return WriteError("standard output", cause, "point it at a file on a disk with room")
 
 
 def abandon_output() -> None:

@@ -10,7 +10,7 @@ from drillstring.model.prepared import prepared, well_of
 from tautline.cable.input.parts import CableScene
 from tautline.scene.reading.document import Document
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 
 
 def read(name):

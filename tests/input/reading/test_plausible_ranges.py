@@ -24,7 +24,7 @@ from tautline.scene.values.quantity import quantity
 from tautline.scene.values.ranges import RANGES
 from tautline.scene.values.units import read_unit
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SHIPPED = sorted(ROOT.glob("data/*.yaml")) + sorted(ROOT.glob("**/templates/*.yaml"))
 MODELS = {"well": DrillstringScene, "path": CraneScene, "hose": HoseScene, "CableModel": WrittenCable}
 

@@ -13,7 +13,7 @@ from tautline.application.installed import Installed
 from tautline.cli.verbs import make_app
 from tautline.results.result import Result
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 TAKE_NO_SCENE = {"plot", "render", "export", "new", "schema", "tubulars"}
 
 

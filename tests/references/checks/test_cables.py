@@ -6,7 +6,7 @@ from numpy.polynomial import Legendre, Polynomial
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh, expm
 
-from . import cables
+from references import cables
 
 
 def ritz(stiffness, mass, basis):

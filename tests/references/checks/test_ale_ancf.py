@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from . import ale_ancf as ale
+from references import ale_ancf as ale
 
 RHO_A, G = 1.3, np.array([0.2, 0.5, -9.81])
 FINE = {"axial": ("gauss", 20), "bending": ("gauss", 20)}

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from . import crane, elevator
-from .crane import FrictionAtwood
-from .elevator import Elevator
+from references import crane, elevator
+from references.crane import FrictionAtwood
+from references.elevator import Elevator
 
 
 # Atwood's machine

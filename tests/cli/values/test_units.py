@@ -17,7 +17,7 @@ from tautline.scene.values.printed import in_words, shown
 from tautline.scene.values.systems import SYSTEMS, in_system
 from tautline.scene.values.units import pint_registry
 
-FIELD_WELL = (Path(__file__).parents[2] / "data" / "field_well.yaml").read_text(encoding="utf8")
+FIELD_WELL = (Path(__file__).parents[3] / "data" / "field_well.yaml").read_text(encoding="utf8")
 KIP, FOOT = 4448.2216152605, 0.3048
 
 
@@ -118,7 +118,7 @@ def test_all_figures_of_a_range_are_converted_in_a_sentence(text, field):
 
 
 def test_the_table_of_check_of_a_crane_is_in_the_units_of_its_scene(tmp_path):
-    text = (Path(__file__).parents[2] / "data" / "hoist.yaml").read_text(encoding="utf8")
+    text = (Path(__file__).parents[3] / "data" / "hoist.yaml").read_text(encoding="utf8")
     (tmp_path / "scene.yaml").write_text(f"units: field\n{text}", encoding="utf8")
     crane = Crane()
     rows = dict(crane.describe(crane.check_figures(crane.read(tmp_path / "scene.yaml"))))
@@ -127,7 +127,7 @@ def test_the_table_of_check_of_a_crane_is_in_the_units_of_its_scene(tmp_path):
 
 
 def test_a_refusal_is_in_the_units_of_its_scene(tmp_path):
-    text = (Path(__file__).parents[2] / "data" / "hoist.yaml").read_text(encoding="utf8")
+    text = (Path(__file__).parents[3] / "data" / "hoist.yaml").read_text(encoding="utf8")
     (tmp_path / "scene.yaml").write_text(
         "units: field\n" + text.replace("rope:", "rope:\n  length: 20 m", 1), encoding="utf8"
     )
@@ -142,7 +142,7 @@ def test_a_number_that_has_one_plausible_reading_is_not_warned_of(tmp_path, unit
     text = re.sub(r"(?m)^units: .*\n", "", FIELD_WELL)
     assert "density" in text
     (tmp_path / "w.yaml").write_text(f"units: {units}\n" + text.replace("density: 490 pcf", "density: 7850"))
-    for file in (Path(__file__).parents[2] / "data").glob("*.csv"):
+    for file in (Path(__file__).parents[3] / "data").glob("*.csv"):
         (tmp_path / file.name).write_bytes(file.read_bytes())
     string = Drillstring()
     assert not any("density" in one.text for one in string.warnings(string.read(tmp_path / "w.yaml")))

@@ -9,8 +9,8 @@ import pytest
 from of_the_suite import studies
 from scipy.optimize import brentq
 
-from . import hose
-from .hose import Hose, Parameters, Piece, PiecewisePipe, Pipe, SpatialHose, simulate, static_shape
+from references import hose
+from references.hose import Hose, Parameters, Piece, PiecewisePipe, Pipe, SpatialHose, simulate, static_shape
 
 SCENE = Parameters()
 LADEN = replace(SCENE, tip_mass=5e-4, outlet=1.5)  # a mass and a nozzle at the free end

@@ -7,8 +7,8 @@ import pytest
 from of_the_suite import kept, studies
 from scipy.spatial.transform import Rotation
 
-from . import ale_ancf as ale
-from . import span_lagrangian as ref
+from references import ale_ancf as ale
+from references import span_lagrangian as ref
 
 CASES = ref.cases(3)
 EVERY = pytest.mark.parametrize("case", CASES, ids=[c.name for c in CASES])

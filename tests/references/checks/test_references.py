@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from . import extensible_rod as rod
-from . import planar_well_dynamics as planar
-from . import soft_string as soft
-from . import stepped_rod_modes as modes
+from references import extensible_rod as rod
+from references import planar_well_dynamics as planar
+from references import soft_string as soft
+from references import stepped_rod_modes as modes
 
 HISTORY = planar.history()
 

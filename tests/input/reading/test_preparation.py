@@ -26,7 +26,7 @@ from tautline.kernels.compiling.types.kinds import kind_of
 from tautline.kernels.jit import Kernel
 from tautline.scene.identity import model_hash
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 WELL = """
 well:
   survey: survey.csv

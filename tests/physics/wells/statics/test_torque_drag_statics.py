@@ -17,8 +17,8 @@ is left with very many is 5e-5 of either sign.
 import numpy as np
 import pytest
 from of_the_suite import studies
+from physics.wells.statics.test_torque_and_drag import moved
 from physics.wells.strings import DATA, GRAVITY, JWELL, mass_per_length, shipped, soft_load, soft_torque, straight_hole
-from physics.wells.test_torque_and_drag import moved
 from references import soft_string as reference
 
 from drillstring.scene.scene import DrillstringScene

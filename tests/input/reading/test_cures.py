@@ -8,7 +8,7 @@ from drillstring.scene.scene import DrillstringScene
 from tautline.scene.errors import SceneError
 from tautline.scene.values.quantity import suited
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8")
 COLLARS = "length: 160 m}"
 

@@ -19,7 +19,7 @@ from drillstring.view.stick_slip_figures import draw
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8").replace("elements: 24", "elements: 6")
 KEYS = {
     "scene", "status", "speed", "weight", "severity", "stuck", "bit_speed_mean", "bit_speed_min", "bit_speed_max",

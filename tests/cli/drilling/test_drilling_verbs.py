@@ -15,7 +15,7 @@ from tautline.results.errors import ResultError
 from tautline.results.result import Result
 from tautline.simulation import simulate
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 DRILLING = (DATA / "drilling.yaml").read_text(encoding="utf8")
 HANGING = (DATA / "hanging.yaml").read_text(encoding="utf8")
 BIT = DRILLING[DRILLING.index("bit:\n") : DRILLING.index("model:")]

@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import jv, yv
 
-from . import pendulum
-from .pendulum import fixed, hoisted, planar, slewing, spherical
+from references import pendulum
+from references.pendulum import fixed, hoisted, planar, slewing, spherical
 
 ORIGIN = fixed(0, 0, 0)
 

@@ -8,8 +8,8 @@ from of_the_suite import studies
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from . import slack
-from .slack import Snap
+from references import slack
+from references.slack import Snap
 
 # every period slack once; slack once with bounces after it
 HEAVING = Snap(damping=0.03, amplitude=1.5, period=2.0, ramp=4.0)

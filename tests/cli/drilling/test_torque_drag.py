@@ -16,7 +16,7 @@ from drillstring.string.factors import same
 from tautline.integrators.status import Status, StoppedEarly
 from tautline.scene.errors import SceneError
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 JWELL = (DATA / "jwell.yaml").read_text(encoding="utf8")
 KEYS = {"friction", "depth", "pick_up", "slack_off", "rotating", "torque", "buckling"}
 """Keys that other programs read: part of the contract of `--json`."""

@@ -17,7 +17,7 @@ from tautline.scene.identity import model_hash
 from tautline.scene.reading.document import Document
 from tautline.scene.reading.scalars import written_out
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 KINDS = {"hoist": CraneScene, "jwell": DrillstringScene, "hose": HoseScene, "reeled_span": CableScene}
 ODD = ["1e5", "no", "NO", "12", "0x1F", "~", "null", "a: b", "- x", "é", "a\nb", "", " x ", "#a", "1_000", "12:30"]
 ODD += ["\x07", "off", ".nan", ".5", "+.inf", "[1", "yes", "*a", "&b", "!c", "%d", "@e", "`", "True", "a" * 300, "x #y"]

@@ -13,6 +13,8 @@ import sys
 import numpy as np
 import pytest
 from of_the_suite import studies
+from physics.wells.statics.test_helix import CLEARANCE, DIAMETER, FRICTION, RIGIDITY, level, vertical
+from physics.wells.statics.test_torque_drag_statics import DEPTH, SIGN, arc_load, build_section
 from physics.wells.strings import (
     COLLAR,
     DATA,
@@ -25,8 +27,6 @@ from physics.wells.strings import (
     soft_torque,
     straight_hole,
 )
-from physics.wells.test_helix import CLEARANCE, DIAMETER, FRICTION, RIGIDITY, level, vertical
-from physics.wells.test_torque_drag_statics import DEPTH, SIGN, arc_load, build_section
 from references.stiff_string import StiffString
 
 from drillstring.scene.scene import BEAM, of_kind

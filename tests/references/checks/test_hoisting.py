@@ -11,8 +11,8 @@ from of_the_suite import studies
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-from . import crane, hoisting
-from .hoisting import CASES, LOWERING, Hoist, lobatto
+from references import crane, hoisting
+from references.hoisting import CASES, LOWERING, Hoist, lobatto
 
 
 def test_mesh_differentiates_and_integrates_polynomials():

@@ -9,7 +9,7 @@ from cli.in_process import commands_of, files, leave_out_pixels, only_object
 
 from drillstring.application import Drillstring
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 KEYS = {
     "speed",
     "orders",

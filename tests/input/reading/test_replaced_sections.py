@@ -9,7 +9,7 @@ import tautline
 from tautline.scene.errors import SceneError
 from tautline.scene.model import validate
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 SCENES = sorted(path.name for path in DATA.glob("*.yaml") if "\nsolver:" in path.read_text())
 OF_ALL = [{"solver.end": "1.5 s"}, {"output.interval": "1 ms", "solver.step": "0.1 ms"}]
 

@@ -1,0 +1,1 @@
+"""The references against closed forms and published numbers: none of them knows the program."""
