@@ -16,6 +16,9 @@ import numpy as np
 
 from drillstring.model.prepared import tubes_of, well_of
 from drillstring.scene.scene import DrillstringScene
+from drillstring.statics.soft_string import soft_string
+from drillstring.statics.statics import weight_per_length
+from drillstring.string.factors import factors_of
 from drillstring.twin.severity import Settings as SeveritySettings
 from drillstring.twin.severity import Severity
 from drillstring.twin.stands import with_stand
@@ -132,7 +135,20 @@ class RigOperation(Operation):
             cause = "begins with the bit on bottom: what it carries would be computed, and not found from the hook load"
             cure = "write on_bottom: false for a twin; it tells drilling from rotating off bottom by itself"
             raise SceneError([self.scene.problem("bit.on_bottom", cause, cure)])
-        self.rig.string_weighs(float(sim["top.hook_load"]))
+        weight = float(sim["top.hook_load"])
+        self.rig.string_weighs(weight, self._lowered())
+
+    def _lowered(self) -> float:
+        """Hook load, N, of the string that is lowered with the friction of the scene; nothing where it locks up."""
+        well, wall = well_of(self.scene), self.scene.well.wall
+        if wall is None:
+            return nan
+        tubes = tubes_of(self.scene, well.length)
+        weight = weight_per_length(self.scene, tubes)
+        lowered = soft_string(
+            well, tubes, weight, factors_of(wall, "kinetic"), "slack_off", hole=self.scene.well.diameter
+        )
+        return lowered.hook_load if lowered.locked is None else 0.0
 
     # -- a row ---------------------------------------------------------------------------------------------------------
 

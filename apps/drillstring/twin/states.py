@@ -73,7 +73,8 @@ class Settings:
     empty : float
         Largest hook load in slips as a share of the largest with the string, as long as the former is not known.
     transfer : float
-        Share of the string's weight that the slips carry in the state in slips.
+        Share of the string's weight that the slips carry in the state in slips; more where so much is missing from the
+        hook load of a string that is lowered (`RigStates.string_weighs`).
     band : float
         Half of the hysteresis about that share.
     connection_travel : float
@@ -108,8 +109,16 @@ class Settings:
     gap: float = 10.0
 
 
+LOST_ON_THE_WALL = (
+    "with the friction of the scene the wall carries the string while it is lowered: its hook load is then much as in "
+    "the slips, which are not told from that; a depth that is summed from the block's motion may be wrong"
+)
+BETWEEN = 0.5
+"""Where the limit lies between the hook load of a string that is lowered and that without one."""
 NEARLY = 0.85
 """Share of the string's weight on the slips from which the hook counts as free."""
+WHOLLY = 0.8
+"""Share from which on more on the wall is not told from slips: then a limit of nine tenths has to do."""
 FOLLOWED = 20.0
 """Time, s, over which the hook loads with and without the string follow what is measured."""
 
@@ -130,12 +139,14 @@ class Switch:
 class Hook:
     """Whether the hook carries the string, by what it carries with and without it, N.
 
-    ``free`` where next to nothing of the string's weight is left on it, ``light`` where some is missing.
+    ``free`` where next to nothing of the string's weight is left on it, ``light`` where some is missing;
+    ``on_the_wall`` is the share of the weight that friction carries while the string is lowered.
     """
 
     settings: Settings
     without: float = nan
     with_string: float = nan
+    on_the_wall: float = 0.0
     lowest: float = nan
     highest: float = nan
     recent: deque[tuple[float, float]] = field(default_factory=deque)
@@ -179,8 +190,9 @@ class Hook:
             self.carries = True if hangs or follows else self.carries
             return self.carries
         share = (full - load) / (full - empty) if full > empty else 0.0
-        in_slips = share > self.settings.transfer + self.settings.band * (1.0 if self.carries is not False else -1.0)
-        self.carries, self.free = not in_slips, in_slips and share > NEARLY
+        limit = max(self.settings.transfer, self.on_the_wall + BETWEEN * (1.0 - self.on_the_wall))
+        in_slips = share > limit + self.settings.band * (1.0 if self.carries is not False else -1.0)
+        self.carries, self.free = not in_slips, in_slips and share > max(NEARLY, limit)
         self.light = share > 1.0 - NEARLY
         self._learn(share, load)
         return self.carries
@@ -325,12 +337,19 @@ class RigStates:
         return self._plateaus.all
 
     def lost(self) -> list[str]:
-        """What cannot be told, for each signal that has not come."""
-        return [f"without {name}: {LOST_WITHOUT[name]}" for name in SIGNALS if name not in self._seen]
+        """What cannot be told, for each signal that has not come, and where hardly any weight is left to lower with."""
+        lost = [f"without {name}: {LOST_WITHOUT[name]}" for name in SIGNALS if name not in self._seen]
+        return [*lost, LOST_ON_THE_WALL] if self._hook.on_the_wall >= WHOLLY else lost
 
-    def string_weighs(self, weight: float) -> None:
-        """Take notice of what the string adds to the hook load, N, as after a stand was added."""
+    def string_weighs(self, weight: float, lowered: float = nan) -> None:
+        """Take notice of what the string adds to the hook load, N, as after a stand was added.
+
+        ``lowered`` is what it adds while it is lowered: in a long or rising hole that may be so little that the string
+        would seem to stand in the slips.
+        """
         self._hook.with_string = _or(self._hook.without, 0.0) + weight
+        if isfinite(lowered) and weight > 0.0:
+            self._hook.on_the_wall = min(max(0.0, 1.0 - lowered / weight), WHOLLY)
 
     def memory(self) -> dict[str, Any]:
         """What another process needs to go on in the same state, for JSON."""

@@ -48,6 +48,30 @@ def right(states, truth, time, tolerance):
     return passed / len(truth)
 
 
+@pytest.mark.parametrize("share", [0.55, 0.7, 0.8])
+def test_a_string_that_friction_carries_while_it_is_lowered_is_not_in_the_slips(share):
+    """In a long reach the hook load falls by more than half of the weight: the string's model knows by how much."""
+    rig = Rig(block_weight=200e3, string_weight=900e3, drag=share * 900e3, above=100.0)
+    columns, truth = play(rig, [rest(20), rotate(20), *3 * [trip(60, 0.3), rest(5), slips(30)]], 2.5, 5)
+    known, states = RigStates(Settings(block_weight=200e3)), []
+    known.string_weighs(900e3, 900e3 - 0.95 * rig.drag)
+    names = [name for name in columns if name != "time"]
+    for k, t in enumerate(columns["time"]):
+        states.append(str(known.add(t, **{name: columns[name][k] for name in names})))
+    assert right(states, truth, columns["time"], 3.0) > 0.97
+    # Half of the weight as the limit takes the lowering for slips.
+    _, by_half = told(columns, block_weight=200e3)
+    assert right(by_half, truth, columns["time"], 3.0) < 0.6
+
+
+def test_a_string_that_does_not_go_down_by_its_weight_says_that_slips_are_not_told():
+    known = RigStates(Settings(block_weight=200e3))
+    known.string_weighs(900e3, 300e3)
+    assert not any("wall carries" in line for line in known.lost())
+    known.string_weighs(900e3, -20e3)
+    assert any("wall carries" in line for line in known.lost())
+
+
 # Written after the limits in the program were settled by the scripts above.
 SHALLOW = Rig(block_weight=250e3, string_weight=300e3, drag=45e3, weight_on_bit=40e3, torque=2e3, bit_torque=1.5e3,
               speed=8.0, flow=0.022, depth=700.0, above=4.0)  # fmt: skip
