@@ -116,6 +116,52 @@ def test_shorter_storms_scale_to_the_duration(application, scene):
     assert low <= MASS * (GRAVITY + probable) <= high
 
 
+def moved(scene, **motion):
+    """The scene with other motions of the vessel, of which each is a spectrum with some keys."""
+    sea = {"significant_height": 1.0, "peak_period": PERIOD, "components": 600}
+    return scene.replace({f"vessel.motion.{name}": {"spectrum": sea | keys} for name, keys in motion.items()})
+
+
+def test_motions_of_two_seeds_do_not_follow_the_same_waves_in_any_storm(application, scene, tmp_path):
+    # Two motions that both lift the tip, with as much each: in phase they are twice one, apart 2^0.5 times as much.
+    # Sway leans the rope by nothing that counts; heave and a pitch of 0.8 rad per m with an arm of 1 m are alike.
+    both = moved(
+        scene.replace({"vessel.reference": [-20.0, 0.0, 10.0]}), heave={"seed": 1, "rao": 0.4},
+        pitch={"seed": 2, "rao": -0.02},
+    )  # fmt: skip
+    limit = f"max_tension < {MASS * (GRAVITY + 1.0)}"
+    _, probable = response(160.0, rao=0.4 * math.sqrt(2.0))
+    _, in_phase = response(160.0, rao=0.8)
+    found = {}
+    for name, pitch in (("apart", 2), ("together", 1)):
+        one = both.replace({"vessel.motion.pitch.spectrum.seed": pitch})
+        table = operability(application, one, asked((1.0,), 12, limits=[limit], confidence=0.99), jobs=1).table
+        found[name] = [table.extremes[f"most_probable{end}"][0, 0, 0, 0] for end in ("_low", "_high")]
+    assert found["apart"][0] <= MASS * (GRAVITY + probable) <= found["apart"][1]
+    assert found["together"][0] <= MASS * (GRAVITY + in_phase) <= found["together"][1]
+    assert found["apart"][1] < MASS * (GRAVITY + in_phase)
+
+
+@pytest.mark.parametrize(
+    ("motion", "cause"),
+    [
+        ({"heave": {}, "pitch": {"peak_period": 12.0, "rao": 0.01}}, "is 12 and that of heave is 8"),
+        ({"heave": {}, "pitch": {"significant_height": 0.5, "rao": 0.01}}, "is 0.5 and that of heave is 1"),
+        ({"heave": {}, "roll": {"gamma": 1.0, "rao": 0.01}}, "is 1 and that of heave is 3.3"),
+    ],
+)
+def test_motions_of_several_seas_are_refused(application, scene, motion, cause):
+    with pytest.raises(SceneError, match=cause):
+        operability(application, moved(scene, **motion), asked(limits=["max_tension < 60 kN"]))
+
+
+def test_a_sea_within_a_sum_is_refused_as_it_would_stay_what_it_is(application, scene):
+    sea = {"spectrum": {"significant_height": 1.0, "peak_period": PERIOD}}
+    swinging = scene.replace({"vessel.motion.sway": {"sum": [sea, {"harmonic": {"amplitude": 0.5, "period": 8}}]}})
+    with pytest.raises(SceneError, match="within something else"):
+        operability(application, swinging, asked(limits=["max_tension < 60 kN"]))
+
+
 @pytest.mark.parametrize("values", [(1.0, 2.0, 4.0, 5.0), (1.0, 2.5, 2.4, 5.0), (1.0, 1.0, 1.0, 5.0)])
 def test_the_allowable_height_grows_with_the_limit(values):
     heights = np.array([0.5, 1.0, 1.5, 2.0])

@@ -12,12 +12,14 @@ from crane.scene.scene import CraneScene
 from crane.scene.surroundings import Motion, SeaMotion
 from crane.sea.frames import MOTIONS
 from tautline.scene.errors import SceneError
-from tautline.scene.functions import Spectrum
+from tautline.scene.functions import Spectrum, Sum, Velocity
 from tautline.system.time_functions import jonswap
 
 GRAVITY = 9.81
 STEEP = ((8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0))
 """Peak period, s, and the largest wave steepness 2 pi Hs / (g Tp^2) there; DNV-RP-C205, section 3.5.4."""
+APART = 1_000_003
+"""How far the seeds of two motions with a draw of their own are apart: more than there are storms."""
 FEW_WAVES = 60.0
 """Number of equal waves below which the extremes of a sum of sines lie visibly below those of a Gaussian sea."""
 
@@ -42,18 +44,23 @@ def highest(period: float) -> float:
 
 
 class SeaKeys(NamedTuple):
-    """Keys of a scene by which its sea is changed."""
+    """Keys of a scene by which its sea is changed.
+
+    ``draws`` are the places of the spectra's seeds among those that the scene has: motions of one seed follow the same
+    waves in every storm, and those of several seeds never do.
+    """
 
     spectra: tuple[str, ...]
     direction: str | None
+    draws: tuple[int, ...] = (0,)
 
     def changes(self, condition: Condition, seed: int) -> dict[str, Any]:
         """Values of a storm."""
         made: dict[str, Any] = {}
-        for key in self.spectra:
+        for key, draw in zip(self.spectra, self.draws, strict=True):
             made[f"{key}.significant_height"] = condition.height
             made[f"{key}.peak_period"] = condition.period
-            made[f"{key}.seed"] = seed
+            made[f"{key}.seed"] = seed + APART * draw
         if condition.heading is not None and self.direction is not None:
             made[self.direction] = condition.heading
         return made
@@ -74,13 +81,15 @@ def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
     Raises
     ------
     SceneError
-        For a scene without a sea, and for headings where the responses of the vessel know none.
+        For a scene without a sea, for headings where the responses of the vessel know none, and for motions of several
+        seas, of which a sea state is one.
     """
     motion = scene.vessel.motion if scene.vessel is not None else None
     if isinstance(motion, SeaMotion):
         return SeaKeys(("vessel.motion.sea",), "vessel.motion.direction")
     spectra = []
     if isinstance(motion, Motion):
+        _check_stand_alone(scene, motion)
         spectra = [name for name in MOTIONS if isinstance(getattr(motion, name), Spectrum)]
     if not spectra:
         key: tuple[str, ...] = ("vessel", "motion") if scene.vessel is not None else ("vessel",)
@@ -91,7 +100,39 @@ def sea_keys(scene: CraneScene, headings: bool) -> SeaKeys:
             "leave --heading out, or give vessel.motion a sea and a file of responses with the column direction [deg]"
         )
         raise SceneError([scene.problem(("vessel", "motion"), "knows no headings of the sea", cure)])
-    return SeaKeys(tuple(f"vessel.motion.{name}.spectrum" for name in spectra), None)
+    assert isinstance(motion, Motion)
+    _check_one_sea(scene, motion, spectra)
+    seeds = [getattr(motion, name).seed for name in spectra]
+    draws = tuple(list(dict.fromkeys(seeds)).index(seed) for seed in seeds)
+    return SeaKeys(tuple(f"vessel.motion.{name}.spectrum" for name in spectra), None, draws)
+
+
+def _check_stand_alone(scene: CraneScene, motion: Motion) -> None:
+    """Refuse a sea within a sum or a velocity, which would stay what it is in every sea state."""
+    for name in MOTIONS:
+        if not isinstance(moved := getattr(motion, name), Spectrum) and _holds_sea(moved):
+            cause = "has a spectrum within something else, and operability changes seas that stand alone"
+            cure = f"write {name}: {{spectrum: ...}}, or give vessel.motion a sea and a file of responses"
+            raise SceneError([scene.problem(("vessel", "motion", name), cause, cure)])
+
+
+def _check_one_sea(scene: CraneScene, motion: Motion, spectra: Sequence[str]) -> None:
+    """Refuse motions whose seas are not one: a storm has one height, one period and one shape of spectrum."""
+    first = getattr(motion, spectra[0])
+    for name in spectra[1:]:
+        for key in ("significant_height", "peak_period", "gamma"):
+            one, other = getattr(first, key), getattr(getattr(motion, name), key)
+            if one != other:
+                cause = f"is {other:g} and that of {spectra[0]} is {one:g}: a sea state has one for all motions"
+                cure = "write the same; a wind sea on a swell is not looked at by operability, but by a sweep"
+                raise SceneError([scene.problem(("vessel", "motion", name, "spectrum", key), cause, cure)])
+
+
+def _holds_sea(function: Any) -> bool:
+    """Whether a function of time is a spectrum, or has one in it."""
+    if isinstance(function, Velocity):
+        return _holds_sea(function.velocity)
+    return isinstance(function, Spectrum) or (isinstance(function, Sum) and any(map(_holds_sea, function.terms)))
 
 
 def conditions_of(
@@ -113,6 +154,13 @@ def cases_of(conditions: Sequence[Condition], seeds: Sequence[int], keys: SeaKey
 def sea_notes(scene: CraneScene, keys: SeaKeys) -> list[str]:
     """What is sound of a sea and better done otherwise."""
     found = []
+    names = [key.split(".")[2] for key in keys.spectra]
+    if len(names) > len(set(keys.draws)):
+        alike = " and ".join(name for name, draw in zip(names, keys.draws, strict=True) if keys.draws.count(draw) > 1)
+        found.append(
+            f"vessel.motion: {alike} have one seed, and swing in phase in every storm; give them seeds of their own if "
+            f"they are not to"
+        )
     for key, one in keys.seas(scene).items():
         energy = jonswap(one)[0] ** 2
         number = float(energy.sum() ** 2 / (energy**2).sum()) if energy.any() else math.inf
