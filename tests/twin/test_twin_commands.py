@@ -111,6 +111,49 @@ def test_ended_and_resumed_from_its_state_it_answers_the_rows_that_are_left(rehe
     assert lines[-1]["estimates"]["payload.mass"]["value"] == pytest.approx(5000.0, rel=0.01)
 
 
+def test_an_operation_that_is_gone_on_with_keeps_what_its_result_has(rehearsal, here, tmp_path):
+    rows = (rehearsal / "r.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "part.csv").write_text("".join(rows[:25]))
+    arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--resume", tmp_path / "twin.state"]
+    for source in (tmp_path / "part.csv", rehearsal / "r.csv", rehearsal / "r.csv"):
+        assert here(*arguments, "-o", tmp_path / "tw.nc", "--source", source)[0] == 0
+    with xarray.open_dataset(tmp_path / "tw.nc", engine="h5netcdf") as data:
+        assert data["time"].values == pytest.approx(np.linspace(0.0, 4.0, 41), abs=1e-6)
+        assert np.isfinite(data["estimate payload.mass"]).all()
+
+
+def test_an_operation_does_not_replace_the_result_of_another_one(rehearsal, here, tmp_path):
+    (tmp_path / "less.yaml").write_text(MAP.replace("keep: [payload.position]\n", ""))
+    arguments = ["twin", SCENE, "--source", rehearsal / "r.csv"]
+    assert here(*arguments, "--map", tmp_path / "less.yaml", "-o", tmp_path / "tw.nc")[0] == 0
+    before = (tmp_path / "tw.nc").read_bytes()
+    state = tmp_path / "twin.state"
+    assert here(*arguments, "--map", rehearsal / "map.yaml", "--state", state)[0] == 0
+    code, _, told = here(*arguments, "--map", rehearsal / "map.yaml", "--resume", state, "-o", tmp_path / "tw.nc")
+    assert code == 2 and "would replace it" in told
+    assert (tmp_path / "tw.nc").read_bytes() == before
+
+
+def test_an_interruption_within_a_step_ends_a_twin_as_one_between_rows(rehearsal, here, tmp_path, monkeypatch):
+    from tautline.integrators.status import Interrupted
+    from tautline.twin.twin import Twin
+
+    add, count = Twin.add, iter(range(100))
+
+    def interrupted(self, *row):
+        if next(count) == 20:
+            raise Interrupted(2.0)
+        return add(self, *row)
+
+    monkeypatch.setattr(Twin, "add", interrupted)
+    arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--source", rehearsal / "r.csv"]
+    code, _, told = here(*arguments, "--state", tmp_path / "twin.state", "-o", tmp_path / "tw.nc")
+    assert code == 130 and "fault" not in told
+    assert (tmp_path / "twin.state").exists()
+    with xarray.open_dataset(tmp_path / "tw.nc", engine="h5netcdf") as data:
+        assert data.attrs["status"] == "interrupted" and data.sizes["time"] > 10
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [

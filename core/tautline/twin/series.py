@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tautline.results.errors import ResultError
+from tautline.results.result import Result
 from tautline.results.store import Store
 from tautline.results.variable import Variable
 from tautline.version import __version__
@@ -29,9 +31,16 @@ class Series:
         The result, NetCDF.
     twin : Twin
         Whose names and units it has.
+    begin : float, optional
+        Time, s, from which an operation is gone on with: what the result has up to then stays at its beginning.
+
+    Raises
+    ------
+    ResultError
+        For a path that cannot be written to, and for one that holds something else than the operation so far.
     """
 
-    def __init__(self, path: Path, twin: Twin) -> None:
+    def __init__(self, path: Path, twin: Twin, begin: float | None = None) -> None:
         plan = twin.plan
         self._columns: dict[str, Any] = {}
         variables: list[Variable] = []
@@ -67,8 +76,21 @@ class Series:
         add("lag", "s", "time of a line behind the newest sample", lambda line: line["lag"])
         document = getattr(twin.scene, "document", None)
         attributes = {"scene": document.text if document else "", "version": __version__, "application": "twin"}
+        earlier = None if begin is None or not path.exists() else self._earlier(path, begin)
         self._store = Store(path, variables, coordinates, attributes)
         self._lines: list[Mapping[str, Any]] = []
+        if earlier is not None:
+            self._store.append(earlier)
+
+    def _earlier(self, path: Path, begin: float) -> dict[str, np.ndarray]:
+        """Frames of the operation so far, up to a time."""
+        result = Result.read(path)
+        names = set(result.variables)
+        if result.attributes.get("application") != "twin" or not {"time", *self._columns} <= names:
+            cause = "does not hold what this twin tells, and the operation that is gone on with would replace it"
+            raise ResultError(path, cause, "name another file with -o, or the one of that operation")
+        known = np.asarray(result["time"]) <= begin
+        return {name: np.asarray(result[name])[known] for name in ("time", *self._columns)}
 
     def add(self, line: Mapping[str, Any]) -> None:
         """Take a line."""

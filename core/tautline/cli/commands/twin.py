@@ -43,7 +43,7 @@ def twin(
     SceneError, ResultError
         For bad input; nothing is written then.
     """
-    from tautline.integrators.status import StoppedEarly
+    from tautline.integrators.status import Interrupted, StoppedEarly
     from tautline.twin.map import read_map
     from tautline.twin.series import Series
     from tautline.twin.sources.opening import open_source
@@ -63,11 +63,13 @@ def twin(
         if made.plan_names.unwatched:
             say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
         page = _page(serve, path, made)
-        series = Series(output, made) if output is not None else None
+        series = Series(output, made, begin) if output is not None else None
         _Loop(made, opened, series, page, state, as_json, quiet).run()
     except StoppedEarly as stop:
         say(f"{path}: stopped at {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
         raise Ended(ExitCode.STOPPED_EARLY) from None
+    except Interrupted:
+        raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
     finally:
         opened.close()
 
@@ -103,6 +105,8 @@ class _Loop:
 
     def run(self) -> None:
         """Until the source has ended, or Ctrl-C."""
+        from tautline.integrators.status import Interrupted
+
         status = "done"
         heard = clock.monotonic()
         try:
@@ -119,7 +123,7 @@ class _Loop:
                     continue  # a file that is read again from its begin
                 self._give(self.twin.add(record.time, record.values, record.arrived))
             self._give(self.twin.finish())
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
         self._end(status)
 
@@ -157,6 +161,8 @@ class _Loop:
         """Keep what goes over operations, and then the state: what it has counted is not counted again."""
         from tautline.twin.storage import save
 
+        if self.series is not None:
+            self.series.flush()  # what the state is later than is in the result then
         if self.lines and self.twin.operation is not None:
             self.twin.operation.save()
         if self.lines and self.state is not None:
