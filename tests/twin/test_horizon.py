@@ -70,6 +70,39 @@ def test_a_value_that_changes_for_good_is_followed_after_a_contradiction():
     assert horizon.mean[0] == pytest.approx(4.0, abs=0.05)
 
 
+def swinging(noise):
+    """Samples of a slope of either sign, as friction has it: a change leaves nothing in the mean of the residuals."""
+    n = len(noise)
+    J = 100.0 * np.sign(np.sin(0.8 * np.arange(n))).reshape(-1, 1)
+    return 4.0 * np.arange(n), J
+
+
+def test_of_a_long_window_the_last_samples_are_enough_to_tell_that_a_value_has_changed():
+    noise = np.random.default_rng(8).standard_normal(46)
+    t, J = swinging(noise)
+    y = J[:, 0] * np.where(np.arange(46) < 35, 0.2, 0.35) + noise
+    window = {late: Horizon([unknown("a", 0.4, 0.15)], [channel(1.0)], 300.0, late=late) for late in (0, 8)}
+    for horizon in window.values():
+        fed(horizon, t, y, J)
+    assert window[8].mean[0] == pytest.approx(0.35, abs=0.02)
+    assert abs(window[8].mean[0] - 0.35) < 3.0 * window[8].linear_deviation[0]
+    assert t[33] <= window[8].since <= t[38]
+    # Held against the prior alone it would not be told for three minutes.
+    assert abs(window[0].mean[0] - 0.35) > 0.05 and window[0].since == -np.inf
+
+
+def test_what_stays_as_it_is_is_not_forgotten():
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        noise = np.zeros(60)
+        for k in range(60):  # noise with a memory, and some wild samples
+            noise[k] = 0.5 * noise[k - 1] + rng.standard_normal()
+        noise[rng.integers(0, 60, 3)] *= 10.0
+        t, J = swinging(noise)
+        horizon = fed(Horizon([unknown("a", 0.4, 0.15)], [channel(1.0)], 300.0, late=8), t, 0.2 * J[:, 0] + noise, J)
+        assert horizon.since == -np.inf
+
+
 def test_a_random_walk_is_followed():
     rng = np.random.default_rng(4)
     t = 0.1 * np.arange(300)

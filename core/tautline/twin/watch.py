@@ -22,6 +22,8 @@ TOLD = {
 """Names of alarms where the simulation cannot go on."""
 STOPPED = "simulation stopped"
 """Name of the alarm that the simulation was begun again."""
+CHANGED, SHOWN = "changed", 30.0
+"""Name of the alarm that the machine is no longer what it was, and for how long it is shown, s."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,8 @@ class Compared:
         Whether the estimate is known.
     ahead : Found or None
         What will come, if that was found lately.
+    changed : float
+        How long ago the last readings contradicted all others, s; infinite where they have not.
     """
 
     time: float
@@ -53,6 +57,7 @@ class Compared:
     correlation: np.ndarray
     converged: bool
     ahead: Found | None
+    changed: float = np.inf
 
 
 class Watch:
@@ -82,6 +87,8 @@ class Watch:
         self.judge_sensors(row.time, row.correlation, row.converged)
         self._judge_ahead(row)
         self.judge_operation(row.time)
+        text = "the last readings contradict those before: friction, weight or path is another now, and estimated anew"
+        self.alarms.judge(CHANGED, row.changed < SHOWN, row.time, text)
         self.alarms.judge(STOPPED, False, row.time, "")
 
     def stopped(self, time: float, text: str) -> None:

@@ -43,6 +43,8 @@ WILD = 4.0
 """Size of derivatives over their usual one from which on a neighbour is begun anew."""
 SLOPES = 200
 """Rows of which the usual size is the median."""
+LATE = 8
+"""Means of rows that are held against all others of a window."""
 FEWEST = 5
 """Rows that are worth going through anew."""
 APART = 0.1
@@ -118,7 +120,8 @@ class Estimate:
         self._slopes: list[deque[np.ndarray]] = []
         self.build(plan, machine)
         free = [_as_unknown(one) for one in self.blows]
-        self.horizon = Horizon([*plan.unknowns, *free], plan.measured, plan.window, len(free))
+        late = LATE if self._mean else 0
+        self.horizon = Horizon([*plan.unknowns, *free], plan.measured, plan.window, len(free), late)
         self.horizon.theta0[self._offsets] = 0.0
 
     # -- the simulations -----------------------------------------------------------------------------------------------
@@ -365,7 +368,7 @@ class Estimate:
         theta0 = h.theta0.copy()
         theta0[p] = spare.at
         # Before the last blow the free motions cannot have any phase.
-        begin = max(first.time + late + 1e-6, reached - h.window - 1e-9)
+        begin = max(first.time + late + 1e-6, reached - h.window - 1e-9, h.since)
         samples = self._unmixed([one for one in samples if one.time >= begin])
         before = [one for one in h.samples if one.time >= begin]
         if not samples or not self._better(samples, theta0, before):

@@ -28,6 +28,11 @@ LARGEST_RESIDUAL = 4.0
 CONTRADICTION = 30.0
 """Squared distance of the window's own estimate from the prior, in standard deviations, beyond which the prior is
 released."""
+ANOTHER = 200.0
+"""By how much the squares of the last samples, in standard deviations, have to fall with an estimate of their own for
+what was before to be forgotten: how much noise is alike from sample to sample is hardly known of so few."""
+EXPLAINED = 0.2
+"""Share of them that may be left then."""
 LASTING = 0.6
 """Share of the window over which that has to last."""
 TINY = 1e-4
@@ -84,6 +89,9 @@ class Horizon:
         s.
     free : int
         How many of the unknowns are free motions, known anew in every window.
+    late : int
+        How many of the last samples are held against all others, where the window is long; 0 for none. What they
+        contradict is forgotten: the thing itself has changed, and nobody waits for half of five minutes to be told.
 
     Attributes
     ----------
@@ -95,9 +103,14 @@ class Horizon:
         Scatter of the derivatives about their steady part.
     released : float
         Time at which the prior was released for the last time; minus infinity.
+    since : float
+        Time from which samples count: what was before it was forgotten; minus infinity.
     """
 
-    def __init__(self, unknowns: Sequence[Unknown], channels: Sequence[Channel], window: float, free: int = 0) -> None:
+    def __init__(
+        self, unknowns: Sequence[Unknown], channels: Sequence[Channel], window: float, free: int = 0, late: int = 0
+    ) -> None:
+        self.late, self.since = late, -np.inf
         self.unknowns, self.channels, self.window = list(unknowns), list(channels), window
         k, m = len(self.unknowns), len(self.channels)
         self.free = np.arange(k) >= k - free
@@ -132,6 +145,7 @@ class Horizon:
             self.prior_time = sample.time
         while self.samples[0].time < sample.time - self.window - 1e-9:
             self._leave(self.samples.popleft())
+        self._forget_what_changed()
         self.solve()
 
     def replaced(self, samples: Sequence[Sample], theta0: np.ndarray) -> None:
@@ -298,6 +312,36 @@ class Horizon:
             narrow = np.all(np.diag(wider)[last] < np.diag(most)[last])
             self.prior = np.linalg.inv(wider) if narrow else np.linalg.inv(most)
             self.released, self._contradicted = time, np.nan
+
+    def _forget_what_changed(self) -> None:
+        """Forget what was before some last samples, where another estimate explains these and the old one does not."""
+        tell = [one for one in self.samples if one.use.any()]
+        if not self.late or len(tell) < 2 * self.late:
+            return
+        info, pull = self._information(tell[: -self.late])
+        old = np.linalg.solve(self.prior + info, self.prior @ self.prior_mean + pull)
+        gains = [self._gain(tell[-n:], old) for n in range(self.late // 2, self.late + 1)]
+        most = int(np.argmax(gains))
+        if gains[most] < ANOTHER:
+            return
+        self.since = tell[-self.late // 2 - most].time
+        self.drop_before(self.since)
+        self.prior = np.diag(1.0 / self.first_sd**2)
+        self.released, self._contradicted = self.samples[-1].time, np.nan
+
+    def _gain(self, samples: Sequence[Sample], old: np.ndarray) -> float:
+        """By how much the squares of samples fall with an estimate of their own; 0 where they do not fall by most.
+
+        In standard deviations of the sensors. One wild sample among some is not explained by any estimate.
+        """
+        y, y0, J, use = self._stacked(samples)
+        sd = self._noise(samples, y0) * np.sqrt(UNSURE * np.maximum(1.0, self._alike))
+        weight = np.where(use, 1.0 / sd**2, 0.0)
+        r = np.where(use, y - y0, 0.0) - J @ (old - self.theta0)
+        info = np.einsum("nmi,nm,nmj->ij", J, weight, J) + np.diag(TINY / self.first_sd**2)
+        own = r - J @ np.linalg.solve(info, np.einsum("nmi,nm,nm->i", J, weight, r))
+        before, after = float(np.sum(weight * r**2)), float(np.sum(weight * own**2))
+        return before - after if after <= EXPLAINED * before else 0.0
 
     def _learn(self, samples: Sequence[Sample], best: np.ndarray) -> None:
         """Learn how residuals spread, and how many samples count as one."""
