@@ -84,6 +84,20 @@ def test_addresses_without_host_or_topic_are_refused():
         open_source("http://host", ["a"])
 
 
+@pytest.mark.parametrize(
+    "address",
+    ["mqtt://localhost:abc/x", "mqtt://localhost:99999/x", "mqtts://localhost:0/x", "opc.tcp://localhost:x/y"],
+)
+def test_a_port_that_cannot_be_is_refused_with_the_ports_that_can(address):
+    with pytest.raises(SceneError, match="a whole number from 1 to 65535; write it as in"):
+        open_source(address, ["a"])
+
+
+def test_an_opc_ua_address_without_a_host_is_refused():
+    with pytest.raises(SceneError, match="has no host; write it as in"):
+        open_source("opc.tcp:///crane", ["a"])
+
+
 def free_port():
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))

@@ -8,9 +8,10 @@ import queue
 import time as clock
 from collections.abc import Sequence
 from typing import Any
-from urllib.parse import unquote, urlsplit
+from urllib.parse import unquote
 
 from tautline.scene.errors import option_error
+from tautline.twin.sources.address import split_address
 from tautline.twin.sources.record import Record
 from tautline.twin.sources.stamps import number_of, stamp_column, stamp_of
 
@@ -41,11 +42,11 @@ class Mqtt:
     Raises
     ------
     SceneError
-        For an address without host or topic, and where paho-mqtt is not installed.
+        For an address without host or topic or with a bad port, and where paho-mqtt is not installed.
     """
 
     def __init__(self, address: str, columns: Sequence[str], time: str = "") -> None:
-        parts = urlsplit(address.replace("#", "%23"))
+        parts = split_address(address.replace("#", "%23"), address, "mqtt://localhost:1883/crane/#")
         topic = unquote(parts.path.lstrip("/"))
         if not parts.hostname or not topic:
             cure = "write mqtt://host:1883/topic, such as mqtt://localhost/crane/#"

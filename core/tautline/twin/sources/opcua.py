@@ -12,10 +12,12 @@ from datetime import UTC
 from typing import Any
 
 from tautline.scene.errors import option_error
+from tautline.twin.sources.address import split_address
 from tautline.twin.sources.record import Record
 from tautline.twin.sources.stamps import number_of
 
 MOST = 100_000
+PORT = 4840
 PERIOD = 50.0
 """How often the server is asked to send changes, ms."""
 TOGETHER = 0.002
@@ -36,23 +38,28 @@ class OpcUa:
     Parameters
     ----------
     address : str
-        ``opc.tcp://host:port/path``.
+        ``opc.tcp://host[:port]/path``.
     columns : sequence of str
         Browse names below Objects, or node ids such as ``ns=2;s=Winch.Position``.
 
     Raises
     ------
     SceneError
-        Where asyncua is not installed.
+        For an address without host or with a bad port, and where asyncua is not installed.
     """
 
     def __init__(self, address: str, columns: Sequence[str]) -> None:
+        example = "opc.tcp://localhost:4840/crane"
+        parts = split_address(address, address, example)
+        if not parts.hostname:
+            raise option_error("--source", address, "has no host", f"write it as in {example}")
         try:
             import asyncua  # noqa: F401
         except ImportError:
             raise option_error("--source", address, "needs asyncua", "pip install tautline[live]") from None
         self.name, self.live, self.ended, self.refused = address, True, False, 0
         self.missing: list[str] = []
+        self._address = address if parts.port else parts._replace(netloc=f"{parts.netloc}:{PORT}").geturl()
         self._columns = list(columns)
         self._queue: queue.Queue[tuple[float, str, float, float]] = queue.Queue(MOST)
         self._next: tuple[float, str, float, float] | None = None
@@ -78,7 +85,7 @@ class OpcUa:
         """Follow the variables until the connection is lost; whether there was one."""
         from asyncua import Client
 
-        async with Client(self.name, timeout=4.0) as client:
+        async with Client(self._address, timeout=4.0) as client:
             nodes = await self._find(client)
             handler = _Handler(self._queue, {str(node.nodeid): name for name, node in nodes.items()})
             subscription = await client.create_subscription(PERIOD, handler)

@@ -19,7 +19,7 @@ def open_source(address: str, columns: Sequence[str], *, time: str = "", speed: 
     ----------
     address : str
         A CSV file; ``-`` for standard input; ``mqtt://[user:password@]host[:port]/topic``;
-        ``opc.tcp://host:port/path``.
+        ``opc.tcp://host[:port]/path``.
     columns : sequence of str
         Those that are wanted.
     time : str
