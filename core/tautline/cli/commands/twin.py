@@ -111,6 +111,7 @@ class _Loop:
         heard = clock.monotonic()
         try:
             while not self.source.ended:
+                self._pass_on()
                 busy = self.twin.work(PIECE) if self.source.live else self.twin.work()
                 record = self.source.poll(0.0 if busy else POLL)
                 if record is None:
@@ -126,6 +127,11 @@ class _Loop:
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
         self._end(status)
+
+    def _pass_on(self) -> None:
+        """Print what the source has to say, such as that nobody answers."""
+        while self.source.notes:
+            say(self.source.notes.pop(0), "yellow")
 
     def _give(self, lines: Sequence[dict[str, Any]]) -> None:
         for line in lines:
@@ -170,6 +176,7 @@ class _Loop:
         self.saved = clock.monotonic()
 
     def _end(self, status: str) -> None:
+        self._pass_on()
         self._save()
         if self.series is not None:
             self.series.finish(status)
@@ -197,6 +204,8 @@ class _Loop:
         rows += [(f"rows {kind}", str(count)) for kind, count in counts if count]
         if self.source.refused:
             rows.append(("lines that could not be read", str(self.source.refused)))
+        if self.source.dropped:
+            rows.append(("records dropped, as they came too fast", str(self.source.dropped)))
         rows.append(("rows answered", str(self.lines)))
         if not self.quiet:
             console().print(two_columns(rows))

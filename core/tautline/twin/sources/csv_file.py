@@ -39,6 +39,7 @@ class CsvFile:
         now: Callable[[], float] = clock.monotonic, sleep: Callable[[float], None] = clock.sleep,
     ) -> None:  # fmt: skip
         self.name, self.live, self.ended, self.refused = str(path), speed == 1.0, False, 0
+        self.dropped, self.notes = 0, list[str]()
         self._speed, self._now, self._sleep = speed, now, sleep
         try:
             self._file = path.open(encoding="utf-8-sig", errors="replace", newline="")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import queue
+import sys
 import time as clock
 from collections.abc import Sequence
 from typing import Any
@@ -12,6 +13,7 @@ from urllib.parse import unquote
 
 from tautline.scene.errors import option_error
 from tautline.twin.sources.address import split_address
+from tautline.twin.sources.connection import Connection, cause_of
 from tautline.twin.sources.record import Record
 from tautline.twin.sources.stamps import number_of, stamp_column, stamp_of
 
@@ -23,6 +25,8 @@ QUALITY = 1
 DELAYS = (1, 30)
 """Shortest and longest time between attempts to connect again, s."""
 KEEPALIVE = 15
+UNSPECIFIED = "Unspecified error"
+"""What paho calls a connection that ended without a word."""
 
 
 class Mqtt:
@@ -56,6 +60,8 @@ class Mqtt:
         except ImportError:
             raise option_error("--source", address, "needs paho-mqtt", "pip install tautline[live]") from None
         self.name, self.live, self.ended, self.refused, self.dropped = address, True, False, 0, 0
+        self.notes: list[str] = []
+        self._connection = Connection(address, self.notes)
         self._columns, self._time, self._topic = list(columns), time, topic
         self._queue: queue.Queue[Record] = queue.Queue(MOST)
         self._client = paho.Client(paho.CallbackAPIVersion.VERSION2)
@@ -64,14 +70,28 @@ class Mqtt:
         if parts.scheme == "mqtts":
             self._client.tls_set()
         self._client.on_connect = self._subscribe
+        self._client.on_connect_fail = self._not_reached
+        self._client.on_disconnect = self._lost
         self._client.on_message = self._take
         self._client.reconnect_delay_set(*DELAYS)
         self._client.connect_async(parts.hostname, parts.port or PORTS[parts.scheme], KEEPALIVE)
         self._client.loop_start()
 
-    def _subscribe(self, client: Any, *_: Any) -> None:
+    def _subscribe(self, client: Any, data: Any, flags: Any, reason: Any, *_: Any) -> None:
         """At every connection: a broker that was started again knows nothing of us."""
+        if reason.is_failure:
+            self._connection.failed(f"the broker refuses: {str(reason).lower()}", answered=True)
+            return
+        self._connection.made()
         client.subscribe(self._topic, QUALITY)
+
+    def _not_reached(self, *_: Any) -> None:
+        # paho calls this while it handles the error, and does not hand it on.
+        self._connection.failed(cause_of(sys.exc_info()[1]))
+
+    def _lost(self, client: Any, data: Any, flags: Any, reason: Any, *_: Any) -> None:
+        if not self.ended:
+            self._connection.lost("" if str(reason) == UNSPECIFIED else str(reason).lower())
 
     def _take(self, client: Any, data: Any, message: Any) -> None:
         record = self._read(message.topic, message.payload)
@@ -112,6 +132,7 @@ class Mqtt:
 
     def poll(self, timeout: float) -> Record | None:
         """The next record; None where none came within so many seconds."""
+        self._connection.watch()
         try:
             return self._queue.get(timeout=timeout) if timeout > 0.0 else self._queue.get_nowait()
         except queue.Empty:

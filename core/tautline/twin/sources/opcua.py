@@ -13,6 +13,7 @@ from typing import Any
 
 from tautline.scene.errors import option_error
 from tautline.twin.sources.address import split_address
+from tautline.twin.sources.connection import Connection, cause_of
 from tautline.twin.sources.record import Record
 from tautline.twin.sources.stamps import number_of
 
@@ -58,7 +59,9 @@ class OpcUa:
         except ImportError:
             raise option_error("--source", address, "needs asyncua", "pip install tautline[live]") from None
         self.name, self.live, self.ended, self.refused = address, True, False, 0
+        self.dropped, self.notes = 0, list[str]()
         self.missing: list[str] = []
+        self._connection = Connection(address, self.notes)
         self._address = address if parts.port else parts._replace(netloc=f"{parts.netloc}:{PORT}").geturl()
         self._columns = list(columns)
         self._queue: queue.Queue[tuple[float, str, float, float]] = queue.Queue(MOST)
@@ -73,33 +76,49 @@ class OpcUa:
     async def _connect_again_and_again(self) -> None:
         delay = DELAYS[0]
         while not self._closing.is_set():
+            self._followed = False
             try:
-                if await self._follow():
-                    delay = DELAYS[0]
-            except Exception:  # whatever the network does, the next attempt is the answer
-                pass
+                await self._follow()
+            except Exception as error:  # whatever the network does, the next attempt is the answer
+                if self._followed:
+                    self._connection.lost("" if isinstance(error, OSError) else cause_of(error))
+                else:
+                    self._connection.failed(cause_of(error), answered=not isinstance(error, OSError))
+            if self._followed:
+                delay = DELAYS[0]
             await asyncio.sleep(0.0 if self._closing.is_set() else delay)
             delay = min(2.0 * delay, DELAYS[1])
 
-    async def _follow(self) -> bool:
-        """Follow the variables until the connection is lost; whether there was one."""
+    async def _follow(self) -> None:
+        """Follow the variables until the connection is lost."""
         from asyncua import Client
 
         async with Client(self._address, timeout=4.0) as client:
             nodes = await self._find(client)
-            handler = _Handler(self._queue, {str(node.nodeid): name for name, node in nodes.items()})
+            handler = _Handler(self, {str(node.nodeid): name for name, node in nodes.items()})
             subscription = await client.create_subscription(PERIOD, handler)
-            if nodes:
-                await subscription.subscribe_data_change(list(nodes.values()))
+            followed = await subscription.subscribe_data_change(list(nodes.values())) if nodes else []
+            refused = {name for name, one in zip(nodes, followed, strict=True) if not isinstance(one, int)}
+            self._connection.made()
+            self._followed = True
+            self._tell_missing(set(self._columns) - set(nodes) | refused)
             while not self._closing.is_set():
                 await asyncio.sleep(min(WATCHED, 0.1 if self._closing.is_set() else WATCHED))
                 await client.check_connection()
-        return True
+
+    def _tell_missing(self, names: set[str]) -> None:
+        """Say which variables there are none of; again only where it is others."""
+        missing = sorted(names)
+        if missing and missing != self.missing:
+            cure = "compare them with the `column` of the sensors in the map"
+            self.notes.append(f"the server has no variable {', '.join(missing)}: there is no reading of it; {cure}")
+        self.missing = missing
 
     async def _find(self, client: Any) -> dict[str, Any]:
         """Nodes by column: by their id, or by their browse name."""
-        found = {name: client.get_node(name) for name in self._columns if name.startswith(("ns=", "i=", "s="))}
-        wanted = set(self._columns) - set(found)
+        ids = [name for name in self._columns if name.startswith(("ns=", "i=", "s="))]
+        found = {name: node for name in ids if (node := _node(client, name)) is not None}
+        wanted = set(self._columns) - set(ids)
         level, seen = [client.nodes.objects], 0
         for _ in range(DEEPEST):
             below = []
@@ -113,11 +132,11 @@ class OpcUa:
             level = below
             if not wanted - set(found) or seen > LARGEST:
                 break
-        self.missing = sorted(set(self._columns) - set(found))
         return found
 
     def poll(self, timeout: float) -> Record | None:
         """The next record: the changes of one stamp."""
+        self._connection.watch()
         first = self._take(timeout)
         if first is None:
             return None
@@ -129,6 +148,13 @@ class OpcUa:
                 break
             values[more[1]] = more[2]
         return Record(first[0], values, first[3])
+
+    def take_change(self, time: float, column: str, value: float) -> None:
+        """Put a change into the queue; one that finds no room is counted."""
+        try:
+            self._queue.put_nowait((time, column, value, clock.monotonic()))
+        except queue.Full:
+            self.dropped += 1
 
     def _take(self, timeout: float) -> tuple[float, str, float, float] | None:
         if self._next is not None:
@@ -146,17 +172,24 @@ class OpcUa:
         self._thread.join(timeout=5.0)
 
 
+def _node(client: Any, text: str) -> Any:
+    """The node of an id; None where the text is no id."""
+    from asyncua.ua import UaError
+
+    try:
+        return client.get_node(text)
+    except (UaError, ValueError):
+        return None
+
+
 class _Handler:
     """What the client calls with every change."""
 
-    def __init__(self, changes: queue.Queue[tuple[float, str, float, float]], names: dict[str, str]) -> None:
-        self._changes, self._names = changes, names
+    def __init__(self, source: OpcUa, names: dict[str, str]) -> None:
+        self._source, self._names = source, names
 
     def datachange_notification(self, node: Any, value: Any, data: Any) -> None:
         """Take a change; its stamp is that of the source."""
         stamp = data.monitored_item.Value.SourceTimestamp
         time = clock.time() if stamp is None else stamp.replace(tzinfo=stamp.tzinfo or UTC).timestamp()
-        try:
-            self._changes.put_nowait((time, self._names[str(node.nodeid)], number_of(value), clock.monotonic()))
-        except queue.Full:
-            pass
+        self._source.take_change(time, self._names[str(node.nodeid)], number_of(value))

@@ -39,12 +39,18 @@ class Source(Protocol):
         Whether no more will come.
     refused : int
         Lines or messages that could not be read.
+    dropped : int
+        Records that were let go because they came faster than they were taken.
+    notes : list of str
+        Sentences for the user that were not yet printed; who prints them takes them out.
     """
 
     name: str
     live: bool
     ended: bool
     refused: int
+    dropped: int
+    notes: list[str]
 
     def poll(self, timeout: float) -> Record | None:
         """The next record; None where none came within so many seconds."""

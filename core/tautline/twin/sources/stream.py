@@ -31,6 +31,7 @@ class Stream:
 
     def __init__(self, file: IO[str], columns: Sequence[str], time: str = "", name: str = "standard input") -> None:
         self.name, self.live, self.ended, self.refused, self.last = name, True, False, 0, ""
+        self.dropped, self.notes = 0, list[str]()
         self._file, self._columns, self._time = file, list(columns), time
         self._queue: queue.Queue[Record | SceneError | None] = queue.Queue(MOST)
         self._header: Header | None = None

@@ -1,0 +1,90 @@
+"""What the user is told of the connection to a broker or a server."""
+
+from __future__ import annotations
+
+import errno
+import socket
+import ssl
+import time as clock
+from collections.abc import Callable
+from urllib.parse import urlsplit
+
+from tautline.scene.errors import shorten
+
+PATIENCE = 5.0
+"""After how long without any answer this is told, s."""
+REFUSED = "the connection is refused"
+
+
+class Connection:
+    """Tells once that an address is waited for, once that it answers, and once that the connection was lost.
+
+    Attempts go on all the while. A cause is told again only after the address has answered.
+
+    Parameters
+    ----------
+    address : str
+        Of the broker or the server.
+    notes : list of str
+        Where the sentences go.
+    now : callable
+        The clock, s.
+    """
+
+    def __init__(self, address: str, notes: list[str], now: Callable[[], float] = clock.monotonic) -> None:
+        self._name, self._notes, self._now = without_password(address), notes, now
+        self._begun = now()
+        self._told: set[str] = set()
+        self._there = self._was_there = False
+
+    def failed(self, cause: str, answered: bool = False) -> None:
+        """Take notice of an attempt that failed; `answered` where the other side itself said no."""
+        # After a loss nothing else is to be expected than that nobody answers, and the loss was told.
+        if cause in self._told or (self._was_there and not answered):
+            return
+        self._told.add(cause)
+        self._notes.append(f"no data from {self._name} yet: {cause}; tautline tries again until it is connected")
+
+    def made(self) -> None:
+        """Take notice that the other side has answered."""
+        if not self._there:
+            self._notes.append(f"connected to {self._name}")
+        self._there = self._was_there = True
+        self._told.clear()
+
+    def lost(self, cause: str = "") -> None:
+        """Take notice that the connection is no more; nothing is told where there was none."""
+        if self._there:
+            because = f": {cause}" if cause else ""
+            self._notes.append(
+                f"the connection to {self._name} was lost{because}; tautline tries again until it is back"
+            )
+        self._there = False
+
+    def watch(self) -> None:
+        """Tell where there was no answer for long, not even that the connection is refused."""
+        if not (self._was_there or self._told) and self._now() - self._begun > PATIENCE:
+            self.failed(f"no answer for {PATIENCE:g} s")
+
+
+def without_password(address: str) -> str:
+    """An address as it may be printed."""
+    parts = urlsplit(address)
+    user, at, host = parts.netloc.rpartition("@")
+    hidden = f"{user.partition(':')[0]}@{host}" if at else host
+    return address.replace(parts.netloc, hidden, 1)
+
+
+def cause_of(error: BaseException | None) -> str:
+    """Why a connection could not be made, in plain words."""
+    if isinstance(error, ConnectionRefusedError) or f"[Errno {errno.ECONNREFUSED}]" in str(error):
+        return REFUSED
+    if isinstance(error, socket.gaierror):
+        return "the name of the host is not known"
+    if isinstance(error, ssl.SSLCertVerificationError):
+        return f"the certificate of the host is not trusted ({error.verify_message})"
+    if isinstance(error, TimeoutError):
+        return "no answer in time"
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return shorten(str(error)) or type(error).__name__

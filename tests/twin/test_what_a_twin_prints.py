@@ -1,0 +1,63 @@
+"""What the command ``twin`` prints for people: notes of its source, counts, times."""
+
+import pytest
+from cli.in_process import commands_of
+
+from crane.application import Crane
+from tautline.twin.sources.record import Record
+
+MAP = """
+sensors:
+  - {column: winch_pos, unit: m, input: winch.pay_out}
+  - {column: rope_tension, unit: kN, output: winch.tension, sd: 0.5 kN}
+watch:
+  - {output: winch.tension, above: 30 kN, name: overload}
+window: 1 s
+ahead: 0 s
+"""
+
+
+class Given:
+    """A source of rows that the test gives."""
+
+    def __init__(self, rows, dropped=0, notes=()):
+        self.name, self.live, self.ended, self.refused = "given", False, False, 0
+        self.dropped, self.notes, self._rows = dropped, list(notes), list(rows)
+
+    def poll(self, timeout):
+        if self._rows:
+            time, values = self._rows.pop(0)
+            return Record(time, values, 0.0)
+        self.ended = True
+        return None
+
+    def close(self):
+        pass
+
+
+@pytest.fixture
+def twin(capsys, tmp_path, monkeypatch):
+    """The command with a source of the test, or with a text as its file: exit code, standard output, standard error."""
+    (tmp_path / "map.yaml").write_text(MAP)
+    command = commands_of(Crane(), capsys)
+
+    def run(source, *options):
+        where = tmp_path / "r.csv"
+        if isinstance(source, str):
+            where.write_text(source)
+        else:
+            monkeypatch.setattr("tautline.twin.sources.opening.open_source", lambda *_, **__: source)
+        return command("twin", "data/hoist.yaml", "--map", tmp_path / "map.yaml", "--source", where, *options)
+
+    return run
+
+
+def rows(begin=0.0, count=6):
+    return [(begin + 0.1 * k, {"winch_pos": 0.0, "rope_tension": 49.0}) for k in range(count)]
+
+
+def test_notes_of_the_source_are_printed_and_records_that_it_dropped_are_counted(twin):
+    code, out, told = twin(Given(rows(), 5, ["nobody answers"]), "--json")
+    assert code == 0 and len(out.splitlines()) == 6
+    assert "nobody answers" in told
+    assert "records dropped, as they came too fast  5" in " ".join(told.split("\n")).replace("   ", " ")
