@@ -1,5 +1,8 @@
 """What the command ``twin`` prints for people: notes of its source, counts, times."""
 
+import subprocess
+import sys
+
 import pytest
 from cli.in_process import commands_of
 
@@ -61,3 +64,25 @@ def test_notes_of_the_source_are_printed_and_records_that_it_dropped_are_counted
     assert code == 0 and len(out.splitlines()) == 6
     assert "nobody answers" in told
     assert "records dropped, as they came too fast  5" in " ".join(told.split("\n")).replace("   ", " ")
+
+
+LOGGED = """
+import logging, sys
+from tautline.cli.commands.twin import hush
+from tautline.twin.sources.opening import open_source
+open_source("opc.tcp://127.0.0.1:1/x", ["a"]).close()
+other = logging.getLogger("asyncua.client.ua_session")
+other.warning("before")
+hush()
+other.warning("meanwhile")
+logging.getLogger("another").warning("of others")
+logging.basicConfig()
+other.warning("asked for")
+"""
+
+
+def test_what_the_library_of_opc_ua_logs_is_kept_off_by_the_command_alone_and_from_no_handler():
+    pytest.importorskip("asyncua")
+    done = subprocess.run([sys.executable, "-c", LOGGED], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and not done.stdout
+    assert done.stderr.splitlines() == ["before", "of others", "WARNING:asyncua.client.ua_session:asked for"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import logging
 import math
 import time as clock
 from collections.abc import Sequence
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from tautline.twin.sources.record import Source
     from tautline.twin.twin import Twin
 
+CHATTERING = "asyncua"
+"""A library that logs the loss of a server with a traceback; the user gets one sentence of us in its place."""
+NOWHERE = logging.NullHandler()
 SAVE_EVERY = 5.0
 """How often the state is saved, s of the wall clock."""
 POLL = 0.05
@@ -54,6 +58,7 @@ def twin(
     if not map.exists():
         raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
     read = read_map(map)
+    hush()
     opened = open_source(source, [one.column for one in read.sensors], time=read.time, speed=speed)
     try:
         made = Twin(scene, read, live=opened.live, account=account)
@@ -72,6 +77,16 @@ def twin(
         raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
     finally:
         opened.close()
+
+
+def hush() -> None:
+    """Keep what a library logs off standard error.
+
+    Only the command does this, never `open_source`: in another program it is that program's to say. And it is no more
+    than that logging's handler of last resort has nothing to do: no level and no handler of others is changed, and
+    where the root logger has a handler, it still gets everything.
+    """
+    logging.getLogger(CHATTERING).addHandler(NOWHERE)
 
 
 def _page(where: str | None, path: Path, made: Twin) -> Any:
