@@ -158,7 +158,7 @@ def test_an_interruption_within_a_step_ends_a_twin_as_one_between_rows(rehearsal
     ("changes", "said"),
     [
         ({"input: winch.pay_out": "input: winch.payout"}, "there is no input 'winch.payout'; did you mean"),
-        ({"unit: kN": "unit: kg"}, "'kg' is not a unit of this quantity"),
+        ({"unit: kN": "unit: kg"}, "its unit is [kN], and the map says kg: 'kN' is a unit of another quantity"),
         ({"start: 9 t": "start: 90 t"}, "is outside its range"),
         ({"keep:": "kept:"}, "unknown key; did you mean 'keep'?"),
         ({"above: 60 kN": "above: 60 m"}, "'m' is not the unit of a force"),
@@ -178,6 +178,27 @@ def test_a_map_that_does_not_fit_is_refused_by_line_and_key(rehearsal, here, tmp
     assert said in told
     assert "Traceback" not in told
     assert not (tmp_path / "x.nc").exists()
+
+
+def test_a_unit_of_the_map_that_does_not_fit_the_scene_is_refused_where_the_record_gives_none(
+    rehearsal, here, tmp_path
+):
+    (tmp_path / "map.yaml").write_text(MAP.replace("unit: kN", "unit: kg"))
+    (tmp_path / "r.csv").write_text((rehearsal / "r.csv").read_text().replace(" [kN]", ""))
+    code, _, told = here("twin", SCENE, "--map", tmp_path / "map.yaml", "--source", tmp_path / "r.csv")
+    assert code == 2 and "'kg' is not a unit of this quantity" in told
+
+
+def test_a_record_in_another_unit_than_the_map_says_is_answered_as_if_it_were_in_that_of_the_map(
+    rehearsal, here, tmp_path
+):
+    rows = [line.split(",") for line in (rehearsal / "r.csv").read_text().splitlines()[1:12]]
+    text = [",".join([*row[:3], repr(1e3 * float(row[3]))]) for row in rows]
+    (tmp_path / "r.csv").write_text("\n".join(["time [s],winch_pos [m],heave [m],rope_tension [N]", *text]) + "\n")
+    code, out, told = here("twin", SCENE, "--map", rehearsal / "map.yaml", "--source", tmp_path / "r.csv", "--json")
+    assert code == 0, told
+    measured = [json.loads(line)["measured"]["winch.tension"] for line in out.splitlines()]
+    assert measured == pytest.approx([1e3 * float(row[3]) for row in rows], rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,8 @@ def twin(
         raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
     read = read_map(map)
     hush()
-    opened = open_source(source, [one.column for one in read.sensors], time=read.time, speed=speed)
+    units = {one.column: one.unit for one in read.sensors}
+    opened = open_source(source, list(units), time=read.time, speed=speed, units=units)
     try:
         made = Twin(scene, read, live=opened.live, account=account)
         begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None

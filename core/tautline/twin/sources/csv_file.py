@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tautline.scene.errors import Problem, SceneError
@@ -27,16 +27,19 @@ class CsvFile:
         Times real time; None for as fast as possible.
     now, sleep : callable
         The clock.
+    units : mapping, optional
+        Units by column that the readings are wanted in; those of the header are converted.
 
     Raises
     ------
     SceneError
-        For a file that cannot be read, and columns that it does not have.
+        For a file that cannot be read, columns that it does not have, and units of another quantity.
     """
 
     def __init__(
         self, path: Path, columns: Sequence[str], time: str = "", speed: float | None = None,
         now: Callable[[], float] = clock.monotonic, sleep: Callable[[float], None] = clock.sleep,
+        units: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
         self.name, self.live, self.ended, self.refused = str(path), speed == 1.0, False, 0
         self.dropped, self.notes = 0, list[str]()
@@ -53,10 +56,11 @@ class CsvFile:
             self._file.close()
             raise SceneError([Problem(str(path), None, "", None, "is empty", "give a file with a header and rows")])
         try:
-            self._header = Header(line, columns, time, str(path))
+            self._header = Header(line, columns, time, str(path), units)
         except SceneError:
             self._file.close()
             raise
+        self.notes += self._header.notes
         self.units = dict(zip(self._header.names, self._header.units, strict=True))
         self._next = self._read()
         self._begun = (self._now(), self._next.time if self._next else 0.0)

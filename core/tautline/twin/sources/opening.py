@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tautline.scene.errors import option_error
@@ -12,7 +12,10 @@ from tautline.twin.sources.record import Source
 SCHEMES = ("mqtt://", "mqtts://", "opc.tcp://")
 
 
-def open_source(address: str, columns: Sequence[str], *, time: str = "", speed: float | None = None) -> Source:
+def open_source(
+    address: str, columns: Sequence[str], *, time: str = "", speed: float | None = None,
+    units: Mapping[str, str] | None = None,
+) -> Source:  # fmt: skip
     """Open a source.
 
     Parameters
@@ -26,16 +29,19 @@ def open_source(address: str, columns: Sequence[str], *, time: str = "", speed: 
         The column of the stamp; empty for the usual names.
     speed : float or None
         Of the replay of a file, times real time; None for as fast as possible.
+    units : mapping, optional
+        Units by column that the readings are wanted in. Where the header of a table gives another unit of the same
+        quantity, readings are converted.
 
     Raises
     ------
     SceneError
-        For an address that leads to nothing, and for columns that a file does not have.
+        For an address that leads to nothing, for columns that a file does not have, and for units of another quantity.
     """
     if address == "-":
         from tautline.twin.sources.stream import Stream
 
-        return Stream(sys.stdin, columns, time)
+        return Stream(sys.stdin, columns, time, units=units)
     if address.startswith(("mqtt://", "mqtts://")):
         from tautline.twin.sources.mqtt import Mqtt
 
@@ -48,4 +54,4 @@ def open_source(address: str, columns: Sequence[str], *, time: str = "", speed: 
         raise option_error("--source", address, "is of no known kind", f"known: a file, -, {', '.join(SCHEMES)}")
     from tautline.twin.sources.csv_file import CsvFile
 
-    return CsvFile(Path(address), columns, time, speed)
+    return CsvFile(Path(address), columns, time, speed, units=units)

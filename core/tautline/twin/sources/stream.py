@@ -27,12 +27,17 @@ class Stream:
     columns : sequence of str
     time : str
         The column of the stamp; empty for the usual names.
+    units : mapping, optional
+        Units by column that the readings are wanted in; those of a header are converted.
     """
 
-    def __init__(self, file: IO[str], columns: Sequence[str], time: str = "", name: str = "standard input") -> None:
+    def __init__(
+        self, file: IO[str], columns: Sequence[str], time: str = "", name: str = "standard input",
+        units: Mapping[str, str] | None = None,
+    ) -> None:  # fmt: skip
         self.name, self.live, self.ended, self.refused, self.last = name, True, False, 0, ""
         self.dropped, self.notes = 0, list[str]()
-        self._file, self._columns, self._time = file, list(columns), time
+        self._file, self._columns, self._time, self._units = file, list(columns), time, units
         self._queue: queue.Queue[Record | SceneError | None] = queue.Queue(MOST)
         self._header: Header | None = None
         self._objects = False
@@ -55,7 +60,8 @@ class Stream:
             self._objects = True
             row = read_object(line, self._columns, self._time)
         elif self._header is None:
-            self._header = Header(line, self._columns, self._time, self.name)
+            self._header = Header(line, self._columns, self._time, self.name, self._units)
+            self.notes += self._header.notes
             return
         else:
             row = self._header.read(line)

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.refusal import nearest
+from tautline.twin.sources.reading_units import OtherQuantity, factor_between
 from tautline.twin.sources.stamps import heads, number_of, seconds_in, stamp_column, stamp_of
 
 SEPARATORS = ";\t,"
@@ -25,14 +26,23 @@ class Header:
         The column of the stamp; empty for the usual names.
     where : str
         File or stream, for messages.
+    units : mapping, optional
+        Units by column that the readings are wanted in: those of the map.
+
+    Attributes
+    ----------
+    notes : list of str
+        What is to be known of units that say nothing.
 
     Raises
     ------
     SceneError
-        Where the stamp or a wanted column is missing.
+        Where the stamp or a wanted column is missing, and where a unit of the header is one of another quantity.
     """
 
-    def __init__(self, line: str, columns: Sequence[str], time: str, where: str) -> None:
+    def __init__(
+        self, line: str, columns: Sequence[str], time: str, where: str, units: Mapping[str, str] | None = None
+    ) -> None:
         self.separator = max(SEPARATORS, key=line.count)
         titles = self.cells(line)
         self.names, self.units = heads(titles)
@@ -44,6 +54,8 @@ class Header:
             cure = nearest(time, sorted(self.names)) if time else "call it `time`, or name it in the map under `time:`"
             problems.append(Problem(where, 1, "", None, cause, cure))
         self.places: dict[str, int] = {}
+        self.factors: dict[str, float] = {}
+        self.notes: list[str] = []
         for column in columns:
             place = next((i for i, one in enumerate(titles) if column in (one, self.names[i])), None)
             if place is None:
@@ -51,10 +63,31 @@ class Header:
                 problems.append(Problem(where, 1, "", None, f"there is no column '{column}'", cure))
             else:
                 self.places[column] = place
+                try:
+                    self.factors[column] = self._factor(column, self.units[place], (units or {}).get(column))
+                except OtherQuantity as error:
+                    asked = (units or {})[column]
+                    cause = (
+                        f"its unit is [{self.units[place]}], and the map says {asked}: '{self.units[place]}' {error}"
+                    )
+                    cure = f"write [{asked}] in the header, or correct `unit` of this column in the map"
+                    problems.append(Problem(where, 1, f"column '{column}'", None, cause, cure))
         if problems:
             raise SceneError(problems)
         self.stamp = next(i for i, one in enumerate(titles) if stamp in (one, self.names[i]))
         self.factor = seconds_in(self.units[self.stamp])
+
+    def _factor(self, column: str, header: str, asked: str | None) -> float:
+        """What readings of a column are multiplied by; 1 where the header or nobody gives a unit."""
+        if asked is None:
+            return 1.0
+        factor = factor_between(header, asked)
+        if factor is None:
+            said = f"its readings are taken in {asked}" if asked else "its readings are taken in SI units"
+            why = "which is no known unit" if asked else "and the map gives no unit"
+            self.notes.append(f"column '{column}' has the unit [{header}] in the header, {why}: {said}")
+            return 1.0
+        return factor
 
     def cells(self, line: str) -> list[str]:
         """Cells of a line, without spaces around them."""
@@ -66,6 +99,7 @@ class Header:
         if len(cells) <= self.stamp:
             return None
         values = {
-            name: number_of(cells[place]) if place < len(cells) else float("nan") for name, place in self.places.items()
+            name: self.factors[name] * number_of(cells[place]) if place < len(cells) else float("nan")
+            for name, place in self.places.items()
         }
         return stamp_of(cells[self.stamp], self.factor), values
