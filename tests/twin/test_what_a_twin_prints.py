@@ -66,6 +66,35 @@ def test_notes_of_the_source_are_printed_and_records_that_it_dropped_are_counted
     assert "records dropped, as they came too fast  5" in " ".join(told.split("\n")).replace("   ", " ")
 
 
+HEADER = "time [s];winch_pos [m];rope_tension [kN]\n"
+
+
+def test_stamps_and_readings_with_decimal_commas_are_used(twin):
+    code, out, _ = twin(HEADER + "".join(f"0,{k}00000;0,0;49,05\n" for k in range(6)), "--json")
+    assert code == 0 and len(out.splitlines()) == 6
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (HEADER + "yesterday;0;49\ntoday;0;49\n", "2 rows without a stamp that can be read; a stamp is a number"),
+        (HEADER, "the source gave no row"),
+        ("winch_pos;rope_tension;time\n0\n0\n", "2 lines could not be read"),
+    ],
+)
+def test_a_twin_that_could_use_no_row_says_what_was_wrong_and_ends_with_3(twin, text, said):
+    code, out, told = twin(text, "--json")
+    assert code == 3 and not out
+    assert f"no row of data could be used: {said}" in told and "rows answered" in told
+
+
+def test_a_file_with_nothing_new_for_a_twin_that_goes_on_is_no_fault(twin, tmp_path):
+    text = HEADER + "".join(f"0.{k};0;49\n" for k in range(6))
+    assert twin(text, "--resume", tmp_path / "twin.state")[0] == 0
+    code, _, told = twin(text, "--resume", tmp_path / "twin.state")
+    assert code == 0 and "nothing is new: 6 rows not after 0.5 s" in told
+
+
 LOGGED = """
 import logging, sys
 from tautline.cli.commands.twin import hush

@@ -7,6 +7,7 @@ import json
 import logging
 import math
 import time as clock
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 CHATTERING = "asyncua"
 """A library that logs the loss of a server with a traceback; the user gets one sentence of us in its place."""
 NOWHERE = logging.NullHandler()
+SAID = {"no stamp": "without a stamp that can be read"}
+"""Kinds of rows that were left out, where their name alone does not say what is wrong."""
+STAMPS = "a stamp is a number of seconds, or a date and a time such as 2026-11-27T20:15:03Z"
 SAVE_EVERY = 5.0
 """How often the state is saved, s of the wall clock."""
 POLL = 0.05
@@ -115,6 +119,8 @@ class _Loop:
         self.as_json, self.quiet = as_json, quiet
         self.told: dict[str, float] = {}
         self.begin = self.twin.now
+        self.before = 0
+        self.known = Counter(self.twin.readings.rows.counts)
         self.saved = clock.monotonic()
         self.lines = 0
         self.last: dict[str, Any] | None = None
@@ -137,6 +143,7 @@ class _Loop:
                     continue
                 heard = clock.monotonic()
                 if not self.source.live and record.time <= self.begin:
+                    self.before += 1
                     continue  # a file that is read again from its begin
                 self._give(self.twin.add(record.time, record.values, record.arrived))
             self._give(self.twin.finish())
@@ -201,6 +208,8 @@ class _Loop:
         self._summarise()
         if status == "interrupted":
             raise Ended(ExitCode.INTERRUPTED)
+        if self.last is None and not self.before:
+            raise Ended(ExitCode.STOPPED_EARLY)
 
     def _summarise(self) -> None:
         """Print what was found last, and what was wrong with the data."""
@@ -208,14 +217,15 @@ class _Loop:
         from tautline.cli.output.summary import two_columns
         from tautline.scene.values.printed import quantity
 
+        rows = []
         if self.last is None:
-            say("no row of data could be used", "yellow")
-            return
-        rows = [
-            (name, f"{quantity(one['value'], one['unit'])} ± {quantity(2.0 * one['sd'], one['unit'])}")
-            for name, one in self.last["estimates"].items()
-        ]
-        rows += [("not observable", text) for text in self.last["not_observable"]]
+            self._say_why_nothing()
+        else:
+            rows += [
+                (name, f"{quantity(one['value'], one['unit'])} ± {quantity(2.0 * one['sd'], one['unit'])}")
+                for name, one in self.last["estimates"].items()
+            ]
+            rows += [("not observable", text) for text in self.last["not_observable"]]
         counts = sorted(self.twin.readings.rows.counts.items())
         rows += [(f"rows {kind}", str(count)) for kind, count in counts if count]
         if self.source.refused:
@@ -225,6 +235,24 @@ class _Loop:
         rows.append(("rows answered", str(self.lines)))
         if not self.quiet:
             console().print(two_columns(rows))
+
+    def _say_why_nothing(self) -> None:
+        """Say what was wrong with the rows where none of them could be used."""
+        counted = self.twin.readings.rows.counts - self.known
+        causes = [f"{_many(count, 'row')} {SAID.get(kind, kind)}" for kind, count in sorted(counted.items())]
+        if self.source.refused:
+            causes.append(f"{_many(self.source.refused, 'line')} could not be read")
+        if self.before and not causes:
+            old = _many(self.before, "row")
+            say(f"nothing is new: {old} not after {self.begin:.6g} s, from where the twin goes on")
+            return
+        why = ", ".join(causes) or "the source gave no row"
+        cure = f"; {STAMPS}" if counted["no stamp"] else ""
+        say(f"no row of data could be used: {why}{cure}", "red")
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def record(

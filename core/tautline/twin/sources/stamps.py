@@ -15,18 +15,15 @@ NAMES = ("time", "t", "timestamp", "stamp")
 
 
 def stamp_of(value: Any, factor: float = 1.0) -> float:
-    """A stamp in seconds: a number times its unit, or ISO 8601 (UTC where it names no zone); NaN for anything else."""
-    if isinstance(value, bool) or value is None:
-        return math.nan
-    if isinstance(value, (int, float)):
-        return float(value) * factor
-    text = str(value).strip()
+    """A stamp in seconds: a number times its unit, or ISO 8601 (UTC where it names no zone); NaN for anything else.
+
+    A number may have a comma in place of its point, as readings may.
+    """
+    number = number_of(value)
+    if not math.isnan(number) or not isinstance(value, str):
+        return number * factor
     try:
-        return float(text) * factor
-    except ValueError:
-        pass
-    try:
-        moment = datetime.fromisoformat(text)
+        moment = datetime.fromisoformat(value.strip())
     except ValueError:
         return math.nan
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
