@@ -78,6 +78,35 @@ def test_lines_that_cannot_be_read_are_counted_and_the_others_are_not_lost():
     assert source.refused == 2 and source.ended
 
 
+def values_of(rows):
+    return [[None if x != x else x for x in row.values.values()] for row in rows]
+
+
+@pytest.mark.parametrize("of", ["file", "stream"])
+def test_the_last_cell_of_a_line_that_was_cut_is_missing_and_the_cells_before_it_count(tmp_path, of):
+    text = "time,a,b,c\n0,1,2,3\n1,1,2.5,3\n2,1,2"
+    source = CsvFile(written(tmp_path / "r.csv", text), ["a", "b", "c"])
+    source = Stream(io.StringIO(text), ["a", "b", "c"]) if of == "stream" else source
+    assert values_of(all_of(source)) == [[1.0, 2.0, 3.0], [1.0, 2.5, 3.0], [1.0, None, None]]
+
+
+def test_a_stamp_that_was_cut_is_none(tmp_path):
+    source = CsvFile(written(tmp_path / "r.csv", "a,time,b\n1,1000,2\n1,1001,2\n1,10"), ["a"])
+    assert [row.time for row in all_of(source)] == [1000.0, 1001.0] and source.refused == 1
+
+
+def test_a_table_whose_lines_all_leave_out_their_last_cells_loses_no_column(tmp_path):
+    source = CsvFile(written(tmp_path / "r.csv", "time,a,b,c\n0,1,2\n1,1,2\n2,1,2\n"), ["a", "b"])
+    assert values_of(all_of(source)) == [[1.0, None], [1.0, 2.0], [1.0, 2.0]]
+    source = CsvFile(written(tmp_path / "r.csv", "time,a,b,\n0,1,2\n1,1,2\n"), ["a", "b"])
+    assert values_of(all_of(source)) == [[1.0, 2.0], [1.0, 2.0]]
+
+
+def test_tabs_at_the_end_of_a_line_of_a_stream_are_empty_cells():
+    rows = all_of(Stream(io.StringIO("time\ta\tb\n0\t1\t2\n1\t3\t\n"), ["a", "b"]))
+    assert values_of(rows) == [[1.0, 2.0], [3.0, None]]
+
+
 def test_addresses_without_host_or_topic_are_refused():
     with pytest.raises(SceneError, match="has no host or no topic"):
         open_source("mqtt://host", ["a"])

@@ -47,7 +47,7 @@ class Stream:
         try:
             for line in self._file:
                 if line.strip() and not line.lstrip().startswith("#"):
-                    self._take(line.strip())
+                    self._take(line.rstrip("\r\n"))  # tabs at the end are cells
         except SceneError as error:
             self._queue.put(error)
         except ValueError:  # the file was closed
@@ -56,7 +56,7 @@ class Stream:
 
     def _take(self, line: str) -> None:
         row: tuple[float, Mapping[str, float]] | None
-        if line.startswith("{") or self._objects:
+        if line.lstrip().startswith("{") or self._objects:
             self._objects = True
             row = read_object(line, self._columns, self._time)
         elif self._header is None:

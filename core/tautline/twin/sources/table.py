@@ -45,8 +45,10 @@ class Header:
     ) -> None:
         self.separator = max(SEPARATORS, key=line.count)
         titles = self.cells(line)
+        while titles and not titles[-1]:  # a separator at the end of the header makes no column
+            titles.pop()
         self.names, self.units = heads(titles)
-        self.width = len(titles)
+        self.width = self._before = len(titles)
         stamp = stamp_column(self.names, time) or stamp_column(titles, time)
         problems = []
         if stamp is None:
@@ -94,8 +96,16 @@ class Header:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator), [])]
 
     def read(self, line: str) -> tuple[float, Mapping[str, float]] | None:
-        """Stamp and values of a line; None for a line that has too few cells."""
+        """Stamp and values of a line; None for a line that has too few cells.
+
+        Where a line is shorter than the header, its last cell may be half of one: it counts as missing. A table whose
+        lines are all as short, with cells that are left out at their ends, loses by this no more than one cell.
+        """
         cells = self.cells(line)
+        count = len(cells)
+        if count < self.width and count != self._before:
+            cells = cells[:-1]
+        self._before = count
         if len(cells) <= self.stamp:
             return None
         values = {
