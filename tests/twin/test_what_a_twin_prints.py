@@ -8,6 +8,7 @@ from cli.in_process import commands_of
 
 from crane.application import Crane
 from tautline.twin.sources.record import Record
+from tautline.twin.sources.stamps import stamp_said
 
 MAP = """
 sensors:
@@ -92,7 +93,27 @@ def test_a_file_with_nothing_new_for_a_twin_that_goes_on_is_no_fault(twin, tmp_p
     text = HEADER + "".join(f"0.{k};0;49\n" for k in range(6))
     assert twin(text, "--resume", tmp_path / "twin.state")[0] == 0
     code, _, told = twin(text, "--resume", tmp_path / "twin.state")
-    assert code == 0 and "nothing is new: 6 rows not after 0.5 s" in told
+    assert code == 0 and "nothing is new: 6 rows not after 0.5 s, from" in told
+
+
+@pytest.mark.parametrize(
+    ("begin", "said"),
+    [(7.25, "7.2 s: ALARM overload"), (1795810503.25, "2026-11-27 20:15:03.2 UTC: ALARM overload")],
+)
+def test_an_alarm_is_told_with_its_time_in_seconds_or_where_stamps_are_unix_times_in_utc(twin, begin, said):
+    _, _, told = twin(Given(rows(begin)))
+    assert told.startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("time", "said"),
+    [
+        (11.05, "11.1 s"), (999999.96, "1000000.0 s"), (1.0e8, "1973-03-03 09:46:40.0 UTC"),
+        (1.8e12, "1800000000000.0 s"), (1795810503.96, "2026-11-27 20:15:04.0 UTC"), (float("nan"), "nan s"),
+    ],
+)  # fmt: skip
+def test_a_time_is_written_as_people_read_it(time, said):
+    assert stamp_said(time) == said
 
 
 LOGGED = """

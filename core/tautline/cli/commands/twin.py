@@ -55,6 +55,7 @@ def twin(
     from tautline.twin.map import read_map
     from tautline.twin.series import Series
     from tautline.twin.sources.opening import open_source
+    from tautline.twin.sources.stamps import stamp_said
     from tautline.twin.storage import load
     from tautline.twin.twin import Twin
 
@@ -69,14 +70,14 @@ def twin(
         made = Twin(scene, read, live=opened.live, account=account)
         begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None
         if begin is not None:
-            say(f"going on from {begin:.6g} s")
+            say(f"going on from {stamp_said(begin)}")
         if made.plan_names.unwatched:
             say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
         page = _page(serve, path, made)
         series = Series(output, made, begin) if output is not None else None
         _Loop(made, opened, series, page, state, as_json, quiet).run()
     except StoppedEarly as stop:
-        say(f"{path}: stopped at {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
+        say(f"{path}: stopped at {stamp_said(stop.time)}, {stop.part}: {stop.sentence}", "red")
         raise Ended(ExitCode.STOPPED_EARLY) from None
     except Interrupted:
         raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
@@ -173,6 +174,8 @@ class _Loop:
 
     def _tell(self, line: dict[str, Any]) -> None:
         """Print alarms as they begin and end."""
+        from tautline.twin.sources.stamps import stamp_said
+
         for note in [*self.twin.notes, *self.twin.readings.rows.notes]:
             say(note, "yellow")
         self.twin.notes.clear()
@@ -180,10 +183,10 @@ class _Loop:
         active = {one["name"]: one for one in line["alarms"]}
         for name, one in active.items():
             if name not in self.told:
-                say(f"{line['time']:.6g} s: ALARM {name}: {one['text']}", "red")
+                say(f"{stamp_said(line['time'])}: ALARM {name}: {one['text']}", "red")
         for name, since in list(self.told.items()):
             if name not in active:
-                say(f"{line['time']:.6g} s: {name} has ended, after {line['time'] - since:.3g} s")
+                say(f"{stamp_said(line['time'])}: {name} has ended, after {line['time'] - since:.3g} s")
         self.told = {name: float(one["since"]) for name, one in active.items()}
 
     def _save(self) -> None:
@@ -238,13 +241,15 @@ class _Loop:
 
     def _say_why_nothing(self) -> None:
         """Say what was wrong with the rows where none of them could be used."""
+        from tautline.twin.sources.stamps import stamp_said
+
         counted = self.twin.readings.rows.counts - self.known
         causes = [f"{_many(count, 'row')} {SAID.get(kind, kind)}" for kind, count in sorted(counted.items())]
         if self.source.refused:
             causes.append(f"{_many(self.source.refused, 'line')} could not be read")
         if self.before and not causes:
             old = _many(self.before, "row")
-            say(f"nothing is new: {old} not after {self.begin:.6g} s, from where the twin goes on")
+            say(f"nothing is new: {old} not after {stamp_said(self.begin)}, from where the twin goes on")
             return
         why = ", ".join(causes) or "the source gave no row"
         cure = f"; {STAMPS}" if counted["no stamp"] else ""

@@ -12,6 +12,8 @@ from tautline.scene.values.units import UnknownUnit, read_unit
 
 NAMES = ("time", "t", "timestamp", "stamp")
 """Columns of the stamp, where none is named."""
+UNIX = (1.0e8, 1.0e11)
+"""Stamps between these are seconds since 1970, s: no machine counts three years of its own."""
 
 
 def stamp_of(value: Any, factor: float = 1.0) -> float:
@@ -27,6 +29,14 @@ def stamp_of(value: Any, factor: float = 1.0) -> float:
     except ValueError:
         return math.nan
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+
+
+def stamp_said(time: float) -> str:
+    """A stamp, s, as people read it: seconds, or the time of day in UTC where it is a Unix time."""
+    if not UNIX[0] <= time < UNIX[1]:
+        return f"{time:.1f} s"
+    tenths = round(10.0 * time)
+    return f"{datetime.fromtimestamp(tenths // 10, UTC):%Y-%m-%d %H:%M:%S}.{tenths % 10} UTC"
 
 
 def number_of(value: Any) -> float:
