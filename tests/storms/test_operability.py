@@ -334,11 +334,29 @@ def test_fatigue_over_a_scatter_diagram_is_the_sum_by_occurrence(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("head", "height", "period"),
+    [
+        ("Hs", 1.0, 1.0), ("Hs [m]", 1.0, 1.0), ("Hs [ft]", 0.3048, 1.0), ("Hs (feet)", 0.3048, 1.0),
+        ("Tp [min] / Hs [cm]", 0.01, 60.0), ("Hs \\ Tp (s)", 1.0, 1.0),
+    ],
+)  # fmt: skip
+def test_heights_and_periods_of_a_scatter_diagram_have_the_units_of_its_first_cell(tmp_path, head, height, period):
+    place = tmp_path / "scatter.csv"
+    place.write_text(f"{head},7,9\n1,30,10\n2,0,60\n")
+    diagram = read_scatter(place)
+    assert diagram.heights.tolist() == pytest.approx([height, 2.0 * height], rel=1e-15)
+    assert diagram.periods.tolist() == pytest.approx([7.0 * period, 9.0 * period], rel=1e-15)
+
+
+@pytest.mark.parametrize(
     ("text", "line", "cause"),
     [
         ("Hs,7,9\n1,3,x\n", 2, "is no number"),
         ("Hs,7,9\n1,-3,2\n", 2, "is no number"),
         ("Hs,9,7\n1,3,2\n", None, "increasing"),
+        ("Hs [kg],7,9\n1,3,2\n", 1, r"\[kg\] is the unit neither of a height nor of a period; write Hs \[m\]"),
+        ("Hs [m] / Tp [ft],7,9\n1,3,2\n", 1, r"\[ft\] is a second unit of a length"),
+        ("Hs [Fuss],7,9\n1,3,2\n", 1, r"\[Fuss\] is no unit"),
     ],
 )
 def test_faults_of_a_scatter_diagram_are_told_by_line(tmp_path, text, line, cause):

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import csv
 import math
+import re
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,10 +17,13 @@ import numpy as np
 
 from crane.results.summary import SLOPE
 from tautline.scene.errors import Problem, SceneError, option_error
+from tautline.scene.reading.columns import unit_named
+from tautline.scene.values.units import UnknownUnit, read_unit
 
 OPTION = "--scatter"
 YEAR = 365.25 * 86400.0
 COLLECTED = ("equivalent_tension_range", "tension_cycles")
+UNIT = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
 EXAMPLE = "the first row: Hs [m], then peak periods in s; each further row: a height in m, then occurrences"
 
 
@@ -49,7 +54,8 @@ def read_scatter(path: Path) -> Scatter:
     Raises
     ------
     SceneError
-        Naming the line of what is no number, negative, missing, or not increasing.
+        Naming the line of what is no number, negative, missing, or not increasing, and of a unit of anything but
+        heights and periods.
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
@@ -73,6 +79,7 @@ def read_scatter(path: Path) -> Scatter:
     if len(rows) < 2 or len(rows[0][1]) < 2:
         raise SceneError([Problem(str(path), None, "", None, "is no scatter diagram", EXAMPLE)])
     line, head = rows[0]
+    units = _units(str(path), line, head[0])
     periods = np.array([number(line, cell) for cell in head[1:]])
     table = []
     for line, row in rows[1:]:
@@ -84,7 +91,8 @@ def read_scatter(path: Path) -> Scatter:
         table.append([number(line, cells[0]), *(number(line, cell, 0.0) for cell in cells[1:])])
     if problems:
         raise SceneError(problems)
-    heights, count = np.array(table)[:, 0], np.array(table)[:, 1:]
+    heights, count = units["length"] * np.array(table)[:, 0], np.array(table)[:, 1:]
+    periods = units["time"] * periods
     for values, what in ((heights, "heights"), (periods, "periods")):
         if not (np.all(np.diff(values) > 0.0) and values[0] > 0.0):
             cause = f"{what} are not above zero and increasing"
@@ -92,6 +100,25 @@ def read_scatter(path: Path) -> Scatter:
     if not count.sum() > 0.0:
         raise SceneError([Problem(str(path), None, "", None, "has no occurrence above zero", EXAMPLE)])
     return Scatter(heights, periods, count / count.sum())
+
+
+def _units(file: str, line: int, head: str) -> dict[str, float]:
+    """Units of heights, m, and of periods, s, out of the first cell: ``Hs [ft] / Tp [s]``; 1 where it names none."""
+    kinds = {read_unit("m").dimension: "length", read_unit("s").dimension: "time"}
+    found: dict[str, float] = {}
+    for text in UNIT.findall(head):
+        try:
+            unit = read_unit(unit_named(text))
+            kind = kinds.get(unit.dimension, "")
+            cause = "" if kind else f"[{text}] is the unit neither of a height nor of a period"
+        except UnknownUnit as error:
+            cause = f"[{text}] is no unit: {error}"
+        if not cause and kind in found:
+            cause = f"[{text}] is a second unit of a {kind}"
+        if cause:
+            raise SceneError([Problem(file, line, "", head, cause, "write Hs [m], Hs [ft], or Hs [ft] / Tp [s]")])
+        found[kind] = unit.si(Fraction(1))
+    return {"length": 1.0, "time": 1.0} | found
 
 
 class Fatigue(NamedTuple):
