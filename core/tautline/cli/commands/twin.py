@@ -247,9 +247,9 @@ class _Loop:
         causes = [f"{_many(count, 'row')} {SAID.get(kind, kind)}" for kind, count in sorted(counted.items())]
         if self.source.refused:
             causes.append(f"{_many(self.source.refused, 'line')} could not be read")
-        if self.before and not causes:
-            old = _many(self.before, "row")
-            say(f"nothing is new: {old} not after {stamp_said(self.begin)}, from where the twin goes on")
+        if self.before:
+            old = f"{_many(self.before, 'row')} not after {stamp_said(self.begin)}, from where the twin goes on"
+            say(f"nothing is new: {', '.join([old, *causes])}")
             return
         why = ", ".join(causes) or "the source gave no row"
         cure = f"; {STAMPS}" if counted["no stamp"] else ""
