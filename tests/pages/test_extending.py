@@ -119,6 +119,21 @@ def test_an_extension_that_cannot_be_loaded_is_named_beside_the_key_that_is_unkn
     assert "the extension wind could not be loaded (ModuleNotFoundError" in told
 
 
+def test_an_extension_that_calls_exit_keeps_neither_the_command_nor_the_other_extensions_from_their_work(folder, ran):
+    installed(folder)
+    installed(folder, "leaving")
+    (folder / "leaving-1.0.dist-info" / "entry_points.txt").write_text(
+        "[tautline.extensions]\nleaving = leaving\n[tautline.applications]\nleaving = leaving:Gone\n", encoding="utf8"
+    )
+    (folder / "leaving.py").write_text("import sys\n\nsys.exit('bye')\n", encoding="utf8")
+    shown = json.loads(ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", "--json").stdout)
+    assert shown["status"] == "good" and shown["cable"]["Wind"] == 1
+    text = FILES["lamp.yaml"].replace("Wind:", "Winds:")
+    (folder / "lamp.yaml").write_text(text, encoding="utf8")
+    told = " ".join(ran(folder, "-m", "tautline.cli.main", "check", "lamp.yaml", code=2).stderr.split())
+    assert "the extension leaving could not be loaded (SystemExit: bye); repair or uninstall it" in told
+
+
 def test_the_application_of_the_page_is_the_one_whose_verbs_are_tested():
     assert FILES["buoy.py"].split("\n", 1)[1] == (ROOT / "tests" / "application" / "buoy.py").read_text("utf8")
 

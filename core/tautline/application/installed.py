@@ -104,7 +104,7 @@ class Installed:
         for point in entry_points(group=GROUP):
             try:
                 found[point.name] = point.load()()
-            except Exception as error:  # one broken application must not keep the others from being used
+            except (Exception, SystemExit) as error:  # a broken one must not keep the others from being used
                 broken[point.name] = f"{type(error).__name__}: {error}"
         return found, broken
 

@@ -19,7 +19,7 @@ def load_extensions() -> dict[str, str]:
     for point in entry_points(group=GROUP):
         try:
             point.load()
-        except Exception as error:  # one broken extension must not keep the others from being used
+        except (Exception, SystemExit) as error:  # a broken one must not keep the others from being used
             broken[point.name] = f"{type(error).__name__}: {error}"
     return broken
 
