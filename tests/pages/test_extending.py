@@ -134,6 +134,15 @@ def test_an_extension_that_calls_exit_keeps_neither_the_command_nor_the_other_ex
     assert "the extension leaving could not be loaded (SystemExit: bye); repair or uninstall it" in told
 
 
+def test_a_mistake_in_a_hook_of_an_extension_is_bad_input_and_no_fault_of_the_program(folder, ran):
+    installed(folder)
+    text = FILES["wind.py"].replace("r[g.place[i] + c] -= g.drag[i]", "r[g.place[i] + c] -= g.nosuch[i]")
+    (folder / "wind.py").write_text(text, encoding="utf8")
+    told = " ".join(ran(folder, "-m", "tautline.cli.main", "simulate", "lamp.yaml", code=2).stderr.split())
+    assert re.search(r"wind\.py:\d+: hook 'residual' of kind WindForces \(wind\.residual\) cannot be compiled", told)
+    assert "'nosuch'" in told and "fault of the program" not in told
+
+
 def test_the_application_of_the_page_is_the_one_whose_verbs_are_tested():
     assert FILES["buoy.py"].split("\n", 1)[1] == (ROOT / "tests" / "application" / "buoy.py").read_text("utf8")
 

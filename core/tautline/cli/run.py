@@ -141,7 +141,9 @@ def _problems(error: Exception, name: str) -> list[Problem] | None:
     """Return the problems that an error stands for, None for an error that nobody foresaw."""
     if isinstance(error, SceneError):
         return error.problems
-    if hasattr(error, "cause") and hasattr(error, "cure") and hasattr(error, "path"):  # ResultError, not imported here
+    if (
+        hasattr(error, "cause") and hasattr(error, "cure") and hasattr(error, "path")
+    ):  # ResultError and KernelError, not imported here
         return [Problem(str(error.path), None, "", None, error.cause, error.cure)]
     if hasattr(error, "format_message") and getattr(error, "exit_code", None) == ExitCode.BAD_INPUT:
         # A usage error of click, which some versions of typer carry within them under another name.

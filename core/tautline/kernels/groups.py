@@ -43,6 +43,8 @@ violation      order, q, v, r                                   r += what is mis
 
 from __future__ import annotations
 
+import inspect
+import math
 from collections import deque
 from collections.abc import Callable
 from itertools import chain, product
@@ -163,11 +165,12 @@ def register(
     Raises
     ------
     ValueError
-        For a name that is no hook.
+        For a name that is no hook, and for a kernel that takes other arguments than its hook has.
     """
-    for name in hooks:
+    for name, hook in hooks.items():
         if name not in HOOKS:
             raise ValueError(f"{kind.__name__}: no hook is called {name!r}: one of {', '.join(HOOKS)}")
+        _check_arguments(kind, name, hook)
     KINDS[kind] = hooks
     _forget(kind)
     if constant_mass or "mass" not in hooks:
@@ -176,6 +179,22 @@ def register(
         FRICTION.add(kind)
     if memory is not None:
         MEMORY[kind] = memory
+
+
+def _check_arguments(kind: type, name: str, hook: Kernel) -> None:
+    """Refuse a kernel that cannot be called with its hook's arguments: the compiler would say so of itself alone."""
+    function: Any = getattr(hook, "py_func", hook)
+    code, wanted = function.__code__, ("g", *HOOKS[name])
+    most = code.co_argcount
+    least = most - len(function.__defaults__ or ())
+    if least <= len(wanted) <= (math.inf if code.co_flags & inspect.CO_VARARGS else most):
+        return
+    given = ", ".join(code.co_varnames[:most])
+    raise ValueError(
+        f"hook {name!r} of kind {kind.__name__} ({function.__module__}.{function.__qualname__}, "
+        f"{code.co_filename}:{code.co_firstlineno}) takes ({given}), and is called with ({', '.join(wanted)}): "
+        "give it these arguments"
+    )
 
 
 _addresses: dict[Any, dict[str, int]] = {}

@@ -11,7 +11,9 @@ from numba.np.arrayobj import make_array, populate_array
 from tautline.kernels.compiling.kernels import intrinsic_for
 from tautline.kernels.compiling.types.kinds import kind_of
 from tautline.kernels.compiling.types.records import Record
+from tautline.kernels.errors import error_of_hook
 from tautline.kernels.groups import CALLS, KINDS, ROWS, SUMS, apply
+from tautline.kernels.machine.sources import comes_with_us
 
 
 @intrinsic_for(apply, prefer_literal=True)
@@ -21,11 +23,7 @@ def _apply(typing, row, kind, group, arguments):
         return None  # numba tries again so after an error, which it then reports
     hook, expected, _ = list(SUMS.values())[row.literal_value]
     member, given_types = kind.instance_type, tuple(map(kind_of, expected.values()))
-    function = KINDS[member.instance_class][hook].compiled
-    signature = (member, *given_types)
-    if signature not in function.overloads:
-        function.compile(signature)
-    compiled = function.overloads[signature]
+    compiled = _compiled(member.instance_class, hook, (member, *given_types))
 
     def code(context, builder, _, given):
         g = builder.load(builder.inttoptr(given[2], context.get_value_type(member).as_pointer()))
@@ -42,6 +40,20 @@ def _apply(typing, row, kind, group, arguments):
         return context.get_dummy_value()
 
     return types.void(row, kind, group, arguments), code
+
+
+def _compiled(kind: type, hook: str, signature: tuple[types.Type, ...]) -> Any:
+    """What numba makes of a kind's hook; a mistake in a hook of others is told to them."""
+    kernel = KINDS[kind][hook]
+    function = kernel.compiled
+    if signature not in function.overloads:
+        try:
+            function.compile(signature)
+        except Exception as error:
+            if comes_with_us(kernel.py_func):
+                raise
+            raise error_of_hook(kind, hook, kernel.py_func, error) from error
+    return function.overloads[signature]
 
 
 def _is_vector(t: types.Type) -> bool:

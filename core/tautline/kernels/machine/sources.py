@@ -74,6 +74,19 @@ def is_ours(thing: Any) -> bool:
     return (getattr(thing, "__module__", None) or "").split(".")[0] in packages()
 
 
+@functools.cache
+def _own_packages() -> frozenset[str]:
+    """The core and the applications that are installed with it."""
+    points = metadata.entry_points(group="tautline.applications")
+    with_us = (point for point in points if point.dist is not None and point.dist.name == "tautline")
+    return frozenset({"tautline"} | {re.split("[.:]", point.value)[0] for point in with_us})
+
+
+def comes_with_us(thing: Any) -> bool:
+    """Whether a function or class is of this program, and not of an application or extension that others wrote."""
+    return (getattr(thing, "__module__", None) or "").split(".")[0] in _own_packages()
+
+
 IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 
 

@@ -1,0 +1,116 @@
+"""Mistakes in hooks that others wrote are told to them, and those in our own are a fault of the program."""
+
+import inspect
+import os
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from tautline.errors import TautlineError
+from tautline.kernels.errors import KernelError
+from tautline.kernels.groups import link, register
+from tautline.kernels.jit import kernel
+
+HERE = os.path.abspath(__file__)
+compiled = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="is about what is compiled")
+
+
+class Push(NamedTuple):
+    """A force."""
+
+    force: np.ndarray
+
+
+@kernel
+def misspelt(g, t, q, v, a, r):
+    """It takes an array that the group has not."""
+    r[0] -= g.nosuch[0]
+
+
+@kernel
+def helped(g):
+    """What a hook calls; the mistake is here."""
+    return g.plaice[0]
+
+
+@kernel
+def calling(g, t, q, v, a, r):
+    """It calls what has a mistake."""
+    r[0] -= helped(g)
+
+
+@kernel
+def allocating(g, t, q, v, a, r):
+    """It makes an array."""
+    made = np.zeros(3)
+    made[0] = g.force[0]
+    r[0] -= made[0]
+
+
+@kernel
+def ours(g, t, q, v, a, r):
+    """The same mistake, in a module that goes by the name of one of ours."""
+    r[0] -= g.nosuch[0]
+
+
+def linked(hook):
+    register(Push, residual=hook)
+    return link((Push(np.ones(1)),), "residual")
+
+
+def line_of(function, word):
+    lines, first = inspect.getsourcelines(function.py_func)
+    return first + next(i for i, line in enumerate(lines) if word in line)
+
+
+@compiled
+@pytest.mark.parametrize(
+    ("hook", "at", "word", "said"),
+    [
+        (misspelt, misspelt, "nosuch", "Unknown attribute 'nosuch' of type record Push"),
+        (calling, helped, "plaice", "Unknown attribute 'plaice'"),
+        (allocating, allocating, "zeros", "zeros(Literal[int](3))"),
+    ],
+)
+def test_a_hook_that_cannot_be_compiled_is_told_with_kind_function_line_and_what_numba_said(hook, at, word, said):
+    with pytest.raises(KernelError) as refused:
+        linked(hook)
+    error = refused.value
+    assert isinstance(error, TautlineError)
+    assert error.path == f"{HERE}:{line_of(at, word)}"
+    assert f"hook 'residual' of kind Push ({hook.__module__}.{hook.__name__})" in error.cause
+    assert said in error.cause and "\x1b" not in str(error) and "\n" not in str(error)
+    assert len(str(error)) < 700 and "makes no new ones" in error.cure
+
+
+@compiled
+def test_a_mistake_in_a_hook_of_ours_stays_a_fault_of_the_program(monkeypatch):
+    monkeypatch.setattr(ours.py_func, "__module__", "tautline.elements.imagined")
+    with pytest.raises(Exception, match="nosuch") as failed:
+        linked(ours)
+    assert not isinstance(failed.value, TautlineError)
+
+
+def short(g, t, q, v, a):
+    """One argument is missing."""
+
+
+def long(g, t, q, v, a, r, more):
+    """One argument too many."""
+
+
+@pytest.mark.parametrize("function", [short, long])
+@pytest.mark.parametrize("made", [kernel, lambda function: function])
+def test_a_hook_with_another_number_of_arguments_is_refused_with_both_lists(function, made):
+    given = ", ".join(inspect.signature(function).parameters)
+    with pytest.raises(ValueError, match="hook 'residual' of kind Push") as refused:
+        register(Push, residual=made(function))
+    told = str(refused.value)
+    assert f"takes ({given}), and is called with (g, t, q, v, a, r)" in told
+    assert f"{function.__module__}.{function.__name__}, {HERE}:" in told
+
+
+def test_a_hook_may_have_arguments_with_defaults_and_any_number_of_them():
+    register(Push, residual=lambda g, t, q, v, a, r, more=0.0: None)
+    register(Push, residual=lambda g, *more: None)
