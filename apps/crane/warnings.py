@@ -59,7 +59,7 @@ def warnings(scene: CraneScene) -> list[SceneWarning]:
         *rope_warnings(scene), *_fleet(found), *_bending(scene), *_safety(found), *_strain(found),
         *_sheaves(scene), *_steps(found), *_mesh(found), *_undamped(scene), *_compression(scene),
         *_winches(found, actuator), *_start(found),
-        *_held_back(actuator), *_dry(scene), *_floating(found),
+        *_held_back(scene, actuator), *_dry(scene), *_floating(found),
     ]  # fmt: skip
     return [SceneWarning(place, text) for place, text in sentences]
 
@@ -280,17 +280,26 @@ def _start(found: Estimate) -> Sentences:
         yield "vessel.motion" if scene.vessel is not None else "frames", text
 
 
-def _held_back(actuator: Compensation | None) -> Sentences:
-    """Limits of the actuator that hold it back."""
-    if actuator is None or actuator.away <= HELD_BACK:
+def _held_back(scene: CraneScene, actuator: Compensation | None) -> Sentences:
+    """What keeps the actuator from its command: its limits, or a command that begins with a jump."""
+    if scene.heave_compensation is None or actuator is None or actuator.away <= HELD_BACK:
         return
-    met = {name: share for name, share in actuator.met.items() if share > 0.0}
-    what = ", ".join(f"{name} {100.0 * share:.2g} %" for name, share in met.items()) or "its start"
-    text = (
-        f"the actuator is off its command for {100.0 * actuator.away:.2g} % of the run, by up to {actuator.error:.2g} "
-        f"m, held back by {what}; give it wider limits, or expect that much heave at the load"
+    off = (
+        f"the actuator is off its command for {100.0 * actuator.away:.2g} % of the run, by up to {actuator.error:.2g} m"
     )
-    yield "heave_compensation.limits", text
+    limits = scene.heave_compensation.limits
+    if any(limit is not None for limit in (limits.stroke, limits.speed, limits.acceleration)):
+        met = {name: share for name, share in actuator.met.items() if share > 0.0}
+        what = ", ".join(f"{name} {100.0 * share:.2g} %" for name, share in met.items()) or "its start"
+        text = f"{off}, held back by {what}; give it wider limits, or expect that much heave at the load"
+        yield "heave_compensation.limits", text
+    if actuator.sudden:
+        text = (
+            f"{off}: its rope rides on a tip that heaves already at t = 0, and after the delay the actuator would have "
+            "to begin with a jump of speed; let the motion of the vessel grow with `ramp`, give no delay, or leave the "
+            "time after t = 0 out of account"
+        )
+        yield "heave_compensation.delay", text
 
 
 def rope_warnings(scene: CraneScene) -> Sentences:

@@ -218,6 +218,22 @@ def test_limits_that_hold_the_actuator_back_are_told_with_their_share():
     assert told(ample, "heave_compensation.limits") == []
 
 
+def test_a_late_answer_to_a_heave_that_moves_at_once_is_told_as_that_and_not_as_a_limit():
+    heave = {"harmonic": {"amplitude": 1.0, "period": 8}}
+
+    def held_back(limits, **more):
+        vessel = {"reference": [0, 0, 0], "motion": {"heave": {"harmonic": {**heave["harmonic"], **more}}}}
+        compensation = {"gain": 0.9, "delay": "0.3 s", "limits": limits}
+        return one_fall(vessel=vessel, heave_compensation=compensation, solver={"end": 30})
+
+    text = only(held_back({}), "heave_compensation.delay")
+    assert "heaves already at t = 0" in text and "`ramp`" in text and "wider limits" not in text
+    assert told(held_back({}), "heave_compensation.limits") == []
+    assert told(held_back({}, ramp=8), "heave_compensation.delay") == []
+    both = held_back({"stroke": "0.5 m"})
+    assert only(both, "heave_compensation.delay") and "stroke" in only(both, "heave_compensation.limits")
+
+
 def layered(**more):
     return one_fall(path=[winch(layers={"turns": 5, "core_radius": 0.48, "count": 2}, **more), TIP, HOOK])
 

@@ -81,6 +81,8 @@ class Compensation:
         once the narrower counts. The rest of `away` it spends returning to its command.
     error : float
         Farthest that it is from its command, m.
+    sudden : bool
+        Whether its command jumps in speed or acceleration: a heave that moves already at t = 0 is answered late.
     """
 
     pay_out: Samples | Constant | FrameLift
@@ -88,6 +90,7 @@ class Compensation:
     away: float
     met: dict[str, float]
     error: float
+    sudden: bool = False
 
 
 def compensate(
@@ -135,6 +138,7 @@ def compensate(
         float(np.mean(away)),
         shares,
         float(np.abs(moved[0] - command.derivatives[0]).max()),
+        bool(command.sudden.any()),
     )
 
 
