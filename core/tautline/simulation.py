@@ -32,7 +32,7 @@ from tautline.integrators.state import (
     new_state,
     oscillation_frequency,
 )
-from tautline.integrators.statics.equilibrium import find_equilibrium
+from tautline.integrators.statics.equilibrium import find_equilibrium, without_number
 from tautline.integrators.statics.relaxation import relax, relax_to_stable
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
@@ -348,9 +348,21 @@ class Run:
             else:
                 found = find_stable_equilibrium(system, self.state, model.step_limit)
         except StoppedEarly as stop:
+            self._refuse_without_number(drawn)
             detail = f"{stop.detail}; or take {self._other_start()}" if stop.detail else ""
             raise StoppedEarly(stop.status, stop.time, stop.part, detail) from None
         self._judge_start(found.negative, found.worst, drawn)
+
+    def _refuse_without_number(self, drawn: np.ndarray) -> None:
+        """Say of a search that failed where the force is no number already as the scene is drawn: nothing else counts."""
+        self.state.q[:] = drawn
+        row = without_number(self.model.system, self.state)
+        if row is not None:
+            detail = (
+                "the force there is no finite number in the scene as it is drawn; look at what acts there, such as a "
+                "force of an extension that divides by zero"
+            )
+            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, self.model.system.names[row], detail) from None
 
     def _relax(self) -> None:
         """Have the scene come to rest. Friction may hold what a frictionless wall or a straight hole would not."""

@@ -143,6 +143,17 @@ def test_a_mistake_in_a_hook_of_an_extension_is_bad_input_and_no_fault_of_the_pr
     assert "'nosuch'" in told and "fault of the program" not in told
 
 
+def test_a_force_that_is_no_number_as_the_scene_is_drawn_is_told_by_its_part_and_not_blamed_on_the_supports(
+    folder, ran
+):
+    installed(folder)
+    text = FILES["wind.py"].replace("-= g.drag[i] * size", "-= g.drag[i] / (size - size) * (size - size)")
+    (folder / "wind.py").write_text(text, encoding="utf8")
+    told = " ".join(ran(folder, "-m", "tautline.cli.main", "simulate", "lamp.yaml", code=3).stderr.split())
+    assert "node 1: rx: no static equilibrium was found" in told
+    assert "the force there is no finite number" in told and "nothing holds" not in told
+
+
 def test_the_application_of_the_page_is_the_one_whose_verbs_are_tested():
     assert FILES["buoy.py"].split("\n", 1)[1] == (ROOT / "tests" / "application" / "buoy.py").read_text("utf8")
 

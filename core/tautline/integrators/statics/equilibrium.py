@@ -118,6 +118,14 @@ def _why(system: System, ended: _Ended, spent: int, loose: bool) -> str:
     return f"{amount}; {cause}; {cure}"
 
 
+def without_number(system: System, state: State) -> int | None:
+    """First row whose residual at rest is not finite where the state is; None if there is none."""
+    residual = np.zeros(system.size)
+    evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, system.spare_factors().matrix, residual)
+    rows = np.flatnonzero(~np.isfinite(residual))
+    return int(rows[0]) if rows.size else None
+
+
 def search_from(system: System, state: State, step_limit: float, shift: float, tolerance: float = 1e-10) -> bool:
     """One search with the mass matrix as a shift, 1/s^2, that fades; whether it found an equilibrium."""
     return _search(system, state, step_limit, tolerance, shift).found
