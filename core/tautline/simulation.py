@@ -354,7 +354,7 @@ class Run:
         self._judge_start(found.negative, found.worst, drawn)
 
     def _refuse_without_number(self, drawn: np.ndarray) -> None:
-        """Say of a search that failed where the force is no number already as the scene is drawn: nothing else counts."""
+        """Say of a search that failed where the force is no number as the scene is drawn: nothing else counts."""
         self.state.q[:] = drawn
         row = without_number(self.model.system, self.state)
         if row is not None:
