@@ -205,7 +205,7 @@ def read_response(path: str | Path, direction: float | None = None) -> Response:
     path : str or Path
         CSV file.
     direction : float, optional
-        Which rows are taken, rad, of a file for several directions.
+        Which rows are taken, rad, of a file for several directions; -90 deg is 270 deg.
 
     Raises
     ------
@@ -326,13 +326,25 @@ def _rows_of_direction(
     directions = np.unique(held[np.isfinite(held)])
     if direction is None and directions.size == 1:
         return everything
-    rows = everything if direction is None else np.flatnonzero(np.abs(held - direction) < 1e-6)
+    rows = everything if direction is None else np.flatnonzero(_same_direction(held, directions, direction))
     if direction is None or not rows.size:
         listed = ", ".join(f"{math.degrees(x):.5g}" for x in directions[:12])
         cause = "none is asked for" if direction is None else f"{math.degrees(direction):.5g} deg is not in the file"
         cure = f"give `direction:` beside `rao:`, one of {listed} deg"
         sheet.problems.append(sheet.problem(sheet.header_line, "direction", None, cause, cure))
     return rows
+
+
+def _same_direction(held: np.ndarray, directions: np.ndarray, asked: float) -> np.ndarray:
+    """Which rows are of the direction asked for, whole turns apart or not.
+
+    Of directions of a file that are the same, such as 0 and 360 deg, one is taken: as it is written, or the first.
+    """
+    turns = (directions - asked) / (2.0 * math.pi)
+    same = directions[np.abs(turns - np.round(turns)) < 1e-6 / (2.0 * math.pi)]
+    if not same.size:
+        return np.zeros(held.size, dtype=bool)
+    return np.abs(held - same[np.argmin(np.abs(same - asked) > 1e-6)]) < 1e-6
 
 
 def _check_frequencies(sheet: Columns, frequency: np.ndarray, order: np.ndarray) -> None:

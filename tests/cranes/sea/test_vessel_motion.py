@@ -262,6 +262,17 @@ def test_a_direction_is_chosen_from_the_file(tmp_path):
         read_response(path, math.radians(45.0))
 
 
+@pytest.mark.parametrize(
+    ("asked", "heave"), [(180, 0.8), (-180, 0.8), (540, 0.8), (0, 1.0), (360, 0.9), (720, 1.0), (-90, 0.6), (270, 0.6)]
+)
+def test_a_direction_may_be_whole_turns_from_that_of_the_file(tmp_path, asked, heave):
+    header = "direction [deg], frequency [rad/s], heave [m/m], heave phase [deg]"
+    held = {0: 1.0, 180: 0.8, 270: 0.6, 360: 0.9}
+    rows = [f"{angle}, {w}, {value}, 0" for angle, value in held.items() for w in (0.2, 4)]
+    response = read_response(table(tmp_path, header, rows), math.radians(asked))
+    assert np.allclose(response.amplitude["heave"], [heave, heave])
+
+
 PLAIN = "frequency [rad/s], heave [m/m], heave phase [deg]"
 FAULTY_TABLES = {
     "no unit of frequency": (PLAIN.replace(" [rad/s]", ""), ["0.2, 1, 0", "4, 1, 0"], 1, "rad/s or Hz?"),
