@@ -63,6 +63,7 @@ def test_crossings_blocks_and_rainflow_cycles_are_those_of_all_frames(both):
     crossings = ((tension[:-1] < mean) & (tension[1:] >= mean)).sum(axis=0)
     assert crossings.min() > 3
     assert np.array_equal(kept["tension_crossings"], crossings)
+    assert "time of the statistics over the number of up-crossings" in kept.data["tension_period"].attrs["long_name"]
     assert kept["tension_period"] == pytest.approx((time[-1] - time[0]) / crossings)
     assert kept["block"] == pytest.approx([6.0, 16.0, 26.0])
     for k, begin in enumerate(kept["block"]):

@@ -44,7 +44,7 @@ def leads(e: np.ndarray, axis: np.ndarray, gravity: Sequence[float]) -> tuple[np
     Returns
     -------
     offlead, sidelead : (m,) arrays
-        rad; positive outwards, along plumb crossed by the axis, and along the axis.
+        rad; positive along the axis crossed with plumb (down), and along the axis.
     """
     down, across = _down(gravity), across_plumb(axis, gravity)
     across = across / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), UPRIGHT)

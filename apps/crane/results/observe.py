@@ -64,8 +64,12 @@ def variables(observer: Observer) -> list[Variable]:
         Variable("drum_fleet_angle", drum, "rad", "angle of rope and drum plane"),
     ]
     of_hook = [
-        Variable("offlead", time, "rad", "angle of the hook's rope from plumb, in the plane of its wheel"),
-        Variable("sidelead", time, "rad", "angle of the hook's rope from plumb, out of the plane of its wheel"),
+        Variable(
+            "offlead", time, "rad", "angle of the hook's rope from plumb, in its wheel's plane, along axis x gravity"
+        ),
+        Variable(
+            "sidelead", time, "rad", "angle of the hook's rope from plumb, out of its wheel's plane, along the axis"
+        ),
     ]
     return [
         Variable("position", (*node, "axis"), "m", "position"),

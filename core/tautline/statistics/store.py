@@ -267,7 +267,12 @@ class StatisticsStore(Store):
         period = np.where(counts > 0, moments.span / np.maximum(counts, 1), 0.0)
         made: dict[str, Any] = {
             f"{name}_crossings": (dims, counts.reshape(shape), "", f"up-crossings of the mean, {text}"),
-            f"{name}_period": (dims, period.reshape(shape), "s", f"mean zero-up-crossing period, 0 if none, {text}"),
+            f"{name}_period": (
+                dims,
+                period.reshape(shape),
+                "s",
+                f"time of the statistics over the number of up-crossings of the mean, 0 if none, {text}",
+            ),
         }
         if blocks.whole:
             low, high = blocks.extremes(n)
