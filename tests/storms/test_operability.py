@@ -309,6 +309,42 @@ def test_what_cannot_be_is_refused_before_anything_is_written(command, scene, tm
     assert not folder.exists()
 
 
+@pytest.mark.parametrize(
+    "more",
+    [
+        ("--limit", "max_tension < 60 kN", "--seeds", "1"),
+        ("--limit", "max_tensoin < 60 kN"),
+        ("--limit", "max_tension < 60 m"),
+        ("--limit", "max_tension < 60 kN", "--simulate", "40 s"),
+    ],
+)
+def test_a_refusal_comes_before_all_that_reads_as_a_start(command, scene, tmp_path, more):
+    loud = [word for word in SMALL if word != "--quiet"]
+    code, _, told = command("operability", scene.document.path, *loud, *more, "-o", tmp_path / "storms")
+    assert code == 2
+    assert "sea states" not in told and "note:" not in told and "warning:" not in told
+
+
+def test_a_folder_that_holds_other_files_is_refused_before_all_that_reads_as_a_start(command, scene, tmp_path):
+    limit = ("--limit", "max_tension < 60 kN", "-o", tmp_path / "storms")
+    loud = [word for word in SMALL if word != "--quiet"]
+    (tmp_path / "storms").mkdir()
+    (tmp_path / "storms" / "letter.txt").write_text("of somebody")
+    code, _, told = command("operability", scene.document.path, *loud, *limit)
+    assert code == 2 and "holds other files" in " ".join(told.split()) and "sea states" not in told
+
+
+def test_seas_that_are_all_too_steep_are_refused_by_the_limit_of_steepness_and_not_by_the_seeds(
+    command, scene, tmp_path
+):
+    sea = ("--hs", "8", "--tp", "4", "--seeds", "1", "--limit", "max_tension < 60 kN")
+    code, _, told = command("operability", scene.document.path, *SMALL, *sea, "-o", tmp_path / "storms")
+    told = " ".join(told.split())
+    assert code == 2 and "--seeds" not in told
+    assert f"waves of Tp 4 s are {highest(4.0):.3g} m high at most".lower() in told.lower()
+    assert "the lowest asked for are 8 m" in told and "longer periods" in told
+
+
 def test_a_scene_without_a_sea_is_refused(application, scene):
     still = scene.replace({"vessel.motion.heave": {"harmonic": {"amplitude": 0.5, "period": 8}}})
     with pytest.raises(SceneError, match="has no sea"):

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from crane.operability.allowable import Table, tabulate
-from crane.operability.conditions import Condition, SeaKeys, cases_of, sea_keys, sea_notes
+from crane.operability.conditions import Condition, SeaKeys, cases_of, highest, sea_keys, sea_notes
 from crane.operability.criteria import Criterion, lasting_notes, limits_of_scene, none_given, notes_on, read_criteria
 from crane.operability.scatter import COLLECTED, Fatigue, Scatter, fatigue_over, not_covered
 from crane.results.summary import JOINED, NOTHING, OF_TURNS
@@ -83,8 +83,14 @@ def operability(
     progress: Callable[[int, int], None] | None = None,
     announce: Callable[[int], None] | None = None,
     say: Callable[[str], None] | None = None,
+    begin: Callable[[], None] | None = None,
 ) -> Found:
     """Run storms over sea states and seeds, and find what is allowed.
+
+    Parameters
+    ----------
+    begin : callable, optional
+        Called before the first storm, when nothing can be refused any more.
 
     Raises
     ------
@@ -96,14 +102,12 @@ def operability(
 
     keys = sea_keys(scene, any(one.heading is not None for one in asked.conditions))
     texts = [*asked.limits, *limits_of_scene(scene)]
+    _check_steepness(asked.conditions)
     _check(asked, texts)
     _check_ramps(keys, scene, asked.lead)
     vary = cases_of(asked.conditions, asked.seeds, keys)
-    if not vary:
-        cause = "no sea state of these heights and periods is physical: all are steeper than waves can be"
-        raise option_error("--hs", "", cause, "give lower waves or longer periods")
     first = {key: values[0] for key, values in vary.items()}
-    figures, outputs = _found_by(application, scene.replace(first, origin="--hs, --tp, --heading, --seeds"))
+    figures, outputs = _found_by(application, scene.replace(first, origin="--hs, --tp, --heading, --seeds"), announce)
     if asked.constant is not None and scene.rope.breaking_load is None:
         cause = "needs the breaking load of the rope, which the scene does not give"
         raise option_error("--sn-constant", f"{asked.constant:g}", cause, "give rope.breaking_load")
@@ -119,11 +123,16 @@ def operability(
     notes = sea_notes(storm.replace(first), keys) + scale_notes(asked) + notes_on(criteria, not storm.output.statistics)
     notes += lasting_notes(scene)
     read = read_sweep({"scene": "scene", "vary": vary, "plan": "zip", "collect": collect})
-    for note in notes:
-        (say or (lambda text: None))(f"note: {note}")
+
+    def begun() -> None:
+        if begin is not None:
+            begin()
+        for note in notes:
+            (say or (lambda text: None))(f"note: {note}")
+
     outcome = run_sweep(
         read, application, storm, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=progress,
-        announce=announce, say=say,
+        announce=announce, say=say, begin=begun,
     )  # fmt: skip
     found = Found(outcome, criteria, notes=notes)
     if outcome.interrupted or not outcome.done:
@@ -199,6 +208,19 @@ def _check_ramps(keys: SeaKeys, scene: Any, lead: float) -> None:
             raise option_error("--lead-in", f"{lead:g} s", cause, f"give --lead-in {sea.ramp:g}s or more")
 
 
+def _check_steepness(conditions: Sequence[Condition]) -> None:
+    """Refuse seas of which none is physical: there is nothing to run."""
+    if any(one.physical for one in conditions):
+        return
+    lowest, longest = min(one.height for one in conditions), max(one.period for one in conditions)
+    most = highest(longest)
+    cause = (
+        f"no sea state of these heights and periods is physical: all are steeper than waves can be. Waves of Tp "
+        f"{longest:g} s are {most:.3g} m high at most (DNV-RP-C205, 3.5.4), and the lowest asked for are {lowest:g} m"
+    )
+    raise option_error("--hs", "", cause, "give lower waves or longer periods")
+
+
 def _check(asked: Asked, limits: Sequence[str]) -> None:
     if len(asked.seeds) < FEWEST and limits:
         cure = f"give {FEWEST} at least; 10 give an interval of use"
@@ -208,7 +230,9 @@ def _check(asked: Asked, limits: Sequence[str]) -> None:
         raise option_error("--simulate", f"{asked.simulated:g} s", f"is longer than {asked.duration:g} s", cure)
 
 
-def _found_by(application: Any, scene: Any) -> tuple[dict[str, str], Mapping[str, Any]]:
+def _found_by(
+    application: Any, scene: Any, announce: Callable[[int], None] | None
+) -> tuple[dict[str, str], Mapping[str, Any]]:
     """Figures that a run of the scene finds, with their units, and its outputs; by a run of a moment."""
     from tautline.live.simulation import handles_of
     from tautline.simulation import simulate
@@ -216,7 +240,7 @@ def _found_by(application: Any, scene: Any) -> tuple[dict[str, str], Mapping[str
     interval = min(float(scene.output.interval), 0.1 * PROBE)
     short = scene.replace({"solver.end": PROBE, "output": {"interval": interval}})
     model = application.build(short)
-    result = simulate(model)
+    result = simulate(model, announce=announce)
     figures = {name: str(one.get("unit") or "") for name, one in result.headline.items()}
     sometimes = {name: unit for name, unit in model.figure_units.items() if name in NOTHING}
     return {**sometimes, **figures}, handles_of(model).outputs

@@ -110,13 +110,18 @@ def operability(
     whole = asked
     asked = occurring(asked, read)
     folder = output or Path(f"{scene.stem}-operability")
-    if not quiet:
-        print_warnings(application.warnings(read))
-        _introduce(asked, len(whole.conditions) - len(asked.conditions))
+    told = [] if quiet else application.warnings(read)
+
+    def begin() -> None:
+        # What cannot be is refused first: before that nothing should read as a start.
+        if not quiet:
+            print_warnings(told)
+            _introduce(asked, len(whole.conditions) - len(asked.conditions))
+
     with Counter("storms", shown=not quiet) as bar:
         found = run(
             application, read, asked, jobs=jobs, dask=dask, folder=folder, resume=resume, progress=bar,
-            announce=compiling, say=(lambda text: None) if quiet else say,
+            announce=compiling, say=(lambda text: None) if quiet else say, begin=begin,
         )  # fmt: skip
     _report(scene, read, asked, found, folder, as_json, quiet, output is not None)
 

@@ -192,6 +192,7 @@ def run_sweep(
     progress: Progress | None = None,
     announce: Callable[[int], None] | None = None,
     say: Callable[[str], None] | None = None,
+    begin: Callable[[], None] | None = None,
 ) -> Outcome:
     """Run a sweep that was read.
 
@@ -201,10 +202,14 @@ def run_sweep(
         Called before kernels are compiled, with their number.
     say : callable, optional
         Called with what the user should know: who runs the cases.
+    begin : callable, optional
+        Called before the first case, when nothing of it can be refused any more.
     """
     one = _Sweep(read, application, scene, jobs, dask, folder, resume)
     say = say or (lambda text: None)
     one.check(announce, say)
+    if begin is not None:
+        begin()
     return one.run(progress or (lambda done, all: None), say)
 
 
