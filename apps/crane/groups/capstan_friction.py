@@ -233,4 +233,5 @@ def _record(g, out, at):
 register(
     Slips, friction=True, begin=_begin, switch=_switch, residual=_residual, tangent=_tangent, energy=_energy,
     dissipation=_dissipation, commit=_commit, record=_record,
+    feels=lambda slips: bool((slips.rows["kind"] != TORQUE).any()),  # friction goes by the tensions at a sheave
 )  # fmt: skip

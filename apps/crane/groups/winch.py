@@ -251,6 +251,7 @@ def _drum_record(g, out, at):
 register(
     Drums, residual=_drum_residual, mass=_drum_mass, tangent=_drum_tangent, energy=_drum_energy,
     supply=_drum_supply, commit=_drum_commit, record=_drum_record,
+    feels=lambda drums: bool(drums.rows["holds"].any()),  # the tension at a drum has what accelerates the rope in it
 )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from tautline.integrators.stepping import Stepping, add, turned_by
 from tautline.kernels import groups as over
 from tautline.kernels.dofs import Dofs, expand, prescribe, reduce
 from tautline.kernels.factors.band import NARROW
-from tautline.kernels.groups import has_constant_mass
+from tautline.kernels.groups import feel_acceleration, has_constant_mass
 from tautline.kernels.jit import entry, kernel, stands_for
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix
 from tautline.kernels.teaching import is_array
@@ -37,7 +37,8 @@ class Explicit(NamedTuple):
 
     ``mass`` is (n,) where the mass matrix is diagonal, else its factors.
     ``constant`` says whether the mass matrix stays what it is, and ``made`` (1,) whether its factors are there;
-    ``driven`` whether anything is moved, and ``coupled`` whether the mass couples that to what is free. The mass matrix
+    ``driven`` whether anything is moved, and ``coupled`` whether the mass couples that to what is free; ``felt``
+    whether forces depend on accelerations otherwise than by the mass. The mass matrix
     has its own order of the unknowns, ``dofs`` and ``order``: see `tautline.system.system.MassNumbering`.
     ``projection`` are the factors of (B, G^T; G, 0) that put a step back onto the constraints ``stabilise`` times, B
     being the unit matrix (eq. 2.128), or empty where B = M (eq. 2.127); ``algebraic`` lists the multipliers.
@@ -51,6 +52,7 @@ class Explicit(NamedTuple):
     at: np.ndarray
     coupled: int
     driven: int
+    felt: int
     projection: Factors
     stabilise: int
     algebraic: np.ndarray
@@ -76,6 +78,7 @@ def new_scratch(kind: type[Explicit], system: System, settings: SolverSettings) 
     return kind(
         np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), int(has_constant_mass(system.groups)),
         np.zeros((2, n)), np.zeros(2), np.zeros(2, np.int64), int(system.mass_couples_held and driven), driven,
+        int(feel_acceleration(system.groups)),
         factors, int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
         by_mass.dofs, by_mass.order,
     )  # fmt: skip
@@ -171,14 +174,18 @@ def _make_factors(mass, groups, dofs, q):
 def accelerate(method, groups, dofs, t, state):
     """Set the acceleration at time t from position and velocity, what is held being where it is then: M a = F.
 
-    The full accelerations are those of what is held, as :func:`expand_held` makes them.
+    The full accelerations are those of what is held, as :func:`expand_held` makes them. Where forces depend on
+    accelerations, such as the friction of a heavy rope, whose tension is also what accelerates it, they are those of
+    the stage before: of the small share that is felt so, what the acceleration changes in a part of a step is left out.
     """
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
     residual, x = state.residual, method.change
     for i in range(residual.size):
         residual[i] = 0.0
-    if method.driven:
+    if method.felt:
+        expand(dofs, state.a, state.full_a)
+    if method.felt or method.driven:
         over.residual(groups, t, state.full_q, state.full_v, state.full_a, residual)
     else:
         over.force(groups, t, state.full_q, state.full_v, state.full_a, residual)
@@ -191,7 +198,8 @@ def accelerate(method, groups, dofs, t, state):
         method.made[0] = 1.0
     solve_with(method.mass, x)
     for i in range(x.size):
-        state.a[method.order[i]] = -x[i]
+        k = method.order[i]
+        state.a[k] = (state.a[k] if method.felt else 0.0) - x[i]
     return DONE
 
 

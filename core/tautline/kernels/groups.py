@@ -96,6 +96,10 @@ CONSTANT_MASS: set[type] = set()
 """Kinds whose mass matrix does not depend on positions."""
 FRICTION: set[type] = set()
 """Kinds whose damping is friction: its force is bounded, however steep it is where it turns."""
+Feels = Callable[[Any], bool]
+"""What says of a group whether its forces depend on accelerations otherwise than by its mass."""
+FEELS: dict[type, Feels] = {}
+"""Kinds of which that may be so."""
 Keeper = Callable[[Any], str]
 """What says of a group what moves on with a run and is no unknown."""
 MEMORY: dict[type, Keeper] = {}
@@ -144,6 +148,7 @@ def register(
     constant_mass: bool = False,
     friction: bool = False,
     memory: Keeper | None = None,
+    feels: Feels | None = None,
     **hooks: Kernel,
 ) -> None:
     """Register the kernels of a kind of group.
@@ -159,6 +164,9 @@ def register(
     memory : callable or None
         Takes a group, and says what of it moves on with a run and is no unknown, such as the bottom of a hole; empty
         where nothing does.
+    feels : callable or None
+        Takes a group, and says whether its forces depend on accelerations otherwise than by its mass, as friction does
+        that goes by a force which accelerates something.
     **hooks
         A compiled kernel for each hook that the kind offers.
 
@@ -179,6 +187,8 @@ def register(
         FRICTION.add(kind)
     if memory is not None:
         MEMORY[kind] = memory
+    if feels is not None:
+        FEELS[kind] = feels
 
 
 def _check_arguments(kind: type, name: str, hook: Kernel) -> None:
@@ -280,6 +290,11 @@ def without_friction(groups: tuple[Any, ...]) -> tuple[Any, ...]:
 def offers(groups: tuple[Any, ...], hook: str) -> bool:
     """Whether any of the groups has a kernel for this hook."""
     return any(hook in KINDS[type(g)] for g in (groups.groups if isinstance(groups, Members) else groups))
+
+
+def feel_acceleration(groups: tuple[Any, ...]) -> bool:
+    """Whether forces of any of the groups depend on accelerations otherwise than by their mass."""
+    return any(type(g) in FEELS and FEELS[type(g)](g) for g in groups)
 
 
 def has_constant_mass(groups: tuple[Any, ...]) -> bool:
