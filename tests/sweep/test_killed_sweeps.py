@@ -89,6 +89,17 @@ def test_a_sweep_that_is_not_finished_is_not_lost_by_mistake(tmp_path):
     assert len(lines_of(out)) == 7
 
 
+@pytest.mark.parametrize("line", ["{}", "[]", "7", '{"case": "one"}', '{"case": 3, "status": "done", "more": 1}'])
+def test_a_journal_with_a_line_that_no_sweep_writes_is_damaged_and_stays(tmp_path, line):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / NAME).write_text(line + "\n")
+    for resume in (False, True):
+        with pytest.raises(ResultError, match="is damaged: line 1 is none of a sweep"):
+            run(out, resume=resume)
+    assert (out / NAME).read_text() == line + "\n"
+
+
 def test_another_sweep_cannot_go_on_in_its_place(tmp_path):
     out = tmp_path / "out"
     run(out)

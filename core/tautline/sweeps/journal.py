@@ -11,7 +11,7 @@ import json
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import IO, Any
 
@@ -161,6 +161,7 @@ class Journal:
         self._lock.give_back()
 
 
+ROW = {one.name for one in fields(Row)}
 OWN = (f".{NAME}.lock", NAME)
 """Files of ours that a folder without a journal may hold."""
 
@@ -169,12 +170,24 @@ def _lines(path: Path) -> Iterator[dict[str, Any]]:
     """Whole lines of a journal."""
     try:
         with path.open("rb") as file:
-            for text in file:
+            for number, text in enumerate(file, start=1):
                 if not text.endswith(b"\n"):
                     return
-                yield json.loads(text)
+                line = json.loads(text)
+                if not _is_line(line):
+                    raise ValueError(f"line {number} is none of a sweep")
+                yield line
     except (ValueError, OSError) as error:
         raise ResultError(path, f"is damaged: {error}", "name another folder with -o") from None
+
+
+def _is_line(line: Any) -> bool:
+    """Whether a line is one that a journal writes: its head, what its columns are, or a row."""
+    if not isinstance(line, dict):
+        return False
+    if "format" in line or isinstance(line.get("columns"), dict):
+        return True
+    return isinstance(line.get("case"), int) and line.keys() <= ROW and "status" in line
 
 
 def _cut(path: Path) -> None:
