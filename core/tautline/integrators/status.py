@@ -74,7 +74,8 @@ SENTENCES = {
     ),
     Status.IMBALANCE: (
         "the run went to its end, but its energy does not balance: what it shows is not what the equations say; take "
-        "a smaller step (or control: error), and finer elements where they fold"
+        "a smaller step (or control: error), and finer elements where they fold. Where no step helps, a law gives back "
+        "what it has taken, as a bit with blades does that has stuck"
     ),
     Status.NO_EQUILIBRIUM: "no static equilibrium was found to start from",
 }
