@@ -134,6 +134,22 @@ def test_an_operation_does_not_replace_the_result_of_another_one(rehearsal, here
     assert (tmp_path / "tw.nc").read_bytes() == before
 
 
+@pytest.mark.parametrize("option", ["--state", "--account"])
+def test_two_twins_do_not_keep_their_state_or_account_in_one_file(rehearsal, here, tmp_path, option):
+    from tautline.results.disk import Lock
+
+    other = Lock(tmp_path / "one")
+    assert other.take() is None
+    arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--source", rehearsal / "r.csv"]
+    try:
+        code, _, told = here(*arguments, option, tmp_path / "one")
+    finally:
+        other.give_back()
+    assert code == 2 and "is writing there" in told and option in told
+    assert here(*arguments, "--state", tmp_path / "none" / "one")[0] == 2
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_interruption_within_a_step_ends_a_twin_as_one_between_rows(rehearsal, here, tmp_path, monkeypatch):
     from tautline.integrators.status import Interrupted
     from tautline.twin.twin import Twin

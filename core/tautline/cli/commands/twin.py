@@ -8,7 +8,8 @@ import logging
 import math
 import time as clock
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
+    from tautline.twin.map import TwinMap
     from tautline.twin.sources.record import Source
     from tautline.twin.twin import Twin
 
@@ -51,19 +53,29 @@ def twin(
     SceneError, ResultError
         For bad input; nothing is written then.
     """
-    from tautline.integrators.status import Interrupted, StoppedEarly
     from tautline.twin.map import read_map
-    from tautline.twin.series import Series
-    from tautline.twin.sources.opening import open_source
-    from tautline.twin.sources.stamps import stamp_said
-    from tautline.twin.storage import load
-    from tautline.twin.twin import Twin
 
     scene = changed(catalogue.read(path)[1], changes)
     if not map.exists():
         raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
     read = read_map(map)
     hush()
+    with _alone({"--state": state, "--account": account}):
+        _run(scene, read, path, source, output, speed, resume, state, account, serve, as_json, quiet)
+
+
+def _run(
+    scene: Any, read: TwinMap, path: Path, source: str, output: Path | None, speed: float | None,
+    resume: Path | None, state: Path | None, account: Path | None, serve: str | None, as_json: bool, quiet: bool,
+) -> None:  # fmt: skip
+    """Run a scene beside the machine whose sensors the map tells of."""
+    from tautline.integrators.status import Interrupted, StoppedEarly
+    from tautline.twin.series import Series
+    from tautline.twin.sources.opening import open_source
+    from tautline.twin.sources.stamps import stamp_said
+    from tautline.twin.storage import load
+    from tautline.twin.twin import Twin
+
     units = {one.column: one.unit for one in read.sensors}
     opened = open_source(source, list(units), time=read.time, speed=speed, units=units)
     try:
@@ -83,6 +95,38 @@ def twin(
         raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
     finally:
         opened.close()
+
+
+@contextmanager
+def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
+    """See that no other twin writes the same files meanwhile, by option; each would undo what the other has counted.
+
+    Raises
+    ------
+    ResultError
+        Where another one does, and where there is no such folder.
+    """
+    from tautline.results.disk import Lock
+    from tautline.results.errors import ResultError
+    from tautline.results.target import check_folder
+
+    locks: list[Lock] = []
+    try:
+        for option, path in files.items():
+            if path is None:
+                continue
+            check_folder(path)
+            lock = Lock(path)
+            writer = lock.take()
+            if writer is not None:
+                who = f"process {writer}" if writer else "another process"
+                cure = f"wait until it has ended, or name another with {option}"
+                raise ResultError(path, f"{who} is writing there", cure)
+            locks.append(lock)
+        yield
+    finally:
+        for lock in locks:
+            lock.give_back()
 
 
 def hush() -> None:
