@@ -126,6 +126,11 @@ MUTANTS = (
         "stage that goes a whole step ahead", ("order/test_order.py",),
     ),
     Mutant(
+        "core/tautline/integrators/explicit.py", "accelerate", "state.a[k] if method.felt else 0.0", "0.0",
+        "accelerations that are felt, not those that they are improved from",
+        ("physics/lifting/test_crane_closed_forms.py",), plain=False,
+    ),
+    Mutant(
         "core/tautline/lumped/generated.py", "body_residual", "-c10*c11 -", "-m*sd*c11 -",
         "factor 2 of the Coriolis force of Kane's string", ("kernels/strings/test_string_groups.py",),
     ),
