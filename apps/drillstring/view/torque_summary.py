@@ -32,6 +32,8 @@ SHORT = {
 TORQUES = {"rotating": "torque", "reaming_up": "torque_up", "reaming_down": "torque_down"}
 """What the torque of a motion is called."""
 MOST_SENTENCES = 8
+FEW_LINKS, COARSE = 40, 0.02
+"""Links below which, and share of the hook load from which on, a mesh is said to be coarse."""
 NO_STROKE = 1e-6
 """Stroke, m, below which no friction holds the bit."""
 
@@ -154,6 +156,7 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
     if fitted is not None and fitted.out_of_reach:
         text = "the friction factor is the largest that is tried: the loads are out of its reach"
         found.append((f"{text}; check the loads, top.weight, mud and string", "yellow"))
+    found += [(text, "yellow") for text in _coarse(points, system)]
     warned = [(text, "yellow") for point in points for text in _warnings(point, points, system)]
     found += warned[:MOST_SENTENCES]
     if len(warned) > MOST_SENTENCES:
@@ -175,6 +178,24 @@ def sentences(cases: list[Case], fitted: Fit | None, system: str = "si", block: 
         )
         found.append((text, "green" if least.overpull.margin > 0.0 else "red"))
     return found
+
+
+def _coarse(points: list[Point], system: str) -> list[str]:
+    """Whether so few links are too few: a lump touches the wall for half a link on either side, the first for half."""
+    few = [point for point in points if point.model == LUMPED and point.link_depth.size < FEW_LINKS]
+    off = [
+        (abs(point.hook_load(way) - point.soft[way].hook_load) / abs(point.soft["pick_up"].hook_load), point)
+        for point in few
+        for way in ("pick_up", "slack_off")
+        if np.isfinite([point.hook_load(way), point.soft[way].hook_load]).all() and point.soft["pick_up"].hook_load
+    ]
+    share, worst = max(off, key=lambda pair: pair[0], default=(0.0, None))
+    if worst is None or share < COARSE:
+        return []
+    few_are = f"{worst.link_depth.size} links are few, and the hook load is {100.0 * share:.0f} % off"
+    return [
+        f"{_head(worst, points, system)}: {few_are} that of the soft string; give more with --elements, such as 100"
+    ]
 
 
 def _of(point: Point, points: list[Point]) -> str:

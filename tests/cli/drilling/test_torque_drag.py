@@ -20,9 +20,33 @@ DATA = Path(__file__).parents[3] / "data"
 JWELL = (DATA / "jwell.yaml").read_text(encoding="utf8")
 KEYS = {"friction", "depth", "pick_up", "slack_off", "rotating", "torque", "buckling"}
 """Keys that other programs read: part of the contract of `--json`."""
+SLANT = """
+well:
+  inclination: 60 deg
+  azimuth: 200 deg
+  sections: [{hold: 3000 m}]
+  diameter: 8.5 in
+  wall: {stiffness: 1.0e9, damping: 5.0e6, friction: 0.3}
+string: [{name: dp, length: rest, od: 5 in, id: 4.276 in, mass_per_length: 33}]
+material: {youngs_modulus: 206 GPa, shear_modulus: 79 GPa, density: 7850}
+mud: {density: 1500}
+damping: {structural: 20 ms}
+model: {elements: 40}
+solver: {step: 10 ms, end: 1}
+output: {interval: 0.1}
+"""
 FEW = ("--elements", "20")
 COARSE = ("--elements", "10")
 """Enough for what is compared with nothing but other results of the same mesh."""
+
+
+def test_so_few_links_that_the_hook_load_is_off_are_told(folder, capsys):
+    (folder / "slant.yaml").write_text(SLANT)
+    here = commands_of(Drillstring(), capsys)
+    for elements, told in (("2", True), ("40", False)):
+        code, _, err = here("torque-drag", "slant.yaml", "--elements", elements)
+        assert code == 0
+        assert ("2 links are few" in " ".join(err.split())) == told
 
 
 @pytest.fixture
