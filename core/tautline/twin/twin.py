@@ -289,8 +289,7 @@ class Twin:
         for m, i in enumerate(numbers):
             spread = abs(J[m]) @ horizon.deviation if horizon.unknowns else 0.0
             if (use[m] or health[i].fault == "unit") and tells[m]:
-                could_be = self.estimate.could_be(told[m], J[m])
-                good = health[i].compare(time, y[m], told[m], sd[m] + spread, settled and use[m], could_be)
+                good = health[i].compare(time, y[m], told[m], sd[m] + spread, settled and use[m])
                 use[m] = use[m] and (good or self.estimate.explains(told[m], y[m], J[m]))
         return use
 

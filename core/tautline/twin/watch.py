@@ -77,12 +77,7 @@ class Watch:
 
     def judge(self, row: Compared) -> None:
         """Judge all alarms."""
-        # A value in another unit is no overload.
-        measured = {
-            one.name: np.nan if self.health[i].suspect else row.values[i]
-            for i, one in enumerate(self.plan.channels)
-            if one.is_output
-        }
+        measured = {one.name: row.values[i] for i, one in enumerate(self.plan.channels) if one.is_output}
         order = [one.name for one in self.plan.measured]
         for one in self.plan.alarms:
             if one.is_residual:

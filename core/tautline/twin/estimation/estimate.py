@@ -34,8 +34,6 @@ CAUGHT_UP_FROM_REST = 12
 """The same of a window that reaches back to where the machine was at rest."""
 USUAL = 10.0
 """Usual size of a free motion, in blows."""
-FEW_SWING_MORE = 3.0
-"""Size of a free motion, in its deviations at the start, that is not to be expected."""
 WORSE, NOISE = 1.5, 1.0
 """A window gone through anew is taken if what it leaves unexplained is at most so many times what was left before, and
 so much more, in variances of the sensor."""
@@ -247,22 +245,14 @@ class Estimate:
 
     def explains(self, told: float, y: float, J: np.ndarray) -> bool:
         """Whether the unknowns could explain a value within their ranges, before they are known."""
-        could_be = self.could_be(told, J)
-        return could_be is not None and could_be[0] <= y <= could_be[1]
-
-    def could_be(self, told: float, J: np.ndarray) -> tuple[float, float] | None:
-        """Smallest and largest value that the unknowns explain within their ranges; None once they are known."""
         if self.converged or not self.plan.unknowns:
-            return None
+            return False
         h = self.horizon
-        # Free motions have no range: so large are few of them.
-        least_of = np.where(h.free, -FEW_SWING_MORE * h.first_sd, h.low)
-        most_of = np.where(h.free, FEW_SWING_MORE * h.first_sd, h.high)
-        low = np.where(J > 0, least_of, most_of) - h.mean
-        high = np.where(J > 0, most_of, least_of) - h.mean
+        low = np.where(J > 0, h.low, h.high) - h.mean
+        high = np.where(J > 0, h.high, h.low) - h.mean
         with np.errstate(invalid="ignore"):
             least, most = np.nansum(J * low), np.nansum(J * high)
-        return float(told + least), float(told + most)
+        return bool(told + least <= y <= told + most)
 
     def outputs(self, read: Mapping[str, np.ndarray]) -> dict[str, Any]:
         """Outputs at the estimate: name -> (value, standard deviation)."""

@@ -144,25 +144,17 @@ class Health:
         noise = np.median(np.abs(np.diff(before, 5))) / FIFTH
         return bool(noise > max(NOISY * np.median(np.abs(np.diff(before))), ROUNDING * self._largest))
 
-    @property
-    def suspect(self) -> bool:
-        """Whether the last value may be in another unit; a fault once that has lasted."""
-        return self._ten > 0
-
-    def compare(
-        self, time: float, measured: float, computed: float, sd: float, settled: bool,
-        could_be: tuple[float, float] | None = None,
-    ) -> bool:  # fmt: skip
-        """Compare with what is computed; False where the measured value is in another unit.
-
-        ``could_be`` are the smallest and the largest value that may be computed as long as the unknowns are not known.
-        """
+    def compare(self, time: float, measured: float, computed: float, sd: float, settled: bool) -> bool:
+        """Compare with what is computed; False where the measured value is in another unit."""
         self.sd = sd
         small = max(6.0 * sd, 1e-12)
-        slip = None if could_be is None else _slip_into(measured, *could_be)
-        if not np.isfinite(measured) or (slip is None and abs(computed) < small):
+        if not np.isfinite(measured) or abs(computed) < small:
             return self.fault != "unit"
-        slip = slip or _slip_of(measured / computed)
+        ratio = measured / computed
+        slip = None
+        for times, (low, high) in ((10.0, TEN), (1000.0, THOUSAND)):
+            if low < ratio < high or low < 1.0 / ratio < high if ratio else False:
+                slip = times if ratio > 1.0 else 1.0 / times
         if slip is not None:
             self._ten += 1
             if self._ten >= SAME:
@@ -203,18 +195,3 @@ class Health:
         self._values.extend(memory["values"])
         self._changes.extend(memory["changes"])
         self.mean, self.weight, self._before = memory["mean"], memory["weight"], memory["before"]
-
-
-def _slip_of(ratio: float) -> float | None:
-    """By how many times a unit is off, from the ratio of measured and computed value; None where it is not."""
-    for times, (low, high) in ((10.0, TEN), (1000.0, THOUSAND)):
-        if ratio and (low < ratio < high or low < 1.0 / ratio < high):
-            return times if ratio > 1.0 else 1.0 / times
-    return None
-
-
-def _slip_into(measured: float, low: float, high: float) -> float | None:
-    """By how many times a unit is off where a value cannot be as it is, and could be in another unit; else None."""
-    if low <= measured <= high:
-        return None
-    return next((times for times in (1000.0, 10.0, 0.1, 0.001) if low <= measured / times <= high), None)
