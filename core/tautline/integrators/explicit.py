@@ -22,7 +22,7 @@ from tautline.kernels.jit import entry, kernel, stands_for
 from tautline.kernels.matrix import Factors, add_at, clear, factorise_matrix, new_factors, solve_inside, solve_matrix
 from tautline.kernels.teaching import is_array
 from tautline.system.model import SolverSettings
-from tautline.system.system import System, number_by_mass
+from tautline.system.system import MassNumbering, System, number_by_mass
 
 UNSTABLE = int(Status.UNSTABLE)
 BEFORE = 1.0 - 1.0e-9
@@ -64,7 +64,9 @@ class Explicit(NamedTuple):
 def new_scratch(kind: type[Explicit], system: System, settings: SolverSettings) -> Any:
     """Make the scratch of an explicit method for a system; ``kind`` is its class."""
     projection, stabilise = settings.projection, settings.stabilise
-    n, by_mass = system.size, number_by_mass(system)
+    # With multipliers the mass matrix has rows of another kind, and nothing but masses is solved for.
+    felt = feel_acceleration(system.groups) and system.algebraic.size == 0
+    n, by_mass = system.size, _as_it_is(system) if felt else number_by_mass(system)
     driven = int(system.dofs.driven.size > 0)
     diagonal = by_mass.bandwidth == 0 and by_mass.border == 0
     # Fewer diagonals than the narrow kernel takes would only be slower.
@@ -76,12 +78,18 @@ def new_scratch(kind: type[Explicit], system: System, settings: SolverSettings) 
         _write_projection(system.link(("constraint_mass",)), by_mass.dofs, system.q, factors.matrix, algebraic)
         factorise_matrix(factors)
     return kind(
-        np.zeros(n) if diagonal else new_factors(*size), np.zeros(1), int(has_constant_mass(system.groups)),
+        np.zeros(n) if diagonal and not felt else new_factors(*size), np.zeros(1),
+        int(has_constant_mass(system.groups)),
         np.zeros((2, n)), np.zeros(2), np.zeros(2, np.int64), int(system.mass_couples_held and driven), driven,
-        int(feel_acceleration(system.groups)),
+        int(felt),
         factors, int(stabilise) if system.algebraic.size and projection != "none" else 0, system.algebraic, np.zeros(n),
         by_mass.dofs, by_mass.order,
     )  # fmt: skip
+
+
+def _as_it_is(system: System) -> MassNumbering:
+    """The system's own order of its unknowns: what is felt couples more of them than masses do."""
+    return MassNumbering(system.dofs, np.arange(system.size), system.bandwidth, system.border)
 
 
 @entry
@@ -170,13 +178,38 @@ def _make_factors(mass, groups, dofs, q):
     return factorise_matrix(mass)
 
 
+def make_felt(mass, groups, dofs, t, state):
+    """Make the derivative of the residual by accelerations, and its factors; returns 0 or the row without a pivot."""
+    return 0 if isinstance(mass, np.ndarray) else _make_felt(mass, groups, dofs, t, state)
+
+
+@stands_for(make_felt)
+def _make_felt_or_nothing(mass, groups, dofs, t, state):
+    chosen = _feel_nothing if is_array(mass) else _make_felt
+    return lambda mass, groups, dofs, t, state: chosen(mass, groups, dofs, t, state)
+
+
+@kernel
+def _feel_nothing(mass, groups, dofs, t, state):
+    return 0
+
+
+@kernel
+def _make_felt(mass, groups, dofs, t, state):
+    q, v, a = state.full_q, state.full_v, state.full_a
+    clear(mass.matrix)
+    over.smooth_tangent(groups, t, q, v, a, 1.0, 0.0, 0.0, mass.matrix, dofs)
+    over.switching_tangent(groups, t, q, v, a, 1.0, 0.0, 0.0, mass.matrix, dofs)
+    return factorise_matrix(mass)
+
+
 @kernel(forceinline=True)
 def accelerate(method, groups, dofs, t, state):
     """Set the acceleration at time t from position and velocity, what is held being where it is then: M a = F.
 
     The full accelerations are those of what is held, as :func:`expand_held` makes them. Where forces depend on
-    accelerations, such as the friction of a heavy rope, whose tension is also what accelerates it, they are those of
-    the stage before: of the small share that is felt so, what the acceleration changes in a part of a step is left out.
+    accelerations, such as the friction of a heavy rope, whose tension is also what accelerates it, M a - F(a) is linear
+    in them as long as nothing changes its status: it is solved for from those of the stage before by its derivative.
     """
     expand(dofs, state.q, state.full_q)
     expand(dofs, state.v, state.full_v)
@@ -190,8 +223,11 @@ def accelerate(method, groups, dofs, t, state):
     else:
         over.force(groups, t, state.full_q, state.full_v, state.full_a, residual)
     reduce(method.dofs, residual, x)
-    if not (method.constant and method.made[0] == 1.0):
-        row = make_mass(method.mass, groups, method.dofs, state.full_q)
+    if method.felt or not (method.constant and method.made[0] == 1.0):
+        if method.felt:
+            row = make_felt(method.mass, groups, method.dofs, t, state)
+        else:
+            row = make_mass(method.mass, groups, method.dofs, state.full_q)
         if row != 0:
             state.counters[WORST] = method.order[row - 1]
             return SINGULAR
@@ -253,7 +289,8 @@ def end_step(method, groups, dofs, functions, state, t, h):
 
 def sums_of(method: Explicit) -> tuple[str, ...]:
     """What an explicit method asks of the groups, beside what every method does."""
-    return ("force", "violation", "diagonal_mass" if isinstance(method.mass, np.ndarray) else "mass")
+    masses = "diagonal_mass" if isinstance(method.mass, np.ndarray) else "mass"
+    return ("force", "violation", masses, *(("smooth_tangent", "switching_tangent") if method.felt else ()))
 
 
 def explicit_stepping(kind: type[Explicit], step: Any, polynomial: Sequence[float]) -> Stepping:

@@ -187,6 +187,7 @@ def register(
         FRICTION.add(kind)
     if memory is not None:
         MEMORY[kind] = memory
+    FEELS.pop(kind, None)
     if feels is not None:
         FEELS[kind] = feels
 

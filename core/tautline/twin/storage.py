@@ -44,7 +44,8 @@ def save(twin: Twin, path: Path) -> None:
         "words": np.frombuffer(json.dumps(words).encode(), np.uint8),
         "blocks": np.array([s.block for s in states]), "at": estimate.family.at, "apart": estimate.family.apart,
         "theta0": h.theta0, "mean": h.mean, "prior": h.prior, "prior_mean": h.prior_mean,
-        "numbers": np.array([h.prior_time, h.released, h.since]), "spread": h.spread, "correlation": h.correlation,
+        "numbers": np.array([h.prior_time, h.released, h.since, h.changed]),
+        "spread": h.spread, "correlation": h.correlation,
         "variance": h._variance, "alike": h._alike, "learned": h._learned, "covariance": h.covariance,
         "rough": h.rough, "largest": h.largest,
         "sample_time": np.array([s.time for s in samples]), "sample_y": np.array([s.y for s in samples]),
@@ -116,7 +117,7 @@ def _recall(twin: Twin, words: dict[str, Any], arrays: dict[str, np.ndarray]) ->
     for name in ("theta0", "mean", "prior", "prior_mean", "spread", "correlation", "covariance", "rough", "largest"):
         setattr(h, name, arrays[name])
     h._variance, h._alike, h._learned = arrays["variance"], arrays["alike"], arrays["learned"]
-    h.prior_time, h.released, h.since = (float(x) for x in arrays["numbers"])
+    h.prior_time, h.released, h.since, h.changed = (float(x) for x in arrays["numbers"])
     h.samples = deque(
         Sample(float(arrays["sample_time"][i]), *(arrays[f"sample_{x}"][i] for x in ("y", "y0", "J", "use", "rows")))
         for i in range(len(arrays["sample_time"]))

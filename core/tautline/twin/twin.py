@@ -269,7 +269,7 @@ class Twin:
         outputs = estimate.outputs(read)
         self.watch.judge(Compared(
             row.time, values, outputs, residual, residual_sd, use, horizon.correlation, estimate.converged,
-            self.outlook.fresh(row.time), row.time - horizon.released if np.isfinite(horizon.since) else np.inf,
+            self.outlook.fresh(row.time), row.time - horizon.changed,
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)

@@ -31,6 +31,8 @@ released."""
 ANOTHER = 200.0
 """By how much the squares of the last samples, in standard deviations, have to fall with an estimate of their own for
 what was before to be forgotten: how much noise is alike from sample to sample is hardly known of so few."""
+BOTH_WAYS = 2
+"""Samples of which a derivative has either sign."""
 EXPLAINED = 0.2
 """Share of them that may be left then."""
 LASTING = 0.6
@@ -103,14 +105,14 @@ class Horizon:
         Scatter of the derivatives about their steady part.
     released : float
         Time at which the prior was released for the last time; minus infinity.
-    since : float
-        Time from which samples count: what was before it was forgotten; minus infinity.
+    since, changed : float
+        Time from which samples count, as what was before it was forgotten, and when that was; minus infinity.
     """
 
     def __init__(
         self, unknowns: Sequence[Unknown], channels: Sequence[Channel], window: float, free: int = 0, late: int = 0
     ) -> None:
-        self.late, self.since = late, -np.inf
+        self.late, self.since, self.changed = late, -np.inf, -np.inf
         self.unknowns, self.channels, self.window = list(unknowns), list(channels), window
         k, m = len(self.unknowns), len(self.channels)
         self.free = np.arange(k) >= k - free
@@ -324,7 +326,7 @@ class Horizon:
         most = int(np.argmax(gains))
         if gains[most] < ANOTHER:
             return
-        self.since = tell[-self.late // 2 - most].time
+        self.since, self.changed = tell[-self.late // 2 - most].time, self.samples[-1].time
         self.drop_before(self.since)
         self.prior = np.diag(1.0 / self.first_sd**2)
         self.released, self._contradicted = self.samples[-1].time, np.nan
@@ -332,14 +334,20 @@ class Horizon:
     def _gain(self, samples: Sequence[Sample], old: np.ndarray) -> float:
         """By how much the squares of samples fall with an estimate of their own; 0 where they do not fall by most.
 
-        In standard deviations of the sensors. One wild sample among some is not explained by any estimate.
+        In standard deviations of the sensors. One wild sample among some is not explained by any estimate. Any error of
+        a sensor is explained by another friction as long as the string goes one way: samples of both ways have to be
+        among them.
         """
         y, y0, J, use = self._stacked(samples)
         sd = self._noise(samples, y0) * np.sqrt(UNSURE * np.maximum(1.0, self._alike))
         weight = np.where(use, 1.0 / sd**2, 0.0)
         r = np.where(use, y - y0, 0.0) - J @ (old - self.theta0)
+        ways = np.minimum(np.sum(use[..., None] & (J > 0.0), axis=0), np.sum(use[..., None] & (J < 0.0), axis=0))
+        if np.max(ways, initial=0) < BOTH_WAYS:
+            return 0.0
         info = np.einsum("nmi,nm,nmj->ij", J, weight, J) + np.diag(TINY / self.first_sd**2)
-        own = r - J @ np.linalg.solve(info, np.einsum("nmi,nm,nm->i", J, weight, r))
+        new = np.clip(old + np.linalg.solve(info, np.einsum("nmi,nm,nm->i", J, weight, r)), self.low, self.high)
+        own = r - J @ (new - old)
         before, after = float(np.sum(weight * r**2)), float(np.sum(weight * own**2))
         return before - after if after <= EXPLAINED * before else 0.0
 
