@@ -71,6 +71,26 @@ def listening(patient: bool = False) -> Iterator[Ear]:
             handle(SIGINT, signal.default_int_handler)
 
 
+@contextmanager
+def undisturbed(tell: bool = True) -> Iterator[None]:
+    """Let what must not be left half done come to its end: Ctrl-C is heard, and raised after it where ``tell``.
+
+    What was heard before is not raised again: who ends a run because of it stores its frames.
+    """
+    disturbed = [ear for ear in _ears if not ear.patient]
+    quiet = [ear for ear in disturbed if not ear.heard]
+    for ear in disturbed:
+        ear.patient = True
+    try:
+        yield
+    finally:
+        for ear in disturbed:
+            ear.patient = False
+    if tell:
+        for ear in quiet:
+            ear.check()
+
+
 def _terminate(number: int, frame: object) -> None:
     for ear in _ears:
         ear.heard = True

@@ -49,7 +49,7 @@ from tautline.integrators.time_loop import (
     run_steps,
 )
 from tautline.integrators.vibration.critical_step import CriticalStep
-from tautline.interruption import listening
+from tautline.interruption import listening, undisturbed
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.assessment.bounds import judge
 from tautline.results.assessment.rounding import without_rounding
@@ -204,7 +204,8 @@ def simulate(
             raise
         stored = store.result if afterwards is not None else None
         further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
-        result = run.finish(store, "done", *further)
+        with undisturbed(tell=False):
+            result = run.finish(store, "done", *further)
     assert result is not None
     gained = run.energy_gained()
     if gained > GAINED:
@@ -568,7 +569,11 @@ class Run:
         self.memory, self.remembered = copied(self.places[1]), self.time
 
     def _store(self, store: Store) -> None:
-        """Store the frames that wait."""
+        """Store the frames that wait, all of them or none."""
+        with undisturbed():
+            self._store_all(store)
+
+    def _store_all(self, store: Store) -> None:
         part = Frames(*(array[: self.ahead] for array in self.frames))
         stored: Mapping[str, np.ndarray]
         if isinstance(store, BriefStore) and self.model.on_demand is not None:

@@ -62,9 +62,19 @@ def test_a_table_of_others_in_the_folder_of_a_sweep_is_not_replaced(here, tmp_pa
     assert (folder / "sweep.csv").read_text() == "mine"
 
 
-@pytest.mark.parametrize("words", [("check", SCENE, "--json"), ("schema",)])
-@pytest.mark.parametrize("way, cause", [("> /dev/full", "No space left"), (">&-", "it is closed")])
-def test_standard_output_that_cannot_be_written_is_told_in_one_sentence(words, way, cause):
+FULL, CLOSED = ("> /dev/full", "No space left"), (">&-", "it is closed")
+
+
+@pytest.mark.parametrize(
+    "words, told",
+    [
+        *[(words, told) for words in (("check", SCENE, "--json"), ("schema",)) for told in (FULL, CLOSED)],
+        (("--help",), FULL),
+        (("--version",), FULL),
+    ],
+)
+def test_standard_output_that_cannot_be_written_is_told_in_one_sentence(words, told):
+    way, cause = told
     command = " ".join([sys.executable, "-m", "crane.main", *words, way])
     found = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
     assert found.returncode == 3

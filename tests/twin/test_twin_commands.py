@@ -150,6 +150,19 @@ def test_two_twins_do_not_keep_their_state_or_account_in_one_file(rehearsal, her
     assert not list(tmp_path.iterdir())
 
 
+def test_a_state_does_not_replace_a_file_that_is_none(rehearsal, here, tmp_path):
+    arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--source", rehearsal / "r.csv"]
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("mine")
+    code, _, told = here(*arguments, "--state", mine)
+    assert code == 2 and "is no state of a twin" in told and mine.read_text() == "mine"
+    one = tmp_path / "one"
+    for pair in (("--state", "--account"), ("--state", "-o")):
+        code, _, told = here(*arguments, pair[0], one, pair[1], one)
+        assert code == 2 and f"is named by {pair[0]} and by {pair[1]}" in told
+    assert [file.name for file in tmp_path.iterdir()] == ["mine.yaml"]
+
+
 def test_an_interruption_within_a_step_ends_a_twin_as_one_between_rows(rehearsal, here, tmp_path, monkeypatch):
     from tautline.integrators.status import Interrupted
     from tautline.twin.twin import Twin

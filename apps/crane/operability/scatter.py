@@ -23,7 +23,9 @@ from tautline.scene.values.units import UnknownUnit, read_unit
 OPTION = "--scatter"
 YEAR = 365.25 * 86400.0
 COLLECTED = ("equivalent_tension_range", "tension_cycles")
-UNIT = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
+UNIT = re.compile(r"\[\s*([^\]]*?)\s*\]|\(\s*([^)]*?)\s*\)")
+"""What stands in brackets: in square ones a unit, in round ones a unit or a remark."""
+NO_UNIT = ("", "-", "--", "1")
 EXAMPLE = "the first row: Hs [m], then peak periods in s; each further row: a height in m, then occurrences"
 
 
@@ -106,12 +108,17 @@ def _units(file: str, line: int, head: str) -> dict[str, float]:
     """Units of heights, m, and of periods, s, out of the first cell: ``Hs [ft] / Tp [s]``; 1 where it names none."""
     kinds = {read_unit("m").dimension: "length", read_unit("s").dimension: "time"}
     found: dict[str, float] = {}
-    for text in UNIT.findall(head):
+    for square, round_ in UNIT.findall(head):
+        text = square or round_
+        if text in NO_UNIT:
+            continue
         try:
             unit = read_unit(unit_named(text))
             kind = kinds.get(unit.dimension, "")
             cause = "" if kind else f"[{text}] is the unit neither of a height nor of a period"
         except UnknownUnit as error:
+            if round_:
+                continue
             cause = f"[{text}] is no unit: {error}"
         if not cause and kind in found:
             cause = f"[{text}] is a second unit of a {kind}"

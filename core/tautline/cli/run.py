@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext, suppress
@@ -10,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from tautline.cli.output import duration
-from tautline.cli.output.console import abandon_output, print_json, say
+from tautline.cli.output.console import abandon_output, print_json, say, unwritable
 from tautline.interruption import ended_by_signal
 from tautline.kernels.machine.gc_tuning import collected_rarely, left_at_exit
 from tautline.results.errors import WriteError
@@ -31,6 +32,10 @@ class ExitCode(IntEnum):
     BAD_INPUT = 2
     STOPPED_EARLY = 3
     INTERRUPTED = 130
+
+
+UNWRITABLE = (errno.ENOSPC, errno.EBADF, errno.EIO)
+"""Errors of a standard output that cannot be written."""
 
 
 class Ended(Exception):
@@ -108,6 +113,10 @@ def _outcome(app: typer.Typer, given: list[str]) -> int:
     except Exception as error:  # the last resort, where every error gets its line
         if debug:
             say(_traceback())
+        if isinstance(error, OSError) and error.filename is None and error.errno in UNWRITABLE:
+            # The help and the version are printed by others.
+            abandon_output()
+            error = unwritable(error)
         return _refused(error, app, as_json)
     if code == ExitCode.INTERRUPTED:
         say("\ninterrupted", "yellow")

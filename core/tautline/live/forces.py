@@ -29,17 +29,22 @@ class Force:
         What the Python function raised.
     """
 
-    def __init__(self, function: Any, places: np.ndarray, known: np.ndarray) -> None:
+    def __init__(self, function: Any, places: np.ndarray, known: np.ndarray, code: Any = None) -> None:
         self.failed: BaseException | None = None
-        n = places.size
+        self._function, n = function, places.size
         if _is_compiled(function):
-            self._code = compiled(function)
+            self._code = code or compiled(function)
             address = int(self._code.address)
         else:
             self._code = C_KIND(self._wrapped(function, n))
             address = int(ctypes.cast(self._code, ctypes.c_void_p).value or 0)
         vectors = [np.zeros(n) for _ in range(4)]
         self.group = OutsideForces(places, np.array([address]), known, *vectors)
+
+    def copy(self) -> Force:
+        """The same force for another simulation, with scratch of its own: both may run at the same time."""
+        code = self._code if _is_compiled(self._function) else None
+        return Force(self._function, self.group.places, self.group.known, code)
 
     def _wrapped(self, function: Callable[..., Any], n: int) -> Callable[..., None]:
         """The function as C calls it; what it raises is kept, and the force is no number then."""
@@ -66,16 +71,34 @@ class Group:
     def __init__(self, group: Any) -> None:
         self.group, self.failed = group, None
 
+    def copy(self) -> Group:
+        """The same group for another simulation, with arrays of its own."""
+        return Group(_apart(self.group))
+
+
+def _apart(thing: Any) -> Any:
+    """A group with copies of its arrays."""
+    if isinstance(thing, np.ndarray):
+        return thing.copy()
+    if isinstance(thing, tuple):
+        parts = [_apart(part) for part in thing]
+        return type(thing)(*parts) if hasattr(thing, "_fields") else tuple(parts)
+    return thing
+
 
 def compiled(function: Any) -> Any:
-    """A compiled function (t, q, v, force) as one for C."""
+    """A compiled function (t, q, v, force) as one for C; where it raises, the force is no number."""
 
     from numba import carray, cfunc, types
 
     vector = types.CPointer(types.float64)
 
     def outer(t, q, v, f, n):
-        function(t, carray(q, (n,)), carray(v, (n,)), carray(f, (n,)))
+        force = carray(f, (n,))
+        try:
+            function(t, carray(q, (n,)), carray(v, (n,)), force)
+        except Exception:
+            force[:] = np.nan
 
     return cfunc(types.void(types.float64, vector, vector, vector, types.int64))(outer)
 

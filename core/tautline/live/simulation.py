@@ -127,6 +127,7 @@ class Simulation:
         self.outputs = Outputs(handles.outputs, self._observe, vectors)
         self.parameters = Parameters(handles.parameters, self._parameter_changes)
         self._forces: list[Force | Group] = []
+        self._begun = False
         self._observed: Mapping[str, np.ndarray] | None = None
         span = math.inf if self._keep is True else float(self._keep)
         self._kept = Kept(self._frames.rows.shape[1], span)
@@ -142,6 +143,7 @@ class Simulation:
         if not np.isfinite(self._frames.rows[0]).all():
             raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
         self._frame, self._next = 0, self._frame_time(0)
+        self._begun = True
         self._kept.add(self._frames.rows[0])
 
     def _bind(self) -> None:
@@ -343,9 +345,9 @@ class Simulation:
     def _parameter_changes(self) -> Iterator[None]:
         """While a parameter changes: what the system has more of it then was put in from outside.
 
-        The start is found with what was given before: nothing is put in where no frame is kept yet.
+        The start is found with what was given before it: nothing is put in then.
         """
-        counts = self._kept.rows.size > 0
+        counts = self._begun
         before = self._energy() if counts else 0.0
         yield
         self._observed = None
@@ -380,7 +382,10 @@ class Simulation:
         frames = frames_of(rows.copy(), model.system.q.size)
         found = {"time": frames.time.copy(), **model.observe(frames)}
         run.balance = Balance(float(model.system.scale.max(initial=0.0)), model.solver.step_error)
-        run.balance.add(np.column_stack([found[name] for name in ENERGIES]))
+        books = np.column_stack([found[name] for name in ENERGIES])
+        # Work and losses are summed from the start, of which the frame may not be kept.
+        books[:, 3:] -= books[0, 3:]
+        run.balance.add(books)
         stored.append(found)
         run.time = run.reached = self._time
         run.wall, run.cpu, run.remembered = float(self._clock[WALL]), float(self._clock[CPU]), self._time
@@ -406,12 +411,15 @@ class Simulation:
         """
         check(state, self._mark, self._memory.layout, self._memory.size)
         self._memory.write(state.block)
-        self._time, self._stopped, self._observed = state.time, "", None
+        self._time, self._stopped, self._observed, self._begun = state.time, "", None, True
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
         self._kept.go_back(state.time, self._tolerance)
-        k = int(np.searchsorted(self._grid, state.time + self._tolerance, side="right"))
-        while self._frame_time(k) <= state.time + self._tolerance:
+        reached = state.time + self._tolerance
+        k = int(np.searchsorted(self._grid, reached, side="right"))
+        if k == self._grid.size:
+            k += int((reached - self._grid[-1]) / self.model.solver.interval)
+        while self._frame_time(k) <= reached:
             k += 1
         self._frame, self._next = k, self._frame_time(k)
         self._unchecked = 0.0
@@ -448,7 +456,7 @@ class Simulation:
         other._run.began, other._run._starts_far = self._run.began, self._run._starts_far
         other._bind()
         for force in self._forces:
-            other._add(force)
+            other._add(force.copy())
         other.restore(self.save())
         other._kept = self._kept.copy()
         return other

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zipfile
 from pathlib import Path
 from uuid import uuid4
 
@@ -16,6 +17,8 @@ FIGURES = (".png", ".svg", ".pdf")
 """Endings of figures."""
 RECORD = b"time [s]"
 """How records of sensors begin that `record` has written."""
+WORDS = "words.npy"
+"""What stands in the archive that a twin keeps its state in."""
 PAGES, DOCTYPE = (".html", ".htm"), b"<!doctype html"
 """Endings of web pages, and how they begin."""
 
@@ -68,6 +71,8 @@ def check_record(path: Path) -> Path:
     ResultError
         If the folder is missing or not writable, or the path is a folder or a file that is no record of ours.
     """
+    if str(path) == "-":
+        raise ResultError(path, "is no file, and a record is one", "name it, -o record.csv, or -o /dev/stdout")
     check_folder(path)
     try:
         if path.is_dir():
@@ -83,6 +88,31 @@ def check_record(path: Path) -> Path:
         cure = "give another name or folder with -o"
         raise ResultError(path, f"cannot be written: {error.strerror}", cure) from None
     return path
+
+
+def check_state(path: Path) -> Path:
+    """Check that a twin's state may be written to a path, and return it; an earlier one there may be replaced.
+
+    Raises
+    ------
+    ResultError
+        If the folder is missing, or the path is a folder or a file that is no state.
+    """
+    check_folder(path)
+    if path.is_dir():
+        raise ResultError(path, "is a folder", f"name a file in it: --state {path / 'twin.state'}")
+    if path.is_file() and path.stat().st_size and not _holds_words(path):
+        raise ResultError(path, "exists and is no state of a twin: it would be lost", "name another file with --state")
+    return path
+
+
+def _holds_words(path: Path) -> bool:
+    """Whether a file is an archive with what every state of a twin has."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return WORDS in archive.namelist()
+    except (OSError, zipfile.BadZipFile):
+        return False
 
 
 def check_folder(path: Path) -> None:

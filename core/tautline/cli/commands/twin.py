@@ -60,7 +60,7 @@ def twin(
         raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
     read = read_map(map)
     hush()
-    with _alone({"--state": state, "--account": account}):
+    with _alone({"--state": state, "--account": account, "-o": output}):
         _run(scene, read, path, source, output, speed, resume, state, account, serve, as_json, quiet)
 
 
@@ -108,14 +108,19 @@ def _alone(files: Mapping[str, Path | None]) -> Iterator[None]:
     """
     from tautline.results.disk import Lock
     from tautline.results.errors import ResultError
-    from tautline.results.target import check_folder
+    from tautline.results.target import check_folder, check_state
 
     locks: list[Lock] = []
+    given = {option: path for option, path in files.items() if path is not None}
+    for option, path in given.items():
+        others = [one for one, other in given.items() if other.resolve() == path.resolve() and one != option]
+        if others:
+            raise ResultError(path, f"is named by {option} and by {others[0]}", "give each a file of its own")
     try:
-        for option, path in files.items():
-            if path is None:
-                continue
-            check_folder(path)
+        for option, path in given.items():
+            (check_state if option == "--state" else check_folder)(path)
+            if option == "-o":
+                continue  # a result has a lock of its own
             lock = Lock(path)
             writer = lock.take()
             if writer is not None:

@@ -72,10 +72,11 @@ def print_text(text: str) -> None:
         abandon_output()
     except OSError as error:
         abandon_output()
-        raise _unwritable(error) from None
+        raise unwritable(error) from None
 
 
-def _unwritable(error: OSError) -> WriteError:
+def unwritable(error: OSError) -> WriteError:
+    """What a command says of a standard output that cannot be written."""
     from tautline.results.errors import WriteError
 
     cause = f"cannot be written: {error.strerror}"
