@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
+
+import numpy as np
 
 from tautline.errors import TautlineError
 from tautline.scene.refusal import nearest
@@ -23,6 +26,20 @@ class SimulationError(TautlineError):
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+def real(value: object, what: str, cure: str) -> float:
+    """A number as a float.
+
+    Raises
+    ------
+    SimulationError
+        For what is no number, or several.
+    """
+    if not isinstance(value, (str, bytes)) and np.ndim(value) == 0:  # type: ignore[arg-type]
+        with suppress(TypeError, ValueError):
+            return float(value)  # type: ignore[arg-type]
+    raise SimulationError(f"{value!r} is no {what}", cure)
 
 
 class UnknownName(SimulationError, KeyError):

@@ -58,7 +58,7 @@ class Inputs(Mapping[str, Any]):
     def _number(self, name: str) -> int:
         try:
             return self._numbers[name]
-        except KeyError:
+        except (KeyError, TypeError):  # a list is no name either
             cure = "what the scene holds still has to be named in Simulation(..., inputs=[...])"
             raise unknown("input", name, self._inputs, cure) from None
 

@@ -109,7 +109,8 @@ class _Drive(NamedTuple):
 
 def linearise(sim: Any, inputs: Sequence[str], outputs: Sequence[str]) -> Plant:
     """Linearise a simulation about where it stands; see `tautline.Simulation.linearise`."""
-    return _Linearisation(sim, list(inputs), list(outputs)).plant()
+    both = [[names] if isinstance(names, str) else list(names) for names in (inputs, outputs)]
+    return _Linearisation(sim, *both).plant()
 
 
 class _Linearisation:

@@ -97,7 +97,7 @@ class Outputs(Mapping[str, Any]):
         """What is known of an output; raises UnknownName."""
         try:
             return self._outputs[name]
-        except KeyError:
+        except (KeyError, TypeError):  # a list is no name either
             raise unknown("output", name, self._outputs) from None
 
     def __getitem__(self, name: str) -> Any:
@@ -139,7 +139,7 @@ class Parameters(Mapping[str, Any]):
     def _parameter(self, name: str) -> Parameter:
         try:
             return self._parameters[name]
-        except KeyError:
+        except (KeyError, TypeError):  # a list is no name either
             raise unknown("parameter", name, self._parameters) from None
 
     def __getitem__(self, name: str) -> Any:

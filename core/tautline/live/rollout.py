@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
+from tautline.live.errors import SimulationError, real
 from tautline.live.simulation import Simulation
 
 
@@ -22,9 +24,16 @@ def rollout(simulations: Sequence[Simulation], until: float, workers: int | None
 
     Raises
     ------
+    SimulationError
+        For a time that is no finite number, and a number of threads that is none.
     StoppedEarly
         That of the first simulation which failed; the others have come to their end.
     """
+    until = real(until, "time", "give seconds")
+    if not until < math.inf:
+        raise SimulationError(f"cannot advance to {until:g} s", "give a finite time")
+    if workers is not None and not (isinstance(workers, int) and workers > 0):
+        raise SimulationError(f"{workers!r} is no number of threads", "give 1 or more, or None for all processors")
     different = list({id(one): one for one in simulations}.values())
     with ThreadPoolExecutor(workers) as pool:
         done = [pool.submit(one.advance_to, until) for one in different if one.time < until]

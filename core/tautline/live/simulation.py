@@ -31,7 +31,7 @@ from tautline.integrators.vibration.critical_step import CriticalStep
 from tautline.interruption import Ear, listening
 from tautline.kernels.bound import Bound
 from tautline.live.equations import Equations
-from tautline.live.errors import SimulationError, unknown
+from tautline.live.errors import SimulationError, real, unknown
 from tautline.live.forces import Force, Group, force_of
 from tautline.live.inputs import Inputs
 from tautline.live.kept import Kept
@@ -95,8 +95,8 @@ class Simulation:
 
         self.scene = scene if hasattr(scene, "document") else read(scene)
         self._application = Installed().of(self.scene)
-        self._named = (inputs,) if isinstance(inputs, str) else tuple(inputs or ())
-        self._keep = keep
+        self._named = _names_of(inputs)
+        self._keep = keep if isinstance(keep, bool) else _span_of(keep)
         model = self._application.build(self._application.driven(self.scene, self._named))
         self._prepare(model)
         for name, value in (parameters or {}).items():
@@ -183,10 +183,8 @@ class Simulation:
 
     def advance(self, duration: float) -> None:
         """Go on by so many seconds; see `advance_to`."""
-        try:
-            end = self._time + duration
-        except TypeError:
-            raise SimulationError(f"{duration!r} is no time", "give seconds") from None
+        duration = real(duration, "time", "give seconds")
+        end = self._time + duration
         if not duration > 0.0:
             raise SimulationError(f"cannot advance by {duration} s", "give a time above zero; restore() goes back")
         self.advance_to(end)
@@ -211,15 +209,10 @@ class Simulation:
         Interrupted
             On Ctrl-C, after the step under way.
         """
-        begin = self._time
-        try:
-            later = time > begin and time < math.inf
-        except TypeError:
-            later = False
-        if not later:
-            told = f"{time:g} s" if isinstance(time, (int, float)) else repr(time)
+        begin, time = self._time, real(time, "time", "give seconds")
+        if not begin < time < math.inf:
             raise SimulationError(
-                f"cannot advance to {told} from {begin:g} s", "give a later time; restore() goes back"
+                f"cannot advance to {time:g} s from {begin:g} s", "give a later time; restore() goes back"
             )
         if self._stopped:
             raise SimulationError(
@@ -343,7 +336,7 @@ class Simulation:
 
     @contextmanager
     def _parameter_changes(self) -> Iterator[None]:
-        """While a parameter changes: what the system has more of it then was put in from outside.
+        """While a parameter changes, or a blow falls: what the system has more of it then was put in from outside.
 
         The start is found with what was given before it: nothing is put in then.
         """
@@ -376,7 +369,8 @@ class Simulation:
         """The frames kept so far, as `tautline.simulate` gives them."""
         run, rows = self._run, self._kept.rows
         if not rows.size:
-            raise SimulationError("no frame was kept", "make the simulation with keep=True")
+            cure = "advance it to a frame: those that were kept are later than the state that was restored"
+            raise SimulationError("no frame was kept", cure if self._keep else "make the simulation with keep=True")
         model = self.model
         stored = Store(None, model.variables, model.coordinates, {**model.attributes, "version": __version__})
         frames = frames_of(rows.copy(), model.system.q.size)
@@ -435,7 +429,10 @@ class Simulation:
             For what is no position or velocity of a thing, and what is no vector of its size.
         """
         found = self.outputs.handle(name).places
-        given = np.asarray(by, float)
+        try:
+            given = np.asarray(by, float)
+        except (TypeError, ValueError):
+            raise SimulationError(f"{by!r} is no displacement of {name}", "give finite numbers") from None
         if found is None:
             raise SimulationError(f"{name} is not the position or velocity of a thing", "give payload.velocity")
         vector, places = found
@@ -443,9 +440,9 @@ class Simulation:
             raise SimulationError(f"{by!r} is no displacement of {name}", f"give {places.size} finite numbers")
         full, reduced = (getattr(self._state, prefix + vector) for prefix in ("full_", ""))
         number = self.model.system.dofs.number[places]
-        full[places[number >= 0]] += given[number >= 0]
-        reduced[number[number >= 0]] += given[number >= 0]
-        self._observed = None
+        with self._parameter_changes():
+            full[places[number >= 0]] += given[number >= 0]
+            reduced[number[number >= 0]] += given[number >= 0]
 
     def copy(self) -> Simulation:
         """Another simulation that stands at the same place and goes on by itself."""
@@ -460,6 +457,14 @@ class Simulation:
         other.restore(self.save())
         other._kept = self._kept.copy()
         return other
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: Any) -> Simulation:
+        return self.copy()
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise SimulationError("a simulation cannot be pickled", "pickle `save()`, and restore it in another process")
 
     # -- for others --------------------------------------------------------------------------------------------------
 
@@ -532,6 +537,23 @@ class Simulation:
         from tautline.live.plant import linearise
 
         return linearise(self, inputs, outputs)
+
+
+def _names_of(inputs: Any) -> tuple[str, ...]:
+    """Names of what is to be driven."""
+    names = (inputs,) if isinstance(inputs, str) else tuple(inputs or ()) if np.iterable(inputs or ()) else (inputs,)
+    for name in names:
+        if not isinstance(name, str):
+            raise SimulationError(f"{name!r} is no name of an input", 'give names, such as ["winch.pay_out"]')
+    return names
+
+
+def _span_of(keep: Any) -> float:
+    """Over how many seconds frames are kept."""
+    span = real(keep, "time over which frames are kept", "give True, False or seconds")
+    if not 0.0 <= span < math.inf:
+        raise SimulationError(f"cannot keep frames of {span:g} s", "give True, False, or seconds from zero on")
+    return span
 
 
 def handles_of(model: Model) -> Handles:

@@ -1,0 +1,81 @@
+"""What cannot be asked of a simulation is refused by a sentence, and the simulation is left where it was."""
+
+import copy
+import math
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tautline
+from tautline.live.errors import SimulationError
+
+HOIST = Path(__file__).parents[2] / "data" / "hoist.yaml"
+
+
+@pytest.fixture(scope="module")
+def sim():
+    made = tautline.Simulation(tautline.read(HOIST))
+    made.advance(0.2)
+    return made
+
+
+@pytest.mark.parametrize("duration", [np.array([0.1]), np.array([0.1, 0.2]), 1j, "1", None, math.nan, math.inf, [0.1]])
+def test_what_is_no_time_is_refused(sim, duration):
+    for ask in (sim.advance, sim.advance_to):
+        with pytest.raises(SimulationError):
+            ask(duration)
+    assert sim.time == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("keep", [-1, math.nan, "abc", None, [1.0]])
+def test_what_is_no_span_of_frames_is_refused(keep):
+    with pytest.raises(SimulationError, match="give True, False"):
+        tautline.Simulation(tautline.read(HOIST), keep=keep)
+
+
+@pytest.mark.parametrize("inputs", [[1], 5, [None]])
+def test_what_is_no_name_of_an_input_is_refused(inputs):
+    with pytest.raises(SimulationError, match="is no name of an input"):
+        tautline.Simulation(tautline.read(HOIST), inputs)
+
+
+def test_a_list_is_no_name(sim):
+    for ask in (sim.outputs, sim.inputs, sim.parameters):
+        with pytest.raises(SimulationError, match="there is no"):
+            ask[["x"]]
+
+
+@pytest.mark.parametrize(("until", "workers"), [(math.nan, None), ("5", None), ([3], None), (math.inf, None), (1.0, 0)])
+def test_a_rollout_without_a_time_or_without_threads_is_refused(sim, until, workers):
+    with pytest.raises(SimulationError):
+        tautline.rollout([sim], until, workers)
+    assert sim.time == pytest.approx(0.2)
+
+
+def test_a_simulation_is_copied_by_whatever_copies_and_says_how_it_is_pickled(sim):
+    for other in (copy.copy(sim), copy.deepcopy(sim)):
+        other.advance(0.1)
+        assert other.time == pytest.approx(0.3) and sim.time == pytest.approx(0.2)
+        assert not np.shares_memory(other._state.q, sim._state.q)
+    with pytest.raises(SimulationError, match="save"):
+        pickle.dumps(sim)
+
+
+def test_a_blow_is_booked_as_work_that_is_done_from_outside():
+    sim = tautline.Simulation(tautline.read(HOIST))
+    sim.advance(0.2)
+    sim.displace("payload.velocity", [1.0, 0.0, 0.5])
+    sim.advance(0.5)
+    assert sim.result.attributes["energy_error"] < 1e-3
+    with pytest.raises(SimulationError, match="no displacement"):
+        sim.displace("payload.velocity", [0.0, "a", 0.1])
+
+
+def test_one_name_may_stand_alone_where_names_are_asked_for():
+    sim = tautline.Simulation(tautline.read(HOIST), inputs="winch.pay_out_speed")
+    sim.advance(0.1)
+    alone = sim.linearise("winch.pay_out_speed", "winch.tension")
+    listed = sim.linearise(["winch.pay_out_speed"], ["winch.tension"])
+    assert np.array_equal(alone.A, listed.A) and alone.C.shape == listed.C.shape
