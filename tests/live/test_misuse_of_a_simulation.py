@@ -79,3 +79,16 @@ def test_one_name_may_stand_alone_where_names_are_asked_for():
     alone = sim.linearise("winch.pay_out_speed", "winch.tension")
     listed = sim.linearise(["winch.pay_out_speed"], ["winch.tension"])
     assert np.array_equal(alone.A, listed.A) and alone.C.shape == listed.C.shape
+
+
+def test_a_state_that_was_damaged_on_its_way_is_refused(sim):
+    sent = bytearray(pickle.dumps(sim.save()))
+    sent[len(sent) // 2] ^= 0xFF
+    with pytest.raises(SimulationError, match="is damaged"):
+        pickle.loads(bytes(sent))
+    state = sim.save()
+    other = pickle.loads(pickle.dumps(state))
+    assert np.array_equal(other.block, state.block) and other.time == state.time
+    early = type(state)(-5.0, state.scene, state.layout, state.block, state.frames)
+    with pytest.raises(SimulationError, match="no time"):
+        sim.restore(early)

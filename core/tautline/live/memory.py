@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -35,6 +36,27 @@ class State:
     layout: str
     block: np.ndarray
     frames: int
+
+    def __reduce__(self) -> Any:
+        return as_sent, (self.time, self.scene, self.layout, self.block, self.frames, sum_of(self.block))
+
+
+def sum_of(block: np.ndarray) -> int:
+    """A sum of bytes that hardly any damage leaves as it is."""
+    return zlib.crc32(block)
+
+
+def as_sent(time: float, scene: str, layout: str, block: np.ndarray, frames: int, expected: int) -> State:
+    """A state from another process; there are places in it, and a wrong one would have the loop write anywhere.
+
+    Raises
+    ------
+    SimulationError
+        For bytes with another sum than is expected.
+    """
+    if sum_of(block) != expected:
+        raise SimulationError("the saved state is damaged", "save it again")
+    return State(time, scene, layout, block, frames)
 
 
 class Memory:
@@ -107,5 +129,5 @@ def check(state: Any, scene: str, layout: str, size: int) -> None:
         raise SimulationError("the state belongs to another scene", cure)
     if state.layout != layout or state.block.dtype != np.uint8 or state.block.shape != (size,):
         raise SimulationError("the state belongs to a simulation with other inputs, forces or another method", cure)
-    if not np.isfinite(state.time):
+    if not (np.isfinite(state.time) and state.time >= 0.0):
         raise SimulationError("the state is damaged: it has no time", cure)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.live.memory import State
+from tautline.live.memory import State, as_sent, sum_of
 from tautline.live.simulation import Simulation
 from tautline.system.handles import Output
 
@@ -141,14 +141,14 @@ class Core:
 def to_bytes(saved: dict[str, Any]) -> bytes:
     """A state as bytes: numbers as JSON, then the block."""
     state: State = saved["state"]
-    head = {**saved, "state": [state.time, state.scene, state.layout, state.frames]}
+    head = {**saved, "state": [state.time, state.scene, state.layout, state.frames, sum_of(state.block)]}
     return json.dumps(head).encode("utf8") + b"\0" + state.block.tobytes()
 
 
 def from_bytes(data: bytes) -> dict[str, Any]:
-    """What `to_bytes` wrote."""
+    """What `to_bytes` wrote; raises SimulationError where it is something else by now."""
     head, _, block = bytes(data).partition(b"\0")
     saved = json.loads(head)
-    time, scene, layout, frames = saved["state"]
-    saved["state"] = State(time, scene, layout, np.frombuffer(block, np.uint8), frames)
+    time, scene, layout, frames, expected = saved["state"]
+    saved["state"] = as_sent(time, scene, layout, np.frombuffer(block, np.uint8), frames, expected)
     return saved
