@@ -122,6 +122,18 @@ def test_an_operation_that_is_gone_on_with_keeps_what_its_result_has(rehearsal, 
         assert np.isfinite(data["estimate payload.mass"]).all()
 
 
+def test_a_record_that_is_replayed_in_real_time_is_gone_on_with_where_it_was_left(rehearsal, here, tmp_path):
+    rows = (rehearsal / "r.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "part.csv").write_text("".join(rows[:12]))
+    (tmp_path / "more.csv").write_text("".join(rows[:16]))
+    arguments = ["twin", SCENE, "--map", rehearsal / "map.yaml", "--resume", tmp_path / "twin.state", "--speed", "1"]
+    for source in ("part.csv", "more.csv"):
+        code, _, told = here(*arguments, "-o", tmp_path / "tw.nc", "--source", tmp_path / source)
+        assert code == 0 and "set back" not in told
+    with xarray.open_dataset(tmp_path / "tw.nc", engine="h5netcdf") as data:
+        assert data["time"].values == pytest.approx(np.linspace(0.0, 1.4, 15), abs=1e-6)
+
+
 def test_an_operation_does_not_replace_the_result_of_another_one(rehearsal, here, tmp_path):
     (tmp_path / "less.yaml").write_text(MAP.replace("keep: [payload.position]\n", ""))
     arguments = ["twin", SCENE, "--source", rehearsal / "r.csv"]

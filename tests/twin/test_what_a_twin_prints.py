@@ -25,7 +25,7 @@ class Given:
     """A source of rows that the test gives."""
 
     def __init__(self, rows, dropped=0, notes=()):
-        self.name, self.live, self.ended, self.refused = "given", False, False, 0
+        self.name, self.live, self.again, self.ended, self.refused = "given", False, True, False, 0
         self.dropped, self.notes, self._rows = dropped, list(notes), list(rows)
 
     def poll(self, timeout):

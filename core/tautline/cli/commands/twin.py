@@ -192,7 +192,7 @@ class _Loop:
                         heard = clock.monotonic()
                     continue
                 heard = clock.monotonic()
-                if not self.source.live and record.time <= self.begin:
+                if self.source.again and record.time <= self.begin:
                     self.before += 1
                     continue  # a file that is read again from its begin
                 self._give(self.twin.add(record.time, record.values, record.arrived))

@@ -41,7 +41,8 @@ class CsvFile:
         now: Callable[[], float] = clock.monotonic, sleep: Callable[[float], None] = clock.sleep,
         units: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
-        self.name, self.live, self.ended, self.refused = str(path), speed == 1.0, False, 0
+        self.name, self.live, self.again = str(path), speed == 1.0, True
+        self.ended, self.refused = False, 0
         self.dropped, self.notes = 0, list[str]()
         self._speed, self._now, self._sleep = speed, now, sleep
         try:

@@ -59,7 +59,8 @@ class Mqtt:
             from paho.mqtt import client as paho
         except ImportError:
             raise option_error("--source", address, "needs paho-mqtt", "pip install tautline[live]") from None
-        self.name, self.live, self.ended, self.refused, self.dropped = address, True, False, 0, 0
+        self.name, self.live, self.again, self.ended = address, True, False, False
+        self.refused = self.dropped = 0
         self.notes: list[str] = []
         self._connection = Connection(address, self.notes)
         self._columns, self._time, self._topic = list(columns), time, topic

@@ -58,7 +58,8 @@ class OpcUa:
             import asyncua  # noqa: F401
         except ImportError:
             raise option_error("--source", address, "needs asyncua", "pip install tautline[live]") from None
-        self.name, self.live, self.ended, self.refused = address, True, False, 0
+        self.name, self.live, self.again, self.ended = address, True, False, False
+        self.refused = 0
         self.dropped, self.notes = 0, list[str]()
         self.missing: list[str] = []
         self._connection = Connection(address, self.notes)

@@ -35,6 +35,8 @@ class Source(Protocol):
         For messages.
     live : bool
         Whether records arrive while they are measured.
+    again : bool
+        Whether what an operation has had before it is gone on with comes once more: a file is read from its begin.
     ended : bool
         Whether no more will come.
     refused : int
@@ -47,6 +49,7 @@ class Source(Protocol):
 
     name: str
     live: bool
+    again: bool
     ended: bool
     refused: int
     dropped: int

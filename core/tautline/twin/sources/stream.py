@@ -35,7 +35,8 @@ class Stream:
         self, file: IO[str], columns: Sequence[str], time: str = "", name: str = "standard input",
         units: Mapping[str, str] | None = None,
     ) -> None:  # fmt: skip
-        self.name, self.live, self.ended, self.refused, self.last = name, True, False, 0, ""
+        self.name, self.live, self.again, self.ended = name, True, False, False
+        self.refused, self.last = 0, ""
         self.dropped, self.notes = 0, list[str]()
         self._file, self._columns, self._time, self._units = file, list(columns), time, units
         self._queue: queue.Queue[Record | SceneError | None] = queue.Queue(MOST)
