@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 
+from tautline.errors import TautlineError
 from tautline.scene.reading.columns import unit_named
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
 
 NO_UNIT = ("", "-", "--", "1")
 
 
-class OtherQuantity(ValueError):
+class OtherQuantity(TautlineError):
     """A unit of the header that measures something else than that of the map; ``str()`` says why."""
 
 
