@@ -32,7 +32,7 @@ from tautline.integrators.state import (
     new_state,
     oscillation_frequency,
 )
-from tautline.integrators.statics.equilibrium import find_equilibrium, without_number
+from tautline.integrators.statics.equilibrium import find_equilibrium, refuse_without_number
 from tautline.integrators.statics.relaxation import relax, relax_to_stable
 from tautline.integrators.statics.stability import count_negative, find_stable_equilibrium
 from tautline.integrators.status import Interrupted, Status, StoppedEarly
@@ -207,11 +207,16 @@ def simulate(
         with undisturbed(tell=False):
             result = run.finish(store, "done", *further)
     assert result is not None
+    _refuse_imbalance(run, result)
+    return result
+
+
+def _refuse_imbalance(run: Run, result: Result) -> None:
+    """Refuse a run of whose energy more was created numerically than may be."""
     gained = run.energy_gained()
     if gained > GAINED:
         detail = f"{100.0 * gained:.2g} % of it was created numerically"
         raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", detail, result)
-    return result
 
 
 def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., Store], Model]:
@@ -349,21 +354,11 @@ class Run:
             else:
                 found = find_stable_equilibrium(system, self.state, model.step_limit)
         except StoppedEarly as stop:
-            self._refuse_without_number(drawn)
+            self.state.q[:] = drawn
+            refuse_without_number(system, self.state)
             detail = f"{stop.detail}; or take {self._other_start()}" if stop.detail else ""
             raise StoppedEarly(stop.status, stop.time, stop.part, detail) from None
         self._judge_start(found.negative, found.worst, drawn)
-
-    def _refuse_without_number(self, drawn: np.ndarray) -> None:
-        """Say of a search that failed where the force is no number as the scene is drawn: nothing else counts."""
-        self.state.q[:] = drawn
-        row = without_number(self.model.system, self.state)
-        if row is not None:
-            detail = (
-                "the force there is no finite number in the scene as it is drawn; look at what acts there, such as a "
-                "force of an extension that divides by zero"
-            )
-            raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, self.model.system.names[row], detail) from None
 
     def _relax(self) -> None:
         """Have the scene come to rest. Friction may hold what a frictionless wall or a straight hole would not."""
@@ -429,10 +424,7 @@ class Run:
     def store_first(self, store: Store) -> None:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
         system = self.model.system
-        run_steps(
-            self.method, system, self.state,
-            np.zeros(1), np.zeros(1, np.int64), 0.0, self.frames,
-        )  # fmt: skip
+        run_steps(self.method, system, self.state, np.zeros(1), np.zeros(1, np.int64), 0.0, self.frames)
         if not np.isfinite(self.frames.rows[0]).all():
             raise StoppedEarly(Status.NOT_FINITE, 0.0, "the state at the start")
         self.ahead = 1
@@ -568,23 +560,17 @@ class Run:
             self.places = self.method, places_of(*self._parts())
         self.memory, self.remembered = copied(self.places[1]), self.time
 
+    @undisturbed()
     def _store(self, store: Store) -> None:
         """Store the frames that wait, all of them or none."""
-        with undisturbed():
-            self._store_all(store)
-
-    def _store_all(self, store: Store) -> None:
         part = Frames(*(array[: self.ahead] for array in self.frames))
         stored: Mapping[str, np.ndarray]
         if isinstance(store, BriefStore) and self.model.on_demand is not None:
             # The store keeps the frames: the next batch gets a room of its own.
             self.frames = self._room(0)
             made = self.model.on_demand(part)
-            made = (
-                made
-                if isinstance(made, OnDemand)
-                else OnDemand({name: partial(made.__getitem__, name) for name in made})
-            )
+            if not isinstance(made, OnDemand):
+                made = OnDemand({name: partial(made.__getitem__, name) for name in made})
             stored = made.also(time=lambda: part.time)
         else:
             stored = {"time": part.time.copy(), **self.model.observe(part)}

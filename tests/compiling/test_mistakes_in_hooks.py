@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tautline.errors import TautlineError
-from tautline.kernels.errors import KernelError
+from tautline.kernels.compiling.errors import KernelError
 from tautline.kernels.groups import link, register
 from tautline.kernels.jit import kernel
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,7 @@ class SimulationError(TautlineError):
         return str(self.args[0])
 
 
-def real(value: object, what: str, cure: str) -> float:
+def real(value: Any, what: str, cure: str) -> float:
     """A number as a float.
 
     Raises
@@ -36,9 +37,9 @@ def real(value: object, what: str, cure: str) -> float:
     SimulationError
         For what is no number, or several.
     """
-    if not isinstance(value, (str, bytes)) and np.ndim(value) == 0:  # type: ignore[arg-type]
+    if not isinstance(value, (str, bytes)) and np.ndim(value) == 0:
         with suppress(TypeError, ValueError):
-            return float(value)  # type: ignore[arg-type]
+            return float(value)
     raise SimulationError(f"{value!r} is no {what}", cure)
 
 

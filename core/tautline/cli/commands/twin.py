@@ -9,7 +9,7 @@ import math
 import time as clock
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,6 @@ from tautline.cli.run import Ended, ExitCode
 from tautline.scene.errors import option_error
 
 if TYPE_CHECKING:
-    from tautline.twin.map import TwinMap
     from tautline.twin.sources.record import Source
     from tautline.twin.twin import Twin
 
@@ -53,48 +52,39 @@ def twin(
     SceneError, ResultError
         For bad input; nothing is written then.
     """
-    from tautline.twin.map import read_map
-
-    scene = changed(catalogue.read(path)[1], changes)
-    if not map.exists():
-        raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
-    read = read_map(map)
-    hush()
-    with _alone({"--state": state, "--account": account, "-o": output}):
-        _run(scene, read, path, source, output, speed, resume, state, account, serve, as_json, quiet)
-
-
-def _run(
-    scene: Any, read: TwinMap, path: Path, source: str, output: Path | None, speed: float | None,
-    resume: Path | None, state: Path | None, account: Path | None, serve: str | None, as_json: bool, quiet: bool,
-) -> None:  # fmt: skip
-    """Run a scene beside the machine whose sensors the map tells of."""
     from tautline.integrators.status import Interrupted, StoppedEarly
+    from tautline.twin.map import read_map
     from tautline.twin.series import Series
     from tautline.twin.sources.opening import open_source
     from tautline.twin.sources.stamps import stamp_said
     from tautline.twin.storage import load
     from tautline.twin.twin import Twin
 
+    scene = changed(catalogue.read(path)[1], changes)
+    if not map.exists():
+        raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
+    read = read_map(map)
+    hush()
     units = {one.column: one.unit for one in read.sensors}
-    opened = open_source(source, list(units), time=read.time, speed=speed, units=units)
-    try:
-        made = Twin(scene, read, live=opened.live, account=account)
-        begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None
-        if begin is not None:
-            say(f"going on from {stamp_said(begin)}")
-        if made.plan_names.unwatched:
-            say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
-        page = _page(serve, path, made)
-        series = Series(output, made, begin) if output is not None else None
-        _Loop(made, opened, series, page, state, as_json, quiet).run()
-    except StoppedEarly as stop:
-        say(f"{path}: stopped at {stamp_said(stop.time)}, {stop.part}: {stop.sentence}", "red")
-        raise Ended(ExitCode.STOPPED_EARLY) from None
-    except Interrupted:
-        raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
-    finally:
-        opened.close()
+    with (
+        _alone({"--state": state, "--account": account, "-o": output}),
+        closing(open_source(source, list(units), time=read.time, speed=speed, units=units)) as opened,
+    ):
+        try:
+            made = Twin(scene, read, live=opened.live, account=account)
+            begin = load(made, resume) if resume is not None and (resume.exists() or state != resume) else None
+            if begin is not None:
+                say(f"going on from {stamp_said(begin)}")
+            if made.plan_names.unwatched:
+                say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
+            page = _page(serve, path, made)
+            series = Series(output, made, begin) if output is not None else None
+            _Loop(made, opened, series, page, state, as_json, quiet).run()
+        except StoppedEarly as stop:
+            say(f"{path}: stopped at {stamp_said(stop.time)}, {stop.part}: {stop.sentence}", "red")
+            raise Ended(ExitCode.STOPPED_EARLY) from None
+        except Interrupted:
+            raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
 
 
 @contextmanager

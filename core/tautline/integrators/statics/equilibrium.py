@@ -118,12 +118,23 @@ def _why(system: System, ended: _Ended, spent: int, loose: bool) -> str:
     return f"{amount}; {cause}; {cure}"
 
 
-def without_number(system: System, state: State) -> int | None:
-    """First row whose residual at rest is not finite where the state is; None if there is none."""
+def refuse_without_number(system: System, state: State) -> None:
+    """Say of a search that failed where the force is no number in the state: nothing else counts then.
+
+    Raises
+    ------
+    StoppedEarly
+        With the part of the first such row.
+    """
     residual = np.zeros(system.size)
     evaluate(system, state, 0.0, 1.0, True, 0.0, 0.0, 1.0, system.spare_factors().matrix, residual)
     rows = np.flatnonzero(~np.isfinite(residual))
-    return int(rows[0]) if rows.size else None
+    if rows.size:
+        detail = (
+            "the force there is no finite number in the scene as it is drawn; look at what acts there, such as a force "
+            "of an extension that divides by zero"
+        )
+        raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, system.names[int(rows[0])], detail) from None
 
 
 def search_from(system: System, state: State, step_limit: float, shift: float, tolerance: float = 1e-10) -> bool:

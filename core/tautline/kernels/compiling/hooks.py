@@ -8,10 +8,10 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.np.arrayobj import make_array, populate_array
 
+from tautline.kernels.compiling.errors import error_of_hook
 from tautline.kernels.compiling.kernels import intrinsic_for
 from tautline.kernels.compiling.types.kinds import kind_of
 from tautline.kernels.compiling.types.records import Record
-from tautline.kernels.errors import error_of_hook
 from tautline.kernels.groups import CALLS, KINDS, ROWS, SUMS, apply
 from tautline.kernels.machine.sources import comes_with_us
 
