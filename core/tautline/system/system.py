@@ -131,6 +131,8 @@ class System:
         rest moves them: x and x, y and y, z and z, or the ways along a hole.
     reach : float
         How far such may move at once, their neighbours with them, m.
+    slopes : (m,) int array
+        Full degrees of freedom where the slope r' of a rope's node begins, behind its place r.
     window : (2,) or (0,) int array
         First and past the last full degree of freedom that residuals, tangents and laws are asked for; groups that know
         it share it, and go over those of their members only that touch one of these. Empty where none does, or where
@@ -160,6 +162,7 @@ class System:
     force: float = 0.0
     neighbours: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     reach: float = 0.0
+    slopes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     window: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     linked: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False)
     lasting: Lasting = field(default_factory=Lasting, repr=False, compare=False)

@@ -89,6 +89,7 @@ def assemble_cables(scene: CableScene, more: Callable[[Layout], list[Any]] = lam
     system.q[: layout.initial.size] = layout.initial
     system.force, system.reach = force, FAR * float(np.ptp(layout.initial))
     system.neighbours = (layout.starts[layout.ends][:, None, :] + np.arange(3)[:, None]).reshape(-1, 2)
+    system.slopes = layout.slopes
     observer = Observer(layout, groups, [e.name for e in made if e.tie.method != "penalty"])
     return Assembly(layout, system, observer, lengths, notes)
 

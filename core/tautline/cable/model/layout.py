@@ -30,6 +30,8 @@ class Layout:
         Node's id -> place of its p, the last of its degrees of freedom.
     starts, lasts : (nodes,) int arrays
         The same, node by node as the scene has them.
+    slopes : (m,) int array
+        Where the slopes r' of those nodes begin that have one.
     flow : dict
         Id of the motion of a conveyed fluid -> place of its p.
     degrees : Degrees
@@ -49,7 +51,8 @@ class Layout:
         self.last = dict(zip(ids, self.lasts.tolist(), strict=True))
         names = [f"node {node.id}: {name}" for node in scene.nodes for name in DIRECTIONS[node.kind]]
         value, scale = np.empty(ends[-1]), np.full(ends[-1], force)
-        slopes = self.starts[np.array(kinds) == 7][:, None] + np.arange(3, 6)
+        self.slopes = self.starts[np.array(kinds) == 7] + 3
+        slopes = self.slopes[:, None] + np.arange(3)
         value[self.starts[:, None] + np.arange(3)] = [node.position for node in scene.nodes]
         value[slopes] = np.reshape([node.slope for node in scene.nodes if node.kind == 7], (-1, 3))
         value[self.lasts] = [material[node] for node in ids]

@@ -19,12 +19,14 @@ from tautline.integrators.corrector.rows import (
     ask_for_all,
     balance,
     expand_rows,
+    face_factors,
     heed_place,
     renew_factors,
     rows_of,
     solve_for_increment,
     take_all,
     take_changed,
+    turn_factors,
     worst_row,
 )
 from tautline.integrators.corrector.single_precision import doubt
@@ -151,6 +153,8 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
     contraction = c.contraction
     for iteration in range(c.max_iterations + 1):
         expand_rows(c.rows, dofs, state)
+        if iteration == 0 and c.factored_for[0] != 0.0:
+            turn_factors(c.rows, state)
         changed[COUNT] = changed[PLACED] = 0
         if not event:
             # After an event the forced status is to be solved for before it is tested.
@@ -235,6 +239,7 @@ def _prepare_factors(c, groups, dofs, state, t, beta, gamma, slow):
         _make_smooth(c.factors.matrix, groups, dofs, state, t, beta, gamma)
     ask_as_before(c.rows, dofs, state)
     state.counters[FACTORISATIONS] += 1
+    face_factors(c.rows, state)
     row = factorise_apart(c.factors)
     if row == 0:
         c.factored_for[0] = beta

@@ -10,23 +10,25 @@ from typing import NamedTuple
 from tautline.integrators.corrector import partial_newton as part
 from tautline.integrators.corrector.partial_newton import Window, is_worth_while, new_window
 from tautline.integrators.corrector.single_precision import solve_for
+from tautline.integrators.corrector.turning import Fixed, Turning, face, to_faced, to_turned, turn, turning_of
 from tautline.integrators.state import worst_between
 from tautline.kernels import groups as over
 from tautline.kernels.dispatch import by_type
 from tautline.kernels.dofs import expand, reduce
 from tautline.kernels.jit import kernel
+from tautline.kernels.vector import copy
 from tautline.system.system import System
 
 
 class AllRows(NamedTuple):
-    """Every iteration goes over all ``count`` rows."""
+    """Every iteration goes over all rows, by factors that may turn with what they belong to (turning.py)."""
 
-    count: int
+    turning: Turning | Fixed
 
 
 def rows_of(system: System, in_parts: bool) -> AllRows | Window:
     """All rows, or where ``in_parts`` is allowed and the system has a window, those out of balance."""
-    return new_window(system) if in_parts and is_worth_while(system) else AllRows(system.size)
+    return new_window(system) if in_parts and is_worth_while(system) else AllRows(turning_of(system))
 
 
 @kernel
@@ -80,8 +82,21 @@ def _ask_as_before(rows, dofs, state):
 
 @kernel
 def _solve(rows, factors, increment, right_side):
+    copy(increment, right_side)
+    to_faced(rows.turning, increment)
     solve_for(factors, increment, right_side)
+    to_turned(rows.turning, increment)
     return 0, increment.size
+
+
+@kernel
+def _turn_factors(rows, state):
+    turn(rows.turning, state.full_q)
+
+
+@kernel
+def _face_factors(rows, state):
+    face(rows.turning, state.full_q)
 
 
 take_all = by_type({AllRows: _take_all, Window: part.take_all})
@@ -94,5 +109,7 @@ heed_place = by_type({AllRows: _heed_nothing, Window: part.heed_place})
 renew_factors = by_type({AllRows: _renew, Window: part.renew_part})
 ask_for_all = by_type({AllRows: _take_all, Window: part.ask_for_all})
 ask_as_before = by_type({AllRows: _ask_as_before, Window: part.ask_as_before})
+turn_factors = by_type({AllRows: _turn_factors, Window: _take_all})
+face_factors = by_type({AllRows: _face_factors, Window: _take_all})
 solve_for_increment = by_type({AllRows: _solve, Window: part.solve_part})
 """What an iteration does with its rows; the functions for a window tell what each is for."""

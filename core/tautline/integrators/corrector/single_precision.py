@@ -28,13 +28,12 @@ LEFT = 0.01
 
 @kernel(forceinline=True)
 def solve_for(factors, x, right_side):
-    """Solve A x = b for an iteration that improves the solution; ``x`` and then ``right_side`` (n,) hold b.
+    """Solve A x = b for an iteration that improves the solution; ``x`` and ``right_side`` (n,) hold b.
 
     Where it is doubted that rounded factors serve, their first solution is put to the test.
     """
     integers = factors.integers
     doubted = integers[SINGLE] == 1 and integers[DOUBTED] == 1 and integers[PACKED] == IN_BLOCKS
-    copy(x, right_side)
     solve_apart(factors, x)
     if doubted:
         _make_sure(factors, x, right_side)
