@@ -153,7 +153,7 @@ def _iterate(c, groups, dofs, state, t, beta, gamma):
     contraction = c.contraction
     for iteration in range(c.max_iterations + 1):
         expand_rows(c.rows, dofs, state)
-        if iteration == 0 and c.factored_for[0] != 0.0:
+        if c.factored_for[0] != 0.0:
             turn_factors(c.rows, state)
         changed[COUNT] = changed[PLACED] = 0
         if not event:

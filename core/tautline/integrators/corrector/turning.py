@@ -3,7 +3,7 @@
 A rope is stiff along itself and yields across. Hardly anything but its turning changes the tangent from one step to the
 next, and where all of it turns alike the new tangent is R K R^T: the old one in turned axes. So the vectors r and r' of
 each node are solved for in axes that turn with the node, by R the shortest rotation from the slope r' that it had when
-the factors were made to the one that it has at the beginning of the step. Solutions are R K^-1 R^T b.
+the factors were made to the one that it has now. Solutions are R K^-1 R^T b.
 """
 
 from __future__ import annotations
