@@ -11,7 +11,8 @@ from tautline.simulation import simulate
 SOFT = {"n": 40, "length": 40.0, "EA": 1.0e5, "EJ": 1.0, "time_step": 0.001, "time_end": 0.3}
 STIFF = {"n": 200, "length": 20.0, "EA": 1.0e8, "EJ": 10.0, "time_step": 0.02, "time_end": 1.0, "eps_energy": 1e-10}
 """Of a stiff rope's equations at a long step single precision keeps too few digits. Some steps are halved. Which these
-are must not hang on what iterations leave, so they leave little."""
+are must not hang on what iterations leave, so they leave little: energies of 1e-10 J, as rounding allows no less, which are
+2e-7 m where inertia alone resists, 0.1 kg over (0.02 s)^2."""
 
 
 def _swing(n, length, EA, EJ, **solver):
@@ -21,8 +22,10 @@ def _swing(n, length, EA, EJ, **solver):
     return simulate(model_of(items, plotpoints=10.0 / solver["time_end"], rho_inf=0.8, **solver))
 
 
-@pytest.mark.parametrize(("scene", "serve"), [(SOFT, True), (STIFF, False)], ids=["soft", "stiff"])
-def test_a_run_with_single_precision_is_that_with_others_to_the_iterations_tolerance(scene, serve, monkeypatch):
+@pytest.mark.parametrize(
+    ("scene", "serve", "left"), [(SOFT, True, 1e-10), (STIFF, False, 1e-9)], ids=["soft", "stiff"]
+)
+def test_a_run_with_single_precision_is_that_with_others_to_the_iterations_tolerance(scene, serve, left, monkeypatch):
     exact = _swing(**scene)
     made = []
 
@@ -37,5 +40,5 @@ def test_a_run_with_single_precision_is_that_with_others_to_the_iterations_toler
     # Where they do not serve they are found out within the run, and are double from then on.
     assert (made[-1].integers[matrix.SINGLE], made[-1].integers[matrix.MAY_BE_SINGLE]) == (int(serve), int(serve))
     size = np.abs(np.asarray(exact["position"])).max()
-    np.testing.assert_allclose(rounded["position"], exact["position"], rtol=0.0, atol=1e-10 * size)
+    np.testing.assert_allclose(rounded["position"], exact["position"], rtol=0.0, atol=left * size)
     assert rounded.attributes["newton_iterations"] <= 1.01 * exact.attributes["newton_iterations"]
