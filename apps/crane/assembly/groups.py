@@ -222,7 +222,7 @@ def _bodies(layout: Layout) -> Maker | None:
     floor = np.array([ground.level, ground.stiffness, ground.damping, ground.friction] if ground else [0.0] * 4)
     mass = np.array([row["mass"] for row in rows], dtype=float)
     return lambda functions: Bodies(
-        records_of(BODY, rows), gravity, floor, mass, mass.copy(), np.zeros(len(mass)), functions
+        records_of(BODY, rows), gravity, floor, mass, mass.copy(), np.zeros((len(mass), 2)), functions
     )  # fmt: skip
 
 

@@ -30,7 +30,8 @@ STILL = 1.0e-3
 class Bodies(NamedTuple):
     """Bodies (n,) of ``BODY`` under ``gravity`` (3,) m/s^2, and ``ground`` (4,): level m, stiffness N/m, damping N s/m
     and friction. ``mass`` (n,) is what each has in the step under way and ``kept`` (n,) what it had after the last;
-    ``let_go`` (n,) is the power, W, at which energy left with what was released, in the step of its release."""
+    ``let_go`` (n, 2) is the power, W, at which energy leaves with what is released: at the start of the step of its
+    release, where an explicit method keeps its books, and at the end, where an implicit one does."""
 
     rows: np.recarray
     gravity: np.ndarray
@@ -46,17 +47,18 @@ def _body_begin(g, t, h, beta, gamma, q, v, a):
     """A load drops at the beginning of the step that its time is nearest to."""
     for n in range(g.rows.size):
         b = g.rows[n]
-        g.let_go[n] = 0.0
+        g.let_go[n, 0] = g.let_go[n, 1] = 0.0
         if beta < 0.0:
             # An equilibrium is one with all of the load.
             g.mass[n] = g.kept[n]
             continue
         g.mass[n] = b.remaining if t + 0.5 * h >= b.released else g.kept[n]
-        if h > 0.0 and g.mass[n] < g.kept[n]:
+        if h > 0.0 and gamma >= 0.0 and g.mass[n] < g.kept[n]:
             energy = 0.0
             for c in range(AXES):
                 energy += (g.kept[n] - g.mass[n]) * (0.5 * v[b.place + c] ** 2 - g.gravity[c] * q[b.place + c])
-            g.let_go[n] = energy / h
+            # The ledger takes the mean of the powers at both ends of a step: twice it at one end is all of it.
+            g.let_go[n, 1 if beta > 0.0 else 0] = 2.0 * energy / h
 
 
 @kernel
@@ -174,9 +176,13 @@ def _body_dissipation(g, t, q, v, p):
 def _body_supply(g, t, q, v, p):
     for n in range(g.rows.size):
         b = g.rows[n]
-        # An impulse in the ledger's trapezoid: all of it at the end of this step, none at the start of the next.
-        p[0] -= 2.0 * g.let_go[n]
-        p[1] += 2.0 * g.let_go[n]
+        # At the end of the step, and no longer at the start of the next.
+        p[0] -= g.let_go[n, 1]
+        p[1] += g.let_go[n, 1]
+        # At the start of the step, and not at the end of the one before. Where a frame ends with the step, its end is
+        # asked for too: then nothing may be left.
+        p[1] -= g.let_go[n, 0]
+        g.let_go[n, 0] = 0.0
         for c in range(AXES):
             if b.functions[c] >= 0:
                 force, _, _ = evaluate(g.functions, b.functions[c], t)

@@ -10,8 +10,22 @@ import math
 import numpy as np
 import pytest
 from of_the_suite import studies
-from physics.lifting.crane_scenes import GRAVITY, block_of_falls, fall, imbalance, ran, solved, unbalanced
+from physics.lifting.crane_scenes import (
+    GRAVITY,
+    anchor,
+    block_of_falls,
+    body,
+    crane,
+    end,
+    fall,
+    imbalance,
+    ran,
+    solved,
+    unbalanced,
+)
 from references.hoisting import FILE
+
+import tautline
 
 AT, MASS, LENGTH = 0.05, 5000.0, 25.0
 IMPEDANCE = np.sqrt(8.0e7 * 6.5)
@@ -93,6 +107,50 @@ def test_what_leaves_with_the_load_is_booked_in_any_step(at):
     gone = 4000.0 * GRAVITY * LENGTH
     assert result["external_work"][-1] == pytest.approx(gone, rel=1.0e-3)
     assert np.abs(unbalanced(result)).max() < 0.02 * result["strain_energy"][0]
+
+
+def dropped(method, height, at, interval, step=1.0e-4):
+    """1500 of 2000 kg are lost by a load at rest at a height, m, below an anchor 30 m above it."""
+    load = body("payload", 2000.0, (0.0, 0.0, height), release={"at": at, "remaining": 500.0})
+    path = [anchor((0.0, 0.0, height + 30.0)), end("payload")]
+    rope = {"mass_per_length": 0.5, "axial_stiffness": 4.0e7, "damping": 1.0e-3}
+    solver = {"method": method, "step": step, "end": 0.05, "rho_inf": 0.6}
+    return crane(path, [load], rope=rope, mesh={"elements_per_span": 1}, solver=solver, interval=interval)
+
+
+STEP_OF_A_FRAME = {
+    "very first": (0.0, 0.01),
+    "first": (0.02, 0.01),
+    "middle": (0.025, 0.01),
+    "last": (0.0299, 0.01),
+    "only": (0.02, 1.0e-4),
+}
+"""Where in a frame a load is lost: time, and interval of output, s."""
+
+
+@pytest.mark.parametrize("height", [-50.0, 10.0])
+@pytest.mark.parametrize("where", STEP_OF_A_FRAME)
+def test_rk4_books_m_g_z_of_what_is_lost_in_whatever_step_of_a_frame_and_sign_of_z(where, height):
+    at, interval = STEP_OF_A_FRAME[where]
+    result = ran(dropped("rk4", height, at, interval))
+    place = result["body_position"][result["time"] <= at + 1e-9, 0, 2][-1]
+    assert place == pytest.approx(height, abs=1e-3)
+    gone = -1500.0 * GRAVITY * height
+    assert result["external_work"][-1] == pytest.approx(gone, rel=1.0e-6)
+    assert result.attributes["status"] == "done"
+    assert result.attributes["energy_error"] < 1.0e-6
+
+
+@pytest.mark.parametrize("method", ["rk4", "generalized-alpha"])
+@pytest.mark.parametrize("height", [-50.0, 10.0])
+def test_a_live_simulation_books_m_g_z_of_what_is_lost_wherever_its_advances_end(method, height):
+    scene = dropped(method, height, 0.02, 0.01)
+    for ends in ((0.02, 0.05), (0.0201, 0.05), (0.0157, 0.0233, 0.05)):
+        sim = tautline.Simulation(scene)
+        for time in ends:
+            sim.advance_to(time)
+        assert sim.result["external_work"][-1] == pytest.approx(-1500.0 * GRAVITY * height, rel=1.0e-6)
+        assert sim.result.attributes["energy_error"] < 1.0e-3
 
 
 # sixteen falls
