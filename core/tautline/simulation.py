@@ -200,23 +200,20 @@ def simulate(
         except KeyboardInterrupt:
             raise Interrupted(run.reached, run.finish(store, "interrupted")) from None
         except StoppedEarly as stop:
-            stop.result = run.finish(store, stop.status.name.lower().replace("_", " "))
+            stop.result = run.finish(store, stop.status.word)
             raise
-        stored = store.result if afterwards is not None else None
-        further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
+        try:
+            stored = store.result if afterwards is not None else None
+            further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
+        except KeyboardInterrupt:
+            raise Interrupted(run.reached, run.finish(store, "interrupted")) from None
         with undisturbed(tell=False):
-            result = run.finish(store, "done", *further)
+            result = run.finish(store, run.end_status().word, *further)
     assert result is not None
-    _refuse_imbalance(run, result)
-    return result
-
-
-def _refuse_imbalance(run: Run, result: Result) -> None:
-    """Refuse a run of whose energy more was created numerically than may be."""
-    gained = run.energy_gained()
-    if gained > GAINED:
-        detail = f"{100.0 * gained:.2g} % of it was created numerically"
+    if run.end_status() == Status.IMBALANCE:
+        detail = f"{100.0 * run.energy_gained():.2g} % of it was created numerically"
         raise StoppedEarly(Status.IMBALANCE, run.time, "the whole scene", detail, result)
+    return result
 
 
 def _store_of(model: Model, brief: Brief | None) -> tuple[Callable[..., Store], Model]:
@@ -594,7 +591,7 @@ class Run:
         result = store.result
         if result is None:
             return None
-        if self.brief is not None and status == "done":
+        if self.brief is not None and self.done == self.ends.size:
             self.brief.batch, self.brief.work, self.brief.compiled = self.batch, self.work, True
         counters, solver = self.state.counters, self.model.solver
         taken = self.reached / counters[STEPS] if counters[STEPS] else self.step
@@ -653,6 +650,10 @@ class Run:
         ledger = self.state.ledger
         aside = stepping_with(self.method).set_aside(self.method, self.step, float(ledger[AT_START]))
         return self.balance.gained(float(ledger[THROUGHPUT]), aside)
+
+    def end_status(self) -> Status:
+        """Status of a run that has come to its end, all of its frames stored."""
+        return Status.IMBALANCE if self.energy_gained() > GAINED else Status.DONE
 
     def oscillation_frequency(self) -> float:
         """Angular frequency of the motion as a whole, rad/s; zero where there is none beyond rounding."""

@@ -62,7 +62,7 @@ def searched(scene: Path, as_json: bool, search: Callable[[], T]) -> T:
         say(f"{scene}: stopped, {stop.part}: {stop.sentence}", "red")
         if as_json:
             where = {"part": stop.part, "sentence": stop.sentence}
-            print_json({"scene": str(scene), "status": stop.status.name.lower().replace("_", " "), "stopped": where})
+            print_json({"scene": str(scene), "status": stop.status.word, "stopped": where})
         raise Ended(ExitCode.STOPPED_EARLY) from None
 
 

@@ -27,6 +27,11 @@ class Status(IntEnum):
     SLACK_ON_WHEEL = 13
     IMBALANCE = 14
 
+    @property
+    def word(self) -> str:
+        """What the results and the reports of commands call it."""
+        return self.name.lower().replace("_", " ")
+
 
 SENTENCES = {
     Status.DONE: "done",

@@ -114,7 +114,7 @@ class Simulation:
         system, self._state = model.system, run.state
         self._frames = new_frames(1, system.q.size, model.own)
         self._ends, self._steps, self._pause = np.zeros(1), np.zeros(1, np.int64), new_pause()
-        self._time, self._stopped = 0.0, ""
+        self._time, self._stopped, self._status = 0.0, "", ""
         self._step, self._watched = model.solver.step, run.explicit and model.solver.guarded
         self._mark = (
             f"{model.attributes.get('application', '')} {model.attributes.get('model_hash', '')} {model.solver.method}"
@@ -230,7 +230,7 @@ class Simulation:
                 self._go(begin, end, ear)
                 begin = end
         if ear.heard:
-            raise Interrupted(self._time, self._so_far)
+            raise Interrupted(self._time, self._so_far("interrupted"))
 
     def _frame_time(self, k: int) -> float:
         """Time of the k-th frame after the first; they go on after the scene's end."""
@@ -260,7 +260,7 @@ class Simulation:
                 self._arrive(end)
             else:
                 self._leave(begin, end)
-            raise Interrupted(self._time, self._so_far) from None
+            raise Interrupted(self._time, self._so_far("interrupted")) from None
         self._arrive(end)
 
     def _arrive(self, end: float) -> None:
@@ -293,8 +293,8 @@ class Simulation:
         self._unchecked = frames * solver.interval
         if self._step > critical:
             detail = f"step {self._step:g} s, critical step {critical:.4g} s"
-            self._stopped = "the explicit method is unstable at this step"
-            raise StoppedEarly(Status.UNSTABLE, self._time, self.model.system.names[worst], detail, self._so_far)
+            self._stopped, self._status = "the explicit method is unstable at this step", Status.UNSTABLE.word
+            raise StoppedEarly(Status.UNSTABLE, self._time, self.model.system.names[worst], detail, self._so_far())
 
     def _leave(self, begin: float, end: float) -> None:
         """Stand where an advance was left in its middle."""
@@ -307,13 +307,13 @@ class Simulation:
         for force in self._forces:
             if force.failed is not None:
                 error, force.failed = force.failed, None
-                self._stopped = f"a force raised {type(error).__name__} at {reached:.6g} s"
+                self._stopped, self._status = f"a force raised {type(error).__name__} at {reached:.6g} s", "stopped"
                 self._time = float(reached)
                 raise error
         self._stand_at(reached)
         part = self.model.system.name_of(int(self._state.counters[WORST]))
-        self._stopped = f"{status.name} at {reached:.6g} s"
-        raise StoppedEarly(status, reached, part, "", self._so_far)
+        self._stopped, self._status = f"{status.name} at {reached:.6g} s", status.word
+        raise StoppedEarly(status, reached, part, "", self._so_far())
 
     def _stand_at(self, time: float) -> None:
         """Make the outputs those of the state as it is, at a time that is no end of an advance."""
@@ -359,14 +359,17 @@ class Simulation:
         """An output by its name; raises UnknownName."""
         return self.outputs[name]
 
-    @property
-    def _so_far(self) -> Result | None:
+    def _so_far(self, status: str = "") -> Result | None:
         """The result, where frames were kept."""
-        return self.result if self._kept.rows.size else None
+        return self._result(status) if self._kept.rows.size else None
 
     @property
     def result(self) -> Result:
         """The frames kept so far, as `tautline.simulate` gives them."""
+        return self._result()
+
+    def _result(self, status: str = "") -> Result:
+        """The frames kept so far; with a status, where it is not that of the simulation."""
         run, rows = self._run, self._kept.rows
         if not rows.size:
             cure = "advance it to a frame: those that were kept are later than the state that was restored"
@@ -384,7 +387,7 @@ class Simulation:
         run.time = run.reached = self._time
         run.wall, run.cpu, run.remembered = float(self._clock[WALL]), float(self._clock[CPU]), self._time
         run.memory = remember(*(thing for _, thing in self._memorable()))
-        status = "done" if not self._stopped else self._stopped.split(" at ")[0].lower().replace("_", " ")
+        status = status or self._status or run.end_status().word
         made = run.finish(stored, status, {"end": self._time})
         assert made is not None
         return made
@@ -405,7 +408,8 @@ class Simulation:
         """
         check(state, self._mark, self._memory.layout, self._memory.size)
         self._memory.write(state.block)
-        self._time, self._stopped, self._observed, self._begun = state.time, "", None, True
+        self._time, self._observed, self._begun = state.time, None, True
+        self._stopped = self._status = ""
         self.model.system.functions.frames.time[0] = np.nan
         self.inputs.recalled()
         self._kept.go_back(state.time, self._tolerance)

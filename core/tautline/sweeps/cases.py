@@ -125,7 +125,7 @@ class Runner:
         except Interrupted:
             raise KeyboardInterrupt from None
         except StoppedEarly as stop:
-            row.status = stop.status.name.lower().replace("_", " ")
+            row.status = stop.status.word
             row.message = f"t = {stop.time:.4g} s, {stop.part}: {stop.sentence}"
             if stop.result is not None:
                 row.loop_time = float(stop.result.attributes.get("cpu_time") or 0.0)

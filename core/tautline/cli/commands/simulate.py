@@ -194,7 +194,7 @@ def _outcome_of(run: Callable[[Bar], Result], end: float | None, quiet: bool) ->
             result = run(bar)
     except StoppedEarly as stop:
         report = {
-            "status": stop.status.name.lower().replace("_", " "),
+            "status": stop.status.word,
             "stopped": {"time": stop.time, "part": stop.part, "sentence": stop.sentence},
         }
         line = f"stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}"

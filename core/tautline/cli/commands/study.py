@@ -160,7 +160,7 @@ def stop_record(stop: StoppedEarly | None) -> dict[str, Any]:
     if stop is None:
         return {"status": "done"}
     where = {"time": stop.time, "part": stop.part, "sentence": stop.sentence}
-    return {"status": stop.status.name.lower().replace("_", " "), "stopped": where}
+    return {"status": stop.status.word, "stopped": where}
 
 
 def machine(load: Sequence[float]) -> str:

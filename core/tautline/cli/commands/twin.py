@@ -166,8 +166,14 @@ class _Loop:
         self.last: dict[str, Any] | None = None
 
     def run(self) -> None:
-        """Until the source has ended, or Ctrl-C."""
-        from tautline.integrators.status import Interrupted
+        """Until the source has ended, or Ctrl-C.
+
+        Raises
+        ------
+        StoppedEarly
+            Where the twin cannot go on; what it has found until then is stored.
+        """
+        from tautline.integrators.status import Interrupted, StoppedEarly
 
         status = "done"
         heard = clock.monotonic()
@@ -189,6 +195,10 @@ class _Loop:
             self._give(self.twin.finish())
         except (KeyboardInterrupt, Interrupted):  # the second is the first, heard within a step
             status = "interrupted"
+        except StoppedEarly as stop:
+            if self.series is not None:
+                self.series.finish(stop.status.word)
+            raise
         self._end(status)
 
     def _pass_on(self) -> None:
@@ -366,7 +376,7 @@ def record(
                 count += 1
         except StoppedEarly as stop:
             say(f"{path}: stopped at {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
-            status = stop.status.name.lower().replace("_", " ")
+            status = stop.status.word
     say(f"wrote {output}: {count} rows. Next: {catalogue.name} twin {path} --map {map} --source {output}", "green")
     if as_json:
         print_json({"status": status, "scene": str(path), "record": str(output), "rows": count})

@@ -1,0 +1,112 @@
+"""The status that a file holds is the one that the command said, however a run ends."""
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+import yaml
+from cli.in_process import commands_of, only_object
+from physics.lifting.crane_scenes import fall, hoist
+
+import tautline
+from crane.application import Crane
+from tautline.integrators.status import Status
+from tautline.results import store
+from tautline.study.trials import step_error
+from tautline.twin.twin import Twin
+
+HOIST = Path(__file__).parents[2] / "data" / "hoist.yaml"
+MAP = """
+sensors:
+  - {column: winch_pos, unit: m, input: winch.pay_out}
+  - {column: rope_tension, unit: kN, output: winch.tension, sd: 0.5 kN}
+ahead: 0 s
+"""
+RUNS = {
+    "done": (fall(), 0),
+    "imbalance": (fall(load={"velocity": [1.0, 0.0, 0.0]}), 3),
+    "unstable": (fall(solver={"method": "rk4", "step": 0.01}), 3),
+    "not converged": (
+        hoist(solver={"max_iterations": 1, "max_halvings": 0, "tolerance": 1e-13, "control": "fixed"}),
+        3,
+    ),
+    "two blocked": (hoist(drive={"pay_out": {"ramp": {"to": -48.0, "over": 4.0}}}, solver={"end": 4.0}), 3),
+    "interrupted": (fall(), 130),
+    "interrupted afterwards": (fall(), 130),
+}
+"""What a run ends as, the scene, and the exit code."""
+
+
+def press_ctrl_c(*_, **__):
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+@pytest.mark.parametrize("ending", RUNS)
+def test_the_file_says_of_its_run_what_the_command_said(ending, tmp_path, capsys, monkeypatch):
+    scene, expected = RUNS[ending]
+    status, verify = ending.split(" afterwards")[0], "--no-verify"
+    if ending == "imbalance":
+        # No share of energy is small enough any more.
+        monkeypatch.setattr("tautline.simulation.GAINED", -1.0)
+    if ending == "interrupted":
+        publish = store._Copies.publish
+        monkeypatch.setattr(store._Copies, "publish", lambda self: (publish(self), press_ctrl_c()))
+    if ending == "interrupted afterwards":
+        verify = "--verify"
+        monkeypatch.setattr(step_error, "watch", press_ctrl_c)
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(scene))
+    command = commands_of(Crane(), capsys)
+    code, out, _ = command("simulate", tmp_path / "scene.yaml", "-o", tmp_path / "r.nc", "--json", verify)
+    report = only_object(out)
+    assert (code, report["status"]) == (expected, status)
+    result = tautline.Result.read(tmp_path / "r.nc")
+    assert result.attributes["status"] == status
+    if status != "interrupted":
+        assert result.attributes["steps"] > 0 or status == "unstable"
+
+
+def test_a_twin_that_cannot_go_on_leaves_its_status_in_its_file(tmp_path, capsys, monkeypatch):
+    command = commands_of(Crane(), capsys)
+    (tmp_path / "map.yaml").write_text(MAP)
+    record = tmp_path / "r.csv"
+    assert command("record", HOIST, "--map", tmp_path / "map.yaml", "-o", record, "--end", "1 s")[0] == 0
+    answered = Twin.add
+
+    def add(self, time, *given):
+        if time > 0.5:
+            raise tautline.StoppedEarly(Status.TWO_BLOCKED, time, "payload")
+        return answered(self, time, *given)
+
+    monkeypatch.setattr(Twin, "add", add)
+    code, _, told = command(
+        "twin", HOIST, "--map", tmp_path / "map.yaml", "--source", record, "-o", tmp_path / "t.nc", "--json"
+    )
+    assert code == 3 and "stopped" in told
+    result = tautline.Result.read(tmp_path / "t.nc")
+    assert result.attributes["status"] == "two blocked" and result.time[-1] <= 0.5
+
+
+def test_a_live_result_names_how_its_simulation_stopped(monkeypatch):
+    sim = tautline.Simulation(fall(solver={"method": "rk4", "step": 0.01}))
+    assert sim.result.attributes["status"] == "done"
+    with pytest.raises(tautline.StoppedEarly) as stop:
+        sim.advance(0.1)
+    assert stop.value.result.attributes["status"] == sim.result.attributes["status"] == "unstable"
+    sim = tautline.Simulation(fall())
+    sim.advance(0.1)
+    monkeypatch.setattr("tautline.simulation.GAINED", -1.0)
+    assert sim.result.attributes["status"] == "imbalance"
+
+
+def test_a_live_result_of_an_advance_that_was_interrupted_says_so_and_the_next_does_not():
+    sim = tautline.Simulation(fall())
+    sim.advance(0.1)
+    observe = sim._arrive
+    sim._arrive = lambda end: (observe(end), press_ctrl_c())
+    with pytest.raises(tautline.Interrupted) as stop:
+        sim.advance(0.1)
+    assert stop.value.result.attributes["status"] == "interrupted"
+    sim._arrive = observe
+    sim.advance(0.1)
+    assert sim.result.attributes["status"] == "done"
