@@ -21,7 +21,7 @@ from tautline.cable.model.layout import Layout
 from tautline.elements.nodal.jet import JET, Jets
 from tautline.integrators.statics.attainable import within_rounding
 from tautline.scene.solver import error_of_steps, unused_alphas
-from tautline.system.handles import Handles, inputs_of, outputs_of, same_as
+from tautline.system.handles import Handles, inputs_of, outputs_of, prepared_of, same_as
 from tautline.system.model import Model
 from tautline.system.records import records_of
 
@@ -94,7 +94,7 @@ def _handles(made: Assembly, model: Model) -> Handles:
     if "flow_speed" in outputs:
         outputs["water.speed"] = same_as(outputs["flow_speed"], "water.speed")
     parameters = {one.name: one for one in stiffnesses(made.system.groups, "hose")}
-    return Handles(inputs_of(made.layout.requests), outputs, parameters)
+    return Handles(inputs_of(made.layout.requests), outputs, parameters, prepared_of(made.layout.requests))
 
 
 def assembled(scene: HoseScene, fused: bool = True) -> Assembly:

@@ -17,7 +17,17 @@ from crane.scene.scene import CraneScene, Drum, Sheave
 from crane.scene.surroundings import Motion, Vessel
 from tautline.results.variable import Variable
 from tautline.scene.errors import SceneError
-from tautline.system.handles import Handles, Output, Parameter, extreme_of, inputs_of, number, outputs_of, part_of
+from tautline.system.handles import (
+    Handles,
+    Output,
+    Parameter,
+    extreme_of,
+    inputs_of,
+    number,
+    outputs_of,
+    part_of,
+    prepared_of,
+)
 
 THINGS = {
     "body_position": "position", "body_velocity": "velocity", "body_turn": "turn", "sheave_load": "force",
@@ -61,7 +71,8 @@ def handles(made: Any, variables: Sequence[Variable], coordinates: Mapping[str, 
         moved = {f"{frame.name}.{word}" for frame in layout.frames for word in frame.words}
         inputs = {name: one for name, one in inputs.items() if name not in moved}
     parameters = {one.name: one for one in _parameters(layout, made.system.groups)}
-    return Handles(inputs, _outputs(layout, variables, coordinates), parameters)
+    prepared = prepared_of(layout.requests.of)
+    return Handles(inputs, _outputs(layout, variables, coordinates), parameters, prepared)
 
 
 def _outputs(layout: Layout, variables: Sequence[Variable], coordinates: Mapping[str, Any]) -> dict[str, Output]:

@@ -133,8 +133,8 @@ def compensate(
     later = np.array([value + GRACE * (rate + 0.5 * GRACE * second), rate + GRACE * second, second])
     time, derivatives = np.append(time, end + GRACE), np.column_stack((moved, later))
     return Compensation(
-        Samples(time, derivatives[0] - derivatives[0, 0], derivatives[1], derivatives[2]),
-        Samples(time, derivatives[0], derivatives[1], derivatives[2]),
+        Samples(time, derivatives[0] - derivatives[0, 0], derivatives[1], derivatives[2], reach=end),
+        Samples(time, derivatives[0], derivatives[1], derivatives[2], reach=end),
         float(np.mean(away)),
         shares,
         float(np.abs(moved[0] - command.derivatives[0]).max()),

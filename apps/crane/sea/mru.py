@@ -33,8 +33,8 @@ FEWEST_ROWS = 4
 LONGEST_GAP = 3.0
 """Median intervals that may pass without a row, where the scene does not say."""
 PIECES_PER_ENVELOPE = 200
-GRACE, NEAR = 1.0, 1.0e-9
-"""Time by which a record that ends with the run is gone on with, s; and by how much of it the two may differ."""
+GRACE = 1.0
+"""Time by which a record is gone on with, s, for a run that ends with it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,12 +221,11 @@ def _smooth(time: np.ndarray, value: np.ndarray, end: float, ramp: float) -> Sam
         de = 30.0 * (x * (1.0 - x)) ** 2 / ramp
         dde = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / ramp**2
         f, df, ddf = e * f, de * f + e * df, dde * f + 2.0 * de * df + e * ddf
-    if knots[-1] <= end * (1.0 + NEAR):
-        # The run's last instant must not lie where all is held: the motion goes on as it ends.
-        later = f[-1] + GRACE * (df[-1] + 0.5 * GRACE * ddf[-1]), df[-1] + GRACE * ddf[-1], ddf[-1]
-        knots = np.append(knots, knots[-1] + GRACE)
-        f, df, ddf = (np.append(array, x) for array, x in zip((f, df, ddf), later, strict=True))
-    return Samples(knots, f, df, ddf)
+    # The run's last instant must not lie where all is held: the motion goes on as it ends.
+    later = f[-1] + GRACE * (df[-1] + 0.5 * GRACE * ddf[-1]), df[-1] + GRACE * ddf[-1], ddf[-1]
+    knots = np.append(knots, knots[-1] + GRACE)
+    f, df, ddf = (np.append(array, x) for array, x in zip((f, df, ddf), later, strict=True))
+    return Samples(knots, f, df, ddf, reach=float(knots[-2]))
 
 
 def _knots_under_envelope(time: np.ndarray, ramp: float) -> np.ndarray:

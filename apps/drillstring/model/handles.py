@@ -13,7 +13,7 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.string.factors import factors_of
 from tautline.scene.errors import SceneError
 from tautline.scene.functions import Constant
-from tautline.system.handles import Handles, Output, Parameter, inputs_of, outputs_of, part_of, same_as
+from tautline.system.handles import Handles, Output, Parameter, inputs_of, outputs_of, part_of, prepared_of, same_as
 from tautline.system.time_functions import FunctionRequest, Steering
 
 AT_BIT = {
@@ -69,11 +69,12 @@ def requests(scene: DrillstringScene) -> list[FunctionRequest]:
 
 def handles(scene: DrillstringScene, model: Any) -> Handles:
     """All handles of a drill string."""
-    inputs = inputs_of(requests(scene))
+    asked = requests(scene)
+    inputs = inputs_of(asked)
     if TORQUE_INPUT in scene.driven:
         inputs = {name: one for name, one in inputs.items() if not name.startswith("top.rotary")}
     parameters = {one.name: one for one in _friction(scene, model.system.groups)}
-    return Handles(inputs, _outputs(model), parameters)
+    return Handles(inputs, _outputs(model), parameters, prepared_of(asked))
 
 
 def _outputs(model: Any) -> dict[str, Output]:

@@ -133,6 +133,12 @@ class Inputs(Mapping[str, Any]):
         """What is known of an input; raises UnknownName."""
         return self._list[self._number(name)]
 
+    def steers(self, function: int) -> bool:
+        """Whether a function goes by what was given for it, from the next advance on at the latest."""
+        if self._functions.track_from[function] == self._functions.live[function]:
+            return True
+        return any(function == number for k in self._active for _, number in self._list[k].members)
+
     def hold(self, function: int, time: float, values: np.ndarray) -> None:
         """Give a function a value, a rate and a second rate at a time, s."""
         way = np.zeros(DEGREES)

@@ -126,6 +126,7 @@ class Simulation:
         vectors = {"q": self._state.full_q, "v": self._state.full_v}
         self.outputs = Outputs(handles.outputs, self._observe, vectors)
         self.parameters = Parameters(handles.parameters, self._parameter_changes)
+        self._prepared = handles.prepared
         self._forces: list[Force | Group] = []
         self._begun = False
         self._observed: Mapping[str, np.ndarray] | None = None
@@ -203,7 +204,7 @@ class Simulation:
         Raises
         ------
         SimulationError
-            For a time that is not ahead, and where the simulation has stopped before.
+            For a time that is not ahead or beyond what is prepared, and where the simulation has stopped before.
         StoppedEarly
             Where a step fails. Time and outputs are then those of the last step that did not, and frames are kept.
         Interrupted
@@ -221,6 +222,7 @@ class Simulation:
         ahead = self._frame_time(self._frame + max(0, round((time - self._next) / self.model.solver.interval)))
         if abs(time - ahead) <= self._tolerance:
             time = ahead
+        self._refuse_unprepared(time)
         # Between two calls of the loop time, frames and inputs are brought in line: that is not to be left half done.
         with listening(patient=True) as ear:
             self.inputs.write(begin, time)
@@ -231,6 +233,14 @@ class Simulation:
                 begin = end
         if ear.heard:
             raise Interrupted(self._time, self._so_far("interrupted"))
+
+    def _refuse_unprepared(self, time: float) -> None:
+        """Refuse a time beyond a record, or what was computed ahead, that the scene moves by."""
+        for one in self._prepared:
+            if time > one.until + self._tolerance and not self.inputs.steers(one.function):
+                cause = f"cannot advance to {time:g} s: {one.key} is known up to {one.until:g} s only"
+                cure = "give the scene a later solver.end; a record has to last as long"
+                raise SimulationError(cause, cure)
 
     def _frame_time(self, k: int) -> float:
         """Time of the k-th frame after the first; they go on after the scene's end."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tautline.system.time_functions import FunctionRequest, Steering, all_requests
+from tautline.system.time_functions import FunctionRequest, Steering, all_requests, reach_of
 
 
 @dataclass(frozen=True)
@@ -95,13 +95,39 @@ class Parameter:
     most: float = np.inf
 
 
+@dataclass(frozen=True)
+class Prepared:
+    """A function of time that is known up to a time only: a record, or what was computed ahead for the run.
+
+    Attributes
+    ----------
+    function : int
+        Its number.
+    key : str
+        Where it stands in the scene.
+    until : float
+        s.
+    """
+
+    function: int
+    key: str
+    until: float
+
+
 @dataclass
 class Handles:
-    """All of a model's, by name."""
+    """All of a model's, by name; and the functions of time that are `prepared`."""
 
     inputs: dict[str, Input] = field(default_factory=dict)
     outputs: dict[str, Output] = field(default_factory=dict)
     parameters: dict[str, Parameter] = field(default_factory=dict)
+    prepared: tuple[Prepared, ...] = ()
+
+
+def prepared_of(requests: Sequence[FunctionRequest]) -> tuple[Prepared, ...]:
+    """Which of the requests, that the scene's functions were compiled from, end with what was prepared."""
+    reaches = [(i, request, reach_of(request)) for i, request in enumerate(all_requests(requests))]
+    return tuple(Prepared(i, request.key, until) for i, request, until in reaches if np.isfinite(until))
 
 
 def inputs_of(requests: Sequence[FunctionRequest]) -> dict[str, Input]:

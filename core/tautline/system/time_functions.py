@@ -127,6 +127,8 @@ class Samples:
         Increasing, s.
     value, rate, second : float64 (n,)
         The function and its first and second derivative at these times.
+    reach : float
+        Time up to which it is what it stands for, s: a record ends.
 
     Raises
     ------
@@ -138,6 +140,7 @@ class Samples:
     value: np.ndarray
     rate: np.ndarray
     second: np.ndarray
+    reach: float = math.inf
 
     def __post_init__(self) -> None:
         columns = [np.asarray(column, dtype=float) for column in (self.time, self.value, self.rate, self.second)]
@@ -217,7 +220,7 @@ class Parts:
         numerical = []
         for wave in self.waves:
             a, w, c, phi, grows = wave
-            if c == 0.0 and grows == 0.0 and w != 0.0:
+            if not _by_numbers(wave):
                 whole.waves.append((a / w, w, 0.0, phi - 0.5 * math.pi, 0.0))
                 whole.constant(a / w * math.cos(phi))
             else:
@@ -225,6 +228,28 @@ class Parts:
         if numerical:
             whole.tracks.append(_integrated(np.array(numerical), request))
         return whole
+
+
+def _by_numbers(wave: tuple[float, float, float, float, float]) -> bool:
+    """Whether a wave has no elementary integral."""
+    _, w, c, _, grows = wave
+    return c != 0.0 or grows != 0.0 or w == 0.0
+
+
+def reach_of(request: FunctionRequest) -> float:
+    """Time up to which a function is what the scene says, s: what is prepared for a run ends with it; else infinite."""
+    model, integrate = request.model, request.integrate
+    if isinstance(model, OF_FRAMES):
+        return math.inf  # the motions of the frames have requests of their own
+    if isinstance(model, Samples):
+        return model.reach
+    if isinstance(model, Velocity):
+        model, integrate = model.velocity, True
+    if not integrate:
+        return math.inf
+    parts = Parts()
+    _add(model, parts, smooth=False)
+    return request.end if any(_by_numbers(wave) for wave in parts.waves) else math.inf
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tautline.cable.model.layout import Layout
-from tautline.system.handles import Handles, Parameter, inputs_of, number, outputs_of
+from tautline.system.handles import Handles, Parameter, inputs_of, number, outputs_of, prepared_of
 
 OF_NODES = {
     "position": "position", "velocity": "velocity", "slope": "slope", "material_coordinate": "material_coordinate",
@@ -37,7 +37,7 @@ def handles(layout: Layout, groups: tuple[Any, ...], model: Any) -> Handles:
         position = f"{name}.position"
         outputs[position] = replace(outputs[position], places=("q", start + np.arange(3)))
     parameters = {one.name: one for one in stiffnesses(groups, "cables")}
-    return Handles(inputs_of(layout.requests), outputs, parameters)
+    return Handles(inputs_of(layout.requests), outputs, parameters, prepared_of(layout.requests))
 
 
 def stiffnesses(groups: tuple[Any, ...], thing: str) -> Iterator[Parameter]:
