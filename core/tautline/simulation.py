@@ -299,6 +299,9 @@ class Run:
         for what, word in (("method", "method"), ("model_hash", "scene")):
             if made[what] != now[what]:
                 raise ResultError(place, f"belongs to another {word}", cure)
+        if earlier.attributes.get("prepared") != self.model.attributes.get("prepared"):
+            cause = "was made with motions that were prepared otherwise, as those of a shorter or a longer run are"
+            raise ResultError(place, cause, "run the scene from its start to the new end")
         if wrong := recall(earlier.restart, *self._parts()):
             by = earlier.attributes.get("version", "?")
             cause = f"Tautline {by} wrote it, and Tautline {__version__} keeps another state: {wrong[0]} does not fit"

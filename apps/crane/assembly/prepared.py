@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from crane.scene.scene import Anchor, CraneScene, Drum
-from crane.sea.compensation import Compensation, compensate, unlimited
-from crane.sea.frames import Frame, heave_of, requests_of
+from crane.sea.compensation import Compensation, compensate, lift_of, unlimited
+from crane.sea.frames import Frame, requests_of
 from crane.sea.vessel import frames_of
 from tautline.kernels.moving_frame import ENTRIES
 from tautline.kernels.time_function import sample_all
@@ -105,5 +105,5 @@ def _compensation(scene: CraneScene, motion: FrameMotion) -> Compensation:
     point = tip.position if isinstance(tip, Anchor) else tip.center
     if (free := unlimited(motion.requests, k, places["vessel"], point, asked)) is not None:
         return free
-    heave = heave_of(motion.frames, places["vessel"], k, point, scene.solver.end)
+    heave = lift_of(motion.requests, k, places["vessel"], point)
     return compensate(heave, asked.gain, asked.delay, asked.limits, scene.solver.end)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -67,7 +67,7 @@ def build(scene: CraneScene) -> Model:
         solver=settings_of(solver, scene.output.interval, TOLERANCE, "force", error),
         variables=stored,
         coordinates=places,
-        attributes=attributes_of(scene, "crane", COORDINATE_UNITS),
+        attributes=_attributes(scene, made.compensation),
         observe=observer.observe,
         on_demand=observer.on_demand,
         headline=told,
@@ -89,6 +89,14 @@ def build(scene: CraneScene) -> Model:
         },
     )  # fmt: skip
     return with_limits(within_rounding(model), scene)
+
+
+def _attributes(scene: CraneScene, compensation: Compensation | None) -> Mapping[str, Any]:
+    """What a result says of its scene, and of what was computed ahead of the run: another may not go on with that."""
+    found = attributes_of(scene, "crane", COORDINATE_UNITS)
+    if compensation is None or not compensation.made_with:
+        return found
+    return {**found, "prepared": f"heave compensation: {compensation.made_with}"}
 
 
 class Assembly:

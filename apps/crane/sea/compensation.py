@@ -18,13 +18,26 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from crane.sea.content import Content, content_of, sampled
 from tautline.kernels.time_function import sample
 from tautline.scene.functions import Constant
-from tautline.system.time_functions import FrameEntry, FrameLift, FunctionRequest, Samples, compile_functions
+from tautline.system.time_functions import (
+    FrameEntry,
+    FrameLift,
+    FunctionRequest,
+    Samples,
+    all_requests,
+    compile_functions,
+    reach_of,
+)
 
 PHASE = 0.02
-"""Phase of the heave that a step spans, rad."""
+"""Phase of the heave that a step spans at most, rad."""
+LONGEST_STEP = 0.5
+"""Of the actuator's motion, s."""
 MOST_STEPS = 500_000
+AHEAD = 2.0
+"""Periods of the heave by which the command is looked at beyond the end: what comes then decides the braking before."""
 AMPLE = 10.0
 """Acceleration of an actuator without a limit of it, in those of its command."""
 BRAKING = 0.8
@@ -83,6 +96,8 @@ class Compensation:
         Farthest that it is from its command, m.
     sudden : bool
         Whether its command jumps in speed or acceleration: a heave that moves already at t = 0 is answered late.
+    made_with : str
+        What it was computed with, where it was computed ahead: another run goes on with it if that is the same.
     """
 
     pay_out: Samples | Constant | FrameLift
@@ -91,16 +106,22 @@ class Compensation:
     met: dict[str, float]
     error: float
     sudden: bool = False
+    made_with: str = ""
 
 
 def compensate(
-    heave: Samples | Constant, gain: float, delay: float, limits: Limits, end: float, step: float | None = None
+    heave: Samples | FrameLift | Constant,
+    gain: float,
+    delay: float,
+    limits: Limits,
+    end: float,
+    step: float | None = None,
 ) -> Compensation:
     """Follow a tip's heave with an actuator.
 
     Parameters
     ----------
-    heave : Samples or Constant
+    heave : Samples, FrameLift or Constant
         Height of the tip, m, above where it is with the vessel at rest; before t = 0 it is what it is then.
     gain : float
         Rope paid out per metre that the tip rises.
@@ -111,7 +132,8 @@ def compensate(
     end : float
         Time to which the run goes, s.
     step : float, optional
-        Of the actuator's motion, s; by default so that the heave turns by 0.02 rad in one.
+        Of the actuator's motion, s; by default so that the heave turns by 0.02 rad in one, or less. It is a power of
+        two of a second, found from the heave alone: runs that end at other times have the same motion.
 
     Returns
     -------
@@ -121,24 +143,37 @@ def compensate(
         math.inf if limit is None else (1.0 - CLOSE) * float(limit)
         for limit in (limits.stroke, limits.speed, limits.acceleration)
     )
-    h = step or _step(heave, end)
-    if isinstance(heave, Constant) or gain == 0.0 or h == 0.0 or min(stroke, speed, most) == 0.0:
-        return _still(heave, gain)
-    time = np.linspace(0.0, end, max(2, math.ceil(end / h)) + 1)
-    command = _Command(heave, gain, delay, time)
+    requests = [FunctionRequest(heave, end=end)]
+    functions, reach = compile_functions(requests), min(map(reach_of, all_requests(requests)))
+    content = content_of(functions, reach, end)
+    h = step or _step(content, end)
+    if gain == 0.0 or h == 0.0 or min(stroke, speed, most) == 0.0:
+        return _still(content, gain)
+    n = max(2, math.ceil(end / h))
+    ahead = min(end + AHEAD * content.period, reach)
+    time = h * np.arange(max(n, math.floor(ahead / h)) + 1)
+    command = _Command(gain * sampled(functions, time - delay).T, time, abs(gain) * content.size)
+    first = gain * sampled(functions, np.zeros(1))[0]
+    command.look_for_jump(first, delay)
     moved, cause = _Actuator(command, stroke, speed, most).run()
+    time, moved, cause = time[: n + 1], moved[:, : n + 1], cause[:n]
     away = cause >= 0
     shares = {name: float(np.mean(cause == i)) for i, name in enumerate(("stroke", "speed", "acceleration"))}
     value, rate, second = moved[:, -1]
     later = np.array([value + GRACE * (rate + 0.5 * GRACE * second), rate + GRACE * second, second])
-    time, derivatives = np.append(time, end + GRACE), np.column_stack((moved, later))
+    knots, derivatives = np.append(time, time[-1] + GRACE), np.column_stack((moved, later))
+    k = int(delay / h)
+    if k < n and time[k] < delay < time[k + 1] and cause[k] == FREE:
+        # The heave is first answered within a step: it begins there, and not before.
+        knots, derivatives = np.insert(knots, k + 1, delay), np.insert(derivatives, k + 1, first, axis=1)
     return Compensation(
-        Samples(time, derivatives[0] - derivatives[0, 0], derivatives[1], derivatives[2], reach=end),
-        Samples(time, derivatives[0], derivatives[1], derivatives[2], reach=end),
+        Samples(knots, derivatives[0] - derivatives[0, 0], derivatives[1], derivatives[2], reach=end),
+        Samples(knots, derivatives[0], derivatives[1], derivatives[2], reach=end),
         float(np.mean(away)),
         shares,
-        float(np.abs(moved[0] - command.derivatives[0]).max()),
-        bool(command.sudden.any()),
+        float(np.abs(moved[0] - command.derivatives[0, : n + 1]).max()),
+        bool(command.sudden[:n].any()),
+        f"steps of {h:.9g} s; heave, its speed and acceleration up to {', '.join(f'{x:.6g}' for x in content.size)}",
     )
 
 
@@ -162,11 +197,10 @@ def unlimited(
         With ``gain``, ``delay`` and ``limits``.
     """
     limits = asked.limits
-    sets = [r.model.frames for r in requests if isinstance(r.model, FrameEntry)]
-    if not sets or any(limit is not None for limit in (limits.stroke, limits.speed, limits.acceleration)):
+    found = lift_of(requests, frame, vessel, point)
+    if isinstance(found, Constant) or any(x is not None for x in (limits.stroke, limits.speed, limits.acceleration)):
         return None
-    x, y, z = (float(c) for c in point)
-    lift = FrameLift(sets[0], frame, vessel, (x, y, z), asked.gain, asked.delay)
+    lift = replace(found, gain=asked.gain, delay=asked.delay)
     begins = sample(compile_functions([FunctionRequest(replace(lift, delay=0.0))]), 0, np.zeros(1))[0]
     if asked.delay > 0.0 and np.any(begins[1:] != 0.0):
         return None
@@ -174,47 +208,72 @@ def unlimited(
     return Compensation(replace(lift, offset=-float(begins[0])), lift, 0.0, free, 0.0)
 
 
-def _still(heave: Samples | Constant, gain: float) -> Compensation:
+def lift_of(
+    requests: Sequence[FunctionRequest], frame: int, vessel: int, point: Sequence[float]
+) -> FrameLift | Constant:
+    """How far the vessel's motion lifts a point of a frame, m: a function of the frames' places at any time.
+
+    Parameters
+    ----------
+    requests : sequence of FunctionRequest
+        The functions of the frames.
+    frame, vessel : int
+        Numbers of the frame that the point rides on, and of the vessel.
+    point : sequence of 3 float
+        Where it is drawn, m.
+    """
+    sets = [r.model.frames for r in requests if isinstance(r.model, FrameEntry)]
+    if not sets:
+        return Constant(value=0.0)
+    x, y, z = (float(c) for c in point)
+    return FrameLift(sets[0], frame, vessel, (x, y, z), 1.0, 0.0)
+
+
+def _still(content: Content, gain: float) -> Compensation:
     """What an actuator does that cannot move, or has nothing to do."""
     rest = Constant(value=0.0)
-    error = 0.0 if isinstance(heave, Constant) else abs(gain) * float(np.abs(heave.value).max())
+    error = abs(gain) * float(content.size[0]) if np.any(content.size[1:]) else 0.0
     moves = error > 0.0
     return Compensation(rest, rest, float(moves), {"stroke": 0.0, "speed": 0.0, "acceleration": 0.0}, error)
 
 
-def _step(heave: Samples | Constant, end: float) -> float:
-    """Step that resolves the heave, s; 0 where there is none."""
-    if isinstance(heave, Constant):
-        return 0.0
-    run = heave.time <= end
-    fastest, sharpest = (float(np.abs(derivative[run]).max(initial=0.0)) for derivative in (heave.rate, heave.second))
+def _step(content: Content, end: float) -> float:
+    """Step that resolves the heave, a power of two of a second; 0 where there is none."""
+    _, fastest, sharpest = content.size
     if sharpest == 0.0:
-        return 0.0 if fastest == 0.0 else end / 100.0
-    return float(np.clip(PHASE * fastest / sharpest, end / MOST_STEPS, end / 100.0))
+        return 0.0 if fastest == 0.0 else LONGEST_STEP
+    h = 2.0 ** math.floor(math.log2(min(PHASE * fastest / sharpest, LONGEST_STEP)))
+    return h * 2.0 ** max(0, math.ceil(math.log2(end / (h * MOST_STEPS))))
 
 
 class _Command:
     """Where the actuator should be: `derivatives` (3, n + 1) at the ends of the steps, and how far it goes within each.
 
-    `reach` (3, n) is the largest displacement, speed and acceleration within each step, `size` (3,) of the whole run;
-    `sudden` (n,) says in which step the speed jumps: where a heave that begins with a speed is first answered.
+    `reach` (3, n) is the largest displacement, speed and acceleration within each step, `size` (3,) what they are by
+    the heave as a whole; `sudden` (n,) says in which step the speed jumps: where a heave that begins with a speed is
+    first answered.
     """
 
-    def __init__(self, heave: Samples, gain: float, delay: float, time: np.ndarray) -> None:
-        functions = compile_functions([FunctionRequest(heave, factor=gain)])
-        self.time, self.h = time, float(time[1] - time[0])
+    def __init__(self, derivatives: np.ndarray, time: np.ndarray, size: np.ndarray) -> None:
+        self.derivatives, self.time, self.h = derivatives, time, float(time[1] - time[0])
+        self.size = np.maximum(size, 1e-300)
+        functions = compile_functions([FunctionRequest(Samples(time, *derivatives))])
         inside = np.linspace(0.0, 1.0, PARTS + 1)
-        at = (time[:-1, None] + self.h * inside).ravel() - delay
-        fine = np.abs(sample(functions, 0, at)).reshape(time.size - 1, PARTS + 1, 3)
+        inside[-1] = np.nextafter(1.0, 0.0)
+        fine = np.abs(sample(functions, 0, (time[:-1, None] + self.h * inside).ravel()))
+        fine = fine.reshape(time.size - 1, PARTS + 1, 3)
+        # after the last of the times all is held, and the time of the last look may be rounded to it
+        fine[-1, -1] = np.abs(derivatives[:, -1])
         # a crest between two samples rises above them by an eighth of the second difference there
         crest = np.abs(np.diff(fine, n=2, axis=1)).max(axis=1) / 4.0
         self.reach = (fine.max(axis=1) + crest).T
-        self.derivatives = sample(functions, 0, np.minimum(time, np.nextafter(time[-1], 0.0)) - delay).T
-        self.size = np.maximum(np.abs(self.derivatives).max(axis=1), 1e-300)
-        begin, first = heave.time[0] + delay, sample(functions, 0, heave.time[:1])[0]
+        self.sudden = np.zeros(time.size - 1, dtype=bool)
+
+    def look_for_jump(self, first: np.ndarray, delay: float) -> None:
+        """Find the step in which a command with `first` (3,) at its begin is first answered, `delay` s late."""
         near = CLOSE * self.h
-        self.sudden = (time[:-1] <= begin + near) & (time[1:] >= begin - near)
-        self.sudden &= begin > 0.0 and bool(np.any(np.abs(first[1:]) > CLOSE * self.size[1:]))
+        if delay > 0.0 and np.any(np.abs(first[1:]) > CLOSE * self.size[1:]):
+            self.sudden = (self.time[:-1] <= delay + near) & (self.time[1:] >= delay - near)
 
 
 class _State(NamedTuple):
@@ -281,7 +340,7 @@ class _Actuator:
     def _start(self) -> _State:
         """State at t = 0: on the command if it can be, else at rest, within the stroke."""
         state = _State(*self.command.derivatives[:, 0])
-        if not self.over.size or (self.over[0] > 0 and self._brakes_in_time(state)):
+        if not self.over.size or (self.over[0] > 0 and (self._leaves(0) > 0 or self._brakes_in_time(state))):
             return state
         return _State(float(np.clip(state.y, -0.99 * self.stroke, 0.99 * self.stroke)), 0.0, 0.0)
 
@@ -390,7 +449,7 @@ class _Actuator:
         """Speed at which a distance can be closed by braking, softly at the last, and its slope over the distance."""
         soft = SOFT * braking * self.h
         root = math.sqrt(soft * soft + 2.0 * braking * abs(distance))
-        if root == 0.0:  # the command does not move in the whole run: there is nothing to close, or to close it with
+        if root == 0.0:  # the command does not move: there is nothing to close, or to close it with
             return 0.0, 0.0
         return math.copysign(root - soft, distance), braking / root
 

@@ -219,7 +219,7 @@ class Parts:
         whole = Parts([track.integral() for track in self.tracks])
         numerical = []
         for wave in self.waves:
-            a, w, c, phi, grows = wave
+            a, w, _, phi, _ = wave
             if not _by_numbers(wave):
                 whole.waves.append((a / w, w, 0.0, phi - 0.5 * math.pi, 0.0))
                 whole.constant(a / w * math.cos(phi))

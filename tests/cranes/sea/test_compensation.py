@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crane.sea.compensation import compensate, unlimited
+from crane.sea.compensation import compensate, lift_of, unlimited
 from crane.sea.frames import GROUND, Frame, boom, heave_of, requests_of
+from crane.sea.mru import read_motions
 from tautline.kernels.jit import entry
 from tautline.kernels.time_function import evaluate, sample
 from tautline.scene.functions import Constant, Harmonic, Spectrum
@@ -269,3 +270,44 @@ def test_a_limit_or_a_heave_that_begins_with_a_speed_is_still_computed_ahead():
     assert unlimited(requests, 0, 0, (1.0, 0.0, 0.0), Asked(1.0, 0.3, Limits())) is None
     assert unlimited(requests, 0, 0, (1.0, 0.0, 0.0), Asked(1.0, 0.0, Limits(stroke=9.0))) is None
     assert unlimited(requests, 0, 0, (1.0, 0.0, 0.0), Asked(1.0, 0.0, Limits())) is not None
+
+
+ROLL = Harmonic(amplitude=0.05, period=13.0, ramp=9.0)
+LONG_SEA = SEA.model_copy(update={"components": 60})
+TIGHT = {
+    "stroke and speed": Limits(stroke=0.5, speed=0.6),
+    "acceleration": Limits(acceleration=0.4),
+    "all three": Limits(0.45, 0.5, 0.5),
+}
+
+
+def recorded(times):
+    """What a vessel does in a record: waves of three periods."""
+    return sum(a * np.sin(w * times + p) for a, w, p in ((0.7, 0.8, 0.0), (0.5, 1.13, 1.0), (0.2, 2.1, 2.0)))
+
+
+def lift_to(end, kind, folder):
+    """The lift of a tip, as the scene of a run to `end` has it."""
+    if kind == "record":
+        rows = [f"{t:.2f},0,0,{recorded(t):.12f},{0.02 * np.sin(0.7 * t):.12f},0,0" for t in np.arange(0.0, 90.0, 0.2)]
+        head = "t [s],surge [m],sway [m],heave [m],roll [rad],pitch [rad],yaw [rad]"
+        (folder / "mru.csv").write_text("\n".join([head, *rows]))
+        six = read_motions(folder / "mru.csv", end, ramp=5.0)
+    else:
+        six = (NIL, NIL, {"wave": WAVE, "sea": LONG_SEA}[kind], ROLL, NIL, NIL)
+    frames = (Frame("vessel", GROUND, (0.0, 0.0, 0.0), six),)
+    return lift_of(requests_of(frames, end), 0, 0, (10.0, 4.0, 20.0))
+
+
+@pytest.mark.parametrize("limits", TIGHT.values(), ids=TIGHT)
+@pytest.mark.parametrize("kind", ["wave", "sea", "record"])
+def test_runs_that_end_at_other_times_have_the_same_motion_as_long_as_both_last(kind, limits, tmp_path):
+    made = {end: compensate(lift_to(end, kind, tmp_path), 1.0, 0.15, limits, end) for end in (13.1, 31.7, 80.0)}
+    longest = made[80.0]
+    assert longest.away > 0.0
+    for end, shorter in made.items():
+        at = np.linspace(0.0, end, 7001)
+        apart = np.abs(sampled(shorter.pay_out, at) - sampled(longest.pay_out, at)).max(axis=0)
+        assert np.all(apart < 1e-9)
+        assert shorter.made_with == longest.made_with
+        assert_within(shorter, limits, end)
