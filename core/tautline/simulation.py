@@ -24,6 +24,7 @@ from tautline.integrators.state import (
     FACTORISATIONS,
     HALVINGS,
     ITERATIONS,
+    MOTION,
     ROWS,
     STEPS,
     THROUGHPUT,
@@ -652,7 +653,7 @@ class Run:
         """Energy created numerically, over what went through the system."""
         ledger = self.state.ledger
         aside = stepping_with(self.method).set_aside(self.method, self.step, float(ledger[AT_START]))
-        return self.balance.gained(float(ledger[THROUGHPUT]), aside)
+        return self.balance.gained(float(ledger[THROUGHPUT]), aside, float(ledger[MOTION]))
 
     def end_status(self) -> Status:
         """Status of a run that has come to its end, all of its frames stored."""
@@ -660,7 +661,7 @@ class Run:
 
     def oscillation_frequency(self) -> float:
         """Angular frequency of the motion as a whole, rad/s; zero where there is none beyond rounding."""
-        return oscillation_frequency(self.state) if self.balance.moves else 0.0
+        return oscillation_frequency(self.state) if self.balance.moves(float(self.state.ledger[MOTION])) else 0.0
 
     def phase_lag(self, step: float) -> float:
         """By how much the method lets an oscillation as fast as the motion fall behind by the end, rad.

@@ -18,6 +18,7 @@ from tautline.integrators.state import (
     ITERATIONS,
     STEPS,
     WORK,
+    book_energy,
     open_ledger,
 )
 from tautline.integrators.stepping import stepping_with, take_step
@@ -87,7 +88,7 @@ def work_done(counters):
 
 
 @kernel
-def record_frame(groups, state, t, row, at):
+def record_frame(groups, dofs, state, t, row, at):
     """Write one frame into its row; ``at`` is scratch for the groups' own numbers."""
     n = state.full_q.size
     row[0] = t
@@ -97,8 +98,7 @@ def record_frame(groups, state, t, row, at):
         row[1 + 2 * n + i] = state.full_a[i]
         row[1 + 3 * n + i] = state.residual[i]
     energy = row[1 + 4 * n : 1 + 4 * n + ENERGIES]
-    energy.fill(0.0)
-    over.energy(groups, t, state.full_q, state.full_v, energy)
+    book_energy(groups, dofs, state, t, energy)
     energy[3] = state.ledger[WORK]
     energy[4] = state.ledger[DISSIPATED]
     at[0] = 1 + 4 * n + ENERGIES
@@ -106,20 +106,20 @@ def record_frame(groups, state, t, row, at):
 
 
 @entry
-def _record_now(groups, state, t, row, at):
-    record_frame(groups, state, t, row, at)
+def _record_now(groups, dofs, state, t, row, at):
+    record_frame(groups, dofs, state, t, row, at)
 
 
 def record_now(method, system, state, t, row):
     """Write the frame of a state as it is into a row, between two calls of the loop."""
-    _record_now(system.link(loop_of(method)[1]), state, t, row, np.zeros(2, np.int64))
+    _record_now(system.link(loop_of(method)[1]), system.dofs, state, t, row, np.zeros(2, np.int64))
 
 
 @kernel(forceinline=True)
-def open_run(groups, state, t, power):
+def open_run(groups, dofs, state, t, power):
     """Settle the laws at the start and open the ledger."""
     over.commit(groups, t, 0.0, state.full_q, state.full_v, state.full_a)
-    open_ledger(groups, state, t, power)
+    open_ledger(groups, dofs, state, t, power)
 
 
 DOUBLED_BELOW = 1.0 / 12.0
@@ -166,7 +166,7 @@ def run_implicit(method, groups, dofs, functions, state, ends, steps, begin, row
     at = method.corrector.changed
     for k in range(ends.size):
         if steps[k] == 0:
-            open_run(groups, state, t0, method.power)
+            open_run(groups, dofs, state, t0, method.power)
         h = (ends[k] - t0) / max(steps[k], 1)
         done = pause[STEP]
         pause[STEP] = 0
@@ -177,7 +177,7 @@ def run_implicit(method, groups, dofs, functions, state, ends, steps, begin, row
                 return DONE, k, t0 + step * h
             if status != DONE:
                 return status, k, t0 + step * h
-        record_frame(groups, state, ends[k], rows[k], at)
+        record_frame(groups, dofs, state, ends[k], rows[k], at)
         t0 = ends[k]
     return DONE, ends.size, t0
 
@@ -191,7 +191,7 @@ def run_explicit(method, groups, dofs, functions, state, ends, steps, begin, row
     t0 = begin
     for k in range(ends.size):
         if steps[k] == 0:
-            open_run(groups, state, t0, method.power)
+            open_run(groups, dofs, state, t0, method.power)
         h = (ends[k] - t0) / max(steps[k], 1)
         done = pause[STEP]
         pause[STEP] = 0
@@ -209,7 +209,7 @@ def run_explicit(method, groups, dofs, functions, state, ends, steps, begin, row
             return status, k, ends[k]
         expand(dofs, state.a, state.full_a)
         account(method, groups, dofs, ends[k], state)
-        record_frame(groups, state, ends[k], rows[k], method.at)
+        record_frame(groups, dofs, state, ends[k], rows[k], method.at)
         t0 = ends[k]
     return DONE, ends.size, t0
 

@@ -221,7 +221,7 @@ def balance(rows, force=0.0, throughput=0.0):
     """Of frames of kinetic, strain, potential energy, work done, energy dissipated."""
     made = Balance(force, 0.0)
     made.add(np.array(rows, float))
-    return made.missing(), made.gained(throughput), made.moves
+    return made.missing(), made.gained(throughput), made.moves()
 
 
 @pytest.mark.parametrize(
@@ -260,7 +260,7 @@ def test_energy_lost_without_account_counts_against_all_that_there_was():
 
 def test_a_balance_of_nothing_is_none():
     empty = Balance(1.0, 0.0)
-    assert (empty.missing(), empty.gained(0.0), empty.moves) == (0.0, 0.0, False)
+    assert (empty.missing(), empty.gained(0.0), empty.moves()) == (0.0, 0.0, False)
     assert balance([[0, 0, 0, 0, 0]]) == (0.0, 0.0, False)
 
 

@@ -11,7 +11,7 @@ from tautline.results.assessment.rounding import unrounded
 ENERGIES = ("kinetic_energy", "strain_energy", "potential_energy", "external_work", "dissipated_energy")
 """Variables that every application stores, J."""
 STORED_SHARE = 1.0e-6
-"""Share of the stored energy that counts as going through the system."""
+"""Share of the energy there is that counts as going through the system."""
 ROUNDING = 1.0e-14
 """Way, m, through which the largest force does work that is rounding."""
 
@@ -57,38 +57,42 @@ class Balance:
         lost = max(float(rows[:, 4].max()) for rows in self._rows)
         return unrounded(float(last[:3].sum() - first[:3].sum() - (last[3] - lost)), steps * float(stored))
 
-    @property
-    def moves(self) -> bool:
-        """Whether there is motion beyond rounding."""
+    def moves(self, motion: float | None = None) -> bool:
+        """Whether there is motion beyond rounding; `motion` J as `gained` takes it."""
         kinetic, strain, potential, _, _ = np.concatenate(self._rows).T if self._rows else np.zeros((5, 1))
-        return bool(kinetic.max() > self.idle + NOTHING * (strain.max() + np.abs(potential).max()))
+        most = kinetic.max() if motion is None else motion
+        return bool(most > self.idle + NOTHING * (strain.max() + np.abs(potential).max()))
 
-    def gained(self, throughput: float, aside: float = 0.0) -> float:
+    def gained(self, throughput: float, aside: float = 0.0, motion: float | None = None) -> float:
         """Energy created numerically over what went through the system; `throughput` J is the work without sign.
 
         Of what was gained, `aside` J is what the method had set aside at the start.
 
-        The most that there was at any frame, if that is more than what is lost without account at the end; and energy
+        `motion` J is the largest kinetic energy without the steady motion: what flows through a hose, and what moves as
+        it did at the start. Energy of that is not exchanged with anything. Without `motion` all kinetic energy counts.
+
+        The most that was created at any frame counts, if that is more than what is lost without account at the end.
         What was created numerically is not counted among what went through, or it would be its own excuse.
 
-        What is merely stored counts a little, or a string at rest would have its rounding divided by nothing; and the
-        largest force through the way that is rounding, or that a step may be wrong by, does no work to speak of.
+        Energy that is merely there counts a little, or a string at rest would have its rounding divided by nothing; and
+        the largest force through the way that is rounding, or that a step may be wrong by, does no work to speak of.
         """
-        given = throughput, aside
+        given = throughput, aside, motion
         if self._gained[0] != given:
             # A run is asked at its end both for its attributes and for whether it may be believed.
-            self._gained = given, self._found(throughput, aside)
+            self._gained = given, self._found(throughput, aside, motion)
         return self._gained[1]
 
-    def _found(self, throughput: float, aside: float) -> float:
+    def _found(self, throughput: float, aside: float, motion: float | None) -> float:
         if not self._rows:
             return 0.0
         kinetic, strain, potential, work, lost = np.concatenate(self._rows).T
         lost = np.maximum.accumulate(lost)
         total = kinetic + strain + potential
         most = float((total - total[0] - (work - lost)).max())
-        through = throughput + lost[-1] + kinetic.max() + np.ptp(strain) + self.idle
-        through += STORED_SHARE * float(strain.max() + np.abs(potential).max())
+        moved = kinetic.max() if motion is None else motion
+        through = throughput + lost[-1] + moved + np.ptp(strain) + self.idle
+        through += STORED_SHARE * float(max(0.0, kinetic.max() - moved) + strain.max() + np.abs(potential).max())
         if through <= 0.0:
             return 0.0
         missing = self.missing()
