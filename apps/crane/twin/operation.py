@@ -77,8 +77,9 @@ class CraneOperation(Lifting):
         self._layout = laid_out(sim.driven_scene)
 
     def found(
-        self, time: float, measured: Mapping[str, Any], outputs: Mapping[str, Any], sim: Any
-    ) -> dict[str, tuple[float, float]]:
+        self, time: float, measured: Mapping[str, Any], outputs: Mapping[str, Any], estimates: Mapping[str, Any],
+        sim: Any,
+    ) -> dict[str, tuple[float, float]]:  # fmt: skip
         """Count a row: where the rope lies on what, and under which tension."""
         assert self._layout is not None
         frames, layout = sim._frames, self._layout

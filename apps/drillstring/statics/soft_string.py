@@ -89,6 +89,7 @@ def soft_string(
     motion: str | Motion,
     bit_force: float = 0.0,
     hole: float | None = None,
+    step: float = STEP,
 ) -> SoftString:
     """Integrate tension and torque from the bit up, with the wall force of a helix where the string is one (helix.py).
 
@@ -107,13 +108,15 @@ def soft_string(
         Tension at the bit, N.
     hole : float, optional
         Diameter of the hole, m; without it the string does not buckle.
+    step : float
+        Longest step of the integration, m.
 
     Returns
     -------
     SoftString
     """
     factors = same(friction)
-    s, tube = _mesh(well, tubes, factors.shoe)
+    s, tube = _mesh(well, tubes, factors.shoe, step)
     each = [tubes[k] for k in tube]
     moved = MOTIONS[motion] if isinstance(motion, str) else motion
     down, around = moved.friction(np.array([0.5 * one.contact_od for one in each]))
@@ -190,13 +193,13 @@ def _growth(tension: float, pipe: _Pipe, arc: _Hole, place: int, along: float, l
     return float(pipe.weight * arc.down[place]) + along * _load(tension, pipe, arc, place, lifted)
 
 
-def _mesh(well: Wellbore, tubes: Sequence[Tube], shoe: float) -> tuple[np.ndarray, np.ndarray]:
+def _mesh(well: Wellbore, tubes: Sequence[Tube], shoe: float, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Depths with every joint of arcs and of sections among them (n + 1,), and the section of each step (n,)."""
     ends = np.cumsum([tube.length for tube in tubes])
     joints = np.concatenate([[0.0], ends, well.md[well.md < ends[-1]], [min(shoe, ends[-1])]])
     joints = np.unique(joints)
     joints = joints[np.append(True, np.diff(joints) > 1e-9)]
-    parts = [np.linspace(a, b, ceil((b - a) / STEP) + 1)[:-1] for a, b in pairwise(joints)]
+    parts = [np.linspace(a, b, ceil((b - a) / step) + 1)[:-1] for a, b in pairwise(joints)]
     s = np.append(np.concatenate(parts), joints[-1])
     return s, np.minimum(np.searchsorted(ends, 0.5 * (s[:-1] + s[1:])), len(tubes) - 1)
 

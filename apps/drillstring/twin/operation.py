@@ -1,15 +1,14 @@
 """A rig's work as a twin follows it: slips, the string that grows, friction off bottom, weight and torque on bottom.
 
 Hook load and torque show friction while the whole string slides off bottom. In slips the simulation waits. With every
-stand it goes on with a longer string, and what is known of the friction stays. On bottom the bit carries what the hook
-lacks of the load that is computed without it.
+stand it goes on with a longer string, and what is known of the friction stays. On bottom weight and torque of the bit
+follow from what hook and drive show beside a string that is computed off bottom (at_bit.py).
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from math import hypot, nan, sqrt
+from math import hypot, isfinite, nan
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.soft_string import soft_string
 from drillstring.statics.statics import weight_per_length
 from drillstring.string.factors import factors_of
+from drillstring.twin.at_bit import AtBit, AtSurface, Known
 from drillstring.twin.severity import Settings as SeveritySettings
 from drillstring.twin.severity import Severity
 from drillstring.twin.stands import with_stand
@@ -62,8 +62,6 @@ WINDOW = 300.0
 """Longest time from slips to slips that an estimate looks back over, s."""
 MEAN = 3.0
 """Time over which weight and torque at the bit are averaged, s."""
-UNEVEN = 0.15
-"""Share of a swing that is left in the mean over a period that is known to so much."""
 STICKING = 0.5
 """Severity from which on an alarm is raised: the bit's speed swings by half of its mean."""
 SEVERITY_EVERY = 1.0
@@ -107,21 +105,20 @@ class RigOperation(Operation):
         self._stick_slip: Any = None
         self._ends: dict[str, Any] = {}
         self._looked = -np.inf
-        self._lacking: deque[tuple[float, float, float]] = deque()
+        self._moved = nan, nan
+        self._told_in = RigState.UNKNOWN
         self._weight_on_bit = nan
         self._lay_out()
 
     def _lay_out(self) -> None:
-        """The string as a spring, and as a line for torsion."""
-        tubes = tubes_of(self.scene, well_of(self.scene).length)
-        self._compliance = sum(tube.length / (tube.youngs_modulus * tube.area) for tube in tubes)
+        """The string as a line for torsion, and as a soft string with a weight at its bit."""
         line = line_of(self.scene)
         if self._severity is None:
             self._severity = Severity(line, SeveritySettings(torque_of_drive=self._of_drive))
         else:
             self._severity.line = line
             self._severity.clear()
-        self._mean_over = max(MEAN, 1.0 / line.frequency)
+        self._at_bit = AtBit(self.scene, max(MEAN, 1.0 / line.frequency))
 
     def built(self, sim: Any) -> None:
         """Learn what the string weighs.
@@ -159,13 +156,14 @@ class RigOperation(Operation):
         # A rig's hook load has the block's weight in it; that of the scene has not.
         asked["hook_load"] += self.weight
         self._hook_load = asked["hook_load"]
+        self._moved = asked["block"], asked["rotary_speed"]
         of_drive = not any(name in values for name in STRING_TORQUE)
         if of_drive != self._of_drive:
             self._of_drive, self._severity = of_drive, None
             self._lay_out()
         state = self.rig.add(time, **asked)
         if state in IN_THE_SLIPS:
-            self._lacking.clear()
+            self._at_bit.clear()
             self._stick_slip = None
             return Guidance(use=False, paused=True)
         self._look(time, asked)
@@ -197,51 +195,34 @@ class RigOperation(Operation):
 
     def found(
         self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]],
-        sim: Any,
+        estimates: Mapping[str, tuple[float, float]], sim: Any,
     ) -> dict[str, tuple[float, float]]:  # fmt: skip
-        """Where the bit is; and on bottom its weight and torque: what the hook lacks of what is computed without them.
+        """Where the bit is; and on bottom its weight and torque, from what hook and drive show beside a string without.
 
-        The drive has so much more torque. The string is shorter by the weight times its compliance than it is computed.
+        The weight also changes the friction of the string, and makes it shorter than it is computed.
         """
         depth, sd = (float(x) for x in outputs["bit.depth"])
+        before, self._told_in = self._told_in, self.rig.state
+        if self.rig.state is not before:
+            # A string that begins to turn has another friction.
+            self._at_bit.clear()
         if self.rig.state not in ON_BOTTOM:
-            self._lacking.clear()
             self._weight_on_bit = nan
             return {"bit.depth": (depth, sd)} | self._swinging()
-        told = self._at_bit(time, measured, outputs)
-        if "bit.weight" in told:
-            self._weight_on_bit, of_weight = told["bit.weight"]
-            depth -= self._weight_on_bit * self._compliance
-            told["bit.depth"] = depth, hypot(sd, of_weight * self._compliance)
-        return told | self._swinging()
-
-    def _at_bit(
-        self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]]
-    ) -> dict[str, tuple[float, float]]:
-        """Weight and torque at the bit: means over a period of the string's torsion, or some seconds."""
         sensors = {KNOWN_AS[name]: name for name in measured if name in KNOWN_AS}
-        known = {
-            name: (sign, *measured[sensors[kind]], outputs[sensors[kind]])
-            for name, kind, sign in (("bit.weight", "hook_load", -1.0), ("bit.torque", "torque", 1.0))
-            if kind in sensors
-        }
-        self._lacking.append((time, *(
-            known[name][0] * (known[name][1] - float(known[name][3][0])) if name in known else nan
-            for name in ("bit.weight", "bit.torque")
-        )))  # fmt: skip
-        while time - self._lacking[0][0] > self._mean_over:
-            self._lacking.popleft()
-        rows = np.array(self._lacking)
-        told = {}
-        for k, name in enumerate(("bit.weight", "bit.torque"), start=1):
-            values = rows[np.isfinite(rows[:, k]), k]
-            if name not in known or not values.size:
-                continue
-            noise, of_friction = known[name][2], float(known[name][3][1])
-            # What swings goes out of the mean of about a period up to some share.
-            swings = UNEVEN * sqrt(max(0.0, float(values.var()) - noise**2))
-            told[name] = float(values.mean()), sqrt(noise**2 / values.size + swings**2 + of_friction**2)
-        return told
+        values, known = {}, {}
+        for kind in ("hook_load", "torque"):
+            if (name := sensors.get(kind)) is not None:
+                value, noise = measured[name]
+                computed, of_computed = (float(x) for x in outputs[name])
+                values[kind], known[kind] = (computed, value - computed), Known(noise, of_computed)
+        load, torque = values.get("hook_load", (nan, nan)), values.get("torque", (nan, nan))
+        self._at_bit.add(AtSurface(time, *self._moved, load[0], torque[0], -load[1], torque[1]))
+        told = self._at_bit.told(known.get("hook_load"), known.get("torque"), estimates)
+        self._weight_on_bit = told.get("bit.weight", (nan, nan))[0]
+        if isfinite(self._at_bit.shorter[0]):
+            depth, sd = depth - self._at_bit.shorter[0], hypot(sd, self._at_bit.shorter[1])
+        return told | {"bit.depth": (depth, sd)} | self._swinging()
 
     def simulated(self, sim: Any) -> dict[str, float]:
         """What a rig would measure of a simulation; of its pumps that knows nothing."""
@@ -274,7 +255,8 @@ class RigOperation(Operation):
         """The rig in a line: its state, connections so far, pipe added, what would end stick-slip, what is missing."""
         rig: dict[str, Any] = {
             "state": str(self.rig.state), "since": self.rig.since, "added": self.added,
-            "connections": self._before + self._connections, "cannot_be_told": self.rig.lost(),
+            "connections": self._before + self._connections,
+            "cannot_be_told": [*self.rig.lost(), *self._at_bit.lost],
         }  # fmt: skip
         if self._ends:
             rig["stick_slip_ends"] = self._ends

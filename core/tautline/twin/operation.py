@@ -74,7 +74,7 @@ class Operation(Protocol):
 
     def found(
         self, time: float, measured: Mapping[str, tuple[float, float]], outputs: Mapping[str, tuple[Any, Any]],
-        sim: Any,
+        estimates: Mapping[str, tuple[float, float]], sim: Any,
     ) -> dict[str, tuple[float, float]]:  # fmt: skip
         """Further estimates of a row: name -> value and standard deviation.
 
@@ -84,6 +84,8 @@ class Operation(Protocol):
             Output of a sensor -> value, NaN where it is not believed, and standard deviation.
         outputs : mapping
             Computed at the estimate: value and standard deviation; of the sensors' outputs and of `reads`.
+        estimates : mapping
+            Parameter or offset of the map -> value and standard deviation.
         sim : Simulation
             The simulation itself, near the estimate.
         """

@@ -303,7 +303,10 @@ class Twin:
             one.name: (float(y[m]) if health[i].fault == "" else np.nan, float(sd[m]))
             for m, (i, one) in enumerate((i, one) for i, one in enumerate(self.plan.channels) if one.is_output)
         }
-        found = self.operation.found(time, measured, outputs, self.estimate.family.simulations[0])
+        estimates = {
+            one.name: (float(horizon.mean[k]), float(horizon.deviation[k])) for k, one in enumerate(self.plan.unknowns)
+        }
+        found = self.operation.found(time, measured, outputs, estimates, self.estimate.family.simulations[0])
         units = self.operation.outputs
         return {name: {"value": one[0], "sd": one[1], "unit": units[name]} for name, one in found.items()}
 
