@@ -72,7 +72,7 @@ def test_without_a_breaking_load_there_is_no_safety_factor_and_without_a_diamete
 def test_a_scene_that_starts_as_drawn_is_held_against_an_estimate_of_its_rest():
     drawn = one_fall(start="as drawn")
     run = result(drawn)
-    run["tension"][0] = 0.0
+    run._contents[1]["tension"][0] = 0.0
     found = headline(run, drawn)
     rest = static_tension(drawn, laid_out(drawn).path).ravel()
     wanted = (run["tension"].reshape(-1, 4) / rest).max()
@@ -92,7 +92,7 @@ def test_slack_is_told_with_its_length_and_its_snap():
 
 def test_the_snap_of_a_heavy_rope_is_that_of_its_upper_end():
     run = result(one_fall(), slack=True)
-    ends = run["tension"]
+    ends = run._contents[1]["tension"]
     ends[:, 1, 0] += 2.0e5
     found = headline(run, one_fall())
     after = ends[(run.time > 5.0) & (run.time < 7.0)]

@@ -85,7 +85,7 @@ def test_a_scene_without_plots_has_an_overview():
 
 def test_the_overview_shows_the_node_that_moves_most():
     run = result(BARE)
-    run["position"][:, 2] += np.linspace(0.0, 9.0, 50)[:, None]
+    run._contents[1]["position"][:, 2] += np.linspace(0.0, 9.0, 50)[:, None]
     _, place, _ = lines(draw([run])["overview"])
     np.testing.assert_allclose(place["y"], 12 + (0.1 + 9 / 49) * np.arange(50))
 
@@ -115,7 +115,7 @@ def chain(elements):
 
 def test_a_chain_of_many_elements_has_a_waterfall_over_its_length():
     run = result(chain(8), elements=8, nodes=9)
-    run["material_coordinate"][0] = np.array([0, 1, 3, 4, 5, 6, 7, 8, 12.0])
+    run._contents[1]["material_coordinate"][0] = np.array([0, 1, 3, 4, 5, 6, 7, 8, 12.0])
     assert list(draw([run])) == ["overview", "waterfall"]
     plot, bar = draw([run], ["waterfall"])["waterfall"].axes
     (image,) = plot.images
@@ -132,8 +132,8 @@ def test_a_chain_of_many_elements_has_a_waterfall_over_its_length():
 def test_a_spectrum_names_the_line_of_what_swings():
     run = result(BARE, frames=400)
     time = run.time
-    run["axial_force"][:, 1] = 3.0 * time + 40.0 * np.sin(2 * np.pi * 1.25 * time)
-    run["position"][:, 2, 1] += 5.0 * np.sin(2 * np.pi * 0.75 * time)
+    run._contents[1]["axial_force"][:, 1] = 3.0 * time + 40.0 * np.sin(2 * np.pi * 1.25 * time)
+    run._contents[1]["position"][:, 2, 1] += 5.0 * np.sin(2 * np.pi * 0.75 * time)
     force, place = draw([run], ["spectrum"])["spectrum"].axes
     curve = force.get_lines()[0].get_label()
     assert curve == "cable 1: 40 N at 1.25 Hz"

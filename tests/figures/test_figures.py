@@ -166,7 +166,7 @@ def test_colours_of_a_waterfall_are_white_at_zero_where_both_signs_are_there():
 
 def test_a_blow_of_one_frame_does_not_darken_a_waterfall():
     run = result(None, frames=400)
-    run["contact_force"][17, -1] = 5e6
+    run._contents[1]["contact_force"][17, -1] = 5e6
     figure = draw([run], ["waterfall:contact_force"])["waterfall_contact_force"]
     assert figure.axes[0].images[0].get_clim()[1] < 60.0
     assert figure.axes[1].get_ylabel() == "contact force, at most 5 MN [kN]"

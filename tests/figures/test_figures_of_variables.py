@@ -194,8 +194,8 @@ def test_results_of_other_lengths_steps_and_of_one_frame_have_a_line_each_in_one
 
 
 def test_what_is_level_but_for_rounding_is_drawn_level(well):
-    well["bit_speed"][:] = 3.0
-    well["bit_speed"][::2] += 1e-13
+    well._contents[1]["bit_speed"][:] = 3.0
+    well._contents[1]["bit_speed"][::2] += 1e-13
     low, high = only(draw([well], ["bit_speed"])).axes[0].get_ylim()
     assert high - low > 0.1
 

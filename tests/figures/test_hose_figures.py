@@ -149,20 +149,20 @@ def test_a_ramp_shows_extremes_amplitude_and_where_they_begin():
 
 def test_a_speed_that_rises_and_falls_is_told_apart():
     run = result(**RAMP)
-    run["flow_speed"][:] = 40.0 * np.sin(np.pi * run.time / run.time[-1])
+    run._contents[1]["flow_speed"][:] = 40.0 * np.sin(np.pi * run.time / run.time[-1])
     plots = draw([run], ["ramp"])["ramp"].axes
     assert {"extremes, speed rising", "extremes, speed falling"} <= lines(plots[0]).keys()
 
 
 def test_a_ramp_up_and_down_tells_where_the_motion_ends_and_takes_a_drift_for_no_swing():
     run = result(frames=2401, ramp=12.0, speed=40.0, swing=0.6)
-    run["flow_speed"][:] = 40.0 * np.sin(np.pi * run.time / run.time[-1])
+    run._contents[1]["flow_speed"][:] = 40.0 * np.sin(np.pi * run.time / run.time[-1])
     fading = np.clip((run["flow_speed"] - 12.0) / 28.0, 0.0, 1.0) ** 2
     sway = np.sin(2 * np.pi * 6.3 * run.time)
-    run["tip"][:] = [0.4, 0.0, 0.0]
+    run._contents[1]["tip"][:] = [0.4, 0.0, 0.0]
     # It rises with the speed, and swings beyond 12 m/s.
-    run["tip"][:, 2] += 0.2 * run["flow_speed"] / 40.0 + 0.2 * fading * sway
-    run["tip_velocity"][:] = np.gradient(run["tip"], run.time, axis=0)
+    run._contents[1]["tip"][:, 2] += 0.2 * run["flow_speed"] / 40.0 + 0.2 * fading * sway
+    run._contents[1]["tip_velocity"][:] = np.gradient(run["tip"], run.time, axis=0)
     place, size = draw([run], ["ramp"])["ramp"].axes
     begins, ends = (text for text in lines(size) if "length" in text)
     assert begins.startswith("1 % of the length at 1") and ends.startswith("1 % of the length last at 1")

@@ -136,7 +136,8 @@ def test_what_was_just_stored_is_as_a_reader_finds_it_and_is_nobodys_to_change(t
         known, read = store.result, Result.read(path)
         for name in read.variables:
             assert (known[name].dtype, known[name].tolist()) == (read[name].dtype, read[name].tolist())
-            known[name][...] = known[name][::-1]
+            with pytest.raises(ValueError, match="read-only"):
+                known[name][...] = known[name][::-1]
             assert store.result[name].tolist() == read[name].tolist()
         store.finish(restart={"memory": np.array([False, True])})
     assert_whole(path, 10 * batches)

@@ -1,5 +1,6 @@
 """What is put into a store comes out of the result, by either way of reading it."""
 
+import contextlib
 import subprocess
 import sys
 
@@ -66,7 +67,58 @@ def test_attributes_of_any_length_and_letters_come_back(result):
     assert result.attributes["scene"] == ATTRIBUTES["scene"]
     assert result.attributes["step"] == 1e-3 and result.attributes["steps"] == 5000
     assert result.attributes["status"] == "done"
-    assert "nothing" not in result.attributes or result.path is None
+    assert "nothing" not in result.attributes and result.attributes["flag"] == 1
+
+
+def test_a_result_in_memory_has_the_attributes_of_the_same_one_in_a_file(tmp_path):
+    """The reference is what the other way holds; that both are what was put in is seen for each attribute below."""
+    found = {
+        "headline": HEADLINE, "warnings": ["small steps"], "limits": [{"name": "pull", "passed": np.bool_(True)}],
+        "start": {"stable": True, "moved": np.float64(0.25)}, "step_error": {"others": (1e-3, 5e-4), "force": np.nan},
+        "accuracy": {"met": None}, "windows": [], "steps": np.int64(7), "place": (1, 2), "title": '["no list"]',
+    }  # fmt: skip
+    both = []
+    for path in (None, tmp_path / "a.nc"):
+        store = Store(path, VARIABLES, COORDINATES, ATTRIBUTES)
+        store.append(frames(0, 5), restart=RESTART)
+        both.append(store.finish(found))
+    memory, file = both[0], Result.read(tmp_path / "a.nc")
+    assert memory.attributes == file.attributes
+    assert memory.attributes["warnings"] == ["small steps"] == memory.warnings
+    assert memory.attributes["start"] == {"stable": True, "moved": 0.25}
+    assert memory.step_error == {"others": [1e-3, 5e-4], "force": None}
+    assert memory.attributes["title"] == '["no list"]' and memory.attributes["place"] == "[1, 2]"
+    for name in ("headline", "warnings", "limits", "step_error", "accuracy"):
+        assert getattr(memory, name) == getattr(file, name) == file.attributes[name]
+    assert memory.restart.keys() == file.restart.keys() == RESTART.keys()
+    assert {name: array.dtype for name, array in memory.restart.items()} == {
+        name: array.dtype for name, array in file.restart.items()
+    }
+    assert memory.variables == file.variables
+    assert {name: memory[name].dtype for name in memory.variables} == {
+        name: file[name].dtype for name in file.variables
+    }
+    xarray.testing.assert_identical(memory.data, file.data)
+
+
+def test_the_data_set_of_a_result_can_be_stored_and_is_a_result_again(result, tmp_path):
+    result.data.to_netcdf(tmp_path / "copy.nc", engine="h5netcdf")
+    copy = Result.read(tmp_path / "copy.nc")
+    np.testing.assert_array_equal(copy["tension"], frames(0, 50)["tension"])
+    assert copy.headline == result.headline and copy.attributes == result.attributes
+
+
+def test_nothing_that_a_result_gives_out_changes_it(result):
+    before = result["tension"].copy()
+    for array in (result["tension"], result["rest_depth"], result.restart["q"]):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = -999.0
+    with contextlib.suppress(ValueError):
+        result.data["tension"].values[...] = -999.0  # what was read of a file may be written to
+    result.headline["peak"]["value"] = 0.0
+    np.testing.assert_array_equal(result["tension"], before)
+    np.testing.assert_array_equal(result.restart["q"], RESTART["q"])
+    assert result.headline["peak"]["value"] == 1.5e6
 
 
 def test_headline_keeps_value_unit_and_text_and_has_no_nan(result):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -79,7 +78,7 @@ def test_crossings_blocks_and_rainflow_cycles_are_those_of_all_frames(both):
 
 def test_windows_hold_the_whole_frames_round_the_extremes(both):
     full, kept = both
-    windows = json.loads(kept.attributes["windows"])
+    windows = kept.attributes["windows"]
     assert {(one["variable"], one["extreme"]) for one in windows} == {("tension", "largest"), ("tension", "smallest")}
     for one in windows:
         inside = (full.time >= one["time"] - 2.0) & (full.time <= one["time"] + 2.0)

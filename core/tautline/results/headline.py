@@ -53,8 +53,3 @@ def plain(value: Any) -> Any:
 def to_json(value: Any) -> str:
     """One line of JSON without NaN or infinity, which JSON does not know."""
     return json.dumps(plain(value), ensure_ascii=False, allow_nan=False)
-
-
-def read_headline(text: str) -> dict[str, dict[str, Any]]:
-    """Read the attribute back: name -> {value, unit, text}; empty where there is none."""
-    return json.loads(text) if text else {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,9 @@ from tautline.version import __version__
 
 FORMAT = "tautline-result 1"
 """The attribute ``format`` by which a result is known for one of ours."""
+
+STRUCTURED = frozenset({"accuracy", "headline", "limits", "start", "step_error", "warnings", "windows"})
+"""Attributes that are dicts or lists, which a file holds as JSON. Others may look like JSON and be none, as a scene."""
 
 CHUNK = 32768
 """Bytes of a chunk, about: small enough that a short run makes a small file."""
@@ -162,8 +166,9 @@ def size(values: Mapping[str, Any]) -> int:
     return sum(value.nbytes if isinstance(value, np.ndarray) else 4 * len(str(value)) for value in values.values())
 
 
-def write_attributes(file: h5py.File, attributes: Mapping[str, Any]) -> None:
-    """Set attributes; dicts and lists become JSON, None is left out. Text of any length is kept."""
+def encoded(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes as a file holds them: numbers and texts; dicts and lists become JSON, and None is left out."""
+    held: dict[str, Any] = {}
     for key, value in attributes.items():
         if isinstance(value, np.generic):
             value = value.item()
@@ -171,7 +176,19 @@ def write_attributes(file: h5py.File, attributes: Mapping[str, Any]) -> None:
             continue
         if isinstance(value, bool):
             value = int(value)
-        file.attrs[key] = value if isinstance(value, (str, bytes, int, float)) else to_json(value)
+        held[key] = value if isinstance(value, (str, bytes, int, float)) else to_json(value)
+    return held
+
+
+def decoded(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes of a file with the structured ones as dicts and lists."""
+    return {key: json.loads(value) if key in STRUCTURED and value else value for key, value in attributes.items()}
+
+
+def write_attributes(file: h5py.File, attributes: Mapping[str, Any]) -> None:
+    """Set attributes, see `encoded`. Text of any length is kept."""
+    for key, value in encoded(attributes).items():
+        file.attrs[key] = value
 
 
 def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
@@ -180,7 +197,7 @@ def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
     Where the group is there, its arrays are replaced: those of one run keep their names and shapes. As above, by
     low-level calls: this is done with each batch, of some seventy arrays.
     """
-    numbers = {name: _as_number(np.asarray(values)) for name, values in arrays.items()}
+    numbers = {name: as_number(np.asarray(values)) for name, values in arrays.items()}
     if "restart" in file:
         group_id = h5py.h5g.open(file.id, b"restart")
         for name, values in numbers.items():
@@ -200,7 +217,7 @@ def write_restart(file: h5py.File, arrays: Mapping[str, np.ndarray]) -> None:
             h5py.h5ds.attach_scale(dataset, scales[dim].id, axis)
 
 
-def _as_number(values: np.ndarray) -> np.ndarray:
+def as_number(values: np.ndarray) -> np.ndarray:
     """Values as NetCDF has them, which knows no truth values."""
     return values.astype(np.int8) if values.dtype.kind == "b" else values
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
 import time
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -14,8 +13,8 @@ import h5py
 import numpy as np
 
 from tautline.results.errors import ResultError
-from tautline.results.headline import plain, read_headline
-from tautline.results.layout import FORMAT, Coordinate
+from tautline.results.headline import plain
+from tautline.results.layout import FORMAT, Coordinate, as_number, decoded, encoded
 from tautline.results.target import SIGNATURE
 from tautline.results.variable import Variable
 
@@ -81,9 +80,18 @@ class Result:
 
     @functools.cached_property
     def attributes(self) -> dict[str, Any]:
-        """Attributes of the run: scene, method, step, wall_time, status and so on."""
+        """Attributes of the run: scene, method, step, wall_time, status and so on.
+
+        Numbers and texts, and dicts and lists for those of `tautline.results.layout.STRUCTURED`. They are the same
+        whether the run was kept in memory or is read from a file.
+        """
+        return decoded(self._encoded)
+
+    @property
+    def _encoded(self) -> dict[str, Any]:
+        """The attributes as a file holds them."""
         if self._contents is not None:
-            return dict(self._contents[3])
+            return encoded({"format": FORMAT, **self._contents[3]})
         with self._open() as file:
             return {
                 key: value.item() if isinstance(value, np.generic) else value
@@ -94,32 +102,35 @@ class Result:
     @property
     def warnings(self) -> list[str]:
         """What a reader should know of the result's accuracy."""
-        warnings = self.attributes.get("warnings", [])
-        return json.loads(warnings) if isinstance(warnings, str) else list(warnings)
+        return self._structured("warnings", [])
 
     @property
     def step_error(self) -> dict[str, Any] | None:
         """The error estimated from runs with other steps, see `tautline.study.trials.step_error`; None if none."""
-        found = self.attributes.get("step_error")
-        return json.loads(found) if isinstance(found, str) else found
+        return self._structured("step_error", None)
 
     @property
     def accuracy(self) -> dict[str, Any] | None:
         """What was asked and reached where method and step were chosen (`tautline.study.accuracy.choice`), or None."""
-        found = self.attributes.get("accuracy")
-        return json.loads(found) if isinstance(found, str) else found
+        return self._structured("accuracy", None)
 
     @property
     def limits(self) -> list[dict[str, Any]]:
         """What the run is judged by, passed or not, with time and place: see `tautline.results.assessment.limits`."""
-        limits = self.attributes.get("limits", [])
-        return json.loads(limits) if isinstance(limits, str) else list(limits)
+        return self._structured("limits", [])
 
     @property
     def headline(self) -> dict[str, dict[str, Any]]:
-        """The application's figures: name -> {value, unit, text}; empty if the run did not come to its end."""
-        headline = self.attributes.get("headline", "")
-        return read_headline(headline) if isinstance(headline, str) else plain(headline)
+        """The application's figures: name -> {value, unit, text}.
+
+        Of a run that stopped early they are those of the frames until then. They are empty while a run goes on, and
+        where its process was killed.
+        """
+        return self._structured("headline", {})
+
+    def _structured(self, name: str, otherwise: Any) -> Any:
+        """An attribute, which whoever asks may change without changing the result."""
+        return plain(self.attributes.get(name, otherwise))
 
     @functools.cached_property
     def variables(self) -> dict[str, Variable]:
@@ -136,7 +147,7 @@ class Result:
         return name in self.variables
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Array of a variable, shape as its dimensions say, SI units.
+        """Array of a variable, shape as its dimensions say, SI units; it cannot be written to, a copy can.
 
         Raises
         ------
@@ -146,16 +157,15 @@ class Result:
         if self._contents is not None:
             _, arrays, coordinates, *_ = self._contents
             if name in coordinates:
-                return coordinates[name][1]
+                return _read_only(coordinates[name][1])
             if name in arrays:
-                return arrays[name]
+                return _read_only(arrays[name])
         elif name in self._held:
-            return self._held[name].copy()
+            return _read_only(self._held[name])
         else:
             with self._open() as file:
                 if name in file and _is_variable(file[name]):
-                    data = file[name]
-                    return data.asstr()[...] if h5py.check_string_dtype(data.dtype) else data[...]
+                    return _read_only(_values(file[name]))
         known = ", ".join(self.variables)
         raise ResultError(self.path or "result", f"has no variable '{name}'", f"it has {known}")
 
@@ -166,28 +176,36 @@ class Result:
 
     @property
     def restart(self) -> dict[str, np.ndarray]:
-        """The raw final state, as it was given to ``Store.finish``; empty if the run did not come to its end."""
+        """The raw state to go on from, that of the time in the attribute ``restart_time``.
+
+        A run that stopped early, or was killed, has one too. It is empty where statistics were kept in place of
+        frames, and of a run in memory that is one of many.
+        """
         if self._contents is not None:
-            return dict(self._contents[4])
+            return {name: _read_only(as_number(np.asarray(values))) for name, values in self._contents[4].items()}
         with self._open() as file:
             group = file.get("restart", {})
-            return {name: group[name][...] for name in group if _is_variable(group[name])}
+            return {name: _read_only(group[name][...]) for name in group if _is_variable(group[name])}
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:
-        """Everything as an ``xarray.Dataset``; arrays are read from the file when they are used."""
+        """Everything as an ``xarray.Dataset``, fit for ``to_netcdf``: dicts and lists of its attributes are JSON texts.
+
+        Arrays are read from the file when they are used. Those of a run in memory cannot be written to.
+        """
         import xarray
 
         if self._contents is None:
             assert self.path is not None
             return xarray.open_dataset(self.path, engine="h5netcdf")
-        variables, arrays, coordinates, attributes, _ = self._contents
+        variables, arrays, coordinates, *_ = self._contents
         entries: dict[str, Any] = {
-            variable.name: (variable.dims, arrays[variable.name], _described(variable)) for variable in variables
+            variable.name: (variable.dims, _read_only(arrays[variable.name]), _described(variable))
+            for variable in variables
         }
         for name, (dims, values, units, long_name) in coordinates.items():
-            entries[name] = (dims, values, _described(Variable(name, dims, units, long_name)))
-        return xarray.Dataset(entries, attrs=attributes)
+            entries[name] = (dims, _read_only(values), _described(Variable(name, dims, units, long_name)))
+        return xarray.Dataset(entries, attrs=self._encoded)
 
     @property
     def plot(self) -> Any:
@@ -251,5 +269,18 @@ def _variable(name: str, data: h5py.Dataset) -> Variable:
     return Variable(name, dims, str(data.attrs.get("units", "")), str(data.attrs.get("long_name", "")))
 
 
+def _values(data: h5py.Dataset) -> np.ndarray:
+    """All values of a dataset, texts as a store is given them."""
+    return np.asarray(data.asstr()[...], dtype=str) if h5py.check_string_dtype(data.dtype) else data[...]
+
+
+def _read_only(values: np.ndarray) -> np.ndarray:
+    """The same values for somebody who must not change them."""
+    view = np.asarray(values).view()
+    view.flags.writeable = False
+    return view
+
+
 def _described(variable: Variable) -> dict[str, str]:
-    return {"units": variable.units, "long_name": variable.long_name}
+    """What a file says of a variable."""
+    return {key: text for key, text in (("units", variable.units), ("long_name", variable.long_name)) if text}

@@ -145,7 +145,7 @@ class Store:
             self.close()
             return None
         if self._copies is None:
-            return self._in_memory(restart or {})
+            return self._in_memory(self._restart if restart is None else restart)
         try:
             if restart is not None:
                 self._restart = {}  # the final state takes its place below
@@ -168,7 +168,7 @@ class Store:
         if self.frames == 0:
             return None
         if self.path is None:
-            return self._in_memory({})
+            return self._in_memory(self._restart)
         return Result(self.path, known=self._described, held=self._held)
 
     @property

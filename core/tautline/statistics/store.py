@@ -8,7 +8,6 @@ that are sums over all frames, or that count events, cannot be made so and are l
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -209,7 +208,7 @@ class StatisticsStore(Store):
         count, arrays = self.frames, self._frames()
         self.coordinates |= self._statistics()
         self.attributes |= {
-            KEPT: STATISTICS, "frames_seen": count, "windows": json.dumps(self._told_windows()),
+            KEPT: STATISTICS, "frames_seen": count, "windows": self._told_windows(),
             "statistics_begin": self.keep.begin, "block": self.keep.block,
         }  # fmt: skip
         self.frames, self._batches = 0, []
