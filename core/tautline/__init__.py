@@ -17,7 +17,7 @@ from tautline.version import __version__
 
 if TYPE_CHECKING:
     from tautline.application.installed import Installed
-    from tautline.errors import TautlineError
+    from tautline.errors import ArgumentError, ArgumentTypeError, TautlineError
     from tautline.integrators.status import Interrupted, Status, StoppedEarly
     from tautline.live.errors import SimulationError, UnknownName
     from tautline.live.rollout import rollout
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from tautline.sweeps.sweep import SweepInterrupted, sweep
 
 __all__ = [
+    "ArgumentError",
+    "ArgumentTypeError",
     "Grid",
     "Interrupted",
     "Problem",
@@ -57,6 +59,8 @@ __all__ = [
 ]
 
 _PLACES = {
+    "ArgumentError": "tautline.errors",
+    "ArgumentTypeError": "tautline.errors",
     "Grid": "tautline.study.accuracy.precision",
     "Interrupted": "tautline.integrators.status",
     "Problem": "tautline.scene.errors",
@@ -114,6 +118,8 @@ def read(source: Any, folder: str | Path | None = None) -> Any:
     ------
     SceneError
         Listing every fault with its line, key, value and cure.
+    ArgumentTypeError
+        Where `source` is none of these, or `folder` is given beside a file.
     """
     from tautline.scene.reading.source import document_of
 
@@ -182,7 +188,7 @@ def _installed() -> Installed:
 
 
 def _scene(scene: Any) -> Any:
-    """What was read, or is read now; TypeError for what is neither a scene nor what one can be read from."""
+    """What was read, or is read now; ArgumentTypeError for what is no scene and no source of one."""
     return scene if hasattr(scene, "document") else read(scene)
 
 

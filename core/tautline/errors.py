@@ -5,3 +5,11 @@ from __future__ import annotations
 
 class TautlineError(Exception):
     """What a scene, a result or a run can be refused by; every exception of the public interface is one."""
+
+
+class ArgumentError(TautlineError, ValueError):
+    """An argument of a function with a value that it cannot have."""
+
+
+class ArgumentTypeError(TautlineError, TypeError):
+    """An argument of a function that is of another type than the function takes."""

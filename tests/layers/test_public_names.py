@@ -85,6 +85,25 @@ def test_one_clause_catches_them_all_and_keeps_what_they_say(error):
     assert str(caught.value) == said and said
 
 
+@pytest.mark.parametrize("made", [
+    tautline.read, tautline.simulate, tautline.Simulation, tautline.study_errors, tautline.study_stability,
+    tautline.Result.read,
+])  # fmt: skip
+@pytest.mark.parametrize("wrong", [42, [1], None])
+def test_what_is_no_scene_and_no_file_is_refused_by_a_tautline_error_that_is_a_type_error(made, wrong):
+    with pytest.raises(tautline.ArgumentTypeError, match=type(wrong).__name__) as caught:
+        made(wrong)
+    assert isinstance(caught.value, tautline.TautlineError) and isinstance(caught.value, TypeError)
+
+
+@pytest.mark.parametrize("room", ["tautline.statistics", "crane.rope_life", "tautline.results"])
+def test_functions_that_are_called_from_python_raise_no_bare_value_error_or_type_error(room):
+    for file in Path(importlib.import_module(room).__path__[0]).rglob("*.py"):
+        nodes = ast.walk(ast.parse(file.read_text(encoding="utf8")))
+        raised = [node.exc for node in nodes if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call)]
+        assert {ast.unparse(one.func) for one in raised}.isdisjoint({"ValueError", "TypeError"}), file
+
+
 def test_ctrl_c_is_still_a_keyboard_interrupt_where_nothing_of_a_run_can_be_kept():
     with pytest.raises(KeyboardInterrupt), listening() as ear:
         ear.heard = True

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crane.geometry.reeving import Path, Wheel, turned
+from tautline.errors import ArgumentError
 
 
 def outline(path: Path, wheels: Sequence[Wheel], samples: int = 32) -> np.ndarray:
@@ -28,11 +29,11 @@ def outline(path: Path, wheels: Sequence[Wheel], samples: int = 32) -> np.ndarra
 
     Raises
     ------
-    ValueError
+    ArgumentError
         For fewer than 2 samples.
     """
     if samples < 2:
-        raise ValueError(f"samples = {samples}: an arc needs 2 points at least")
+        raise ArgumentError(f"samples = {samples}: an arc needs 2 points at least")
     points = [path.tangents[0, 0]]
     for j in range(1, len(wheels) - 1):
         points += _arc(path, wheels[j], j, samples)

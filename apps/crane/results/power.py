@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crane.rope_life.events import checked
+from tautline.errors import ArgumentError
 
 
 class WinchEnergy(NamedTuple):
@@ -65,13 +66,13 @@ def winch_energy(time: np.ndarray, tension: np.ndarray, speed: np.ndarray) -> Wi
 
     Raises
     ------
-    ValueError
+    ArgumentError
         Where there is no frame, times fall, lengths differ, or a number is not finite.
     """
     time, tension, speed = checked(time, tension=tension, speed=speed)
     power = winch_power(tension, speed)
     if power.ndim != 1:
-        raise ValueError(f"tension: shape {tension.shape}; a winch has one history, (m,)")
+        raise ArgumentError(f"tension: shape {tension.shape}; a winch has one history, (m,)")
     most, least = int(np.argmax(power)), int(np.argmin(power))
     at, force, pace = _split(time, tension, speed)
     step = np.diff(at)

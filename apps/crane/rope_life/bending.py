@@ -28,6 +28,7 @@ from crane.rope_life.passages import (
     while_below,
     without_ripple,
 )
+from tautline.errors import ArgumentError
 
 RESOLUTION = 1.0
 """Travel of a contact's end, in rope diameters, below which a turn to and fro is ripple. The rope takes its curvature
@@ -121,7 +122,7 @@ def drum_contact(
         Whether the stored rope has the smaller coordinates (a drum at end A of the path) or the larger (at end B).
     """
     if stored not in ("before", "after"):
-        raise ValueError(f"stored = {stored!r}: 'before' or 'after'")
+        raise ArgumentError(f"stored = {stored!r}: 'before' or 'after'")
     beyond = np.full(np.shape(lead), -np.inf if stored == "before" else np.inf)
     return Contact(name, beyond, np.asarray(lead, float), tension, radius, side)
 
@@ -154,14 +155,14 @@ def bending_cycles(
 
     Raises
     ------
-    ValueError
+    ArgumentError
         Where a history is not finite or of another length, edges do not rise, a radius or the diameter is not above
         0, or contacts overlap or are not in the order of the path.
     """
     time, edges = checked(time)[0], _edges(edges)
     for name, value in (("diameter", diameter), ("resolution", resolution), ("reach", reach)):
         if value is not None and not (value >= 0.0 and (value > 0.0 or name != "diameter")):
-            raise ValueError(f"{name} = {value}: must be above 0" + (" or 0" if name != "diameter" else ""))
+            raise ArgumentError(f"{name} = {value}: must be above 0" + (" or 0" if name != "diameter" else ""))
     resolution = RESOLUTION * (diameter or 0.0) if resolution is None else resolution
     reach = REACH * (diameter or 0.0) if reach is None else reach
     arcs = [_arc(time, contact) for contact in contacts]
@@ -200,14 +201,14 @@ def bending_cycles(
 def _edges(edges: np.ndarray) -> np.ndarray:
     edges = np.asarray(edges, float)
     if edges.ndim != 1 or edges.size < 2 or not np.isfinite(edges).all() or (np.diff(edges) <= 0.0).any():
-        raise ValueError("edges: at least two finite coordinates that rise are wanted")
+        raise ArgumentError("edges: at least two finite coordinates that rise are wanted")
     return edges
 
 
 def _arc(time: np.ndarray, contact: Contact) -> Arc:
     """Check a contact and put its ends in order."""
     if not (np.isfinite(contact.radius) and contact.radius > 0.0):
-        raise ValueError(f"{contact.name}: radius = {contact.radius}: must be finite and above 0")
+        raise ArgumentError(f"{contact.name}: radius = {contact.radius}: must be finite and above 0")
     ends = []
     for end in (contact.on, contact.off):
         end = np.asarray(end, float)
@@ -217,7 +218,7 @@ def _arc(time: np.ndarray, contact: Contact) -> Arc:
         ends.append(end)
     tension = checked(time, **{f"{contact.name}, tension": contact.tension})[1]
     if any(array.ndim != 1 for array in (*ends, tension)):
-        raise ValueError(f"{contact.name}: ends of the arc and tension are histories, (m,)")
+        raise ArgumentError(f"{contact.name}: ends of the arc and tension are histories, (m,)")
     wrapped = ends[0] != ends[1]
     return Arc(np.minimum(*ends), np.maximum(*ends), tension, wrapped[:-1] | wrapped[1:])
 
@@ -227,7 +228,7 @@ def _in_order(time: np.ndarray, contacts: Sequence[Contact], arcs: Sequence[Arc]
         beyond = arcs[k].high - arcs[k + 1].low
         if (beyond > OVERLAP).any():
             frame = int(np.argmax(beyond > OVERLAP))
-            raise ValueError(
+            raise ArgumentError(
                 f"{contacts[k].name}, {contacts[k + 1].name}: the rope on them overlaps by {beyond[frame]:g} m at "
                 f"time {time[frame]:g} s; contacts go in the order of the path"
             )

@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.errors import ArgumentError
+
 SNAP_WINDOW = 2.0
 """Time after slack in which the largest tension is the snap's, s."""
 
@@ -58,22 +60,22 @@ def checked(time: np.ndarray, **histories: np.ndarray) -> tuple[np.ndarray, ...]
 
     Raises
     ------
-    ValueError
+    ArgumentError
         Where there is no frame, times fall, a length differs, or a number is not finite.
     """
     time = np.asarray(time, float)
     if time.ndim != 1 or time.size == 0:
-        raise ValueError(f"time: shape {time.shape}; one time for each of at least one frame is wanted")
+        raise ArgumentError(f"time: shape {time.shape}; one time for each of at least one frame is wanted")
     arrays = {"time": time} | {name: np.asarray(values, float) for name, values in histories.items()}
     for name, values in arrays.items():
         if values.shape[:1] != time.shape:
-            raise ValueError(f"{name}: shape {values.shape} for {time.size} frames")
+            raise ArgumentError(f"{name}: shape {values.shape} for {time.size} frames")
         if not np.isfinite(values).all():
             frame = int(np.argmin(np.isfinite(values).reshape(time.size, -1).all(axis=1)))
-            raise ValueError(f"{name}: frame {frame} (time {time[frame]:g} s) is not finite")
+            raise ArgumentError(f"{name}: frame {frame} (time {time[frame]:g} s) is not finite")
     if (time[1:] < time[:-1]).any():
         frame = int(np.argmax(np.diff(time) < 0.0)) + 1
-        raise ValueError(f"time: {time[frame]:g} s at frame {frame} comes after {time[frame - 1]:g} s")
+        raise ArgumentError(f"time: {time[frame]:g} s at frame {frame} comes after {time[frame - 1]:g} s")
     return tuple(arrays.values())
 
 
@@ -95,13 +97,13 @@ def columns(time: np.ndarray, values: np.ndarray, names: Sequence[str]) -> Colum
 
     Raises
     ------
-    ValueError
+    ArgumentError
         As `checked`, and where there is not one name for each column.
     """
     time, values = checked(time, values=values)
     values = values.reshape(time.size, -1)
     if values.shape[1] != len(names) or not names or len(set(names)) != len(names):
-        raise ValueError(f"names: {', '.join(names) or 'none'} for {values.shape[1]} columns; one each is wanted")
+        raise ArgumentError(f"names: {', '.join(names) or 'none'} for {values.shape[1]} columns; one each is wanted")
     return Columns(time, values, names)
 
 
@@ -182,7 +184,7 @@ def amplification(time: np.ndarray, tension: np.ndarray, static: np.ndarray, nam
 
     Raises
     ------
-    ValueError
+    ArgumentError
         As `checked`, or where a static tension is not finite.
     """
     return amplification_of(columns(time, tension, names), static)
@@ -193,7 +195,7 @@ def amplification_of(tension: Columns, static: np.ndarray) -> Peak | None:
     time, values, names = tension
     static = np.broadcast_to(np.asarray(static, float), (len(names),))
     if not np.isfinite(static).all():
-        raise ValueError(f"static: {names[int(np.argmin(np.isfinite(static)))]} has no finite tension at rest")
+        raise ArgumentError(f"static: {names[int(np.argmin(np.isfinite(static)))]} has no finite tension at rest")
     carrying = np.flatnonzero(static > 0.0)
     if carrying.size == 0:
         return None
@@ -220,7 +222,7 @@ def safety_factor(breaking_load: float | None, tension: np.ndarray) -> float | N
     """
     most = float(np.max(tension, initial=0.0))
     if not np.isfinite(most):
-        raise ValueError("tension: not finite")
+        raise ArgumentError("tension: not finite")
     return None if breaking_load is None or most <= 0.0 else breaking_load / most
 
 

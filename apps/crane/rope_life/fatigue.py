@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crane.rope_life.events import checked
+from tautline.errors import ArgumentError
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +44,14 @@ def rainflow_counts(time: np.ndarray, tension: np.ndarray, least: float = 0.0) -
 
     Raises
     ------
-    ValueError
+    ArgumentError
         Where there is no frame, times fall, or a number is not finite.
     """
     from rainflow import extract_cycles
 
     time, tension = checked(time, tension=tension)
     if tension.ndim != 1:
-        raise ValueError(f"tension: shape {tension.shape}; cycles are those of one history, (m,)")
+        raise ArgumentError(f"tension: shape {tension.shape}; cycles are those of one history, (m,)")
     # The package takes the end of a history from its third sample on; one more that changes nothing makes up for it.
     samples = [*tension.tolist(), float(tension[-1])]
     found = [cycle for cycle in extract_cycles(samples) if cycle[0] > least]
@@ -78,13 +79,13 @@ def equivalent_range(cycles: RainflowCycles, slope: float, count: float | None =
 
     Raises
     ------
-    ValueError
+    ArgumentError
         Where slope or count is not above 0 and finite.
     """
     number = float(cycles.count.sum()) if count is None and cycles.count.size else count
     for name, value in (("slope", slope), ("count", 1.0 if number is None else number)):
         if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} = {value}: must be finite and above 0")
+            raise ArgumentError(f"{name} = {value}: must be finite and above 0")
     if number is None or cycles.range.size == 0:
         return 0.0
     # In shares of the largest range no power overflows.

@@ -18,6 +18,7 @@ from drillstring.scene.scene import DrillstringScene
 from drillstring.statics.rod import NoRod, Piece, Rod, bend, hang
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.well.wellbore import Wellbore
+from tautline.errors import ArgumentError
 from tautline.integrators.method import method_for
 from tautline.integrators.state import new_state
 from tautline.integrators.statics.equilibrium import find_equilibrium
@@ -294,7 +295,7 @@ def _meshes(scene: DrillstringScene, elements: Sequence[int], kinds: Sequence[st
     if not elements and not kinds:
         return [scene]
     if scene.document is None:
-        raise ValueError("a scene that was not read from a document has no other meshes")
+        raise ArgumentError("a scene that was not read from a document has no other meshes")
     changes = [
         {("model", "kind"): (kind, "--model"), ("model", "elements"): (int(n), "--elements")}
         for kind in kinds or (scene.model.kind,)

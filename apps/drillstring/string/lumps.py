@@ -8,6 +8,8 @@ from math import pi
 
 import numpy as np
 
+from tautline.errors import ArgumentError
+
 
 @dataclass(frozen=True)
 class Tube:
@@ -44,11 +46,11 @@ def share_elements(tubes: list[Tube], total: int) -> list[int]:
 
     Raises
     ------
-    ValueError
+    ArgumentError
         Where there are fewer elements than sections.
     """
     if total < len(tubes):
-        raise ValueError(f"{total} elements for {len(tubes)} sections: each section needs at least one")
+        raise ArgumentError(f"{total} elements for {len(tubes)} sections: each section needs at least one")
     counts = [tube.elements or 1 for tube in tubes]
     # The next element goes where elements are longest now, which is what stands on top of the heap.
     longest = [(-tube.length, k) for k, tube in enumerate(tubes) if tube.elements is None]

@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from tautline.errors import ArgumentError
 from tautline.results.headline import to_json
 from tautline.results.variable import Variable
 from tautline.version import __version__
@@ -107,7 +108,7 @@ def dimensions(
 
     Raises
     ------
-    ValueError
+    ArgumentError
         If two variables give a dimension two sizes, a variable has not as many axes as dimensions, or one is named
         after a dimension that is not its only one.
     """
@@ -117,14 +118,14 @@ def dimensions(
     shapes |= {variable.name: (variable.dims, samples[variable.name].shape) for variable in variables}
     for name, (dims, shape) in shapes.items():
         if len(dims) != len(shape):
-            raise ValueError(f"{name}: {len(shape)} axes, but its dimensions are {dims}")
+            raise ArgumentError(f"{name}: {len(shape)} axes, but its dimensions are {dims}")
         for dim, size in zip(dims, shape, strict=True):
             if dim != "time" and sizes.setdefault(dim, size) != size:
-                raise ValueError(f"{name}: {dim} has size {size}, but {sizes[dim]} in {owners[dim]}")
+                raise ArgumentError(f"{name}: {dim} has size {size}, but {sizes[dim]} in {owners[dim]}")
             owners.setdefault(dim, name)
     for name, (dims, _) in shapes.items():
         if name in sizes and dims != (name,):
-            raise ValueError(f"{name}: named after a dimension, but its dimensions are {dims}")
+            raise ArgumentError(f"{name}: named after a dimension, but its dimensions are {dims}")
     return sizes
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import os
 import time
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from tautline.errors import ArgumentTypeError
 from tautline.results.errors import ResultError
 from tautline.results.headline import plain
 from tautline.results.layout import FORMAT, Coordinate, as_number, decoded, encoded
@@ -64,7 +66,11 @@ class Result:
         ------
         ResultError
             If there is no such file, or it is no NetCDF-4 file, not one of ours, damaged, or has no frame.
+        ArgumentTypeError
+            For what is no path.
         """
+        if not isinstance(path, (str, os.PathLike)):
+            raise ArgumentTypeError(f"the path of a result is wanted, not {type(path).__name__}")
         path = Path(path)
         _check_file(path)
         result = cls(path)

@@ -32,6 +32,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from tautline.errors import ArgumentError
 from tautline.results import disk, layout
 from tautline.results.errors import ResultError, WriteError
 from tautline.results.result import Result
@@ -106,7 +107,7 @@ class Store:
 
         Raises
         ------
-        ValueError
+        ArgumentError
             If a variable is missing or unknown, or has another shape than before.
         WriteError
             If the file cannot be written. What was stored before is kept.
@@ -231,13 +232,13 @@ class Store:
         if frames.keys() != names:
             wrong = sorted(names - frames.keys()) or sorted(frames.keys() - names)
             verb = "missing" if names - frames.keys() else "unknown"
-            raise ValueError(f"frames: {verb} {', '.join(wrong)}")
+            raise ArgumentError(f"frames: {verb} {', '.join(wrong)}")
         batch = {name: _array(values) for name, values in frames.items()}
         count = len(np.atleast_1d(batch["time"]))
         before = self._batches[-1][1] if self._batches else batch
         for name, values in batch.items():
             if values.ndim == 0 or len(values) != count or values.shape[1:] != before[name].shape[1:]:
-                raise ValueError(f"{name}: shape {values.shape}, not {(count, *before[name].shape[1:])}")
+                raise ArgumentError(f"{name}: shape {values.shape}, not {(count, *before[name].shape[1:])}")
             if values.dtype != before[name].dtype:
                 batch[name] = values.astype(before[name].dtype)
         return batch

@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from tautline.errors import ArgumentError
+
 GROWS = 1.0e-6
 """Growth in one step that is rounding of the boundary of stability."""
 FARTHEST = 4.0
@@ -90,13 +92,13 @@ def register(method: Method) -> Method:
 
     Raises
     ------
-    ValueError
+    ArgumentError
         If another method goes by one of its names.
     """
     names = {_folded(name) for name in (method.name, *method.aliases)}
     for other in _known.values():
         if other.name != method.name and names & {_folded(name) for name in (other.name, *other.aliases)}:
-            raise ValueError(f"a method goes by the name {method.name} already")
+            raise ArgumentError(f"a method goes by the name {method.name} already")
     _known[method.name] = method
     return method
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from tautline.errors import ArgumentError, ArgumentTypeError
 from tautline.kernels.moving_frame import Lifts, new_frames
 from tautline.kernels.time_function import DEGREES, TERMS, LongSums, TimeFunctions
 from tautline.scene.errors import Problem, SceneError
@@ -132,7 +133,7 @@ class Samples:
 
     Raises
     ------
-    ValueError
+    ArgumentError
         If the arrays differ in length or are empty, a number is not finite, or the times do not increase.
     """
 
@@ -146,12 +147,12 @@ class Samples:
         columns = [np.asarray(column, dtype=float) for column in (self.time, self.value, self.rate, self.second)]
         for name, column in zip(("time", "value", "rate", "second"), columns, strict=True):
             if column.ndim != 1 or column.size == 0 or column.shape != columns[0].shape:
-                raise ValueError(f"{name} has the shape {column.shape}: give an entry for each of the times")
+                raise ArgumentError(f"{name} has the shape {column.shape}: give an entry for each of the times")
             if not np.all(np.isfinite(column)):
-                raise ValueError(f"{name} is not finite everywhere")
+                raise ArgumentError(f"{name} is not finite everywhere")
             object.__setattr__(self, name, column)
         if np.any(np.diff(columns[0]) <= 0.0):
-            raise ValueError("the times do not increase")
+            raise ArgumentError("the times do not increase")
 
 
 @dataclass
@@ -186,7 +187,7 @@ class Track:
     def integral(self) -> Track:
         """Antiderivative, continuous, zero at t = 0."""
         if np.any(self.coefficients[:, -1] != 0.0):
-            raise ValueError(f"the integral of a polynomial of degree {DEGREES - 1} does not fit")
+            raise ArgumentError(f"the integral of a polynomial of degree {DEGREES - 1} does not fit")
         rows = np.zeros_like(self.coefficients)
         rows[:, 1:] = self.coefficients[:, :-1] / np.arange(1, DEGREES)
         left = _rows_at(rows[:-1], self.breaks - self.origins[:-1])
@@ -338,7 +339,7 @@ def _with_motions(requests: Sequence[FunctionRequest]) -> tuple[list[FunctionReq
     """All requests with those of the frames' motions, the frames, and the functions (k, 6) of their motions."""
     sets = {id(r.model.frames): r.model.frames for r in requests if isinstance(r.model, OF_FRAMES)}
     if len(sets) > 1:
-        raise ValueError("the frames of two scenes cannot be compiled together")
+        raise ArgumentError("the frames of two scenes cannot be compiled together")
     wanted, frames = list(requests), next(iter(sets.values()), None)
     if frames is None:
         return wanted, None, ()
@@ -388,7 +389,7 @@ def _parts(request: FunctionRequest) -> Parts:
     model, integrate = request.model, request.integrate
     if isinstance(model, Velocity):
         if integrate:
-            raise ValueError("a position given by its velocity cannot be integrated again")
+            raise ArgumentError("a position given by its velocity cannot be integrated again")
         model, integrate = model.velocity, True
     parts = Parts()
     _add(model, parts, smooth=not integrate)
@@ -422,7 +423,7 @@ def _add(model: Any, parts: Parts, smooth: bool) -> None:
         for term in model.terms:
             _add(term, parts, smooth)
     else:
-        raise TypeError(f"not a function of time: {type(model).__name__}")
+        raise ArgumentTypeError(f"not a function of time: {type(model).__name__}")
 
 
 def _ramp(model: Ramp) -> Track:
@@ -539,7 +540,7 @@ def _integrated(waves: np.ndarray, request: FunctionRequest) -> Track:
     """Integral from 0 to the request's end of waves that have no elementary one."""
     end = request.end
     if not end > 0.0:
-        raise ValueError(f"{request.key or 'a function of time'}: an integral in numbers needs the end of the run")
+        raise ArgumentError(f"{request.key or 'a function of time'}: an integral in numbers needs the end of the run")
     fastest = max(max(abs(w), abs(w + 2.0 * c * end)) for _, w, c, _, _ in waves)
     growing = [grows for *_, grows in waves if grows > 0.0]
     pieces = math.ceil(max([8.0, fastest * end / ANGLE_PER_PIECE] + [PIECES_PER_ENVELOPE * end / g for g in growing]))

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, eig, eigh, null_space
 from scipy.sparse.linalg import eigsh
 
+from tautline.errors import ArgumentError
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
 from tautline.kernels.dofs import HELD
@@ -53,14 +54,14 @@ def modes(system: System, state: State, count: int | None = None) -> Modes:
 
     Raises
     ------
-    ValueError
+    ArgumentError
         If all modes of a large scene are asked for.
     """
     mass, stiffness = (_part(system, state, *part) for part in ((1.0, 0.0), (0.0, 1.0)))
     if system.size > DENSE and count is not None:
         square, shapes = _lowest(mass, stiffness, count)
     elif system.size > DENSE:
-        raise ValueError(f"{system.size} unknowns: say how many of the lowest modes are wanted")
+        raise ArgumentError(f"{system.size} unknowns: say how many of the lowest modes are wanted")
     else:
         square, shapes = _all(dense(mass), dense(stiffness), system.algebraic)
     order = np.argsort(square)[:count]

@@ -9,6 +9,7 @@ from scipy.linalg import eig, null_space
 from scipy.sparse import bmat, eye_array
 from scipy.sparse.linalg import eigs
 
+from tautline.errors import ArgumentError
 from tautline.integrators.linearise import evaluate
 from tautline.integrators.state import State
 from tautline.integrators.vibration.modes import expand_shapes
@@ -56,13 +57,13 @@ def vibrations(system: System, state: State, count: int | None = None) -> Vibrat
 
     Raises
     ------
-    ValueError
+    ArgumentError
         If all of a large scene are asked for, or some of a large scene with multipliers.
     """
     if system.size <= DENSE:
         value, shape, rounding = _all(*(dense(_part(system, state, *part)) for part in np.eye(3)), system.algebraic)
     elif count is None or system.algebraic.size:
-        raise ValueError(f"{system.size} unknowns: too many for all vibrations, or for any with multipliers")
+        raise ArgumentError(f"{system.size} unknowns: too many for all vibrations, or for any with multipliers")
     else:
         value, shape, rounding = _nearest(*(sparse(_part(system, state, *part)) for part in np.eye(3)), 2 * count)
     upper = value.imag >= -TWIN * np.abs(value)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tautline.errors import ArgumentTypeError
 from tautline.scene.errors import SceneError
 from tautline.scene.reading.document import Document, plain
 from tautline.scene.reading.scalars import written_out
@@ -31,7 +32,7 @@ def document_of(source: Any, folder: str | Path | None = None) -> Document:
     ------
     SceneError
         If there is no such file, if it is no text or too large, or if it is not YAML.
-    TypeError
+    ArgumentTypeError
         For anything else, and for a folder beside a file.
     """
     home = Path() if folder is None else Path(folder)
@@ -40,9 +41,11 @@ def document_of(source: Any, folder: str | Path | None = None) -> Document:
     if isinstance(source, str) and is_text(source):
         return Document.parse(source, NAME, home)
     if not isinstance(source, (str, os.PathLike)):
-        raise TypeError(f"a scene, the path of its file, its text or a dict is wanted, not {type(source).__name__}")
+        raise ArgumentTypeError(
+            f"a scene, the path of its file, its text or a dict is wanted, not {type(source).__name__}"
+        )
     if folder is not None:
-        raise TypeError("files that a scene's file names are relative to its own folder: leave `folder` out")
+        raise ArgumentTypeError("files that a scene's file names are relative to its own folder: leave `folder` out")
     return Document.read(Path(source))
 
 

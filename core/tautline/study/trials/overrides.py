@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from tautline.errors import ArgumentTypeError
+
 Place = tuple[str | int, ...]
+
 SETTINGS = ("method", "step", "end", "rho_inf", "control", "step_error", "interval", "newton", "accuracy")
 
 
@@ -24,7 +27,7 @@ def overrides(given: Mapping[str, Any], places: Mapping[str, Place]) -> dict[Pla
     """
     unknown = sorted(set(given) - set(SETTINGS))
     if unknown:
-        raise TypeError(f"no solver setting is called {unknown[0]!r}: one of {', '.join(SETTINGS)}")
+        raise ArgumentTypeError(f"no solver setting is called {unknown[0]!r}: one of {', '.join(SETTINGS)}")
     values: dict[Place, tuple[Any, str]] = {}
     for key, value in given.items():
         if value is None:

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import model_validator
 
 from tautline.cable.input.syntax.entries import Id, Ids
+from tautline.errors import ArgumentError, ArgumentTypeError
 from tautline.scene.model import Model
 from tautline.scene.refusal import fault
 
@@ -122,16 +123,20 @@ def register_item(item: NodalItem) -> None:
 
     Raises
     ------
-    TypeError
+    ArgumentTypeError
         If its model is no `OnNodes`.
-    ValueError
+    ArgumentError
         If another module has registered the key.
     """
     if not (isinstance(item.model, type) and issubclass(item.model, OnNodes)):
-        raise TypeError(f"{item.key}: its model must be a subclass of tautline.cable.input.syntax.nodal.OnNodes")
+        raise ArgumentTypeError(
+            f"{item.key}: its model must be a subclass of tautline.cable.input.syntax.nodal.OnNodes"
+        )
     earlier = NODAL.get(item.key)
     if earlier is not None and earlier.model.__module__ != item.model.__module__:
-        raise ValueError(f"{item.key}: {earlier.model.__module__} has registered an item of this name; choose another")
+        raise ArgumentError(
+            f"{item.key}: {earlier.model.__module__} has registered an item of this name; choose another"
+        )
     NODAL[item.key] = item
 
 
