@@ -11,6 +11,7 @@ import pytest
 from of_the_suite import studies
 from scipy.stats import CensoredData, binom, genpareto, gumbel_r
 
+from tautline.errors import ArgumentError
 from tautline.statistics.gaussian import (
     exceedance,
     maximum_percentile,
@@ -18,7 +19,7 @@ from tautline.statistics.gaussian import (
     most_probable_maximum,
     upcrossing_rate,
 )
-from tautline.statistics.gumbel import fit_gumbel
+from tautline.statistics.gumbel import Gumbel, fit_gumbel
 from tautline.statistics.peaks import Peaks, fit_pareto, peaks_over
 
 HOURS3 = 10800.0
@@ -186,6 +187,39 @@ def test_what_cannot_be_fitted_is_refused():
         fit_gumbel(np.array([1.0, 2.0, math.nan]))
     with pytest.raises(ValueError, match="lower threshold"):
         fit_pareto(Peaks(1.0, 10.0, np.zeros(3), np.array([2.0, 3.0, 4.0])))
+
+
+def test_the_percentile_of_few_cycles_is_refused_where_the_largest_may_stay_below_the_mean():
+    """Of a Poisson process of rate N none comes with the probability exp(-N)."""
+    for cycles in (0.5, 1.0, 3.0):
+        none = math.exp(-cycles)
+        found = maximum_percentile(4.0, cycles, 1.0001 * none)
+        assert 0.0 < found < 0.1 and math.exp(-cycles * math.exp(-(found**2) / 8.0)) == pytest.approx(1.0001 * none)
+        with pytest.raises(ArgumentError, match="no cycle rises above the mean"):
+            maximum_percentile(4.0, cycles, 0.9999 * none)
+
+
+@pytest.mark.parametrize("call", [
+    lambda: most_probable_maximum(0.0, 10.0), lambda: most_probable_maximum(1.0, math.nan),
+    lambda: upcrossing_rate(0.0, 1.0), lambda: upcrossing_rate(-1.0, 1.0), lambda: exceedance(0.0, 1.0, 10.0, 1.0),
+    lambda: maximum_percentile(-1.0, 10.0, 0.9), lambda: maximum_percentile(1.0, 0.0, 0.9),
+    lambda: maximum_percentile(1.0, 10.0, 1.0), lambda: maximum_percentile(1.0, 10.0, math.nan),
+])  # fmt: skip
+def test_numbers_of_which_there_is_no_extreme_are_refused_by_name(call):
+    with pytest.raises(ArgumentError, match=r"(m0|cycles|share) = "):
+        call()
+
+
+@pytest.mark.parametrize("scale", [0.0, 1.0])
+@pytest.mark.parametrize("confidence", [0.0, 1.0, 5.0, math.nan])
+def test_a_confidence_that_is_no_probability_is_refused_whether_the_maxima_differ_or_not(scale, confidence):
+    of = Gumbel(1.0, scale, 5)
+    for asked in (lambda: of.exceedance(2.0, confidence), lambda: of.percentile(0.5, confidence)):
+        with pytest.raises(ArgumentError, match="confidence = "):
+            asked()
+    of = fit_pareto(Peaks(0.0, 1000.0, np.arange(20.0), np.linspace(0.1, 3.0, 20)), 0.0)
+    with pytest.raises(ArgumentError, match="confidence = "):
+        of.percentile(HOURS3, 0.5, confidence)
 
 
 def test_the_python_of_the_page_runs_as_it_stands():

@@ -17,6 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tautline.errors import ArgumentError
+
 SAMPLES = 20_000
 """Samples by which the distribution of the estimates is known."""
 ITERATIONS, SETTLED = 200, 1.0e-12
@@ -52,23 +54,41 @@ class Gumbel(NamedTuple):
     ratio: float = 1.0
 
     def most_probable(self, confidence: float = 0.9) -> Estimate:
-        """The mode of the largest in the duration."""
+        """The mode of the largest in the duration.
+
+        Raises
+        ------
+        ArgumentError
+            Where `confidence` does not lie between 0 and 1.
+        """
         return self._at(math.log(self.ratio), confidence)
 
     def percentile(self, share: float, confidence: float = 0.9) -> Estimate:
-        """What the largest in the duration does not exceed with the probability `share`, 0 to 1."""
-        if not 0.0 < share < 1.0:
-            raise ValueError(f"share = {share}: must lie between 0 and 1")
+        """What the largest in the duration does not exceed with the probability `share`.
+
+        Raises
+        ------
+        ArgumentError
+            Where `share` or `confidence` does not lie between 0 and 1.
+        """
+        check_share("share", share)
         return self._at(-math.log(-math.log(share)) + math.log(self.ratio), confidence)
 
     def exceedance(self, level: float, confidence: float = 0.9) -> Estimate:
-        """Probability that the largest in the duration exceeds a level."""
+        """Probability that the largest in the duration exceeds a level.
+
+        Raises
+        ------
+        ArgumentError
+            Where `confidence` does not lie between 0 and 1.
+        """
+        tails = _tails(confidence)
         if self.scale == 0.0:
             certain = float(level < self.location)
             return Estimate(certain, certain, certain)
         z = (level - self.location) / self.scale
         a, b = _pivots(self.count)
-        bounds = np.quantile(a + z * b, _tails(confidence))
+        bounds = np.quantile(a + z * b, tails)
         high, low = (_beyond(float(q) - math.log(self.ratio)) for q in bounds)
         return Estimate(_beyond(z - math.log(self.ratio)), low, high)
 
@@ -98,18 +118,18 @@ def fit_gumbel(maxima: np.ndarray, ratio: float = 1.0, bound: float = math.inf) 
 
     Raises
     ------
-    ValueError
+    ArgumentError
         For fewer than three maxima, a number that is not finite or above the bound, and a ratio that is not above 0.
     """
     maxima = np.asarray(maxima, float)
     if maxima.ndim != 1 or maxima.size < FEWEST:
-        raise ValueError(f"maxima: shape {maxima.shape}; {FEWEST} at least are needed")
+        raise ArgumentError(f"maxima: shape {maxima.shape}; {FEWEST} at least are needed")
     if not np.isfinite(maxima).all():
-        raise ValueError("maxima: not all are finite")
+        raise ArgumentError("maxima: not all are finite")
     if float(maxima.max()) > bound:
-        raise ValueError(f"maxima: {maxima.max():g} is above the bound, {bound:g}")
+        raise ArgumentError(f"maxima: {maxima.max():g} is above the bound, {bound:g}")
     if not (math.isfinite(ratio) and ratio > 0.0):
-        raise ValueError(f"ratio = {ratio}: must be finite and above 0")
+        raise ArgumentError(f"ratio = {ratio}: must be finite and above 0")
     if float(np.ptp(maxima)) <= 1e-12 * float(np.abs(maxima).max()):
         # All the same: nothing is random.
         return Gumbel(float(maxima[0]), 0.0, maxima.size, ratio)
@@ -174,9 +194,20 @@ def _pivots(count: int) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([one for one, _ in parts]), np.concatenate([two for _, two in parts])
 
 
+def check_share(name: str, value: float) -> None:
+    """Refuse a probability that is none.
+
+    Raises
+    ------
+    ArgumentError
+        Where it does not lie between 0 and 1.
+    """
+    if not 0.0 < value < 1.0:
+        raise ArgumentError(f"{name} = {value}: must lie between 0 and 1")
+
+
 def _tails(confidence: float) -> tuple[float, float]:
-    if not 0.0 < confidence < 1.0:
-        raise ValueError(f"confidence = {confidence}: must lie between 0 and 1")
+    check_share("confidence", confidence)
     return 0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)
 
 

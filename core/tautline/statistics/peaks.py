@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tautline.statistics.gumbel import Estimate
+from tautline.errors import ArgumentError
+from tautline.statistics.gumbel import Estimate, check_share
 
 FEWEST = 10
 """Clusters below which nothing is fitted."""
@@ -69,23 +70,40 @@ class Pareto(NamedTuple):
         """The mode of the largest in a duration, s.
 
         The largest follows the generalised extreme value distribution, whose mode has F = exp(-(1 + xi)).
+
+        Raises
+        ------
+        ArgumentError
+            Where `confidence` does not lie between 0 and 1.
         """
         return self.percentile(duration, math.exp(-(1.0 + self.shape)), confidence)
 
     def percentile(self, duration: float, share: float, confidence: float = 0.9) -> Estimate:
-        """What the largest in a duration does not exceed with the probability `share`, 0 to 1."""
-        if not 0.0 < share < 1.0:
-            raise ValueError(f"share = {share}: must lie between 0 and 1")
+        """What the largest in a duration, s, does not exceed with the probability `share`.
+
+        Raises
+        ------
+        ArgumentError
+            Where `share` or `confidence` does not lie between 0 and 1.
+        """
+        check_share("share", share)
+        check_share("confidence", confidence)
         number = duration / -math.log(share)
         value = self._value(number)
         low, high = self._profile(number, value, confidence)
         return Estimate(value, low, high)
 
     def exceedance(self, duration: float, level: float) -> float:
-        """Probability that the largest in a duration exceeds a level above the threshold."""
+        """Probability that the largest in a duration, s, exceeds a level above the threshold.
+
+        Raises
+        ------
+        ArgumentError
+            Where the level is below the threshold.
+        """
         beyond = level - self.peaks.threshold
         if beyond < 0.0:
-            raise ValueError(f"level = {level}: is below the threshold {self.peaks.threshold}")
+            raise ArgumentError(f"level = {level}: is below the threshold {self.peaks.threshold}")
         return -math.expm1(-self.rate * duration * self._tail(beyond))
 
     def _tail(self, beyond: float) -> float:
@@ -170,12 +188,14 @@ def fit_pareto(peaks: Peaks, shape: float | None = None) -> Pareto:
 
     Raises
     ------
-    ValueError
+    ArgumentError
         For fewer than ten clusters.
     """
     beyond = peaks.value - peaks.threshold
     if beyond.size < FEWEST:
-        raise ValueError(f"{beyond.size} clusters over {peaks.threshold:g}: {FEWEST} at least; take a lower threshold")
+        raise ArgumentError(
+            f"{beyond.size} clusters over {peaks.threshold:g}: {FEWEST} at least; take a lower threshold"
+        )
     if shape is not None and abs(shape) < SMALL:
         return Pareto(peaks, float(beyond.mean()), 0.0, True)
     from scipy.stats import genpareto
