@@ -293,7 +293,7 @@ def test_the_schema_of_every_application_knows_the_key(name):
     schema = json.loads(json.dumps(application.schema()))
     limit = schema["$defs"]["Limit"]["properties"]
     assert schema["properties"]["limits"]["items"]["$ref"] == "#/$defs/Limit"
-    assert set(limit) == {"output", "above", "below", "for", "name"}
+    assert set(limit) == {"output", "above", "below", "at_most", "at_least", "for", "name"}
 
 
 BROKEN = {
@@ -306,6 +306,9 @@ BROKEN = {
     "{output: winch.tension, abov: 1 kN}": ("limits[0].abov", "unknown key", "did you mean 'above'?"),
     "{above: 1 kN}": ("limits[0].output", "is missing", "winch.tension"),
     "{output: winch.tension, above: 1 kN, below: 2 kN}": ("limits[0].above", "is not more than `below`"),
+    "{output: winch.tension, at_most: 1 kN, at_least: 2 kN}": ("limits[0].at_most", "is not more than `at_least`"),
+    "{output: winch.tension, at_most: 1 m}": ("limits[0].at_most = 1 m", "not the unit of a force", "50 kN"),
+    "{output: winch.tension, above: 1 kN, at_most: 2 kN}": ("limits[0].at_most", "beside `above`", "remove one"),
     "{output: payload.position, above: 1 m}": ("limits[0].output", "several components", "payload.position[0]"),
     "{output: 'payload.position[3]', above: 1 m}": ("payload.position[3]", "has 3 of these", "from 0 to 2"),
     "{output: 'winch.tension[0]', above: 1 kN}": ("winch.tension[0]", "is one number", "write winch.tension"),
@@ -351,6 +354,47 @@ def test_two_limits_of_one_name_are_refused_and_two_sides_of_one_have_names_of_t
     found = given(tautline.simulate(both, end=0.2))
     assert list(found) == ["band above", "band below", "max_tension above 60 kN", "max_tension below 40 kN"]
     assert [one["sense"] for one in found.values()] == ["at most", "at least"] * 2
+
+
+def test_at_most_and_at_least_judge_and_are_called_as_above_and_below():
+    failing = scene(
+        short(), ["{output: max_tension, above: 52 kN}", "{output: winch.tension, below: 51 kN, for: 0.1 s}"]
+    )
+    allowed = scene(
+        short(), ["{output: max_tension, at_most: 52 kN}", "{output: winch.tension, at_least: 51 kN, for: 0.1 s}"]
+    )
+    one, other = (given(tautline.simulate(read, end=0.5)) for read in (failing, allowed))
+    assert one == other and list(one) == ["max_tension above 52 kN", "winch.tension below 51 kN"]
+    assert one["max_tension above 52 kN"]["passed"] is (one["max_tension above 52 kN"]["value"] <= 52e3)
+
+
+REVERSED = {
+    "{output: max_tension, below: 15 kN, name: SWL}": ("limits[0].below", "at_most: 15 kN"),
+    "{output: max_tension, at_least: 15 kN}": ("limits[0].at_least", "at_most: 15 kN"),
+    "{output: max_tension_hook, below: 15 kN}": ("limits[0].below", "at_most: 15 kN"),
+    "{output: min_tension, above: 1 kN}": ("limits[0].above", "at_least: 1 kN"),
+    "{output: safety_factor, above: 3}": ("limits[0].above", "at_least: 3"),
+}
+
+
+@pytest.mark.parametrize("limit", REVERSED)
+def test_a_bound_on_the_wrong_side_of_an_extreme_is_warned_of_with_its_line_and_cure(limit):
+    key, cure = REVERSED[limit]
+    read = scene(short(), [limit])
+    (warning,) = [one for one in Installed().of(read).warnings(read) if one.where.startswith("limits")]
+    assert warning.where == key and f"`{cure}`" in warning.text
+    assert f"(line {len(short().splitlines()) + 2})" in warning.text and "the side that fails" in warning.text
+
+
+@pytest.mark.parametrize(
+    "limit",
+    ["{output: max_tension, above: 60 kN}", "{output: max_tension, at_most: 60 kN}",
+     "{output: max_tension, above: 60 kN, below: 1 kN}", "{output: min_tension, at_least: 1 kN}",
+     "{output: winch.tension, below: 1 kN}", "{output: safety_factor, below: 3}"],
+)  # fmt: skip
+def test_a_bound_on_the_usual_side_and_one_on_a_plain_output_are_not_warned_of(limit):
+    read = scene(short(), [limit])
+    assert not [one for one in Installed().of(read).warnings(read) if one.where.startswith("limits")]
 
 
 # -- runs --------------------------------------------------------------------------------------------------------------

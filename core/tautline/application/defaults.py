@@ -69,10 +69,11 @@ class Defaults:
         return self.scene_type.model_json_schema()
 
     def warnings(self, scene: Any) -> list[SceneWarning]:
-        """Slips of units, what `own_warnings` and registered functions find, and a step too long for what moves."""
+        """Slips of units, limits on the wrong side, what is registered or an application's own, and too long a step."""
         from tautline.scene.content import too_fast
         from tautline.scene.doubts import slips_of_units
         from tautline.scene.errors import SceneWarning
+        from tautline.scene.limits import reversed_limits
         from tautline.scene.values.printed import in_words
         from tautline.scene.warnings import warnings_of
 
@@ -81,7 +82,8 @@ class Defaults:
         found = self.own_warnings(scene) + warnings_of(self.name, scene)
         found += [SceneWarning(self.step_key, text)] if text else []
         ours = [SceneWarning(one.where, in_words(one.text, system)) for one in found]
-        return list(dict.fromkeys(slips_of_units(*self.as_written(scene)) + ours))
+        typed = slips_of_units(*self.as_written(scene)) + reversed_limits(scene)
+        return list(dict.fromkeys(typed + ours))
 
     step_key: str = "solver.step"
     """Key of the step in a scene."""

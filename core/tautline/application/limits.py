@@ -95,11 +95,13 @@ class _Reader:
             self.fault((i, "for"), cause, "remove it, or name an output over time")
         found = [self.number((i, side.key), side.written, read.unit) for side in limit.sides]
         if len(found) == 2 and None not in found and not found[0] > found[1]:
-            cause = "is not more than `below`: every value would be beyond one of the two"
-            self.fault((i, ABOVE), cause, "a value passes the limit where it is above `above`, or below `below`")
+            (upper, _, _, _), (lower, _, _, _) = limit.sides
+            cause = f"is not more than `{lower}`: every value would be beyond one of the two"
+            cure = "a value fails the limit where it is above `above` or `at_most`, or below `below` or `at_least`"
+            self.fault((i, upper), cause, cure)
         return [
             Bound(
-                side.name, name, AT_MOST if side.key == ABOVE else AT_LEAST, to, read.unit, limit.for_, read.series,
+                side.name, name, AT_MOST if side.fails == ABOVE else AT_LEAST, to, read.unit, limit.for_, read.series,
                 read.places, read.source, read.variable, read.absent,
             )
             for side, to in zip(limit.sides, found, strict=True)
