@@ -221,6 +221,24 @@ def test_a_map_that_does_not_fit_is_refused_by_line_and_key(rehearsal, here, tmp
     assert not (tmp_path / "x.nc").exists()
 
 
+@pytest.mark.parametrize("kind, wrong", [("input", "winch.payout"), ("output", "winch.tensoin")])
+def test_a_record_with_a_map_that_does_not_fit_is_refused_by_line_and_key_as_a_twin_is(
+    rehearsal, here, tmp_path, kind, wrong
+):
+    right = {"input": "winch.pay_out", "output": "winch.tension"}[kind]
+    (tmp_path / "map.yaml").write_text(MAP.replace(f"{kind}: {right}", f"{kind}: {wrong}", 1))
+    arguments = [SCENE, "--map", str(tmp_path / "map.yaml")]
+    for words in (
+        ["record", *arguments, "-o", str(tmp_path / "x.csv")],
+        ["twin", *arguments, "--source", str(rehearsal / "r.csv")],
+    ):
+        code, _, told = here(*words)
+        said, line = " ".join(told.split()), 3 if kind == "input" else 5
+        assert code == 2 and f"there is no {kind} '{wrong}'; did you mean" in said, said
+        assert f"map.yaml:{line}: sensors[{line - 3}].{kind}" in said.replace(" ", "").replace(":sensors", ": sensors")
+    assert [one.name for one in tmp_path.iterdir()] == ["map.yaml"]
+
+
 def test_a_unit_of_the_map_that_does_not_fit_the_scene_is_refused_where_the_record_gives_none(
     rehearsal, here, tmp_path
 ):

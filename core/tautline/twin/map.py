@@ -11,6 +11,8 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic_core import PydanticCustomError
 
+from tautline.live.errors import UnknownName
+from tautline.live.simulation import Simulation
 from tautline.scene.errors import Problem, SceneError
 from tautline.scene.model import Model, Scene, Switch, word
 from tautline.scene.refusal import nearest, refusal
@@ -276,6 +278,27 @@ def plan_of(
     return plan
 
 
+def checked(
+    read: TwinMap, scene: Any, signals: Mapping[str, str], further: Collection[str]
+) -> tuple[Plan, Names, Simulation]:
+    """A map checked against a scene, the names that the scene has, and its simulation, driven by the map.
+
+    Raises
+    ------
+    SceneError
+        Listing every fault with its line, key and cure.
+    """
+    try:
+        sim = Simulation(scene, driven_by(read), keep=False)
+    except UnknownName:
+        # Told by the line of the map, beside all else that is wrong with it.
+        plan_of(read, names_of(Simulation(scene, keep=False)), {}, signals, further)
+        raise
+    names = names_of(sim)
+    values = {name: sim.parameters[name] for name in names.parameters}
+    return plan_of(read, names, values, signals, further), names, sim
+
+
 class _Reader:
     """Turns the texts of a map into numbers, and collects what is wrong."""
 
@@ -487,7 +510,7 @@ def _is_number(text: str) -> bool:
         return False
 
 
-def names_of(sim: Any) -> Names:
+def names_of(sim: Simulation) -> Names:
     """Names and units of what a simulation has."""
 
     def units(told: Mapping[str, Any]) -> dict[str, str]:

@@ -16,7 +16,7 @@ import numpy as np
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
 from tautline.scene.refusal import nearest
-from tautline.twin.map import Channel, Plan, TwinMap, driven_by, names_of, plan_of
+from tautline.twin.map import Channel, Plan, TwinMap, checked
 from tautline.twin.operation import Operation
 
 KINDS = ("stuck", "lost", "bias", "drift", "scale", "clip", "spike")
@@ -103,14 +103,13 @@ def record(
     StoppedEarly
         Where the simulation stops.
     """
+    from tautline import read
     from tautline.application.installed import Installed
 
-    sim = Simulation(scene, driven_by(map), keep=False)
-    names = names_of(sim)
-    own = getattr(Installed().of(sim.scene), "operation", None)
-    operation: Operation | None = own(sim.scene, None) if own else None
-    signals = operation.signals if operation else {}
-    plan = plan_of(map, names, {name: sim.parameters[name] for name in names.parameters}, signals)
+    scene = scene if hasattr(scene, "document") else read(scene)
+    own = getattr(Installed().of(scene), "operation", None)
+    operation: Operation | None = own(scene, None) if own else None
+    plan, _, sim = checked(map, scene, operation.signals if operation else {}, operation.outputs if operation else {})
     rng = np.random.default_rng(sensing.seed)
     known = {one.column for one in plan.channels}
     for fault in sensing.faults:

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from tautline.integrators.status import StoppedEarly
-from tautline.live.errors import UnknownName
 from tautline.live.simulation import Simulation
 from tautline.scene.errors import option_error
 from tautline.twin.estimation.estimate import Estimate, Machine
@@ -22,7 +21,7 @@ from tautline.twin.estimation.family import Blow
 from tautline.twin.estimation.horizon import Sample
 from tautline.twin.estimation.log import Logged
 from tautline.twin.forecast import Forecast, Found
-from tautline.twin.map import Plan, TwinMap, driven_by, names_of, plan_of, read_map
+from tautline.twin.map import Plan, TwinMap, checked, driven_by, read_map
 from tautline.twin.operation import Operation
 from tautline.twin.outlook import Outlook
 from tautline.twin.signals.readings import Readings
@@ -88,16 +87,8 @@ class Twin:
         """The map, checked against the scene, and a simulation of the scene."""
         signals = self.operation.signals if self.operation else {}
         further = self.operation.outputs if self.operation else {}
-        try:
-            first = Simulation(self.scene, driven_by(self.map), keep=False)
-        except UnknownName:
-            # Told by the line of the map, beside all else that is wrong with it.
-            first = Simulation(self.scene, keep=False)
-            plan_of(self.map, names_of(first), {}, signals, further)
-            raise
-        names = names_of(first)
+        plan, names, first = checked(self.map, self.scene, signals, further)
         self.plan_names = names
-        plan = plan_of(self.map, names, {name: first.parameters[name] for name in names.parameters}, signals, further)
         if self.operation is not None:
             self.operation.built(first)
             if self.map.window is None and self.operation.window is not None:
