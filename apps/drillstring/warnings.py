@@ -53,6 +53,8 @@ UPRIGHT = np.radians(10.0)
 """Inclination below which a pipe in compression is not held by the hole."""
 UNDAMPED = 0.95
 """Spectral radius at infinity above which the torque oscillates after the shock of a bit that sticks."""
+OF_THE_BOTTOM = ("weight", "torque", "penetration", "cutting", "rock", "slip_speed")
+"""Keys of a bit that count on bottom only."""
 STATIONS = 200
 """Places along the string at which its compression is compared with what buckles it."""
 TO_A_HALF_WAVE = {LUMPED: 4, BEAM: 2}
@@ -275,6 +277,18 @@ def _block(scene: DrillstringScene, ready: Prepared) -> Sentences:
 
 
 # bit
+def _off_bottom(scene: DrillstringScene, ready: Prepared) -> Sentences:
+    """Keys of a bit on bottom, of one that hangs."""
+    if scene.bit.on_bottom:
+        return
+    fields = type(scene.bit).model_fields
+    given = [f"bit.{key}" for key in OF_THE_BOTTOM if getattr(scene.bit, key) not in (None, fields[key].default)]
+    if given:
+        more = f", and neither have {', '.join(given[1:])}" if len(given) > 1 else ""
+        cure = "write on_bottom: true, or remove " + ("them" if more else "it")
+        yield given[0], f"has no effect while bit.on_bottom is false{more}; {cure}"
+
+
 def _weight_on_bit(scene: DrillstringScene, ready: Prepared) -> Sentences:
     """More weight on bit than the string has, or than its collars have in an upright hole."""
     if not scene.bit.on_bottom:
@@ -521,8 +535,8 @@ def _finer(scene: DrillstringScene, well: Wellbore, now: int) -> str:
 
 
 CHECKS: tuple[Check, ...] = (
-    _steps, _survey, _floating, soft_wall, _friction, _block, _casing, _yielding, _weight_on_bit, _torque_on_bit,
-    _penetration, _sticking, _chatter, _buckling, _mesh,
+    _steps, _survey, _floating, soft_wall, _friction, _block, _casing, _yielding, _off_bottom, _weight_on_bit,
+    _torque_on_bit, _penetration, _sticking, _chatter, _buckling, _mesh,
 )  # fmt: skip
 """What is looked at, in the order in which it is reported."""
 

@@ -91,6 +91,28 @@ WARNED = {
 }  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    "keys, key, more",
+    [("weight: 100 kN", "weight", ""), ("torque: {static: 8 kN m, kinetic: 4 kN m}", "torque", ""),
+     ("penetration: {rate: 20 m/h, speed: 120 rpm, weight: 1 kN}", "penetration", ""),
+     ("cutting: {specific_energy: 120 MPa}", "cutting", ""), ("rock: {stiffness: 5.0e7}", "rock", ""),
+     ("on_bottom: false, weight: 1 kN, slip_speed: 1", "weight", ", and neither have bit.slip_speed")],
+)  # fmt: skip
+def test_a_key_of_a_bit_on_bottom_is_warned_of_where_the_bit_hangs_and_puts_no_load_on_the_string(keys, key, more):
+    bare, given = DrillstringScene.parse(with_bit(HANGING, "force: 0")), DrillstringScene.parse(with_bit(HANGING, keys))
+    (told,) = [one for one in warnings(given) if one.where == f"bit.{key}"]
+    assert f"has no effect while bit.on_bottom is false{more}; write on_bottom: true" in told.text
+    assert len(warnings(given)) == len(warnings(bare)) + 1
+    assert given.bit.load == 0.0
+
+
+def test_no_scene_of_the_repository_has_a_key_of_the_bit_that_counts_for_nothing():
+    for path in DATA.glob("*.yaml"):
+        if "\nwell:" in (text := path.read_text(encoding="utf8")):
+            told = warnings(read(path))
+            assert not any("bit.on_bottom is false" in one.text for one in told), (path, text[:40])
+
+
 @pytest.mark.parametrize("case", WARNED)
 def test_what_a_driller_should_know_is_warned_of(case):
     text, key, words = WARNED[case]
