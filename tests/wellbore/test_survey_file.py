@@ -1,10 +1,13 @@
 """Survey files: what is read, and what is refused by its line."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 
+from drillstring.model.prepared import prepared
+from drillstring.scene.scene import read
 from drillstring.well.survey import LARGEST_FILE, read_survey
 from tautline.scene.errors import SceneError
 
@@ -149,6 +152,26 @@ def test_a_survey_is_refused_at_its_line_with_a_cure_for(case, tmp_path):
     first = caught.value.problems[0]
     assert (first.file, first.line, first.key) == (str(path), line, key)
     assert says in str(first) and first.cure
+
+
+@pytest.mark.parametrize("head", ["md,inc [deg],azi [deg]", "md [m],inc,azi", "md,inc,azi"])
+def test_the_cure_of_a_survey_without_units_is_taken_by_the_scene(head, tmp_path):
+    given, right = write(tmp_path, lines(head, *ROWS)), tmp_path / "right.csv"
+    right.write_text(lines(HEAD, *ROWS), encoding="utf8")
+    scene = "well: {survey: SURVEY, diameter: 8.5 in, wall: none}\n"
+    scene += "string: [{name: pipe, length: rest, od: 5 in, id: 4.276 in}]\n"
+    scene += "material: {youngs_modulus: 200 GPa, shear_modulus: 79 GPa, density: 7850}\n"
+    scene += "model: {kind: lumped, elements: 4}\nsolver: {step: 5 ms, end: 50 ms}\noutput: {interval: 50 ms}\n"
+    path = tmp_path / "scene.yaml"
+    path.write_text(scene.replace("SURVEY", given.name), encoding="utf8")
+    with pytest.raises(SceneError) as caught:
+        prepared(read(path))
+    cures = {re.search("`survey: (.*)` in the scene", problem.cure)[1] for problem in caught.value.problems}
+    assert len(cures) == 1, "all units that lack stand in one cure"
+    path.write_text(scene.replace("SURVEY", cures.pop()), encoding="utf8")
+    found = prepared(read(path)).well.position(np.array([50.0]))
+    path.write_text(scene.replace("SURVEY", right.name), encoding="utf8")
+    assert np.array_equal(found, prepared(read(path)).well.position(np.array([50.0])))
 
 
 def test_every_bad_row_is_named_in_the_order_of_the_file(tmp_path):

@@ -119,10 +119,13 @@ def read_record(path: str | Path, units: Mapping[str, str] | None = None) -> Rec
         raise SceneError(
             [sheet.problem(None, f"units.{odd[0]}", asked[odd[0]], "no such column", nearest(odd[0], UNITS))]
         )
+    lacking = [name for name in ANGLES if not found[(name,)][1]]
+    given = ", ".join(f"{name}: {asked.get(name) or 'deg'}" for name in lacking)
+    beside = f"motion: {{file: {sheet.path.name}, units: {{{given}}}}}"
     factors = {}
     for name, unit in UNITS.items():
         default = None if name in ANGLES else unit
-        factors[name] = sheet.factor(found[(name,)], name, unit, asked.get(name), default)
+        factors[name] = sheet.factor(found[(name,)], name, unit, asked.get(name), default, beside)
     columns = {name: sheet.numbers(found[(name,)][0], name) for name in UNITS}
     sheet.raise_if_any()
     values = {name: factors[name] * columns[name] for name in UNITS}

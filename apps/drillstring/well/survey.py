@@ -33,6 +33,9 @@ LARGEST_FILE = 10_000_000
 LIKE = {"md": "m", "inc": "rad", "azi": "rad"}
 """SI unit of each column."""
 
+EXAMPLES = {"md": "m", "inc": "deg", "azi": "deg"}
+"""Unit that each column mostly has, for messages."""
+
 NAMES = {
     "md": ("measured depth", "meas depth", "depth", "md"),
     "inc": ("inclination", "incl", "inc"),
@@ -189,13 +192,17 @@ def _factors(
     """SI value of each column's unit; the header, the row of units and the scene may not contradict each other."""
     for key in sorted(set(asked) - set(NAMES)):
         table.add(None, f"units.{key}", asked[key], "no such column", "give units of md, inc and azi")
+    named = {key: row_units.get(key, "") or column.unit for key, column in columns.items()}
+    given = {key: asked.get(key) or EXAMPLES[key] for key in NAMES if not named.get(key)}
+    units = ", ".join(f"{key}: {unit}" for key, unit in given.items())
+    beside = f"survey: {{file: {table.path.name}, {units}}}"
     factors = {}
     for key, column in columns.items():
         header, below = column.unit, row_units.get(key, "")
         if header and below and table.factor((0, header), key, LIKE[key]) != table.factor((0, below), key, LIKE[key]):
             cause = f"two units: the header says {header}, the row of units says {below}"
             table.add(table.header_line, key, column.title, cause, "keep the right one")
-        factors[key] = table.factor((column.place, header or below), key, LIKE[key], asked.get(key))
+        factors[key] = table.factor((column.place, header or below), key, LIKE[key], asked.get(key), beside=beside)
     return factors
 
 

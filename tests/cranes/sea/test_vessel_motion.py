@@ -162,6 +162,16 @@ def test_a_faulty_record_is_refused_by_line(tmp_path, name):
     assert problem.cure
 
 
+def test_a_record_without_units_names_those_of_the_scene_which_cure_it(tmp_path):
+    path = tmp_path / "mru.csv"
+    path.write_text("\n".join([HEADER.replace(" [deg]", ""), *rows_of(TIMES)]) + "\n", encoding="utf8")
+    with pytest.raises(SceneError) as caught:
+        read_motions(path, 20.0)
+    said = "or `motion: {file: mru.csv, units: {roll: deg, pitch: deg, yaw: deg}}` in the scene"
+    assert len(caught.value.problems) == 3 and all(said in problem.cure for problem in caught.value.problems)
+    read_motions(path, 20.0, {"roll": "deg", "pitch": "deg", "yaw": "deg"})
+
+
 def test_all_faulty_rows_are_named_at_once(tmp_path):
     rows = rows_of(TIMES)
     rows[10] = rows[10].replace("1", "x", 1)

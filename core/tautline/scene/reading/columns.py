@@ -174,11 +174,18 @@ class Columns:
 
     # numbers
     def factor(
-        self, column: tuple[int, str], name: str, wanted: str, asked: str | None = None, default: str | None = None
+        self,
+        column: tuple[int, str],
+        name: str,
+        wanted: str,
+        asked: str | None = None,
+        default: str | None = None,
+        beside: str = "",
     ) -> float:
         """SI value of a column's unit, which the header gives, or the scene (`asked`), or else `default`.
 
-        What is missing, contradictory or another quantity's is noted.
+        What is missing, contradictory or another quantity's is noted. `beside` is how a scene gives a missing unit, in
+        the syntax of its key; empty where no scene can.
         """
         written = column[1]
         if written and asked and unit_named(written) != unit_named(asked):
@@ -190,7 +197,7 @@ class Columns:
             cause = "no unit: degrees and radians would be taken for one another" if wanted == "rad" else "no unit"
             example = {"rad": "deg", "N": "kN"}.get(wanted, wanted)
             cure = f"write {name} [{example}] in the header"
-            cure += f", or `units: {{{name}: deg}}` beside the file" if wanted == "rad" else ""
+            cure += f", or `{beside}` in the scene" if beside else ""
             self.add(self.header_line, name, None, cause, cure)
             return 1.0
         try:
