@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tautline.application.installed import Installed
+from tautline.application.twins import drawer
 
 if TYPE_CHECKING:
     from tautline.results.result import Result
@@ -30,7 +31,8 @@ class Plots:
 
     @functools.cached_property
     def _application(self) -> Any:
-        return self._given if self._given is not None else Installed().for_result(self._result)
+        given = self._given if self._given is not None else Installed().for_result(self._result)
+        return drawer(self._result, given)
 
     @property
     def _figures(self) -> Mapping[str, str]:

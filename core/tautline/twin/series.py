@@ -75,7 +75,10 @@ class Series:
         add("health", "", "0 good, 1 degraded, 2 lost", lambda line: HEALTHS[line["health"]])
         add("lag", "s", "time of a line behind the newest sample", lambda line: line["lag"])
         document = getattr(twin.scene, "document", None)
-        attributes = {"scene": document.text if document else "", "version": __version__, "application": "twin"}
+        attributes = {
+            "scene": document.text if document else "", "version": __version__, "application": "twin",
+            "units": getattr(twin.scene, "units", "si"),
+        }  # fmt: skip
         earlier = None if begin is None or not path.exists() else self._earlier(path, begin)
         self._store = Store(path, variables, coordinates, attributes)
         self._lines: list[Mapping[str, Any]] = []

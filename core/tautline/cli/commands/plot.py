@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tautline.application.installed import Catalogue
+from tautline.application.twins import drawer
 from tautline.cli.output.console import print_json, say
 
 FORMATS = ("png", "svg", "pdf")
@@ -43,11 +44,12 @@ def plot(
     from tautline.results.errors import ResultError
     from tautline.results.result import Result
     from tautline.statistics.store import check_whole
+    from tautline.view.figures.comparison import listed
 
     results = [Result.read(path) for path in paths]
     for result in results:
         check_whole(result, "plot")
-    application = catalogue.for_result(results[0])
+    application = drawer(results[0], catalogue.for_result(results[0]))
     if form is not None and form not in FORMATS:
         raise ResultError(output or "--format", f"unknown format '{form}'", f"known: {', '.join(FORMATS)}")
     folder, stem, ending = _place(output)
@@ -63,6 +65,9 @@ def plot(
     against = {} if vs is None else {"vs": vs}
     try:
         written = application.figures(results, folder, tuple(what), (form or ending or "png",), stem, **against)
+        if not written:
+            held = listed([name for name in results[0].variables if name != "time"])
+            raise ResultError(paths[0], "holds nothing that the usual figures show", f"name with --what: {held}")
     except ResultError:
         if made and not any(folder.iterdir()):
             folder.rmdir()
