@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -30,6 +31,61 @@ def register(application: Any) -> Any:
     """
     _registered[application.name] = application
     return application
+
+
+def refuse_other_kind(path: Path, own: Callable[[dict[str, Any]], bool]) -> None:
+    """Refuse what is no scene of an application by its kind; a list of unknown keys would say less.
+
+    Parameters
+    ----------
+    path : Path
+        One that the application cannot read: nothing is said of what is no YAML.
+    own : callable
+        Whether the mapping of a file is a scene of that application.
+
+    Raises
+    ------
+    SceneError
+        For a sweep, the map of a twin, and a scene of another application.
+    """
+    root = _root(path)
+    if own(root):
+        return
+    _refuse_no_scene(root, str(path))
+    if name := _application_of(root):
+        cure = f"use `{name}`, or `tautline`, which knows all kinds"
+        raise SceneError([Problem(str(path), None, "", None, f"is a scene of {name}", cure)])
+
+
+def refuse_scene(path: Path, key: str, cure: str) -> None:
+    """Refuse a scene where another file is wanted, one that has a key; raises SceneError with the cure."""
+    root = _root(path)
+    if key not in root and (name := _application_of(root)):
+        raise SceneError([Problem(str(path), None, "", None, f"is a scene of {name}", cure)])
+
+
+def _root(path: Path) -> dict[str, Any]:
+    """The mapping of a file; empty for what is no YAML, of which others say what is wrong."""
+    from tautline.scene.reading.document import Document
+
+    try:
+        return Document.read(path).root
+    except SceneError:
+        return {}
+
+
+def _application_of(root: dict[str, Any]) -> str:
+    """Name of the application whose scene a mapping is; empty for none."""
+    return next((one.name for one in Installed().all() if one.recognises(root)), "")
+
+
+def _refuse_no_scene(root: dict[str, Any], name: str) -> None:
+    """Refuse a sweep and the map of a twin where a scene is wanted; raises SceneError."""
+    kinds = {"vary": ("is the file of a sweep, and no scene", f"use `sweep {name}`"),
+             "sensors": ("is the map of a twin, and no scene", f"use `twin SCENE --map {name}`")}  # fmt: skip
+    for key, (cause, cure) in kinds.items():
+        if key in root:
+            raise SceneError([Problem(name, None, "", None, cause, cure)])
 
 
 class Catalogue(Protocol):
@@ -67,8 +123,12 @@ class Single:
         return self.application
 
     def read(self, path: Path) -> tuple[Application, Any]:
-        """Let the one application read the scene."""
-        return self.application, self.application.read(path)
+        """Let the one application read the scene; of a file of another kind it says of which, and nothing else."""
+        try:
+            return self.application, self.application.read(path)
+        except SceneError:
+            refuse_other_kind(path, self.application.recognises)
+            raise
 
     def for_result(self, result: Result) -> Application:
         """Return the one application; raises SceneError for a result of a scene that is another's."""
@@ -138,6 +198,7 @@ class Installed:
         for application in self.all():
             if application.recognises(root):
                 return application
+        _refuse_no_scene(root, name)
         known = ", ".join(application.name for application in self.all()) or "none"
         cure = f"installed applications: {known}; `new --list` shows scenes of each"
         for application_name, why in self.broken.items():

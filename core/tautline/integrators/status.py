@@ -66,8 +66,8 @@ SENTENCES = {
     ),
     Status.RUN_OUT: "all of the rope has run off its drum; pay out less, or give the drum more rope",
     Status.TWO_BLOCKED: (
-        "a hook or a block has come up to the sheave or drum that its rope leads to, and nothing is left between them; "
-        "where a winch pulled it up, stop hoisting earlier; where it was thrown up, look at what let it go"
+        "two-blocking: a hook or block has reached the sheave or drum that its rope leads to. Stop hoisting earlier. "
+        "If no winch hoisted it, look at what threw it up"
     ),
     Status.DRUM_FULL: (
         "all layers that a drum may have are full of rope; hoist less, or give the drum more turns or layers"
@@ -108,6 +108,15 @@ class StoppedEarly(TautlineError):
         self.status, self.time, self.part, self.detail, self.result = status, time, part, detail, result
         self.sentence = SENTENCES[status] + (f" ({detail})" if detail else "")
         super().__init__(f"{status.name} at t = {time:.6g} s, {part}: {self.sentence}")
+
+    @property
+    def line(self) -> str:
+        """What a command prints of it."""
+        if self.status is Status.TWO_BLOCKED:
+            place = self.part.partition(":")[0]
+            rest = self.sentence.partition(". ")[2]
+            return f"two-blocking at {self.time:.4g} s: a hook or block has reached `{place}`. {rest}"
+        return f"stopped at t = {self.time:.6g} s, {self.part}: {self.sentence}"
 
 
 class Interrupted(TautlineError):

@@ -197,8 +197,7 @@ def _outcome_of(run: Callable[[Bar], Result], end: float | None, quiet: bool) ->
             "status": stop.status.word,
             "stopped": {"time": stop.time, "part": stop.part, "sentence": stop.sentence},
         }
-        line = f"stopped at t = {stop.time:.6g} s, {stop.part}: {stop.sentence}"
-        return Outcome(stop.result, report, (line, "red"), ExitCode.STOPPED_EARLY)
+        return Outcome(stop.result, report, (stop.line, "red"), ExitCode.STOPPED_EARLY)
     except Interrupted as interruption:
         line = f"interrupted at t = {_simulated_time(interruption.result) or 0.0:.6g} s"
         return Outcome(interruption.result, {"status": "interrupted"}, (line, "yellow"), ExitCode.INTERRUPTED)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.application.installed import Catalogue
+from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.commands.simulate import print_warnings
 from tautline.cli.options.changes import as_given, changed
 from tautline.cli.output.console import console, print_json, say
@@ -15,7 +15,7 @@ from tautline.cli.output.numba_version import version_note
 from tautline.cli.output.progress import Counter
 from tautline.cli.output.summary import two_columns
 from tautline.cli.run import Ended, ExitCode
-from tautline.scene.errors import option_error
+from tautline.scene.errors import SceneError, option_error
 from tautline.scene.values.printed import quantity, shown, significant
 
 if TYPE_CHECKING:
@@ -50,15 +50,19 @@ def sweep(
 
     if not file.exists():
         raise option_error("SWEEP", str(file), "there is no such file", "name the YAML file of a sweep")
-    read = read_sweep(file)
+    try:
+        read = read_sweep(file)
+    except SceneError:
+        refuse_scene(file, "vary", f"name the file of a sweep, which says `scene: {file}` and what varies")
+        raise
     place = scene_path(read)
-    application = catalogue.for_scene(place)
+    application, found = catalogue.read(place)
     for change in changes or ():
         key = change.partition("=")[0].strip()
         if key in read.vary:
             cause = f"the sweep varies {key}: its values would take the place of this one"
             raise option_error("--set", change, cause, "leave it out here, or under vary")
-    scene = changed(application.read(place), changes)
+    scene = changed(found, changes)
     folder = output or Path(file.stem)
     if not quiet:
         print_warnings(application.warnings(scene))

@@ -13,13 +13,14 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tautline.application.installed import Catalogue
+from tautline.application.installed import Catalogue, refuse_scene
 from tautline.cli.options.changes import changed
 from tautline.cli.output.console import finite, print_json, print_text, say
 from tautline.cli.run import Ended, ExitCode
-from tautline.scene.errors import option_error
+from tautline.scene.errors import SceneError, option_error
 
 if TYPE_CHECKING:
+    from tautline.twin.map import TwinMap
     from tautline.twin.sources.record import Source
     from tautline.twin.twin import Twin
 
@@ -53,7 +54,6 @@ def twin(
         For bad input; nothing is written then.
     """
     from tautline.integrators.status import Interrupted, StoppedEarly
-    from tautline.twin.map import read_map
     from tautline.twin.series import Series
     from tautline.twin.sources.opening import open_source
     from tautline.twin.sources.stamps import stamp_said
@@ -61,9 +61,7 @@ def twin(
     from tautline.twin.twin import Twin
 
     scene = changed(catalogue.read(path)[1], changes)
-    if not map.exists():
-        raise option_error("--map", str(map), "there is no such file", "see the documentation of twins for an example")
-    read = read_map(map)
+    read = _read_map(map)
     hush()
     units = {one.column: one.unit for one in read.sensors}
     with (
@@ -85,6 +83,19 @@ def twin(
             raise Ended(ExitCode.STOPPED_EARLY) from None
         except Interrupted:
             raise KeyboardInterrupt from None  # while the twin was made, or looked for its start
+
+
+def _read_map(path: Path) -> TwinMap:
+    """The map of a twin; raises SceneError, for a scene in its place in one line."""
+    from tautline.twin.map import read_map
+
+    if not path.exists():
+        raise option_error("--map", str(path), "there is no such file", "see the documentation of twins for an example")
+    try:
+        return read_map(path)
+    except SceneError:
+        refuse_scene(path, "sensors", "name the map of its sensors with --map")
+        raise
 
 
 @contextmanager
@@ -325,12 +336,11 @@ def record(
     from tautline.integrators.status import StoppedEarly
     from tautline.results.target import check_record
     from tautline.scene.values.quantity import Quantity
-    from tautline.twin.map import read_map
     from tautline.twin.record import Sensing, read_fault
     from tautline.twin.record import record as recorded
 
     scene = changed(catalogue.read(path)[1], changes)
-    read = read_map(map)
+    read = _read_map(map)
 
     def number(option: str, text: str | None, unit: str, default: float) -> float:
         if text is None:
@@ -347,16 +357,23 @@ def record(
             raise option_error(option, text, "is to be zero or more, and finite", "give such a number")
         return value
 
+    def share(option: str, text: str | None) -> float:
+        value = number(option, text, "", 0.0)
+        bare = str(text).replace(".", "", 1).isdecimal()
+        # A plain 1 is more probably one per cent than noise as large as what is measured.
+        if value > 1.0 or (bare and value == 1.0 and option == "--noise"):
+            cure = f"1 is 100 %: is `{text} %` meant?" if bare else "give 100 % or less"
+            raise option_error(option, str(text), f"is {100.0 * value:.4g} %", cure)
+        return value
+
     sensing = Sensing(
-        rate=number("--rate", given["rate"], "Hz", 10.0), noise=number("--noise", given["noise"], "", 0.0),
-        dropout=number("--dropout", given["dropout"], "", 0.0), jitter=number("--jitter", given["jitter"], "s", 0.0),
+        rate=number("--rate", given["rate"], "Hz", 10.0), noise=share("--noise", given["noise"]),
+        dropout=share("--dropout", given["dropout"]), jitter=number("--jitter", given["jitter"], "s", 0.0),
         delay=number("--delay", given["delay"], "s", 0.0), gaps=[_gap(text) for text in given["gap"] or ()],
         faults=[read_fault(text) for text in given["fault"] or ()], seed=given["seed"],
     )  # fmt: skip
     if not sensing.rate > 0.0:
         raise option_error("--rate", str(given["rate"]), "is no rate", "give rows a second, such as 10 Hz")
-    if sensing.dropout > 1.0:
-        raise option_error("--dropout", str(given["dropout"]), "is more than all rows", "give a share from 0 to 1")
     until = number("--end", end, "s", float("nan"))
     check_record(output)
     rows = recorded(scene, read, sensing, None if until != until else until)
@@ -375,7 +392,7 @@ def record(
                 writer.writerow([f"{time:.6f}", *_cells(values, columns)])
                 count += 1
         except StoppedEarly as stop:
-            say(f"{path}: stopped at {stop.time:.6g} s, {stop.part}: {stop.sentence}", "red")
+            say(f"{path}: {stop.line}", "red")
             status = stop.status.word
     say(f"wrote {output}: {count} rows. Next: {catalogue.name} twin {path} --map {map} --source {output}", "green")
     if as_json:

@@ -246,6 +246,11 @@ def key_named(name: str, origin: str) -> Path_:
     raise SceneError([Problem(origin, None, "", str(name), "is no name of a key", cure)])
 
 
+def _quoted(text: str) -> str:
+    """A text as YAML wants it where it holds what else has a meaning."""
+    return "'" + text.replace("'", "''") + "'"
+
+
 def split_key(key: str | Path_) -> Path_:
     """``string[1].od`` -> ``("string", 1, "od")``."""
     if not isinstance(key, str):
@@ -456,6 +461,10 @@ class _Composer:
             return self.refuse(line, f"is nested more than {DEEPEST} deep", "check the brackets and aliases")
         if "\t" in around[: (mark.column if mark else 0) + 1] or re.match(r" *\t", around):
             return self.refuse(line, "a tab stands where YAML wants spaces", "indent with spaces")
+        if "mapping values are not allowed" in what and ": " in around[: mark.column]:
+            cause = "a colon followed by a space stands inside a text, and YAML takes it for another key"
+            key, text = around.strip().split(": ", 1)
+            return self.refuse(line, cause, f"put the text in quotes: {shorten(f'{key}: {_quoted(text)}')}")
         began = error.context_mark
         since = f" ({error.context}, line {began.line + 1})" if began and error.context else ""
         return self.refuse(

@@ -8,6 +8,8 @@ from pathlib import Path
 from tautline.scene.errors import Problem, SceneError
 
 LARGEST_FILE = 10_000_000
+RESULT = b"\x89HDF\r\n\x1a\n"
+"""First bytes of a NetCDF-4 file."""
 
 
 def read_text(path: Path) -> str:
@@ -28,6 +30,9 @@ def read_text(path: Path) -> str:
             raise refuse("is a folder", "name a scene file in it")
         if not path.is_file():
             raise refuse("is not a regular file", "name a scene file, such as jwell.yaml")
+        with path.open("rb") as file:
+            if file.read(len(RESULT)) == RESULT:
+                raise refuse("is a result, and no scene", "name the scene it was made from, or use `plot`")
         if status.st_size > LARGEST_FILE:
             size = f"{status.st_size / 1e6:.0f} MB"
             raise refuse(

@@ -56,6 +56,10 @@ class CsvFile:
         if line is None:
             self._file.close()
             raise SceneError([Problem(str(path), None, "", None, "is empty", "give a file with a header and rows")])
+        if "\0" in line or line.startswith("\ufffdHDF"):
+            self._file.close()
+            cure = "--source wants a CSV file with a header and rows, such as `record` writes"
+            raise SceneError([Problem(str(path), None, "", None, "is not a table: it is a binary file", cure)])
         try:
             self._header = Header(line, columns, time, str(path), units)
         except SceneError:
