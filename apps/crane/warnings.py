@@ -122,11 +122,13 @@ def _bending(scene: CraneScene) -> Sentences:
     ]
     if small:
         ratio, item = min(small, key=lambda pair: pair[0])
-        others = f", and {len(small) - 1} more below {LEAST_RATIO:g}" if len(small) > 1 else ""
+        others = f" ({len(small) - 1} more below {LEAST_RATIO:g})" if len(small) > 1 else ""
+        # Rounded down: 15.97 is not to read "16, below 16".
         text = (
-            f"{2.0 * item.radius:.3g} m over a rope of {1e3 * diameter:.3g} mm is D/d = {ratio:.3g}{others}: wire rope "
-            f"soon breaks of bending so, and {LEAST_RATIO:g} or more is usual; take a larger radius, or see whether "
-            "rope.diameter is what was meant"
+            f"{'sheave' if isinstance(item, Sheave) else 'drum'} diameter {2.0 * item.radius:.3g} m "
+            f"(2 x radius {item.radius:.3g} m) on {1e3 * diameter:.3g} mm rope: D/d {math.floor(10.0 * ratio) / 10.0:g}"
+            f", below {LEAST_RATIO:g}{others}. Wire rope soon breaks of bending so; take a larger radius, "
+            "or check rope.diameter"
         )
         yield where(scene, item, "radius"), text
 

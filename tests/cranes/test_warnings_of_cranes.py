@@ -55,8 +55,8 @@ def test_rope_that_meets_a_sheave_askew_is_told_with_angle_and_limit():
 
 def test_sheaves_small_for_their_rope_are_told_the_smallest_by_name():
     text = only(one_fall(rope={"diameter": "60 mm"}), "path[1].sheave.radius")
-    assert "D/d = 13.3" in text and "16 or more" in text and "more below" not in text
-    assert "and 1 more below 16" in only(one_fall(rope={"diameter": "70 mm"}), "path[1].sheave.radius")
+    assert "on 60 mm rope: D/d 13.3, below 16." in text and "more below" not in text
+    assert "1 more below 16" in only(one_fall(rope={"diameter": "70 mm"}), "path[1].sheave.radius")
     assert warnings(one_fall(rope={"diameter": None})) == []
 
 

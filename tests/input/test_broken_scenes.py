@@ -71,7 +71,13 @@ EDITS = {
     "a pipe thinner than its bore": ("od: 0.165", "od: 0.05", 15, "string[1].od = 0.05", "smaller than id = 0.0572"),
     "a pipe without a wall": ("od: 0.165", "od: 0.0572", 15, "string[1].od", "equal to id"),
     "a collar larger than the hole": ("od: 0.165", "od: 0.3", 15, "string[1].od = 0.3", "widen well.diameter"),
-    "a collar as large as the hole": ("od: 0.165", "od: 0.2032", 15, "string[1].od", "equal to well.diameter"),
+    "a collar as large as the hole": (
+        "od: 0.165",
+        "od: 0.2032",
+        15,
+        "string[1].od",
+        "does not fit into the hole (well.diameter = 0.2032 m, line 8)",
+    ),
     "a tool joint larger than the hole": (
         "id: 0.1086",
         "id: 0.1086, tool_joint_od: 9 in",

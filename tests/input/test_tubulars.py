@@ -223,7 +223,7 @@ def test_the_second_moment_is_the_tube_s_and_the_contact_the_tool_joint_s():
         ("HWDP 5 in,", "HWDP 5 in, od: -1 in,", "string[1].od = -1 in: must be greater than zero"),
         ("HWDP 5 in,", "HWDP 5 in, od: 2 in,", "smaller than id = 0.0762"),
         ("HWDP 5 in,", "HWDP 5 in, yield_load: 5 in,", "'in' is not the unit of a force"),
-        ("diameter: 8.5 in", "diameter: 6 in", "larger than well.diameter"),
+        ("diameter: 8.5 in", "diameter: 6 in", "does not fit into the hole (well.diameter = 6 in, line "),
     ],
 )
 def test_a_wrong_tubular_is_refused_with_line_key_and_cure(old, new, message):

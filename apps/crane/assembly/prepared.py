@@ -61,6 +61,7 @@ def motion_of(scene: CraneScene) -> FrameMotion:
 
 def _motion(scene: CraneScene) -> FrameMotion:
     end = scene.solver.end
+    _check_files(scene)
     try:
         frames, places = frames_of(scene.vessel, scene.frames, scene.folder, end)
         requests = requests_of(frames, end, scene.driven)
@@ -72,6 +73,17 @@ def _motion(scene: CraneScene) -> FrameMotion:
             scene.problem(p.key, p.cause, p.cure) if p.line is None and p.key else p for p in error.problems
         ]  # fmt: skip
         raise SceneError(problems) from None
+
+
+def _check_files(scene: CraneScene) -> None:
+    """Refuse a vessel whose file is not there, at the key that names it."""
+    motion = None if scene.vessel is None else scene.vessel.motion
+    for key in ("file", "rao"):
+        name = getattr(motion, key, None)
+        if name is not None and not (path := scene.folder / name).is_file():
+            cause = "is a folder, not a file" if path.is_dir() else f"there is no file {path}"
+            cure = "give its path relative to the scene's folder"
+            raise SceneError([scene.problem(f"vessel.motion.{key}", cause, cure)])
 
 
 def compensation_of(scene: CraneScene) -> Compensation | None:

@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from drillstring.scene.ends import Bit, Top
 from drillstring.scene.hole import MOST_ELEMENTS, Well
-from drillstring.scene.tubulars import EXAMPLE, NoSuchTubular, find
+from drillstring.scene.tubulars import EXAMPLE, INCH, NoSuchTubular, find
 from tautline.scene.errors import SceneError
 from tautline.scene.limits import Limits
 from tautline.scene.model import Model, Scene, Switch, UnitSystem, Whole, word
@@ -71,6 +71,14 @@ class Section(Model):
     def contact_diameter(self) -> float:
         """Diameter that touches the wall, m: the tool joint's where given."""
         return self.od if self.tool_joint_od is None else self.tool_joint_od
+
+    def too_wide(self) -> tuple[str, str, str]:
+        """Key that says how wide it is, what does not fit, and what to do: of a tubular nobody has written a width."""
+        key, what = ("od", "outside diameter") if self.tool_joint_od is None else ("tool_joint_od", "tool joint")
+        if self.tubular is None or find(self.tubular).keys()[key] != getattr(self, key):
+            return key, "does not fit", f"widen well.diameter, or give a smaller {key}"
+        size = f"{self.contact_diameter / INCH:.5g} in ({self.contact_diameter:.4g} m)"
+        return "tubular", f"its {what}, {size}, does not fit", f"widen well.diameter, or take one of a smaller {what}"
 
     @model_validator(mode="before")
     @classmethod
@@ -206,11 +214,9 @@ class DrillstringScene(Scene):
     def _clearance(self) -> DrillstringScene:
         hole = self.well.diameter
         for i, section in enumerate(self.string):
-            key = "od" if section.tool_joint_od is None else "tool_joint_od"
             if section.contact_diameter >= hole:
-                relation = "equal to" if section.contact_diameter == hole else "larger than"
-                cause = f"{relation} well.diameter = {hole:g}: it does not fit into the hole"
-                raise fault(("string", i, key), cause, f"widen well.diameter, or give a smaller {key}")
+                key, cause, cure = section.too_wide()
+                raise fault(("string", i, key), f"{cause} into the hole", cure, beside="well.diameter")
         return self
 
     @model_validator(mode="after")

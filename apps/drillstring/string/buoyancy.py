@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING
 from drillstring.string.fluid import fluid_of, weight_in
 from drillstring.string.lumps import Tube
 from tautline.scene.errors import SceneError
+from tautline.scene.reading.document import Path_, join_key
+from tautline.scene.values.ranges import RANGES, sized
 
 if TYPE_CHECKING:
     from drillstring.scene.scene import DrillstringScene
 
+STEEL = "see whether the density of the steel is what was meant: 7850 kg/m^3 is usual"
 CURE = "give the mud's density, such as 12.5 ppg, or fill the string (`mud.inside: true`)"
 
 
@@ -24,14 +27,28 @@ def check_weight(scene: DrillstringScene, tubes: list[Tube]) -> None:
     Raises
     ------
     SceneError
-        At ``mud.density``.
+        At ``mud.density``, or at a density of the pipe that is none of any pipe. It names both.
     """
     mass = sum(buoyed_mass(scene, tube) * tube.length for tube in tubes)
     steel = sum(tube.mass_per_length * tube.length for tube in tubes)
     if scene.mud is not None and mass <= NOTHING * steel:
-        much = "as heavy as" if abs(mass) <= NOTHING * steel else f"{-mass:.4g} kg lighter than"
+        much = "as heavy as" if abs(mass) <= NOTHING * steel else f"{sized(-mass, 'kg')} lighter than"
         cause = f"the string would float: with what is inside it is {much} the mud it displaces"
-        raise SceneError([scene.problem(("mud", "density"), cause, CURE)])
+        key, density = _lightest(scene)
+        cause += f" ({join_key(key)} is {density:.4g} kg/m^3, mud.density {scene.mud.density:.4g} kg/m^3)"
+        odd = not RANGES["pipe density"].holds(density)
+        at, cure = (key, STEEL) if odd else (("mud", "density"), CURE)
+        raise SceneError([scene.problem(at, cause, cure)])
+
+
+def _lightest(scene: DrillstringScene) -> tuple[Path_, float]:
+    """Key and value of the least density of the pipe, kg/m^3: of a section that has its own, or of the material."""
+    own = {("string", i, "density"): one.density for i, one in enumerate(scene.string) if one.density is not None}
+    given: dict[Path_, float] = {**own}
+    if len(own) < len(scene.string):
+        given["material", "density"] = scene.material.density
+    key = min(given, key=given.__getitem__)
+    return key, given[key]
 
 
 def buoyed_mass(scene: DrillstringScene, tube: Tube) -> float:

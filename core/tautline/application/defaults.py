@@ -69,21 +69,33 @@ class Defaults:
         return self.scene_type.model_json_schema()
 
     def warnings(self, scene: Any) -> list[SceneWarning]:
-        """Slips of units, limits on the wrong side, what is registered or an application's own, and too long a step."""
+        """Unit mistakes, limits on the wrong side, what `own_warnings` and registered functions find, too long a step.
+
+        Raises
+        ------
+        SceneError
+            Of `own_warnings`, for a scene that cannot be run. Before it stand numbers that are probably in a wrong
+            unit: they may be the cause.
+        """
         from tautline.scene.content import too_fast
         from tautline.scene.doubts import slips_of_units
-        from tautline.scene.errors import SceneWarning
+        from tautline.scene.errors import SceneError, SceneWarning
         from tautline.scene.limits import reversed_limits
         from tautline.scene.values.printed import in_words
-        from tautline.scene.warnings import warnings_of
+        from tautline.scene.warnings import line_of, warnings_of
 
+        document = self.as_written(scene)[1]
         text = too_fast(scene, scene.solver)
         system = getattr(scene, "units", "si")
-        found = self.own_warnings(scene) + warnings_of(self.name, scene)
+        slips = slips_of_units(*self.as_written(scene))
+        try:
+            found = self.own_warnings(scene) + warnings_of(self.name, scene)
+        except SceneError as error:
+            doubtful = [document.problem(slip.where, slip.text) for slip in slips if document is not None]
+            raise SceneError([*doubtful, *error.problems]) from None
         found += [SceneWarning(self.step_key, text)] if text else []
-        ours = [SceneWarning(one.where, in_words(one.text, system)) for one in found]
-        typed = slips_of_units(*self.as_written(scene)) + reversed_limits(scene)
-        return list(dict.fromkeys(typed + ours))
+        ours = [SceneWarning(one.where, in_words(one.text, system), line_of(document, one.where)) for one in found]
+        return list(dict.fromkeys(slips + reversed_limits(scene) + ours))
 
     step_key: str = "solver.step"
     """Key of the step in a scene."""

@@ -18,7 +18,7 @@ from pydantic_core import PydanticCustomError
 from tautline.scene.errors import SceneWarning
 from tautline.scene.model import DOUBT, MARK, Model
 from tautline.scene.reading.document import Document, Path_, join_key
-from tautline.scene.values.quantity import NUMBER, Quantity
+from tautline.scene.values.quantity import NUMBER, Quantity, decimal
 from tautline.scene.values.ranges import RANGES, Range, in_range, sized
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
 
@@ -161,7 +161,7 @@ def units_that_fit(
     fits : callable
         Value in SI -> whether it would be right.
     """
-    match = NUMBER.fullmatch(typed)
+    match = NUMBER.fullmatch(decimal(typed))
     if match is None:
         return []
     units = list(row.meant)
@@ -182,7 +182,7 @@ def _in_unit(number: str, unit: str, wanted: str) -> float | None:
 
 def meant(typed: str, options: list[tuple[str, float]], unit: str) -> str:
     """The sentence that names the units that were probably meant."""
-    match = NUMBER.fullmatch(typed)
+    match = NUMBER.fullmatch(decimal(typed))
     if match is None or not options:
         return "Check the number and its unit"
     offers = [_both(f"{match['number']} {other}", sized(value, unit)) for other, value in options]

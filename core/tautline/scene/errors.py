@@ -72,10 +72,12 @@ def option_error(option: str, value: str, cause: str, cure: str = "") -> SceneEr
 
 @dataclass(frozen=True)
 class SceneWarning:
-    """A warning of ``check``: the place in the scene, and what is large compared with what."""
+    """A warning of ``check``: the key in the scene and its line, and what is large compared with what."""
 
     where: str
     text: str
+    line: int | None = None
 
     def __str__(self) -> str:
-        return f"{self.where}: {self.text}"
+        line = f" (line {self.line})" if self.line else ""
+        return f"{self.where}{line}: {self.text}"

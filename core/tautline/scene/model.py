@@ -13,8 +13,8 @@ import pydantic
 from pydantic import BeforeValidator, ConfigDict, GetCoreSchemaHandler, PrivateAttr, Strict, ValidationError
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
-from tautline.scene.errors import LONGEST, Problem, SceneError
-from tautline.scene.reading.document import Document, Path_
+from tautline.scene.errors import LONGEST, Problem, SceneError, shorten
+from tautline.scene.reading.document import Document, Path_, split_key
 from tautline.scene.reading.files import files_of
 from tautline.scene.refusal import KIND, nearest, refusal
 from tautline.scene.values.printed import in_words
@@ -340,12 +340,22 @@ def _problem(error: Any, document: Document) -> Problem:
         cause, cure = str(context.get("cause", "")), suited(str(context.get("cure", "")), error["input"])
         if "file" in context:
             return Problem(str(context["file"]), context.get("line"), "", None, cause, cure)
+        cause += _shown_beside(document, str(context.get("beside", "")))
     else:
         cause, cure = _plain(error)
     value = None
     if error["type"] != "missing" and document.written(path) is None and isinstance(error["input"], (str, int, float)):
         value = str(error["input"])
     return document.problem(path, cause, cure, value)
+
+
+def _shown_beside(document: Document, key: str) -> str:
+    """The value that another contradicts, in brackets: key, text and line; nothing where there is none."""
+    written = document.written(key) if key else None
+    if written is None:
+        return ""
+    place = document.origin(split_key(key)) or f"line {document.line(key)}"
+    return f" ({key} = {shorten(written)}, {place})"
 
 
 def _plain(error: Any) -> tuple[str, str]:

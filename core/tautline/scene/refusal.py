@@ -16,7 +16,9 @@ KIND = "problem"
 """The pydantic error type that carries a cause and a cure."""
 
 
-def refusal(cause: str, cure: str = "", file: str | None = None, line: int | None = None) -> PydanticCustomError:
+def refusal(
+    cause: str, cure: str = "", file: str | None = None, line: int | None = None, beside: str = ""
+) -> PydanticCustomError:
     """Build the error by which a field's validator refuses its value.
 
     Parameters
@@ -25,16 +27,20 @@ def refusal(cause: str, cure: str = "", file: str | None = None, line: int | Non
         What is wrong and what to do, in plain words.
     file, line
         Where the fault lies if not in the scene itself: a row of a table that the scene names.
+    beside : str
+        As of `fault`.
     """
     context: dict[str, str | int] = {"cause": cause, "cure": cure}
     if file is not None:
         context["file"] = file
     if line is not None:
         context["line"] = line
+    if beside:
+        context["beside"] = beside
     return PydanticCustomError(KIND, "{cause}", context)
 
 
-def fault(key: str | int | tuple[str | int, ...], cause: str, cure: str = "") -> ValidationError:
+def fault(key: str | int | tuple[str | int, ...], cause: str, cure: str = "", beside: str = "") -> ValidationError:
     """Build the error by which a model refuses one of its keys after all were read.
 
     Parameters
@@ -43,10 +49,13 @@ def fault(key: str | int | tuple[str | int, ...], cause: str, cure: str = "") ->
         Key, or path of keys, below the model that raises this.
     cause, cure : str
         What is wrong and what to do.
+    beside : str
+        Key, from the top of the file, of the value that this one contradicts: it is shown as it was written, with its
+        line.
     """
     path = key if isinstance(key, tuple) else (key,)
     return ValidationError.from_exception_data(
-        "scene", [InitErrorDetails(type=refusal(cause, cure), loc=path, input=None)]
+        "scene", [InitErrorDetails(type=refusal(cause, cure, beside=beside), loc=path, input=None)]
     )
 
 

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from tautline.scene.errors import SceneWarning
 from tautline.scene.extensions import load_extensions
-from tautline.scene.reading.document import join_key
+from tautline.scene.reading.document import Document, join_key, split_key
 
 Place = str | tuple[str | int, ...]
 Check = Callable[[Any], Iterable[tuple[Any, str]]]
@@ -44,6 +44,17 @@ def warnings_of(application: str, scene: Any) -> list[SceneWarning]:
     for check in REGISTERED.get(application, {}).values():
         found += [_warning(scene, place, text) for place, text in check(scene)]
     return found
+
+
+def line_of(document: Document | None, where: str) -> int | None:
+    """Line of the key that a warning names, or of the nearest above it; None where the file does not hold it.
+
+    None, too, for a place that states its line itself.
+    """
+    path = split_key(where)
+    if document is None or not path or "(line " in where or document.origin(path):
+        return None
+    return document.line(path)
 
 
 def _warning(scene: Any, place: Place, text: str) -> SceneWarning:

@@ -147,9 +147,22 @@ def test_a_pound_where_a_force_is_wanted_is_refused_with_how_to_write_it(written
     assert "write lbf, klbf or ft-lbf" in caught.value.context["cure"]
 
 
-def test_a_mixed_number_is_refused_as_a_fraction():
-    with pytest.raises(PydanticCustomError, match="is a fraction"):
-        si("8 1/2 in", "m")
+@pytest.mark.parametrize(
+    ("written", "inches"), [("12 1/4 in", 12.25), ("6 1/2in", 6.5), ("-1 3/4 in", -1.75), ("4 1/3 in", 13.0 / 3.0)]
+)
+def test_a_mixed_number_of_a_length_is_read_as_the_sum_of_whole_and_fraction(written, inches):
+    assert si(written, "m") == pytest.approx(0.0254 * inches, rel=1e-15)
+    assert si("17 1/2 ft", "m") == pytest.approx(17.5 * 0.3048, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("written", "unit", "decimal"),
+    [("8 1/2 kN", "N", "8.5 kN"), ("1/2 in", "m", "0.5 in"), ("2 5/4 in", "m", "3.25 in"), ("1/0 in", "m", "")],
+)
+def test_any_other_fraction_is_refused_with_the_decimal_number_to_write(written, unit, decimal):
+    with pytest.raises(PydanticCustomError, match="is a fraction") as caught:
+        si(written, unit)
+    assert caught.value.context["cure"].startswith(f"write {decimal}, or give " if decimal else "give a length")
 
 
 def test_decimal_prefixes_lose_no_bit():

@@ -18,6 +18,11 @@ from tautline.scene.values.ranges import RANGES
 from tautline.scene.values.units import Uncounted, UnknownUnit, converted, read_unit
 
 NUMBER = re.compile(r"\s*(?P<number>[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>.*?)\s*", re.DOTALL)
+MIXED = re.compile(
+    r"\s*(?P<sign>[-+]?)(?P<whole>\d{1,9})\s+(?P<up>\d{1,4})/(?P<down>\d{1,4})\s*(?P<unit>[^\d\s/].*)", re.DOTALL
+)
+"""A mixed number with its unit, as inches are written: ``12 1/4 in``."""
+FRACTION = re.compile(r"\s*(?P<up>[-+]?\d{1,9})\s*/\s*(?P<down>\d{1,9})\s*(?P<unit>[^\d\s/].*)", re.DOTALL)
 LARGEST_EXPONENT = 400
 POUND = re.compile(r"lbs?\b")
 PER_GRAVITY = read_unit("s^2/m")
@@ -128,7 +133,7 @@ class Quantity:
         return value
 
     def _text(self, written: str) -> float:
-        match = NUMBER.fullmatch(written)
+        match = NUMBER.fullmatch(decimal(written) if self.unit == "m" else written)
         if match is None:
             if written.strip().lower().lstrip("+-.") in ("nan", "inf", "infinity"):
                 raise refusal("is not a finite number", self.cure)
@@ -141,7 +146,7 @@ class Quantity:
         if not unit:
             raise refusal("is text, not a number", f"remove the quotes, or add the unit: {self.cure}")
         if re.match(r"(\d+\s*)?/\s*\d", unit):
-            raise refusal("is a fraction, and nothing is computed", self.cure)
+            raise refusal("is a fraction, and nothing is computed", f"{_without_fraction(written)}{self.cure}")
         try:
             read = read_unit(unit)
         except UnknownUnit as error:
@@ -238,6 +243,34 @@ def quantity(
     return Quantity(unit, 0.0 if positive else None, low, below, at_most, words, of, any_size)
 
 
+def decimal(written: str) -> str:
+    """A mixed number as a decimal one, ``12.25 in`` for ``12 1/4 in``; any other text as it is.
+
+    Of a fraction that has no end as a decimal, such as 1/3, thirty digits are kept, which no float tells apart.
+    """
+    match = MIXED.fullmatch(written)
+    if match is None or int(match["down"]) <= int(match["up"]):
+        return written
+    return f"{match['sign']}{_digits(int(match['whole']), int(match['up']), int(match['down']))} {match['unit']}"
+
+
+def _digits(whole: int, up: int, down: int) -> str:
+    """``12.25`` for 12, 1, 4."""
+    after = f"{10**30 * up // down:030d}".rstrip("0")
+    return f"{whole}.{after}" if after else str(whole)
+
+
+def _without_fraction(written: str) -> str:
+    """What to write in place of a fraction: ``write 0.5 in, or ``; empty where that is not known."""
+    match = MIXED.fullmatch(written) or FRACTION.fullmatch(written)
+    if match is None or int(match["down"]) == 0:
+        return ""
+    value = Fraction(int(match["up"]), int(match["down"]))
+    if "whole" in match.groupdict():
+        value = (int(match["whole"]) + value) * (-1 if match["sign"] == "-" else 1)
+    return f"write {float(value):.6g} {match['unit'].strip()}, or "
+
+
 def suited(cure: str, written: Any, example: str | None = None) -> str:
     """A cure whose example is of the size of its field, and in the unit of what was written.
 
@@ -260,7 +293,7 @@ def suited(cure: str, written: Any, example: str | None = None) -> str:
 
 def _like(written: Any, example: str, unit: str) -> str | None:
     """An example in the unit that was written, to two digits; None where that is no unit of it."""
-    match, given = (NUMBER.fullmatch(text) if isinstance(text, str) else None for text in (written, example))
+    match, given = (NUMBER.fullmatch(decimal(text)) if isinstance(text, str) else None for text in (written, example))
     if match is None or given is None or not match["unit"]:
         return None
     try:

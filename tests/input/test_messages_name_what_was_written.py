@@ -1,0 +1,92 @@
+"""A message points at the line and the key that a person wrote, and repeats the value as it was written."""
+
+from pathlib import Path
+
+import pytest
+
+from crane.application import Crane
+from drillstring.application import Drillstring
+from tautline.scene.errors import SceneError
+
+DATA = Path(__file__).parents[2] / "data"
+JWELL = (DATA / "jwell.yaml").read_text(encoding="utf8")
+HOIST = (DATA / "hoist.yaml").read_text(encoding="utf8")
+
+
+def changed(folder, text, *edits):
+    """A scene's file with (old, new) replaced, each once."""
+    for old, new in edits:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    path = folder / "scene.yaml"
+    path.write_text(text, encoding="utf8")
+    return path
+
+
+def line_of(path, word):
+    """Number of the only line that has a word."""
+    (line,) = [n for n, text in enumerate(path.read_text(encoding="utf8").splitlines(), 1) if word in text]
+    return line
+
+
+def refusals(application, path):
+    with pytest.raises(SceneError) as caught:
+        application.warnings(application.read(path))
+    return str(caught.value).splitlines()
+
+
+def test_a_small_sheave_is_told_with_its_line_and_the_radius_that_the_file_says(tmp_path):
+    path = changed(tmp_path, HOIST, ("radius: 0.4", "radius: 0.285"))
+    crane = Crane()
+    text = next(str(one) for one in crane.warnings(crane.read(path)) if "D/d" in one.text)
+    line = line_of(path, "radius: 0.285")
+    # 570 mm on 36 mm: 15.83
+    assert text.startswith(f"path[1].sheave.radius (line {line}): sheave diameter 0.57 m (2 x radius 0.285 m) on 36 mm")
+    assert "D/d 15.8, below 16" in text
+
+
+@pytest.mark.parametrize(
+    ("motion", "key"),
+    [("{file: mru.csv}", "file"), ("{sea: {significant_height: 2.5, peak_period: 9}, rao: mru.csv}", "rao")],
+)
+def test_a_vessel_s_file_that_is_missing_is_refused_at_the_scene_s_line_and_key(tmp_path, motion, key):
+    old = next(text for text in HOIST.splitlines() if text.startswith("  motion: "))
+    path = changed(tmp_path, HOIST, (old, f"  motion: {motion}"))
+    (told,) = refusals(Crane(), path)
+    assert told.startswith(f"{path}:{line_of(path, '  motion: ' + motion)}: vessel.motion.{key} = mru.csv: there is no")
+    assert str(tmp_path / "mru.csv") in told and "; give its path" in told
+
+
+def test_steel_of_a_density_that_no_pipe_has_is_blamed_before_the_mud_it_would_float_in(tmp_path):
+    path = changed(tmp_path, JWELL, ("density: 7850 kg/m^3", "density: 7.85"))
+    first, second = refusals(Drillstring(), path)
+    line = line_of(path, "density: 7.85")
+    assert first.startswith(f"{path}:{line}: material.density = 7.85") and "7.85 sg = 7850 kg/m^3" in first
+    assert second.startswith(f"{path}:{line}: material.density = 7.85: the string would float")
+    assert "mud.density 1840 kg/m^3" in second
+
+
+def test_mud_heavier_than_steel_is_blamed_itself_and_the_steel_is_named(tmp_path):
+    path = changed(tmp_path, JWELL, ("density: 1840", "density: 9000"))
+    told = refusals(Drillstring(), path)
+    assert told[0].startswith(f"{path}:17: mud.density = 9000 kg/m^3: 9000 kg/m^3") and "plausible" in told[0]
+    assert (
+        "mud.density = 9000 kg/m^3: the string would float" in told[1] and "material.density is 7850 kg/m^3" in told[1]
+    )
+
+
+def test_a_tubular_too_wide_for_the_hole_is_told_by_the_key_that_was_written_and_the_hole_as_written(tmp_path):
+    edits = [("od: 0.127, id: 0.1086", "tubular: 5 in 19.50 lb/ft S135"), ("diameter: 0.2032 m", "diameter: 4 in")]
+    path = changed(tmp_path, JWELL, *edits)
+    told = refusals(Drillstring(), path)
+    hole = line_of(path, "diameter: 4 in")
+    assert f"{path}:14: string[0].tubular = 5 in 19.50 lb/ft S135: its tool joint, 6.625 in" in told[0]
+    assert f"does not fit into the hole (well.diameter = 4 in, line {hole})" in told[0]
+    scene = Drillstring().read(DATA / "jwell.yaml")
+    with pytest.raises(SceneError, match=r"string\[0\].od = 0.127: does not fit .*\(well.diameter = 4 1/4 in, --set\)"):
+        scene.replace({"well.diameter": "4 1/4 in"}, "--set")
+
+
+def test_a_hole_of_a_mixed_number_of_inches_is_that_of_the_decimal_one(tmp_path):
+    wide = Drillstring().read(changed(tmp_path, JWELL, ("diameter: 0.2032 m", "diameter: 12 1/4 in")))
+    assert wide.well.diameter == pytest.approx(12.25 * 0.0254, rel=1e-15)
