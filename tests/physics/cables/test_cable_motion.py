@@ -164,8 +164,8 @@ def test_mirror_image_moves_as_the_mirror_image(EJ, method):
 @pytest.mark.parametrize("method", ["RK4", "G-alpha"])
 @pytest.mark.parametrize("EJ", [0.0, 1.0])
 def test_direction_of_p_does_not_matter(EJ, method):
-    # measured 6e-16 and 8e-16
-    given = dict(EJ=EJ, method=method, h=1e-4, end=0.1, damping=1e-3, plotpoints=100)
+    # measured 6e-16 with RK4; with generalized-alpha what the iterations leave
+    given = dict(EJ=EJ, method=method, h=1e-4, end=0.1, damping=1e-3, plotpoints=100, eps_energy=1e-14)
     one, other = eyelet(**given), eyelet(**given, reverse=True)
     np.testing.assert_allclose(other["position"], one["position"], rtol=0, atol=1e-12)
     np.testing.assert_allclose(
