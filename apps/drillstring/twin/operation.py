@@ -26,6 +26,8 @@ from drillstring.twin.states import IN_THE_SLIPS, RigState, RigStates, Settings
 from drillstring.twin.sticking_limit import sticking_limit
 from drillstring.twin.torsional_line import line_of
 from tautline.scene.errors import SceneError
+from tautline.scene.values.printed import quantity
+from tautline.twin.map import Plan
 from tautline.twin.operation import Guidance, Operation
 
 ASKED = {
@@ -134,6 +136,17 @@ class RigOperation(Operation):
             raise SceneError([self.scene.problem("bit.on_bottom", cause, cure)])
         weight = float(sim["top.hook_load"])
         self.rig.string_weighs(weight, self._lowered())
+
+    def doubts(self, plan: Plan) -> list[str]:
+        """A hook load that has the block's weight in it, where the scene states that weight and the map no zero."""
+        weight = quantity(self.weight, "N")
+        return [
+            f"{one.column}: top.weight says that block and top drive weigh {weight}, and the sensor's zero is 0. The "
+            f"simulation's hook load is that of the string alone. If the gauge shows the block too, write `zero:` with "
+            f"its reading of the empty block, in the unit of the column; if it does not, leave top.weight out."
+            for one in plan.measured
+            if self.weight > 0.0 and KNOWN_AS.get(one.name) == "hook_load" and one.zero == 0.0 and not one.zero_first
+        ]
 
     def _lowered(self) -> float:
         """Hook load, N, of the string that is lowered with the friction of the scene; nothing where it locks up."""

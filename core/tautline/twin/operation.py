@@ -64,6 +64,10 @@ class Operation(Protocol):
     def built(self, sim: Any) -> None:
         """Take notice of the simulation that stands for the machine from now on, at its start."""
 
+    def doubts(self, plan: Any) -> list[str]:
+        """What in the map, as it was checked, is likely not meant so: sentences with cause and cure."""
+        return []
+
     def before(self, time: float, values: Mapping[str, float]) -> Guidance:
         """Take the values of a row in SI, by names of the map, before the simulation goes on to it."""
         return Guidance()

@@ -26,6 +26,7 @@ from tautline.twin.operation import Operation
 from tautline.twin.outlook import Outlook
 from tautline.twin.signals.readings import Readings
 from tautline.twin.signals.rows import Row
+from tautline.twin.signals.sensors import Health
 from tautline.twin.watch import Compared, Watch
 
 SETTLING = 1.0
@@ -78,6 +79,7 @@ class Twin:
         self.now, self.unsettled = np.nan, -np.inf
         self.restarts = 0
         self.notes = self.estimate.notes  # one list
+        self.notes += self.operation.doubts(self.plan) if self.operation else []
         self.paused = False
         self._further: dict[str, dict[str, Any]] = {}
 
@@ -158,7 +160,7 @@ class Twin:
             self.estimate.advance(row.time, inputs)
         except StoppedEarly as error:
             self._restart(row, inputs, error)
-        line = self._compare(row, inputs, values, self._used(row, values) & use)
+        line = self._compare(row, inputs, values, self._used(row, values) & use, use)
         self.now = row.time
         self.outlook.foresee(row.time, dict(inputs))
         return line
@@ -243,9 +245,9 @@ class Twin:
         return self.readings.believed(values) & (row.time >= self.unsettled)
 
     def _compare(
-        self, row: Row, inputs: list[tuple[str, np.ndarray]], values: np.ndarray, use: np.ndarray
+        self, row: Row, inputs: list[tuple[str, np.ndarray]], values: np.ndarray, use: np.ndarray, says: bool
     ) -> dict[str, Any]:
-        """Compare, estimate, watch; the line of a row."""
+        """Compare, estimate, watch; the line of a row, which ``says`` something of what is estimated, or does not."""
         estimate, horizon = self.estimate, self.estimate.horizon
         read = dict(zip(self._read, estimate.family.read(self._read), strict=True))
         y = self.readings.measured(values)
@@ -254,6 +256,11 @@ class Twin:
         believed = self._compare_units(row.time, y, y0, J, use, tells) & estimate.tame(J)
         use = believed & tells
         residual, residual_sd = horizon.expected(Sample(row.time, y, y0, J, np.isfinite(y)))
+        if says and estimate.converged and row.time >= self.unsettled:
+            # By the sensor's own noise: what nothing explains must not pass for noise.
+            sds = horizon.own(residual_sd, y0)
+            for (_, health), off, sd in zip(self._health_of_outputs(), residual, sds, strict=True):
+                health.contradict(row.time, off if health.fault == "" else np.nan, sd)
         estimate.take_in(Sample(row.time, np.where(use, y, np.nan), y0, J, use))
         estimate.log.rows.append(Logged(row.time, inputs, np.where(believed, y, np.nan), believed))
         estimate.relinearise()
@@ -264,6 +271,11 @@ class Twin:
         ))  # fmt: skip
         self._further = self._found_by_operation(row.time, y, outputs)
         return self._line(row, inputs, y, outputs, residual)
+
+    def _health_of_outputs(self) -> list[tuple[str, Health]]:
+        """Names and health of the measured outputs (m,)."""
+        both = zip(self.plan.channels, self.readings.health, strict=True)
+        return [(one.name, health) for one, health in both if one.is_output]
 
     def _compare_units(
         self, time: float, y: np.ndarray, y0: np.ndarray, J: np.ndarray, use: np.ndarray, tells: np.ndarray
@@ -288,11 +300,11 @@ class Twin:
         """Further estimates, such as the weight on the bit."""
         if self.operation is None:
             return {}
-        horizon, health = self.estimate.horizon, self.readings.health
+        horizon = self.estimate.horizon
         sd = horizon.deviations(np.nan_to_num(y)) * np.sqrt(np.clip(horizon.spread, 1.0, 9.0))
         measured = {
-            one.name: (float(y[m]) if health[i].fault == "" else np.nan, float(sd[m]))
-            for m, (i, one) in enumerate((i, one) for i, one in enumerate(self.plan.channels) if one.is_output)
+            name: (float(y[m]) if health.fault == "" else np.nan, float(sd[m]))
+            for m, (name, health) in enumerate(self._health_of_outputs())
         }
         estimates = {
             one.name: (float(horizon.mean[k]), float(horizon.deviation[k])) for k, one in enumerate(self.plan.unknowns)

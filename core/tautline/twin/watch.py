@@ -22,6 +22,8 @@ TOLD = {
 """Names of alarms where the simulation cannot go on."""
 STOPPED = "simulation stopped"
 """Name of the alarm that the simulation was begun again."""
+WHY_OFF = "zero and unit of the sensor, or the scene's weights, are not right, and no estimate makes up for it"
+"""Cause of a residual of dozens of standard deviations that stays."""
 CHANGED, SHOWN = "changed", 30.0
 """Name of the alarm that the machine is no longer what it was, and for how long it is shown, s."""
 
@@ -136,6 +138,12 @@ class Watch:
                 off = said(health.mean * health.sd, health.channel.unit)
                 text = f"{column} is off by {off} on average lately: the sensor, the weight or friction drifts"
                 self.alarms.judge(f"{column} drifting", health.drifting(alike) and converged, time, text)
+                size = said(abs(health.off) * health.off_sd, health.channel.unit)
+                side = "above" if health.off > 0.0 else "below"
+                text = (
+                    f"{column} stays {abs(health.off):.0f} deviations, about {size}, {side} what is expected: {WHY_OFF}"
+                )
+                self.alarms.judge(f"{column} far off", health.contradicts, time, text)
 
     def judge_operation(self, time: float) -> None:
         """Judge what the application warns of."""

@@ -7,6 +7,7 @@ import pytest
 
 import tautline
 from drillstring.twin.records import Connecting, connections
+from tautline.twin.signals.sensors import Health
 from tautline.twin.storage import load, save
 from tautline.twin.twin import Twin
 
@@ -215,3 +216,38 @@ def test_friction_is_not_estimated_from_what_the_bit_carries(drilled):
 def test_a_scene_with_its_bit_on_bottom_is_refused_with_the_cure():
     with pytest.raises(tautline.TautlineError, match="on_bottom: false"):
         Twin(tautline.read("data/drilling.yaml"), DRILLED)
+
+
+# -- a hook load with the block in it ----------------------------------------------------------------------------------
+
+
+BLOCK = 250e3
+
+
+def test_a_map_without_a_zero_for_a_stated_block_is_doubted_at_the_start_with_the_cure():
+    scene = well(OPEN, CASED).with_values({("top", "weight"): (BLOCK, "a test")})
+    notes = Twin(scene, FRICTION).notes
+    assert len(notes) == 1
+    assert "hook_load" in notes[0] and "250 kN" in notes[0] and "`zero:`" in notes[0]
+    zero = FRICTION.replace("output: top.hook_load,", f"output: top.hook_load, zero: {BLOCK},")
+    assert Twin(scene, zero).notes == [] == Twin(well(OPEN, CASED), FRICTION).notes
+
+
+def far_off(size, rows=600):
+    """Times at which readings contradict what is expected: each is so many standard deviations off, and noise."""
+    channel = read_channel(DRILLED, "hook_load")
+    health, random, told = Health(channel), np.random.default_rng(3), []
+    for k in range(rows):
+        health.contradict(0.1 * k, 5e3 * (size + random.standard_normal()), 5e3)
+        told += [0.1 * k] if health.contradicts else []
+    return told
+
+
+def read_channel(text, column):
+    return next(one for one in Twin(well(OPEN, CASED), text).plan.channels if one.column == column)
+
+
+def test_a_sensor_that_stays_dozens_of_deviations_off_is_told_within_half_a_minute_and_a_drift_is_not():
+    assert far_off(0.0) == far_off(-15.0) == []
+    for size in (-40.0, 50.0):
+        assert 10.0 < far_off(size)[0] < 30.0

@@ -75,6 +75,8 @@ def twin(
                 say(f"going on from {stamp_said(begin)}")
             if made.plan_names.unwatched:
                 say(f"limits of the scene that a twin cannot watch: {', '.join(made.plan_names.unwatched)}", "yellow")
+            while made.notes:
+                say(made.notes.pop(0), "yellow")
             page = _page(serve, path, made)
             series = Series(output, made, begin) if output is not None else None
             _Loop(made, opened, series, page, state, as_json, quiet).run()

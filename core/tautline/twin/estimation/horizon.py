@@ -403,6 +403,11 @@ class Horizon:
             own = np.einsum("mi,ij,mj->m", sample.J, self.covariance, sample.J)
         return np.where(sample.use, sample.y - y0, np.nan), np.sqrt(sd**2 + own)
 
+    def own(self, residual_sd: np.ndarray, y0: np.ndarray) -> np.ndarray:
+        """Standard deviations of residuals (m,) without what the sensors are believed to be worse than is given."""
+        plain = self.deviations(y0) ** 2
+        return np.sqrt(plain + np.maximum(0.0, residual_sd**2 - plain * np.clip(self.spread, 1.0, 9.0)))
+
     def not_observable(self) -> list[str]:
         """Sentences on what the sensors have not shown so far."""
         if self.free.all():

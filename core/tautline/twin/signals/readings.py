@@ -79,7 +79,7 @@ class Readings:
         lost = [health.fault == "lost" for health in self.health]
         if all(lost) or any(track.missing and self.health[track.number].fault == "lost" for track in self.tracks):
             return "lost"
-        poor = any(health.fault for health in self.health) or self.made_up
+        poor = any(health.fault or health.contradicts for health in self.health) or self.made_up
         return "degraded" if poor or not settled else "good"
 
     # -- inputs --------------------------------------------------------------------------------------------------------

@@ -45,6 +45,12 @@ FAR = 3.0
 """Residuals beyond count as this many standard deviations: a knock is no drift."""
 DRIFTING = 5.0
 """Standard deviations of the mean residual from which on a sensor drifts."""
+OFF_TIME = 10.0
+"""Time constant of the mean that tells whether sensor and simulation contradict each other, s."""
+DOZENS, WORST = 24.0, 100.0
+"""Standard deviations of that mean from which on they do; and those that a residual counts as at most."""
+LONGEST_PASSED = 1.0
+"""Time that a residual counts for at most, s: what was between it and the one before is not known."""
 
 
 class Health:
@@ -68,6 +74,8 @@ class Health:
         self._until, self.sd = -np.inf, 0.0
         self._ten = 0
         self.mean, self.weight = 0.0, 0.0
+        self.off, self.off_sd, self.contradicts = 0.0, 0.0, False
+        self._off_for, self._off_at = 0.0, np.nan
         self._before, self._passed, self._largest = np.nan, np.nan, 0.0
 
     def check(self, time: float, reading: float) -> float:
@@ -179,6 +187,20 @@ class Health:
         """Whether the mean residual is beyond what noise makes, with so many samples counting as one."""
         return self.weight > 0.0 and abs(self.mean) > DRIFTING * np.sqrt(self.weight * max(alike, 1.0))
 
+    def contradict(self, time: float, residual: float, sd: float) -> None:
+        """Follow a residual over its standard deviation: one of dozens of them that lasts is no noise and no drift.
+
+        Where the estimate explains a wrong zero, a wrong weight or a wrong unit in part, the rest stays.
+        """
+        if not np.isfinite(residual):
+            return
+        passed = min(time - self._off_at, LONGEST_PASSED) if np.isfinite(self._off_at) else 0.0
+        self._off_at, self.off_sd = time, float(sd)
+        keep = np.exp(-passed / OFF_TIME)
+        self.off = float(keep * self.off + (1.0 - keep) * np.clip(residual / sd, -WORST, WORST))
+        self._off_for = self._off_for + passed if abs(self.off) > DOZENS else 0.0
+        self.contradicts = self._off_for >= OFF_TIME or (self.contradicts and self._off_for > 0.0)
+
     def _set(self, fault: str, text: str) -> None:
         self.fault, self.text = fault, text
 
@@ -187,6 +209,7 @@ class Health:
         return {
             "fault": self.fault, "text": self.text, "seen": self.seen, "values": list(self._values),
             "changes": list(self._changes), "mean": self.mean, "weight": self.weight, "before": self._before,
+            "off": [self.off, self._off_for, self._off_at],
         }  # fmt: skip
 
     def recall(self, memory: Mapping[str, Any]) -> None:
@@ -195,3 +218,5 @@ class Health:
         self._values.extend(memory["values"])
         self._changes.extend(memory["changes"])
         self.mean, self.weight, self._before = memory["mean"], memory["weight"], memory["before"]
+        self.off, self._off_for, self._off_at = memory["off"]
+        self.contradicts = self._off_for >= OFF_TIME
