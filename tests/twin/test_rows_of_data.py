@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from tautline.twin.map import Channel
 from tautline.twin.signals.rows import Rows
+from tautline.twin.signals.sensors import Health
 
 
 def given(stamps, delay=0.3, interval=0.1):
@@ -91,3 +93,33 @@ def test_a_clock_that_runs_fast_is_reported():
         rows.add(0.1 * k * 1.01, {"x": 0.0}, arrived=0.1 * k)
     assert rows.clock_rate == pytest.approx(0.01, abs=1e-4)
     assert "runs +1 %" in rows.notes[0]
+
+
+def faults_of_a_rotary(speeds, **channel):
+    """Faults that a sensor of the rotary speed is said to have, row by row at 10 Hz."""
+    one = Channel(**{
+        "column": "rpm", "name": "top.rotary_speed", "is_input": True, "is_output": False, "unit": "rad/s",
+        "scale": 1.0, "zero": 0.0, "zero_first": False, "sd": np.nan, "relative": False, "low": -np.inf,
+        "high": np.inf, "waves": False, "lost_after": 5.0,
+    } | channel)  # fmt: skip
+    health = Health(one)
+    faults = []
+    for k, speed in enumerate(speeds):
+        health.check(0.1 * k, speed)
+        faults.append(health.fault)
+    return faults
+
+
+def set_point():
+    """A rotary that stands, is taken to 12 rad/s with the rounding of six digits, and stays there."""
+    random, t = np.random.default_rng(4), np.arange(0.0, 200.0, 0.1)
+    rising = np.round(12.0 * np.clip((t - 50.0) / 5.0, 0.0, 1.0) + 1e-4 * random.standard_normal(t.size), 6)
+    return np.where(t < 55.0, rising, 12.0)
+
+
+def test_a_rotary_speed_that_stands_at_its_set_point_is_not_clipped():
+    assert set(faults_of_a_rotary(set_point())) == {""}
+
+
+def test_a_rotary_speed_that_stands_at_the_end_of_its_range_is_clipped():
+    assert faults_of_a_rotary(set_point(), low=0.0, high=12.0)[-1] == "clipped"

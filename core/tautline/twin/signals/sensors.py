@@ -29,6 +29,8 @@ NOISY = 0.1
 """Noise, over the usual change from value to value, from which on values change at random."""
 ROUNDING = 1e-9
 """Noise, over the largest value seen, that is rounding."""
+SET_ROUNDING = 1e-3
+"""The same of what a machine is set to: it may ripple before it stands at its set point."""
 ENOUGH = 40
 """Values after which that is judged."""
 GAP = 4.0
@@ -124,8 +126,7 @@ class Health:
         if same and self._same == 2:
             largest = max(self._changes, default=np.inf) if len(self._changes) >= ENOUGH else np.inf
             # A speed may be held from one sample to the next; a place may not.
-            held = self.channel.is_input and self.channel.unit.endswith("/s")
-            self._abrupt = bool(not held and np.isfinite(self._step) and abs(self._step) > ABRUPT * largest)
+            self._abrupt = bool(not self._is_set and np.isfinite(self._step) and abs(self._step) > ABRUPT * largest)
         self._values.append(reading)
         self._last, self._largest = reading, max(self._largest, abs(reading))
         long = self._same >= SAME and time - self._same_from >= SHORTEST
@@ -138,7 +139,8 @@ class Health:
         if not (at_edge or self._abrupt or ship or self._has_noise()):
             return reading
         extreme = reading >= max(self._values) or reading <= min(self._values)
-        kind = "clipped" if at_edge or (extreme and len(self._values) >= ENOUGH) else "stuck"
+        cut = extreme and len(self._values) >= ENOUGH and not self._is_set
+        kind = "clipped" if at_edge or cut else "stuck"
         self._set(
             kind, f"{self.channel.column} has shown {reading:.6g} {self.channel.unit} since {self._same_from:.6g} s"
         )
@@ -150,7 +152,13 @@ class Health:
         if before.size < ENOUGH:
             return False
         noise = np.median(np.abs(np.diff(before, 5))) / FIFTH
-        return bool(noise > max(NOISY * np.median(np.abs(np.diff(before))), ROUNDING * self._largest))
+        rounding = (SET_ROUNDING if self._is_set else ROUNDING) * self._largest
+        return bool(noise > max(NOISY * np.median(np.abs(np.diff(before))), rounding))
+
+    @property
+    def _is_set(self) -> bool:
+        """Whether it is a speed or a torque that a machine is set to, and that stands there as long as it is."""
+        return self.channel.is_input and (self.channel.unit.endswith("/s") or self.channel.unit == "N m")
 
     def compare(self, time: float, measured: float, computed: float, sd: float, settled: bool) -> bool:
         """Compare with what is computed; False where the measured value is in another unit."""
