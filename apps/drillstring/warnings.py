@@ -342,7 +342,8 @@ def _penetration(scene: DrillstringScene, ready: Prepared) -> Sentences:
     if abs(feed - rate) <= OFF * rate:
         return
     then = weight_at(b, feed, spin)
-    found = shown(then, "N", scene.units) if np.isfinite(then) else "no steady value, for the bit does not turn"
+    why = "a bit that turns backwards does not cut" if spin < 0.0 else "the bit does not turn"
+    found = shown(then, "N", scene.units) if np.isfinite(then) else f"no steady value, for {why}"
     moves = "raised" if feed < 0.0 else "lowered"
     text = (
         f"is {moves} at {_rate(scene, abs(feed))} at the end and the bit drills {_rate(scene, rate)} with its weight: "

@@ -81,6 +81,9 @@ WARNED = {
     "the block is too fast": (DRILLING.replace("to: 20 m/h", "to: 30 m/h"), "top.block", "goes to 150 kN"),
     "the block comes up": (DRILLING.replace("to: 20 m/h", "to: -72 m/h"), "top.block", "is raised at 72 m/h"),
     "the block rests": (DRILLING.replace("to: 20 m/h", "to: 0 m/h"), "top.block", "goes to 0 N"),
+    "the bit turns backwards": (
+        DRILLING.replace("to: 120 rpm", "to: -120 rpm"), "top.block", "a bit that turns backwards does not cut"
+    ),
     "no numerical damping": (DRILLING.replace("rho_inf: 0.5", "rho_inf: 1"), "solver.rho_inf", "released too early"),
     "an explicit step": (
         DRILLING.replace("generalized-alpha, rho_inf: 0.5", "rk4"), "bit.slip_speed", "chatters at a step of 0.002 s"
