@@ -132,7 +132,7 @@ class RopeAccount:
         contacts : sequence of Contact
             With histories of this one frame, (1,).
         end : float
-            Material coordinate of the rope's end at the load, m.
+            Material coordinate of the rope's end at the load, m: the first of the path or the last.
         """
         if time <= self.reached:
             return
@@ -148,13 +148,13 @@ class RopeAccount:
                 if np.isfinite(place):
                     key = f"{contact.name} {k}"
                     ripple = self._ends.setdefault(key, Ripple(RESOLUTION * self.rope.diameter))
-                    moved = ripple.moved(end - place)
+                    moved = ripple.moved(abs(end - place))
                     if moved is not None and bends:
                         self._pass(*moved, float(contact.tension[0]))
 
     def _pass(self, begin: float, end: float, tension: float) -> None:
         """Half a cycle for all cells whose middle lies in a stretch."""
-        low, high = (max(0, int(np.ceil(x / CELL - 0.5))) for x in sorted((begin, end)))
+        low, high = (int(np.ceil(x / CELL - 0.5)) for x in sorted((begin, end)))
         if high >= self._cycles.size:
             more = np.zeros(max(high + 1, 2 * self._cycles.size) - self._cycles.size)
             self._cycles, self._worked = np.append(self._cycles, more), np.append(self._worked, more)

@@ -67,8 +67,12 @@ class CraneOperation(Lifting):
         self.path = account
         self.name = uuid4().hex
         rope = _rope_of(scene)
-        # Of a rope that ends at a load the end is the same whatever was paid out.
-        self._end_is_fixed = not isinstance(scene.path[-1], Drum)
+        # The end at the load, first or last of the path, is the same whatever was paid out.
+        ends = [place for place in (-1, 0) if not isinstance(scene.path[place], Drum)]
+        if not ends:
+            cause = "runs from drum to drum: an account of it is kept by the distance from its end at a load"
+            raise SceneError([scene.problem("path", cause, "leave the account out")])
+        self._end = ends[0]
         self.account = RopeAccount.load(account, rope, self.name) if account.exists() else RopeAccount(rope, self.name)
         self._layout: Layout | None = None
 
@@ -87,7 +91,7 @@ class CraneOperation(Lifting):
         observed = {"time": frames.time, **sim.model.observe(frames)}
         columns = frames.q[:, layout.wheels.frame[:, None] + COLUMNS].reshape(rows, -1, 3, 3)
         course = course_of(observed, layout, columns=columns)
-        end = float(observed["material_coordinate"][0, -1]) if self._end_is_fixed else 0.0
+        end = float(observed["material_coordinate"][0, self._end])
         self.account.add(time, contacts_of(observed, course), end)
         damage, place = self.account.worst
         return {"rope.damage": (damage, 0.0), "rope.damage_place": (place, 0.0)}
