@@ -314,3 +314,28 @@ def test_the_verb_writes_one_and_says_what_the_host_needs(tmp_path, monkeypatch,
     with pytest.raises(SystemExit) as left:
         run_command(make_app(Installed()), [*words[:3], "boom.slow", *words[4:]])
     assert left.value.code == 2 and "boom.slew" in "".join(capsys.readouterr())
+
+
+def test_names_with_commas_are_given_one_to_an_option_and_others_as_before(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    from tautline.application.installed import Installed
+
+    text = (DATA / "slewing.yaml").read_text()
+    assert "payload" in text
+    (tmp_path / "odd.yaml").write_text(text.replace("payload", "'load, red'"))
+    words = [
+        "fmu",
+        "odd.yaml",
+        "--inputs",
+        "load, red.force",
+        "--inputs",
+        "boom.slew",
+        "--outputs",
+        "load, red.position",
+    ]
+    with pytest.raises(SystemExit) as left:
+        run_command(make_app(Installed()), [*words, "--outputs", "max_tension,min_tension", "--json"])
+    assert left.value.code == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["inputs"] == ["load, red.force", "boom.slew"]
+    assert told["outputs"] == ["load, red.position", "max_tension", "min_tension"]

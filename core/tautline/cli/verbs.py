@@ -246,10 +246,12 @@ Unit = Annotated[
     ),
 ]
 Driven = Annotated[
-    str, typer.Option("--inputs", metavar="NAMES", help="What is driven, as winch.pay_out,vessel.heave.")
+    list[str] | None,
+    typer.Option("--inputs", metavar="NAMES", help="What is driven, as winch.pay_out,vessel.heave. May be repeated."),
 ]
 Read = Annotated[
-    str, typer.Option("--outputs", metavar="NAMES", help="What is read, as payload.position,winch.tension.")
+    list[str] | None,
+    typer.Option("--outputs", metavar="NAMES", help="What is read, as payload.position,winch.tension. As often."),
 ]
 Fmi = Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of the standard.")]
 
@@ -414,15 +416,15 @@ def fmu(
     scene: Scene,
     output: Unit = None,
     changes: Changes = None,
-    inputs: Driven = "",
-    outputs: Read = "",
+    inputs: Driven = None,
+    outputs: Read = None,
     fmi: Fmi = 2,
     as_json: Json = False,
 ) -> None:
     """Write a scene as an FMU for co-simulation: what is driven goes in, what is read comes out."""
     from tautline.cli.commands import fmu as verb
 
-    verb.fmu(context.obj, scene, output, changes, inputs, outputs, fmi, as_json)
+    verb.fmu(context.obj, scene, output, changes, inputs or (), outputs or (), fmi, as_json)
 
 
 def twin(

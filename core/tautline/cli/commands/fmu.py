@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
-from tautline.application.installed import Catalogue
+from tautline.application.installed import Catalogue, Installed
 from tautline.cli.options.changes import changed
 from tautline.cli.output.console import print_json, say
 from tautline.scene.errors import option_error
 
 
 def fmu(
-    catalogue: Catalogue, path: Path, output: Path | None, changes: Sequence[str] | None, inputs: str, outputs: str,
-    fmi: int, as_json: bool,
+    catalogue: Catalogue, path: Path, output: Path | None, changes: Sequence[str] | None, inputs: Sequence[str],
+    outputs: Sequence[str], fmi: int, as_json: bool,
 ) -> None:  # fmt: skip
     """Write a scene as an FMU for co-simulation, and say what its host needs.
+
+    Parameters
+    ----------
+    inputs, outputs : sequence of str
+        Values of the options: a name each, or several between commas.
 
     Raises
     ------
@@ -27,7 +33,10 @@ def fmu(
 
     scene = changed(catalogue.read(path)[1], changes)
     target = output or Path(f"{path.stem}.fmu")
-    named = {"--inputs": _names(inputs), "--outputs": _names(outputs)}
+    named = {
+        "--inputs": _names(inputs, lambda name: _has(scene, "inputs", name)),
+        "--outputs": _names(outputs, lambda name: _has(scene, "outputs", name)),
+    }
     try:
         needs = write_fmu(scene, target, named["--inputs"], named["--outputs"], fmi)
     except SimulationError as error:
@@ -44,5 +53,23 @@ def fmu(
         )
 
 
-def _names(text: str) -> list[str]:
-    return [name.strip() for name in text.split(",") if name.strip()]
+def _names(values: Sequence[str], known: Callable[[str], bool]) -> list[str]:
+    """Names of values: one that is a name as it stands, commas and all, is that name; others are split at commas."""
+    names: list[str] = []
+    for value in values:
+        whole = "," in value and known(value.strip())
+        names += [value.strip()] if whole else [name.strip() for name in value.split(",") if name.strip()]
+    return names
+
+
+def _has(scene: Any, kind: str, name: str) -> bool:
+    """Whether a scene has an input, or an output, of that name."""
+    from tautline.errors import TautlineError
+    from tautline.live.simulation import handles_of
+
+    application = Installed().of(scene)
+    try:
+        found = getattr(handles_of(application.build(application.driven(scene, (name,) * (kind == "inputs")))), kind)
+    except TautlineError:
+        return False
+    return name in found or f"{name}[0]" in found
