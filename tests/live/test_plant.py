@@ -273,3 +273,16 @@ def test_a_bit_off_bottom_holds_nothing_and_sums_over_time_are_refused():
     for name in ("external_work", "dissipated_energy"):
         with pytest.raises(SimulationError, match=f"{name} is a sum over time"):
             sim.linearise([], [name])
+
+
+def test_a_vector_input_is_its_three_components():
+    text = ROPE.replace(
+        "position: [8.2, 0, -9]", "position: [8.2, 0, -9], force: [{constant: 0}, {constant: 0}, {constant: 0}]"
+    )
+    sim = tautline.Simulation(text)
+    whole = sim.linearise(["payload.force"], ["payload.position"])
+    parts = sim.linearise([f"payload.force[{c}]" for c in range(3)], ["payload.position"])
+    assert whole.inputs == parts.inputs == ("payload.force[0]", "payload.force[1]", "payload.force[2]")
+    assert np.array_equal(whole.B, parts.B)
+    with pytest.raises(UnknownName, match=r"payload\.force"):
+        sim.linearise(["payload.forze"], ["payload.position"])

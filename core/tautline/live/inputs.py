@@ -133,6 +133,13 @@ class Inputs(Mapping[str, Any]):
         """What is known of an input; raises UnknownName."""
         return self._list[self._number(name)]
 
+    def parts_of(self, name: str) -> list[str]:
+        """Names of the components of a vector, ``load.force``, or the name of a number; raises UnknownName."""
+        if name not in self._numbers and (parts := [part for part in self._numbers if part.startswith(f"{name}[")]):
+            return parts
+        self._number(name)
+        return [name]
+
     def steers(self, function: int) -> bool:
         """Whether a function goes by what was given for it, from the next advance on at the latest."""
         if self._functions.track_from[function] == self._functions.live[function]:

@@ -117,8 +117,9 @@ class _Linearisation:
     """The work, on a copy of the simulation whose state is changed and evaluated."""
 
     def __init__(self, sim: Any, inputs: list[str], outputs: list[str]) -> None:
-        self.names, self.told = inputs, outputs
-        self.inputs: list[Input] = [sim.inputs.handle(name) for name in inputs]
+        self.names = [part for name in inputs for part in sim.inputs.parts_of(name)]
+        self.told = outputs
+        self.inputs: list[Input] = [sim.inputs.handle(name) for name in self.names]
         self.outputs: list[Output] = [sim.outputs.handle(name) for name in outputs]
         self._refuse_sums()
         self.sim = sim.copy()

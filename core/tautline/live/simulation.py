@@ -539,7 +539,7 @@ class Simulation:
         Parameters
         ----------
         inputs, outputs : sequence of str
-            Names.
+            Names; of a vector all components are taken.
 
         Raises
         ------
