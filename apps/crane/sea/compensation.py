@@ -32,10 +32,10 @@ from tautline.system.time_functions import (
 )
 
 PHASE = 0.02
-"""Phase of the heave that a step spans at most, rad."""
+"""Phase of the heave that a step spans, about, rad."""
 LONGEST_STEP = 0.5
 """Of the actuator's motion, s."""
-MOST_STEPS = 500_000
+MOST_STEPS = 1_000_000
 AHEAD = 2.0
 """Periods of the heave by which the command is looked at beyond the end: what comes then decides the braking before."""
 AMPLE = 10.0
@@ -132,7 +132,7 @@ def compensate(
     end : float
         Time to which the run goes, s.
     step : float, optional
-        Of the actuator's motion, s; by default so that the heave turns by 0.02 rad in one, or less. It is a power of
+        Of the actuator's motion, s; by default so that the heave turns by about 0.02 rad in one. It is a power of
         two of a second, found from the heave alone: runs that end at other times have the same motion.
 
     Returns
@@ -242,7 +242,7 @@ def _step(content: Content, end: float) -> float:
     _, fastest, sharpest = content.size
     if sharpest == 0.0:
         return 0.0 if fastest == 0.0 else LONGEST_STEP
-    h = 2.0 ** math.floor(math.log2(min(PHASE * fastest / sharpest, LONGEST_STEP)))
+    h = 2.0 ** round(math.log2(min(PHASE * fastest / sharpest, LONGEST_STEP)))
     return h * 2.0 ** max(0, math.ceil(math.log2(end / (h * MOST_STEPS))))
 
 
