@@ -198,16 +198,13 @@ def simulate(
                 ear.check()
                 if progress is not None:
                     progress(run.reached, run.wall)
+            stored = store.result if afterwards is not None else None
+            further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
         except KeyboardInterrupt:
             raise Interrupted(run.reached, run.finish(store, "interrupted")) from None
         except StoppedEarly as stop:
             stop.result = run.finish(store, stop.status.word)
             raise
-        try:
-            stored = store.result if afterwards is not None else None
-            further = afterwards(stored) if afterwards is not None and stored is not None else ({}, [])
-        except KeyboardInterrupt:
-            raise Interrupted(run.reached, run.finish(store, "interrupted")) from None
         with undisturbed(tell=False):
             result = run.finish(store, run.end_status().word, *further)
     assert result is not None
