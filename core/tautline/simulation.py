@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import functools
 import math
-import re
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -54,6 +52,7 @@ from tautline.interruption import listening, undisturbed
 from tautline.results.assessment.balance import ENERGIES, Balance
 from tautline.results.assessment.bounds import judge
 from tautline.results.assessment.rounding import without_rounding
+from tautline.results.assessment.start import Start, pivots, static_start
 from tautline.results.errors import ResultError
 from tautline.results.on_demand import BriefStore, OnDemand
 from tautline.results.result import Result
@@ -88,10 +87,6 @@ POOR_BALANCE = 0.05
 """Error of the energy balance from which a run's accuracy is in doubt."""
 LATE = 0.5 * math.pi
 """Lag of a free oscillation at the end of a run, rad, that is warned of."""
-PLACE = re.compile(r"[ r][xyz]$")
-"""Names of unknowns that are places in space."""
-FAR_FROM_DRAWN = 0.1
-"""Share of the size of a scene by which a start that lies further from its drawing is warned of."""
 LOOKS = 200
 """Times, about, that a run which is watched is looked at."""
 
@@ -262,9 +257,7 @@ class Run:
         self.memory: dict[str, np.ndarray] = {}
         self.places: tuple[Any, dict[str, np.ndarray]] = (None, {})
         self.remembered = 0.0
-        self.began: dict[str, Any] = {}
-        self._starts_far = False
-        self._unstable_at_rest = self._pushed = False
+        self.began = Start()
         self.ahead, self.stored_at = 0, time.perf_counter()
         """Frames in the room before those of the batch, stored with what follows; and when frames were stored last."""
         self.frames = self._room(1 if brief is None else 1 + min(self.batch, self.ends.size))
@@ -308,6 +301,7 @@ class Run:
         # A run that failed has stored frames since the state that it remembers: they are run again.
         kept = times <= float(earlier.attributes.get("restart_time", times[-1])) * (1.0 + 1e-12)
         frames = {name: np.array(earlier[name])[kept] for name in (*(v.name for v in self.model.variables), "time")}
+        self.began = Start.of_attribute(earlier.attributes.get("start"))
         self.time = self.reached = self.remembered = float(frames["time"][-1])
         self.wall = float(earlier.attributes.get("wall_time", 0.0))
         self.cpu = float(earlier.attributes.get("cpu_time", 0.0))
@@ -365,7 +359,8 @@ class Run:
             relax(model.system, self.state, self.method, step, model.own)
             return
         found = relax_to_stable(model.system, self.state, self.method, step, model.step_limit, model.own)
-        self._unstable_at_rest, self._pushed = found.stability.negative > 0, found.pushes > 0
+        negative = found.stability.negative
+        self.began = Start("relaxed", None if negative < 0 else negative == 0, pushed=found.pushes > 0)
 
     def _other_start(self) -> str:
         """The way to begin that needs no equilibrium: ropes over sheaves have no relaxation."""
@@ -376,48 +371,12 @@ class Run:
         names = self.model.system.names
         if negative > 0 and not self.model.confined:
             detail = (
-                f"the equilibrium that was found is unstable: the tangent has {_pivots(negative)}, as where a rope "
+                f"the equilibrium that was found is unstable: the tangent has {pivots(negative)}, as where a rope "
                 "without bending stiffness is pressed, a column carries more than Euler's load, or a load stands on "
                 f"its head; give positions closer to those at rest, or take {self._other_start()}"
             )
             raise StoppedEarly(Status.NO_EQUILIBRIUM, 0.0, names[worst], detail)
-        places = _in_space(tuple(names))
-        way = np.abs(self.state.q - drawn)[places]
-        far = int(way.argmax()) if places else 0
-        self.began = {
-            "stable": None if negative < 0 else negative == 0,
-            "negative_pivots": None if negative < 0 else negative,
-            "moved": float(way[far]) if places else None,
-            "moved_most": names[places[far]] if places else None,
-        }
-        extent = float(np.ptp(self.model.system.q)) if places else 0.0
-        self._starts_far = bool(places) and float(way[far]) > FAR_FROM_DRAWN * extent
-
-    def _of_start(self) -> list[str]:
-        found = []
-        if self.began.get("negative_pivots"):
-            found.append(
-                f"the static start is unstable: the tangent has {_pivots(self.began['negative_pivots'])}. The "
-                "string is pressed beyond its buckling load (Euler's, with its weight). A perfectly straight hole "
-                "does not show it; where something pushes the string aside, it buckles until the wall holds it"
-            )
-        if self._unstable_at_rest:
-            found.append(
-                "the relaxed start is unstable: the least disturbance leaves it. Give positions closer to those at "
-                "rest, or a small force across, such as of wind"
-            )
-        elif self._pushed:
-            found.append(
-                "the scene is drawn in unstable balance, as a column that carries more than Euler's load. It was "
-                "pushed aside, and relaxed from there. To which side it falls follows from no law: draw it a little to "
-                "that side"
-            )
-        if self._starts_far:
-            found.append(
-                f"the static start lies far from the initial geometry: {self.began['moved_most']} has moved by "
-                f"{self.began['moved']:.3g} m. Look at the first frame, and give positions closer to those at rest"
-            )
-        return found
+        self.began = static_start(names, self.state.q - drawn, self.model.system.places, self.model.system.q, negative)
 
     def store_first(self, store: Store) -> None:
         """Store the state of t = 0: a frame without steps, for which the loop is compiled if it never was before."""
@@ -580,7 +539,7 @@ class Run:
         """What a run that is killed must leave beside its state, to be gone on with."""
         return {
             "method": self.model.solver.method, "restart_time": self.remembered, "wall_time": self.wall,
-            "cpu_time": self.cpu,
+            "cpu_time": self.cpu, "start": self.began.attribute,
         }  # fmt: skip
 
     def finish(
@@ -599,7 +558,7 @@ class Run:
         headline = without_rounding(self._headline(result), result, taken)
         attributes: dict[str, Any] = {
             "status": status,
-            "start": self.began,
+            "start": self.began.attribute,
             "method": solver.method,
             "step": taken if solver.automatic else self.step,
             "end": float(solver.end),
@@ -616,7 +575,7 @@ class Run:
             "numerical_dissipation": -self.balance.missing(int(counters[STEPS])),
             "motion_frequency": self.oscillation_frequency() / (2.0 * math.pi),
             "phase_lag": self.phase_lag(taken) if self._tells("phase_lag") else None,
-            "warnings": [*self._of_start(), *self.warnings(taken), *warnings] if self.brief is None else [],
+            "warnings": [*self.began.warnings, *self.warnings(taken), *warnings] if self.brief is None else [],
             "headline": headline,
             "limits": self._limits(result, headline),
             **(further or {}),
@@ -689,13 +648,3 @@ class Run:
                 f"{step * math.sqrt(LATE / lag):.2g} s where phase matters"
             )
         return found
-
-
-@functools.lru_cache(maxsize=2)
-def _in_space(names: tuple[str, ...]) -> list[int]:
-    """Unknowns that are places in space."""
-    return [i for i, name in enumerate(names) if PLACE.search(name)]
-
-
-def _pivots(count: int) -> str:
-    return "one negative pivot" if count == 1 else f"{count} negative pivots"

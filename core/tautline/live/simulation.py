@@ -464,7 +464,7 @@ class Simulation:
         other.scene, other._application = self.scene, self._application
         other._named, other._keep = self._named, self._keep
         other._prepare(self._application.build(self._application.driven(self.scene, self._named)))
-        other._run.began, other._run._starts_far = self._run.began, self._run._starts_far
+        other._run.began = self._run.began
         other._bind()
         for force in self._forces:
             other._add(force.copy())
