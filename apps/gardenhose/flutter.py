@@ -13,6 +13,7 @@ import numpy as np
 from scipy.optimize import brentq, linear_sum_assignment
 
 from gardenhose.estimates import average, onset
+from gardenhose.estimates import speeds as speeds_of
 from gardenhose.scene import HoseScene
 from gardenhose.static import Form, form
 from tautline.integrators.vibration.vibrations import DENSE, Vibrations, vibrations
@@ -145,6 +146,8 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     modes : int
         Pairs of eigenvalues to follow.
 
+    Without ``speeds`` the flow goes the way that the scene's does (`direction_of`); from tip to root they are negative.
+
     Raises
     ------
     SceneError
@@ -158,7 +161,10 @@ def stability(scene: HoseScene, speeds: Sequence[float] | None = None, modes: in
     linear = _Linear(scene)
     grid = np.unique(np.array(speeds, float)) if speeds is not None else _range(linear)
     rows = [linear.at(float(speed)) for speed in grid]
-    values, shares = _follow(rows, modes)
+    # Modes are told apart where the flow is slowest.
+    backwards = abs(grid[0]) > abs(grid[-1])
+    values, shares = _follow(rows[::-1] if backwards else rows, modes)
+    values, shares = (values[::-1], shares[::-1]) if backwards else (values, shares)
     planes: tuple[Plane, ...] = ("any",) if linear.normal is None else ("in", "out")
     found = [critical for plane in planes for critical in _crossings(linear, grid, plane)[:1]]
     if 0.0 in grid:
@@ -172,8 +178,10 @@ def _stable_from(linear: _Linear, grid: np.ndarray, grows: np.ndarray) -> float 
     """Speed from which nothing grows that does at the slowest one of a range."""
     if not grows[np.argmin(np.abs(grid))]:
         return None
+    way = -1.0 if grid[-1] <= 0.0 else 1.0
+    grid, grows = (grid[::-1], grows[::-1]) if way < 0.0 else (grid, grows)
     for left, right, before, after in zip(grid[:-1], grid[1:], grows[:-1], grows[1:], strict=True):
-        if before and not after and right > 0.0:
+        if before and not after and way * right > 0.0:
             return _locate(linear, float(left), float(right), "any").speed
     return None
 
@@ -185,11 +193,11 @@ def crossings(scene: HoseScene, speeds: Sequence[float], plane: Plane = "any") -
 
 
 def _range(linear: _Linear) -> np.ndarray:
-    """Speeds from zero to half as much again as the first critical one, those that were tried among them.
+    """Speeds from zero to half as much again as the first critical one, those that were tried among them, rising.
 
     A hose that falls without flow may be held up by more of it: the first critical speed is beyond that.
     """
-    guess = _guess(linear.scene)
+    guess = direction_of(linear.scene) * _guess(linear.scene)
     tried, stood = 0, not _grows(linear, 0.0, "any")
     while tried < TRIALS * FARTHEST:
         tried += 1
@@ -200,7 +208,13 @@ def _range(linear: _Linear) -> np.ndarray:
     finer = max(1, round(SPEEDS / (1.5 * tried)))
     count = int(np.ceil(1.5 * tried * finer))
     # A speed that was tried is found again to the bit: whole numbers are divided last.
-    return np.array([guess * (i / finer) / TRIALS for i in range(count + 1)])
+    return np.sort([guess * (i / finer) / TRIALS + 0.0 for i in range(count + 1)])
+
+
+def direction_of(scene: HoseScene) -> float:
+    """1 where the scene's flow is fastest from root to tip, or nothing flows, -1 from tip to root."""
+    sampled = speeds_of(scene)
+    return -1.0 if sampled[np.argmax(np.abs(sampled))] < 0.0 else 1.0
 
 
 def _guess(scene: HoseScene) -> float:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from gardenhose.scene import HoseScene
     from gardenhose.static import Form
     from tautline.results.tables.finding import Finding
+    from tautline.scene.errors import SceneWarning
 
 DEFAULT_SPEEDS = 7
 """Speeds of form finding from rest to the scene's fastest flow, where none are given."""
@@ -85,6 +86,7 @@ def flutter(
     figure = figure_place(output, f"{scene.stem}_flutter")
     found = searched(scene, as_json, lambda: stability(hose, speeds, modes))
     _print_stability(found)
+    told = _of_mesh(hose, found, speeds)
     _draw_stability(hose, found, figure)
     if as_json:
         from tautline.cli.output.console import print_json
@@ -101,6 +103,8 @@ def flutter(
                 "kind": first.kind if first else None,
                 "critical": [one._asdict() for one in found.critical],
                 "stable_from": found.stable_from,
+                "direction": _way(found),
+                "warnings": [{"where": one.where, "text": one.text} for one in told],
                 "speed": found.speed,
                 "eigenvalues": [[[x.real, x.imag] for x in row] for row in found.eigenvalues.tolist()],
                 "out_of_plane": found.out_of_plane,
@@ -208,9 +212,31 @@ def _print_stability(found: Stability) -> None:
         begin = "it" if at_once else f"the hose is unstable at {slowest:g} m/s; it"
         say(f"{begin} is stable from {found.stable_from:.6g} m/s", "green")
     elif at_once:
-        say(f"it is stable at none of the speeds looked at, up to {found.speed[-1]:g} m/s", "yellow")
+        fastest = float(max(found.speed, key=abs))
+        say(f"it is stable at none of the speeds looked at, up to {fastest:g} m/s", "yellow")
+    if _way(found) == "tip to root":
+        say("negative speeds: the water flows from the tip to the root")
     for critical in found.critical[len(at_once) :]:
         say(f"the hose {words_of(critical)}", "green")
+
+
+def _way(found: Stability) -> str:
+    """Which way the water flows at the speeds looked at."""
+    first, last = found.speed[0], found.speed[-1]
+    return "tip to root" if last <= 0.0 and first < 0.0 else "root to tip" if first >= 0.0 else "both"
+
+
+def _of_mesh(hose: HoseScene, found: Stability, speeds: list[float] | None) -> list[SceneWarning]:
+    """Say where elements are coarse for the speed that was found, or for the fastest that was asked for."""
+    from gardenhose.warnings import mesh_at
+    from tautline.cli.output.console import say
+
+    # Speeds that were not asked for go past the first instability: only where there is none do they count.
+    looked_at = speeds if speeds is not None else [] if found.critical else found.speed.tolist()
+    told = mesh_at(hose, [*(one.speed for one in found.critical), *looked_at])
+    for one in told:
+        say(f"warning: {one.where}: {one.text}", "yellow")
+    return told
 
 
 def _draw_stability(hose: HoseScene, found: Stability, path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -117,6 +117,28 @@ def _elements(wanted: float) -> int:
     return math.ceil(min(wanted, MOST_ELEMENTS))
 
 
+def mesh_at(scene: HoseScene, speeds: Sequence[float]) -> list[SceneWarning]:
+    """Warnings of elements that are coarse for the fastest of some speeds of flow, m/s."""
+    fastest = max((abs(speed) for speed in speeds), default=0.0)
+    return [SceneWarning(where, text) for where, text in _waves(scene, fastest)] if fastest > 0.0 else []
+
+
+def _waves(scene: HoseScene, fastest: float) -> Sentences:
+    """Elements too long for the waves in which the flow bends the hose."""
+    pieces = scene.hose.pieces
+    if any(piece.bending_stiffness == 0.0 for piece in pieces):
+        return
+    radians = [math.sqrt(thrust(scene, p, fastest) / p.bending_stiffness) * p.length for p in pieces]
+    i = max(range(len(pieces)), key=lambda i: radians[i] / pieces[i].elements)
+    if radians[i] > RADIANS_PER_ELEMENT * pieces[i].elements:
+        text = (
+            f"{pieces[i].elements} are coarse at {fastest:.3g} m/s: the flow bends the hose in waves of "
+            f"{2.0 * math.pi * pieces[i].length / radians[i]:.2g} m, {radians[i] / pieces[i].elements:.2g} rad to "
+            f"an element; take {_elements(1.5 * radians[i] / RADIANS_PER_ELEMENT)}"
+        )
+        yield _at(scene, i, "elements"), text
+
+
 def _mesh(scene: HoseScene, speed: np.ndarray) -> Sentences:
     """Elements too long for the bending that flow and weight make."""
     fastest, hose = float(np.abs(speed).max()), scene.hose
@@ -130,15 +152,9 @@ def _mesh(scene: HoseScene, speed: np.ndarray) -> Sentences:
             )
             yield _at(scene, soft[0], "bending_stiffness"), text
             return
-        radians = [math.sqrt(thrust(scene, p, fastest) / p.bending_stiffness) * p.length for p in pieces]
-        i = max(range(len(pieces)), key=lambda i: radians[i] / pieces[i].elements)
-        if radians[i] > RADIANS_PER_ELEMENT * pieces[i].elements:
-            text = (
-                f"{pieces[i].elements} are coarse at {fastest:.3g} m/s: the flow bends the hose in waves of "
-                f"{2.0 * math.pi * pieces[i].length / radians[i]:.2g} m, {radians[i] / pieces[i].elements:.2g} rad to "
-                f"an element; take {_elements(1.5 * radians[i] / RADIANS_PER_ELEMENT)}"
-            )
-            yield _at(scene, i, "elements"), text
+        waves = list(_waves(scene, fastest))
+        if waves:
+            yield from waves
             return
     weight = sum((p.mass_per_length + (p.water_mass_per_length or 0.0)) * p.length for p in pieces) + hose.tip_mass
     tension = weight * math.hypot(*scene.gravity)

@@ -90,7 +90,7 @@ FLUTTER_KEYS = {
     "critical",
     "unstable",
 }
-FLUTTER_KEYS |= {"speed", "eigenvalues", "out_of_plane", "stable_from"}
+FLUTTER_KEYS |= {"speed", "eigenvalues", "out_of_plane", "stable_from", "direction", "warnings"}
 
 
 def test_flutter_gives_critical_speed_and_frequency_of_either_plane_and_a_figure(drawing):

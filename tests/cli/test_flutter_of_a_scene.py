@@ -1,0 +1,64 @@
+"""`flutter` looks the way that the scene's water flows, and says where elements are too coarse for what it finds."""
+
+from pathlib import Path
+
+import pytest
+from cli.in_process import commands_of, leave_out_pixels, only_object
+
+from gardenhose.application import Gardenhose
+
+SCENE = """\
+hose: {length: 1, elements: 12, axial_stiffness: 1.0e6, bending_stiffness: 1, mass_per_length: 0.2, damping: 0.02}
+water: {mass_per_length: 0.3, speed: 1}
+gravity: 0
+solver: {step: 1 ms, end: 1 s}
+output: {interval: 5 ms}
+"""
+FIRST = 1.875104068711961
+"""Root of cos x cosh x = -1."""
+
+
+@pytest.fixture
+def gardenhose(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("hose.yaml").write_text(SCENE, encoding="utf8")
+    leave_out_pixels(monkeypatch)
+    return commands_of(Gardenhose(), capsys)
+
+
+def test_flutter_is_sought_the_way_that_the_scenes_water_flows(gardenhose):
+    code, out, err = gardenhose("flutter", "hose.yaml", "--set", "water.speed=-1", "--json")
+    report = only_object(out)
+    # Slow flow, first mode: c EJ int phi''^2 = -M U phi(L)^2; of a unit mode phi(L)^2 = 4 and int phi''^2 = FIRST^4
+    onset = -0.02 * FIRST**4 / (4.0 * 0.3)
+    assert code == 0 and report["critical_speed"] == pytest.approx(onset, rel=1e-3)
+    assert report["direction"] == "tip to root" and report["speed"] == sorted(report["speed"])
+    assert report["speed"][-1] == 0.0 and not report["unstable"][-1] and report["unstable"][0]
+    assert "from the tip to the root" in err and "from -0.206" in err
+    # the first column is the first mode where nothing flows: (FIRST / L)^2 sqrt(EJ / (m + M))
+    assert abs(complex(*report["eigenvalues"][-1][0])) == pytest.approx(FIRST**2 / 0.5**0.5, rel=1e-3)
+
+
+def test_flutter_with_the_flow_to_the_tip_is_what_it_was(gardenhose):
+    _, out, err = gardenhose("flutter", "hose.yaml", "--json")
+    report = only_object(out)
+    assert report["direction"] == "root to tip" and report["critical_speed"] == pytest.approx(15.958, rel=2e-3)
+    assert report["warnings"] == [] and "coarse" not in err
+
+
+@pytest.mark.parametrize(
+    "more",
+    [("--set", "hose.elements=2"), ("--set", "hose.elements=1"), ("--set", "hose.elements=3", "--speed", "0,1,14")],
+    ids=["at the speed found", "where none is found", "at the top of --speed"],
+)
+def test_flutter_says_where_elements_are_coarse_for_the_flows_waves(gardenhose, more):
+    code, out, err = gardenhose("flutter", "hose.yaml", *more, "--json")
+    (told,) = only_object(out)["warnings"]
+    assert code == 0 and told["where"] == "hose.elements" and "coarse" in told["text"]
+    assert "hose.elements" in err
+
+
+def test_flutter_does_not_warn_of_elements_for_speeds_below_two_radians_of_a_wave(gardenhose):
+    # sqrt(M / EJ) U L / 3 = 1.8 rad at 10 m/s
+    _, out, _ = gardenhose("flutter", "hose.yaml", "--set", "hose.elements=3", "--speed", "0,5,10", "--json")
+    assert only_object(out)["warnings"] == []
